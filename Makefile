@@ -1,0 +1,41 @@
+# Everything about Lumenray that is started by hand or by continuous integration.
+
+VENV ?= $(CURDIR)/.venv
+PYTHON_IN_VENV := $(VENV)/bin/python
+OUT ?= out
+
+export VENV
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo scenes test lint extension smoke docs-screenshots
+
+help: ## this list
+	@echo "make TARGET, where TARGET is one of:"
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1|\2/p' $(firstword $(MAKEFILE_LIST)) \
+		| while IFS='|' read -r target text; do printf '  %-18s %s\n' "$$target" "$$text"; done
+
+setup: ## make the virtual environment and check the system libraries (quick when all is there)
+	@packaging/bootstrap.sh
+
+demo: setup ## render and bake a bundled scene into out/
+	$(VENV)/bin/lumenray demo -o $(OUT)
+
+scenes: setup ## build the bundled scenes anew
+	$(PYTHON_IN_VENV) -m lumenray.libraries.scenes
+
+test: setup ## run the tests, all but those that need a real Blender
+	$(PYTHON_IN_VENV) -m pytest
+
+lint: setup ## check style, format and the direction of imports
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/lint-imports
+
+extension: setup ## build the extension's zips for this platform into dist/
+	$(PYTHON_IN_VENV) packaging/build_extension.py
+
+smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time)
+	@tests/real_blender/run_smoke.sh
+
+docs-screenshots: setup ## take the guide's pictures of Blender's window into docs/pictures (root)
+	@tests/real_blender/screenshots.sh

@@ -1,0 +1,504 @@
+"""What the user can set: one property group per kind of data-block, reached as ``data.lumenray``."""
+
+import math
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import PropertyGroup
+
+from ..libraries import spectra
+
+
+def _tag(self, context):
+    """Tell the dependency graph: properties of add-ons do not do it by themselves (Blender #138071)."""
+    self.id_data.update_tag()
+
+
+def _enum_from_names(names):
+    return [(name, name, "", index) for index, name in enumerate(names)]
+
+
+QUANTITIES = [
+    ("LUMINOUS_FLUX", "Luminous flux [lm]", "Total light emitted, in lumens", 0),
+    ("LUMINOUS_INTENSITY", "Luminous intensity [cd]", "On the axis of the light, in candelas", 1),
+    (
+        "ILLUMINANCE",
+        "Illuminance [lx]",
+        "At 1 m on the axis; for a sun on a plane that faces it",
+        2,
+    ),
+    ("LUMINANCE", "Luminance [cd/m²]", "Of the luminous surface of an area light", 3),
+    (
+        "RADIANT_FLUX",
+        "Radiant flux [W]",
+        "Optical watts between 360 and 830 nm, not electrical watts; for a sun W/m²",
+        4,
+    ),
+]
+
+SPECTRA = [
+    ("RGB", "Colour", "The colour of the light itself; it never changes the amount of light", 0),
+    ("ILLUMINANT", "CIE illuminant", "A standard illuminant by name", 1),
+    ("BLACKBODY", "Blackbody", "Planck radiator of a colour temperature (incandescent)", 2),
+    ("DAYLIGHT", "Daylight", "CIE daylight phase of a colour temperature", 3),
+    ("FILE", "File", "Spectral power from a text file (wavelength in nm, value) or .spdx", 4),
+]
+
+
+class SpectrumSettings:
+    """Mix-in of the properties that choose the spectrum of something luminous."""
+
+    spectrum: EnumProperty(
+        name="Spectrum",
+        description="How the light is distributed over the wavelengths",
+        items=SPECTRA,
+        default="RGB",
+        update=_tag,
+    )
+    illuminant: EnumProperty(
+        name="Illuminant",
+        description="CIE standard illuminant",
+        items=_enum_from_names(spectra.illuminant_names()),
+        default="D65",
+        update=_tag,
+    )
+    colour_temperature: FloatProperty(
+        name="Colour temperature",
+        description="In kelvins; daylight is defined from 4000 K to 25000 K",
+        default=4000.0,
+        min=500.0,
+        max=40000.0,
+        soft_min=1800.0,
+        soft_max=12000.0,
+        update=_tag,
+    )
+    spectrum_file: StringProperty(
+        name="Spectrum file",
+        description="Text or CSV with wavelength [nm] and relative power, or an IES TM-27 .spdx file",
+        subtype="FILE_PATH",
+        update=_tag,
+    )
+
+
+class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
+    """Physical parameters of a light; ignored while `use_physical` is off."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    use_physical: BoolProperty(
+        name="Physical parameters",
+        description="State this light in photometric units instead of Blender's watts",
+        default=False,
+        update=_tag,
+    )
+    quantity: EnumProperty(
+        name="Quantity",
+        description="What the value means",
+        items=QUANTITIES,
+        default="LUMINOUS_FLUX",
+        update=_tag,
+    )
+    value: FloatProperty(
+        name="Value",
+        description="Amount of light in the unit of the quantity",
+        default=1000.0,
+        min=0.0,
+        max=1e12,
+        soft_max=100000.0,
+        update=_tag,
+    )
+
+
+class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
+    """Physical override of a material; the node tree is used while `use_override` is off."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    use_override: BoolProperty(
+        name="Physical override",
+        description="Use these measurable parameters in place of the node tree",
+        default=False,
+        update=_tag,
+    )
+    model: EnumProperty(
+        name="Model",
+        description="Kind of surface",
+        items=[
+            ("DIFFUSE", "Diffuse", "Matt reflection and, if set, diffuse transmission", 0),
+            ("COATED", "Coated", "Matt base under a clear gloss coat: paint, plastic, varnish", 1),
+            ("CONDUCTOR", "Metal", "Metal by its complex refractive index", 2),
+            ("DIELECTRIC", "Solid glass", "Transparent body that refracts", 3),
+            ("THIN_GLASS", "Pane", "Thin sheet of glass as one surface", 4),
+            ("EMITTER", "Emitter", "Luminous surface, black by itself", 5),
+        ],
+        default="DIFFUSE",
+        update=_tag,
+    )
+    reflectance_source: EnumProperty(
+        name="Reflectance from",
+        description="Where the reflectance comes from",
+        items=[
+            ("VALUE", "Value", "The same at all wavelengths", 0),
+            ("COLOR", "Colour", "Upsampled from a linear colour", 1),
+            ("FILE", "File", "Spectral reflectance from a file", 2),
+        ],
+        default="VALUE",
+        update=_tag,
+    )
+    reflectance: FloatProperty(
+        name="Reflectance",
+        description="Diffuse reflectance, 0 to 1",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_tag,
+    )
+    reflectance_color: FloatVectorProperty(
+        name="Colour",
+        description="Diffuse reflectance as a linear colour",
+        subtype="COLOR",
+        size=3,
+        default=(0.5, 0.5, 0.5),
+        min=0.0,
+        max=1.0,
+        update=_tag,
+    )
+    reflectance_file: StringProperty(
+        name="Reflectance file",
+        description="Text or CSV with wavelength [nm] and reflectance 0..1, or .spdx",
+        subtype="FILE_PATH",
+        update=_tag,
+    )
+    transmittance: FloatProperty(
+        name="Transmittance",
+        description="Diffuse transmittance of a matt sheet; internal transmittance of a pane",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_tag,
+    )
+    roughness: FloatProperty(
+        name="Roughness",
+        description="0 is a mirror; the microfacet width is its square, as in Blender",
+        default=0.2,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_tag,
+    )
+    ior_source: EnumProperty(
+        name="Refractive index from",
+        description="How the refractive index is stated",
+        items=[
+            ("CONSTANT", "Value", "The same at all wavelengths", 0),
+            ("CAUCHY", "Cauchy", "n = A + B / wavelength², wavelength in micrometres", 1),
+            ("FILE", "File", "Table of wavelength [nm] and index", 2),
+        ],
+        default="CONSTANT",
+        update=_tag,
+    )
+    ior: FloatProperty(
+        name="Refractive index",
+        description="Index at all wavelengths, or Cauchy's A",
+        default=1.5,
+        min=1.0,
+        max=4.0,
+        precision=4,
+        update=_tag,
+    )
+    cauchy_b: FloatProperty(
+        name="Cauchy B",
+        description="Dispersion in µm²: about 0.0042 for crown glass, 0.0134 for dense flint",
+        default=0.0042,
+        min=0.0,
+        max=0.1,
+        precision=5,
+        update=_tag,
+    )
+    ior_file: StringProperty(
+        name="Index file",
+        description="Text or CSV with wavelength [nm] and refractive index",
+        subtype="FILE_PATH",
+        update=_tag,
+    )
+    metal: EnumProperty(
+        name="Metal",
+        description="Complex refractive index by name",
+        items=_enum_from_names(spectra.conductor_names()),
+        update=_tag,
+    )
+    luminance: FloatProperty(
+        name="Luminance",
+        description="Luminance of the emitting surface in cd/m²",
+        default=1000.0,
+        min=0.0,
+        max=1e10,
+        soft_max=50000.0,
+        update=_tag,
+    )
+    two_sided: BoolProperty(
+        name="Both sides emit",
+        description="Off: only the side that the normal points to",
+        default=True,
+        update=_tag,
+    )
+
+
+class LumenrayWorldSettings(PropertyGroup):
+    """What the numbers in the world's background mean."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    unit: EnumProperty(
+        name="Unit",
+        description="What colour times strength of the background stands for",
+        items=[
+            ("BLENDER", "Blender", "Radiance in W/(m² sr), times the scene's lumens per watt", 0),
+            ("LUMINANCE", "cd/m²", "Luminance: a white pixel times the strength, in cd/m²", 1),
+            (
+                "ILLUMINANCE",
+                "lx",
+                "Scale the background so that the upper half gives this horizontal illuminance",
+                2,
+            ),
+        ],
+        default="BLENDER",
+        update=_tag,
+    )
+    illuminance: FloatProperty(
+        name="Horizontal illuminance",
+        description="On an unobstructed horizontal plane, in lx",
+        default=10000.0,
+        min=0.0,
+        max=1e6,
+        update=_tag,
+    )
+
+
+class LumenrayObjectSettings(PropertyGroup):
+    """Per-object settings of the bake."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    density: FloatProperty(
+        name="Lumels per metre",
+        description="Density of this object's lux map; 0 takes the scene's",
+        default=0.0,
+        min=0.0,
+        max=1000.0,
+        update=_tag,
+    )
+
+
+class LumenraySceneSettings(PropertyGroup):
+    """Render, bake and film settings."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+
+    stop: EnumProperty(
+        name="Stop by",
+        description="When the render is done",
+        items=[
+            ("SAMPLES", "Samples", "After a number of samples per pixel", 0),
+            ("ERROR", "Error", "When the picture's relative standard error is reached", 1),
+            ("TIME", "Time", "After a number of seconds", 2),
+        ],
+        default="SAMPLES",
+    )
+    samples: IntProperty(
+        name="Samples",
+        description="Paths per pixel",
+        default=64,
+        min=2,
+        max=1 << 20,
+    )
+    error: FloatProperty(
+        name="Relative error",
+        description="Standard error of the picture divided by its mean luminance",
+        default=0.02,
+        min=0.0001,
+        max=1.0,
+        precision=4,
+    )
+    time: FloatProperty(
+        name="Time",
+        description="Seconds of rendering",
+        default=60.0,
+        min=0.1,
+        max=1e7,
+        subtype="TIME_ABSOLUTE",
+    )
+    seed: IntProperty(
+        name="Seed", description="Same seed, same result", default=0, min=0, max=2**31 - 1
+    )
+    transport: EnumProperty(
+        name="Transport",
+        description="What is carried along each path",
+        items=[
+            ("AUTO", "Automatic", "Photometric if the scene is neutral, else spectral", 0),
+            ("MONO", "Photometric", "One number per path; exact only in neutral scenes", 1),
+            ("SPECTRAL", "Spectral", "Four wavelengths per path, 360 to 830 nm", 2),
+        ],
+        default="AUTO",
+    )
+    efficacy: FloatProperty(
+        name="Lumens per Blender watt",
+        description=(
+            "Photometric meaning of Blender's own watts, for lights and shaders without physical "
+            "parameters: 177.83 lm/W is what Cycles assumes, glTF uses 683"
+        ),
+        default=177.83,
+        min=1e-3,
+        max=683.002,
+        precision=2,
+    )
+    exposure: EnumProperty(
+        name="Exposure",
+        description="Which luminance becomes 1.0 in the picture",
+        items=[
+            ("LUMINANCE", "White luminance", "State the luminance that becomes 1.0", 0),
+            ("EV100", "EV at ISO 100", "State the exposure value of a camera", 1),
+            ("AUTO", "Automatic", "Set white from the picture itself; never use it to compare", 2),
+        ],
+        default="LUMINANCE",
+    )
+    white_luminance: FloatProperty(
+        name="White luminance",
+        description="Luminance in cd/m² that becomes 1.0",
+        default=200.0,
+        min=1e-6,
+        max=1e9,
+        soft_max=20000.0,
+    )
+    ev100: FloatProperty(
+        name="EV100",
+        description="Exposure value at ISO 100; 8 suits an office, 15 full sun",
+        default=8.0,
+        min=-20.0,
+        max=30.0,
+    )
+    use_spectral_file: BoolProperty(
+        name="Spectral EXR",
+        description="Write a spectral OpenEXR beside the picture",
+        default=False,
+    )
+    spectral_bands: IntProperty(
+        name="Bands",
+        description="Number of wavelength bands from 380 to 780 nm",
+        default=20,
+        min=2,
+        max=400,
+    )
+    use_pass_luminance: BoolProperty(
+        name="Luminance", description="Luminance pass in cd/m²", default=True
+    )
+    use_pass_illuminance: BoolProperty(
+        name="Illuminance",
+        description="Illuminance of the visible surface in lx; costs about as much as the picture",
+        default=False,
+    )
+
+    bake_density: FloatProperty(
+        name="Lumels per metre",
+        description="Resolution of the lux map on the surface",
+        default=8.0,
+        min=0.01,
+        max=1000.0,
+        soft_max=100.0,
+    )
+    bake_size: IntProperty(
+        name="Largest map",
+        description="Side of the largest lux map in pixels; the density is lowered to fit, and reported",
+        default=1024,
+        min=32,
+        max=8192,
+    )
+    bake_margin: IntProperty(
+        name="Margin",
+        description="Pixels by which charts are extended so that no seam shows",
+        default=4,
+        min=1,
+        max=64,
+    )
+    bake_stop: EnumProperty(
+        name="Stop by",
+        description="When the bake is done",
+        items=[
+            ("SAMPLES", "Samples", "After a number of samples per lumel", 0),
+            ("ERROR", "Error", "When the map's relative standard error is reached", 1),
+            ("TIME", "Time", "After a number of seconds", 2),
+        ],
+        default="SAMPLES",
+    )
+    bake_samples: IntProperty(
+        name="Samples", description="Paths per lumel", default=64, min=2, max=1 << 20
+    )
+    bake_error: FloatProperty(
+        name="Relative error",
+        description="Standard error of the map divided by its mean",
+        default=0.02,
+        min=0.0001,
+        max=1.0,
+        precision=4,
+    )
+    bake_time: FloatProperty(
+        name="Time",
+        description="Seconds of baking",
+        default=60.0,
+        min=0.1,
+        max=1e7,
+        subtype="TIME_ABSOLUTE",
+    )
+    bake_folder: StringProperty(
+        name="Folder",
+        description="Where lux maps are written as EXR",
+        default="//lux",
+        subtype="DIR_PATH",
+    )
+
+
+def white_luminance(settings) -> float | None:
+    """Return the luminance that becomes 1.0 in the picture, None when it is to be found from the picture. [cd/m2]
+
+    EV100 follows ISO 12232 with the saturation-based constant: L = 1.2 * 2^EV.
+    """
+    if settings.exposure == "AUTO":
+        return None
+    if settings.exposure == "EV100":
+        return 1.2 * math.pow(2.0, settings.ev100)
+    return settings.white_luminance
+
+
+CLASSES = (
+    LumenrayLightSettings,
+    LumenrayMaterialSettings,
+    LumenrayWorldSettings,
+    LumenrayObjectSettings,
+    LumenraySceneSettings,
+)
+
+POINTERS = (
+    (bpy.types.Light, LumenrayLightSettings),
+    (bpy.types.Material, LumenrayMaterialSettings),
+    (bpy.types.World, LumenrayWorldSettings),
+    (bpy.types.Object, LumenrayObjectSettings),
+    (bpy.types.Scene, LumenraySceneSettings),
+)
+
+
+def attach():
+    """Attach the groups to Blender's data-blocks; the classes must be registered."""
+    for owner, group in POINTERS:
+        owner.lumenray = PointerProperty(type=group)
+
+
+def detach():
+    """Take the groups off again."""
+    for owner, _ in POINTERS:
+        del owner.lumenray

@@ -1,0 +1,1 @@
+"""Conversion of Blender's data-blocks into the engine's pure data."""

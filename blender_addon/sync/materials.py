@@ -1,0 +1,119 @@
+"""Conversion of Blender materials."""
+
+import logging
+
+import bpy
+import numpy as np
+
+from ...engine.scene.material import Black, Diffuse, Emission, Material, Transparent
+from ...engine.scene.spectrum import Constant, Illuminant
+from ..report import ConversionReport
+from .closures import Closure
+from .fields import Field, as_colour, as_texture, constant, luminance
+from .nodes import Context
+from .overrides import convert_override
+from .shaders import convert_shader
+from .spectra import light_spectrum
+
+_logger = logging.getLogger(__name__)
+
+DEFAULT_REFLECTANCE = 0.8
+"""Diffuse reflectance that Blender gives to a mesh without a material. [-]"""
+
+
+def default_material(material_id: str) -> Material:
+    """Return what a mesh without a material gets."""
+    return Material(material_id, "Default", Diffuse(Constant(DEFAULT_REFLECTANCE)))
+
+
+def convert_material(
+    material: bpy.types.Material, material_id: str, report: ConversionReport, efficacy: float
+) -> Material:
+    """Convert a Blender material.
+
+    Parameters
+    ----------
+    material : bpy.types.Material    Original or evaluated.
+    material_id : str    Stable key of the result.
+    report : ConversionReport    Gets a row for everything that is not taken over as it is.
+    efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
+
+    Returns
+    -------
+    Material    Never fails for an odd node tree: what cannot be understood becomes diffuse grey
+        and a row of the report.
+    """
+    settings = getattr(material, "lumenray", None)
+    if settings is not None and settings.use_override:
+        surface, emission = convert_override(settings, report, material.name)
+        return Material(material_id, material.name, surface, emission, material.pass_index)
+    _report_working_space(report)
+    try:
+        closure = _convert_tree(material, report)
+    except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
+        _logger.exception("Material %s", material.name)
+        report.error(
+            material.name,
+            "The node tree cannot be understood; please send the file to the developers",
+            f"diffuse grey {DEFAULT_REFLECTANCE} is used",
+        )
+        closure = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE)))
+    emission = _emission(closure, efficacy)
+    return Material(
+        material_id, material.name, closure.surface or Black(), emission, material.pass_index
+    )
+
+
+def _report_working_space(report):
+    space = getattr(bpy.data, "colorspace", None)
+    name = getattr(space, "working_space", "Linear Rec.709")
+    if name != "Linear Rec.709":
+        report.warn(
+            "Colour management",
+            f"The file's working space is {name}",
+            "colours are read as linear Rec. 709",
+        )
+
+
+def _convert_tree(material, report) -> Closure:
+    if material.node_tree is None or not _uses_nodes(material):
+        colour = np.clip(material.diffuse_color[:3], 0, 1)
+        return Closure(Diffuse(as_colour(constant(*colour))))
+    output = material.node_tree.get_output_node("CYCLES")
+    if output is None:
+        report.warn(material.name, "The node tree has no material output", "black is used")
+        return Closure(Black())
+    context = Context(material.name, report)
+    is_volume = output.inputs["Volume"].is_linked
+    if output.inputs["Displacement"].is_linked:
+        report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
+    if is_volume:
+        report.warn(material.name, "A volume is not supported", "it is left out", output.name)
+    if not output.inputs["Surface"].is_linked:
+        if is_volume:
+            return Closure(Transparent())
+        report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
+    return convert_shader(output.inputs["Surface"], context)
+
+
+def _uses_nodes(material):
+    # Blender 5 always uses nodes and will drop the property in 6.
+    return bpy.app.version >= (5, 0, 0) or material.use_nodes
+
+
+def _emission(closure: Closure, efficacy: float) -> Emission | None:
+    """Turn Blender's radiance into luminance."""
+    if closure.radiance is None:
+        return None
+    values = np.maximum(closure.radiance.values, 0)
+    largest = float(values.max())
+    if largest <= 0:
+        return None
+    if not closure.radiance.is_constant:
+        pattern = as_texture(Field(values / largest, closure.radiance.layout))
+        white = Illuminant("D65")
+        return Emission(white, efficacy * largest, pattern, closure.two_sided)
+    colour = np.broadcast_to(values, 3)
+    amount = efficacy * float(luminance(values)[0])
+    spectrum = closure.spectrum or light_spectrum(colour)
+    return Emission(spectrum, amount, None, closure.two_sided)

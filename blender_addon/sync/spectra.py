@@ -1,0 +1,90 @@
+"""Spectra that the user chose in the property groups."""
+
+import bpy
+
+from ...engine.errors import LumenrayError
+from ...engine.formats.spd import read_spectrum
+from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
+from ..report import ConversionReport
+
+DAYLIGHT_RANGE = (4000.0, 25000.0)
+"""Correlated colour temperatures for which CIE 15 defines daylight. [K]"""
+
+
+def light_spectrum(rgb) -> Spectrum:
+    """Return the spectrum of a light by its linear colour, whose amount does not count.
+
+    Blender's white is D65; any other colour is scaled so that its largest component is 1.
+    """
+    red, green, blue = (max(float(value), 0.0) for value in rgb)
+    largest = max(red, green, blue)
+    if largest - min(red, green, blue) <= 1e-6 * largest:
+        return Illuminant("D65")
+    return Rgb(red / largest, green / largest, blue / largest)
+
+
+def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) -> Spectrum:
+    """Return the spectrum of something luminous.
+
+    Parameters
+    ----------
+    settings : SpectrumSettings    A light's or a material's property group.
+    rgb : (3,) sequence    Linear colour for ``RGB``, and for a file that cannot be read.
+    report : ConversionReport    Where departures go.
+    datablock : str    Name of the light or material, for the report.
+
+    Returns
+    -------
+    Spectrum    Relative; the amount of light is stated elsewhere.
+    """
+    if settings.spectrum == "ILLUMINANT":
+        return Illuminant(settings.illuminant)
+    if settings.spectrum == "BLACKBODY":
+        return Blackbody(settings.colour_temperature)
+    if settings.spectrum == "DAYLIGHT":
+        return _daylight(settings.colour_temperature, report, datablock)
+    if settings.spectrum == "FILE":
+        table = read_file(settings, "spectrum_file", report, datablock, "the plain colour is used")
+        if table is not None and table.values.max() > 0:
+            return table
+        if table is not None:
+            report.error(
+                datablock, f"{table.name} has no positive value", "the plain colour is used"
+            )
+    return light_spectrum(rgb)
+
+
+def _daylight(temperature, report, datablock):
+    low, high = DAYLIGHT_RANGE
+    held = min(max(temperature, low), high)
+    if held != temperature:
+        report.warn(
+            datablock,
+            f"CIE daylight is not defined at {temperature:.0f} K",
+            f"{held:.0f} K is used",
+        )
+    return Daylight(held)
+
+
+def read_file(settings, name, report, datablock, remedy) -> Tabulated | None:
+    """Read the spectrum whose path is in a property; None, and a row of the report, if it fails.
+
+    Parameters
+    ----------
+    settings : bpy.types.PropertyGroup    Owner of the path.
+    name : str    Name of the property.
+    report, datablock : ConversionReport, str    Where failures go.
+    remedy : str    What is used instead, for the report.
+    """
+    path = getattr(settings, name)
+    if not path:
+        report.error(datablock, "No spectrum file is chosen", remedy)
+        return None
+    path = bpy.path.abspath(path, library=settings.id_data.library)
+    try:
+        return read_spectrum(path)
+    except (LumenrayError, OSError, ValueError) as error:
+        report.error(
+            datablock, f"{path}: {error}" if path not in str(error) else str(error), remedy
+        )
+        return None

@@ -1,0 +1,78 @@
+"""Means with their standard errors from independent groups of samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+class Accumulator:
+    """Sums of samples in double precision, kept apart by independent group.
+
+    Two groups are the even and odd halves of a map; sensors take more, so that each has an error of its own.
+
+    Parameters
+    ----------
+    groups : int    Number of independently scrambled sequences, at least 2.
+    shape : tuple    Shape of one group's values.
+    """
+
+    def __init__(self, groups: int, shape):
+        self._sum = np.zeros((groups, *np.atleast_1d(shape)), dtype=np.float64)
+        self.samples = 0
+
+    @property
+    def groups(self) -> int:
+        """Number of groups."""
+        return len(self._sum)
+
+    def add(self, sums: np.ndarray, samples: int) -> None:
+        """Add sums over ``samples`` new samples of every group. ``sums``: (groups, \\*shape)."""
+        self._sum += sums
+        self.samples += samples
+
+    def estimate(self) -> "Estimate":
+        """Return mean and standard error so far."""
+        means = self._sum / max(self.samples, 1)
+        return Estimate.from_groups(means, self.samples * self.groups)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Values with their standard errors.
+
+    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together.
+    """
+
+    mean: np.ndarray
+    standard_error: np.ndarray
+    samples: int
+
+    @classmethod
+    def from_groups(cls, means: np.ndarray, samples: int) -> "Estimate":
+        """Combine group means (groups, ...): Var(mean) = sum (m_g - m)^2 / (G (G - 1)).
+
+        With two groups the standard error is half the difference of the halves, so the root mean square of it over a
+        map is the map's error as the reference system defines it, with the factor 1/2 of a mean of two.
+        """
+        mean = means.mean(axis=0)
+        count = len(means)
+        variance = ((means - mean) ** 2).sum(axis=0) / (count * (count - 1))
+        return cls(mean, np.sqrt(variance), samples)
+
+    def relative_error(self, weights: np.ndarray | None = None) -> float:
+        """Standard error of the map: root mean square of the errors over the mean, both weighted by area.
+
+        Parameters
+        ----------
+        weights : array or None    Areas, of the shape of ``mean``; None: all alike.
+
+        Returns
+        -------
+        float    Infinite when nothing but zeros was found so far. [-]
+        """
+        weights = np.ones_like(self.mean) if weights is None else weights
+        total = weights.sum()
+        mean = float((self.mean * weights).sum() / total) if total > 0.0 else 0.0
+        if mean <= 0.0:
+            return float("inf")
+        return float(np.sqrt((self.standard_error**2 * weights).sum() / total)) / mean

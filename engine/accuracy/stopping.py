@@ -1,0 +1,92 @@
+"""When to stop, and the forecast of when that will be."""
+
+import time
+from dataclasses import dataclass
+
+from ..errors import SceneError
+
+
+@dataclass(frozen=True)
+class StopRule:
+    """Stop at a number of samples per point, at a relative standard error, or after seconds; the first that is met."""
+
+    samples: int | None = None
+    error: float | None = None
+    seconds: float | None = None
+
+    def __post_init__(self):
+        """Refuse rules that never stop or make no sense."""
+        if self.samples is None and self.error is None and self.seconds is None:
+            raise SceneError("no stopping rule: give a number of samples, an error or a time")
+        for name, value in (("samples", self.samples), ("error", self.error), ("time", self.seconds)):
+            if value is not None and not value > 0:
+                raise SceneError(f"the stopping rule's {name} is {value}, expected a number above 0")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """State of a running job. ``seconds_left`` is a forecast, None while none can be made."""
+
+    done: float
+    samples: int
+    relative_error: float
+    seconds: float
+    seconds_left: float | None
+    stage: str = ""
+
+    def text(self) -> str:
+        """One line for a status bar."""
+        parts = [self.stage] if self.stage else []
+        parts.append(f"{self.samples} samples")
+        if self.relative_error < 1e6:
+            parts.append(f"error {100.0 * self.relative_error:.2f} %")
+        if self.seconds_left is not None:
+            parts.append(f"{format_seconds(self.seconds_left)} left")
+        return ", ".join(parts)
+
+
+def format_seconds(seconds: float) -> str:
+    """Human form of a duration."""
+    seconds = int(round(seconds))
+    if seconds < 60:
+        return f"{seconds} s"
+    if seconds < 3600:
+        return f"{seconds // 60}:{seconds % 60:02d} min"
+    return f"{seconds // 3600}:{seconds % 3600 // 60:02d} h"
+
+
+class Clock:
+    """Follows a job against its rule. The error falls as 1 / sqrt(samples), so the time left follows from it."""
+
+    def __init__(self, rule: StopRule, stage: str = ""):
+        self.rule = rule
+        self.stage = stage
+        self._start = time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """Seconds since the start."""
+        return time.perf_counter() - self._start
+
+    def progress(self, samples: int, error: float) -> Progress:
+        """Describe the state after so many samples with such an error."""
+        seconds = self.seconds
+        shares = []
+        if self.rule.samples is not None:
+            shares.append(samples / self.rule.samples)
+        if self.rule.seconds is not None:
+            shares.append(seconds / self.rule.seconds)
+        if self.rule.error is not None and 0.0 < error < float("inf"):
+            shares.append((self.rule.error / error) ** 2)
+        done = min(max(shares, default=0.0), 1.0)
+        left = seconds * (1.0 - done) / done if done > 0.0 else None
+        return Progress(done, samples, error, seconds, left, self.stage)
+
+    def is_done(self, samples: int, error: float) -> bool:
+        """Tell whether any part of the rule is met."""
+        rule = self.rule
+        return (
+            (rule.samples is not None and samples >= rule.samples)
+            or (rule.seconds is not None and self.seconds >= rule.seconds)
+            or (rule.error is not None and error <= rule.error)
+        )

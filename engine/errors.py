@@ -1,0 +1,27 @@
+"""Exceptions that carry one clear sentence for the user."""
+
+
+class LumenrayError(Exception):
+    """Base of all errors that are meant for people; the text is one sentence that says what to do."""
+
+
+class BackendError(LumenrayError):
+    """Mitsuba or LLVM is missing or does not work."""
+
+
+class SceneError(LumenrayError):
+    """The scene cannot be computed as it is."""
+
+
+class FileFormatError(LumenrayError):
+    """A file cannot be read: names the file, the line, what was found and what was expected."""
+
+    def __init__(self, path, message, line=None):
+        place = f"{path}, line {line}" if line is not None else str(path)
+        super().__init__(f"{place}: {message}")
+        self.path = str(path)
+        self.line = line
+
+
+class Cancelled(LumenrayError):  # noqa: N818 - not a fault
+    """The user stopped the job."""

@@ -1,0 +1,249 @@
+"""Emitters that Mitsuba lacks, as its plug-ins: luminous surface, spot, and the surroundings with suns.
+
+Emitters give spectral radiance in W/(m2 sr nm), or luminance in cd/m2 in photometric variants.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+
+def register() -> None:
+    """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
+    for name, make in (
+        ("lumenray_surface", _surface_class),
+        ("lumenray_spot", _spot_class),
+        ("lumenray_surroundings", _surroundings_class),
+    ):
+        made = make()
+        mi.register_emitter(name, lambda props, made=made: made(props))
+
+
+def _surface_class():
+    class LuminousSurface(mi.Emitter):
+        """Emission of a shape: Lambertian, or narrowed to Blender's spread; one or both sides; with a picture on it."""
+
+        def __init__(self, props):
+            mi.Emitter.__init__(self, props)
+            self.radiance = props["radiance"]
+            self.pattern = props["pattern"] if "pattern" in props else None
+            self.two_sided = props.get("two_sided", False)
+            self.tan_spread = props.get("tan_spread", 0.0)
+            self.m_flags = +mi.EmitterFlags.Surface
+
+        def traverse(self, callback):
+            callback.put("radiance", self.radiance, mi.ParamFlags.Differentiable)
+
+        def _profile(self, cosine):
+            """Directional factor; 0 behind a one-sided surface."""
+            lit = cosine != 0.0 if self.two_sided else cosine > 0.0
+            if self.tan_spread <= 0.0:
+                return dr.select(lit, mi.Float(1.0), 0.0)
+            c = dr.abs(cosine)
+            tangent = dr.safe_sqrt(1.0 - c * c) / dr.maximum(c, 1e-6)
+            return dr.select(lit, dr.maximum(1.0 - tangent / self.tan_spread, 0.0), 0.0)
+
+        def _radiance(self, si, active):
+            value = self.radiance.eval(si, active)
+            if self.pattern is not None:
+                value *= self.pattern.eval(si, active)
+            return value
+
+        def eval(self, si, active=True):
+            profile = self._profile(mi.Frame3f.cos_theta(si.wi))
+            return mi.Spectrum(self._radiance(si, active) * profile & active)
+
+        def sample_direction(self, it, sample, active=True):
+            shape = self.get_shape()
+            ds = shape.sample_direction(it, sample, active)
+            ds.emitter = mi.EmitterPtr(self)
+            active &= ds.pdf > 0.0
+            return ds, mi.Spectrum(self.eval_direction(it, ds, active) / dr.maximum(ds.pdf, 1e-20) & active)
+
+        def pdf_direction(self, it, ds, active=True):
+            cosine = dr.dot(ds.d, ds.n)
+            lit = cosine != 0.0 if self.two_sided else cosine < 0.0
+            return dr.select(lit & active, self.get_shape().pdf_direction(it, ds, active), 0.0)
+
+        def eval_direction(self, it, ds, active=True):
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.p, si.n, si.uv, si.t = ds.p, ds.n, ds.uv, 0.0
+            si.wavelengths = it.wavelengths
+            profile = self._profile(-dr.dot(ds.d, ds.n))
+            return mi.Spectrum(self._radiance(si, active) * profile & active)
+
+        def bbox(self):
+            return self.get_shape().bbox()
+
+        def to_string(self):
+            return "LuminousSurface[]"
+
+    return LuminousSurface
+
+
+def _spot_class():
+    class Spot(mi.Emitter):
+        """Point, or disk facing the receiver, of given intensity inside a cone with a smoothstep edge."""
+
+        def __init__(self, props):
+            mi.Emitter.__init__(self, props)
+            self.intensity = props["intensity"]
+            self.position = mi.Point3f(props["position"])
+            self.axis = dr.normalize(mi.Vector3f(props["direction"]))
+            self.cos_end = mi.Float(props["cos_end"])
+            self.blend = mi.Float(props["blend"])
+            self.radius = mi.Float(props["radius"])
+            dr.make_opaque(self.position, self.axis, self.cos_end, self.blend, self.radius)
+            self.m_flags = +mi.EmitterFlags.DeltaPosition
+
+        def traverse(self, callback):
+            callback.put("intensity", self.intensity, mi.ParamFlags.Differentiable)
+
+        def _edge(self, cosine):
+            width = (1.0 - self.cos_end) * self.blend
+            t = dr.clip((cosine - self.cos_end) / dr.maximum(width, 1e-7), 0.0, 1.0)
+            return dr.select(cosine > self.cos_end, t * t * (3.0 - 2.0 * t), 0.0)
+
+        def sample_direction(self, it, sample, active=True):
+            frame = mi.Frame3f(dr.normalize(it.p - self.position))
+            disk = mi.warp.square_to_uniform_disk_concentric(sample) * self.radius
+            ds = dr.zeros(mi.DirectionSample3f)
+            ds.p = self.position + frame.s * disk.x + frame.t * disk.y
+            ds.n = frame.n
+            ds.d = ds.p - it.p
+            ds.dist = dr.norm(ds.d)
+            ds.d /= ds.dist
+            ds.pdf = 1.0
+            ds.delta = True
+            ds.emitter = mi.EmitterPtr(self)
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wavelengths = it.wavelengths
+            value = self.intensity.eval(si, active) * self._edge(dr.dot(-ds.d, self.axis))
+            return ds, mi.Spectrum(value / dr.square(ds.dist) & active)
+
+        def pdf_direction(self, it, ds, active=True):
+            return mi.Float(0.0)
+
+        def eval_direction(self, it, ds, active=True):
+            return mi.Spectrum(0.0)
+
+        def eval(self, si, active=True):
+            return mi.Spectrum(0.0)
+
+        def bbox(self):
+            return mi.BoundingBox3f()
+
+        def to_string(self):
+            return "Spot[]"
+
+    return Spot
+
+
+def _surroundings_class():
+    class Surroundings(mi.Emitter):
+        """Everything at infinity: the world (nested emitter ``world``) and suns as disks.
+
+        ``sun_i`` is a sun's radiance, ``towards_i`` the direction to it, ``cap_i`` = 1 - cos(angular radius), ``share_i``
+        the probability of sampling it; ``world_share`` that of the nested emitter ``world``.
+        """
+
+        def __init__(self, props):
+            mi.Emitter.__init__(self, props)
+            self.world = props["world"] if "world" in props else None
+            count = int(props.get("suns", 0))
+            self.suns = []
+            for i in range(count):
+                towards = dr.normalize(mi.Vector3f(props[f"towards_{i}"]))
+                cap = mi.Float(props[f"cap_{i}"])
+                dr.make_opaque(towards, cap)
+                self.suns.append((props[f"sun_{i}"], towards, cap, float(props[f"share_{i}"])))
+            self.world_share = float(props.get("world_share", 1.0))
+            self.centre, self.extent = mi.Point3f(0.0), mi.Float(1.0)
+            self.m_flags = +mi.EmitterFlags.Infinite
+
+        def traverse(self, callback):
+            if self.world is not None:
+                callback.put("world", self.world, mi.ParamFlags.Differentiable)
+
+        def set_scene(self, scene):
+            box = scene.bbox()
+            self.set_bounds(mi.Point3f(box.center()), mi.Float(dr.norm(box.extents()) * 0.5))
+            if self.world is not None:
+                self.world.set_scene(scene)
+
+        def set_bounds(self, centre, radius):
+            """Sphere that everything lies in. [m]"""
+            self.centre, self.extent = centre, dr.maximum(radius, 1.0) * 1.5
+            dr.make_opaque(self.centre, self.extent)
+
+        @staticmethod
+        def _inside(direction, towards, cap):
+            """Whether a direction lies on a sun's disk; chord lengths keep single precision, cosines would not."""
+            return dr.squared_norm(direction - towards) <= 2.0 * cap
+
+        def _sun_value(self, direction, wavelengths, active):
+            value = mi.Spectrum(0.0)
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wavelengths = wavelengths
+            for radiance, towards, cap, _ in self.suns:
+                inside = self._inside(direction, towards, cap)
+                value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
+            return value
+
+        def _density(self, it, ds, active):
+            pdf = mi.Float(0.0)
+            if self.world is not None and self.world_share > 0.0:
+                pdf += self.world_share * self.world.pdf_direction(it, ds, active)
+            for _, towards, cap, share in self.suns:
+                inside = self._inside(ds.d, towards, cap)
+                pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
+            return pdf
+
+        def eval(self, si, active=True):
+            value = self._sun_value(-si.wi, si.wavelengths, active)
+            if self.world is not None:
+                value += self.world.eval(si, active)
+            return mi.Spectrum(value & active)
+
+        def sample_direction(self, it, sample, active=True):
+            # One number chooses the part and is stretched to serve again.
+            u, start = sample.x, 0.0
+            direction = mi.Vector3f(0.0, 0.0, 1.0)
+            if self.world is not None and self.world_share > 0.0:
+                stretched = dr.clip(u / self.world_share, 0.0, 0.9999999)
+                ds_world, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
+                direction = ds_world.d
+                start = self.world_share
+            for _, towards, cap, share in self.suns:
+                height = dr.clip((u - start) / share, 0.0, 0.9999999) * cap
+                sine = dr.safe_sqrt(height * (2.0 - height))
+                sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
+                local = mi.Vector3f(sine * cos_phi, sine * sin_phi, 1.0 - height)
+                direction = dr.select(u >= start, mi.Frame3f(towards).to_world(local), direction)
+                start += share
+            ds = dr.zeros(mi.DirectionSample3f)
+            ds.d = direction
+            ds.dist = 2.0 * self.extent
+            ds.p = it.p + ds.d * ds.dist
+            ds.n = -ds.d
+            ds.emitter = mi.EmitterPtr(self)
+            ds.pdf = self._density(it, ds, active)
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            value = self.eval(si, active) / dr.maximum(ds.pdf, 1e-20)
+            return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
+
+        def pdf_direction(self, it, ds, active=True):
+            return dr.select(active, self._density(it, ds, active), 0.0)
+
+        def eval_direction(self, it, ds, active=True):
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            return self.eval(si, active)
+
+        def bbox(self):
+            return mi.BoundingBox3f()
+
+        def to_string(self):
+            return "Surroundings[]"
+
+    return Surroundings

@@ -1,0 +1,125 @@
+"""Lights as pure data. What a light emits is a quantity with a unit (`Output`); shape and place are separate."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from .spectrum import Constant, Spectrum
+from .texture import ImageTexture
+
+
+class Quantity(Enum):
+    """What the value of an `Output` means."""
+
+    LUMINOUS_FLUX = "luminous_flux"  # lm, total emitted
+    LUMINOUS_INTENSITY = "luminous_intensity"  # cd, on the axis
+    ILLUMINANCE = "illuminance"  # lx, at 1 m on the axis; sun: on a plane facing it
+    LUMINANCE = "luminance"  # cd/m2, area lights
+    RADIANT_FLUX = "radiant_flux"  # W within 360..830 nm, total emitted; sun: W/m2 on a plane facing it
+
+
+@dataclass(frozen=True)
+class Output:
+    """How much light: a quantity, its value in SI units, and the relative spectrum it is distributed over."""
+
+    quantity: Quantity
+    value: float
+    spectrum: Spectrum = Constant(1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PointLight:
+    """Sphere of uniform luminance (``radius`` > 0) or point (``radius`` = 0). [m]"""
+
+    id: str
+    name: str
+    output: Output
+    position: np.ndarray
+    radius: float = 0.0
+    visible_to_camera: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SpotLight:
+    """Point of constant intensity inside a cone, with a smoothstep edge as Blender draws it.
+
+    ``half_angle`` [rad] is where the light ends; ``blend`` 0..1 is the share of the cone taken by the soft edge;
+    ``radius`` [m] spreads the source over a disk for soft shadows. ``direction`` is the beam's axis, unit length.
+    """
+
+    id: str
+    name: str
+    output: Output
+    position: np.ndarray
+    direction: np.ndarray
+    half_angle: float
+    blend: float = 0.0
+    radius: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SunLight:
+    """Parallel light, or a disk at infinity of angular diameter ``angle`` [rad]. ``direction``: the way light travels."""
+
+    id: str
+    name: str
+    output: Output
+    direction: np.ndarray
+    angle: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class AreaLight:
+    """One-sided Lambertian rectangle or ellipse.
+
+    Parameters
+    ----------
+    frame : (4, 4) float64 array    Rigid placement: emits along local -z, sides along local x and y. [m]
+    size_x, size_y : float    Full width and height (or diameters). [m]
+    shape : str    ``rectangle`` or ``ellipse``.
+    spread : float    Blender's beam spread; pi is Lambertian. [rad]
+    """
+
+    id: str
+    name: str
+    output: Output
+    frame: np.ndarray
+    size_x: float
+    size_y: float
+    shape: str = "rectangle"
+    spread: float = np.pi
+    visible_to_camera: bool = True
+
+
+Light = PointLight | SpotLight | SunLight | AreaLight
+
+
+@dataclass(frozen=True)
+class UniformWorld:
+    """The same luminance [cd/m2] from every direction."""
+
+    luminance: float
+    spectrum: Spectrum = Constant(1.0)
+    id: str = "world"
+
+
+@dataclass(frozen=True, eq=False)
+class ImageWorld:
+    """Equirectangular picture of the surroundings.
+
+    Parameters
+    ----------
+    image : ImageTexture    Three channels, any transform ignored.
+    luminance_per_unit : float    Luminance of a pixel whose Rec. 709 luminance is 1. [cd/m2]
+    rotation : (3, 3) float64 array    From world directions to the directions of the map, where (x, y, z) is looked up at
+        u = 0.5 - atan2(y, x) / (2 pi), v = atan2(z, hypot(x, y)) / pi + 0.5 (Blender's own mapping).
+    """
+
+    image: ImageTexture
+    luminance_per_unit: float
+    rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
+    id: str = "world"
+
+
+World = UniformWorld | ImageWorld

@@ -1,0 +1,242 @@
+"""The path loop: radiance along rays by unidirectional tracing with next-event estimation at every vertex.
+
+Emitters are counted by two strategies, next-event and hits of scattered rays, joined by the power heuristic with
+exponent two (E. Veach, 1997, ch. 9). Surfaces that light passes straight through (panes, cut-outs, bodies of lights)
+are no vertices: both strategies see through them, so the joint weights stay valid. Paths end by Russian roulette
+alone, whose survival probability is the path's throughput, at most `SURVIVAL`, so no depth is cut off and the estimate
+is unbiased.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from ..materials.plugins import DISPERSED_COMPONENT
+from .compile import CompiledScene
+from .textures import is_spectral
+
+SURVIVAL = 0.95
+"""Largest probability of going on; below 1 so that paths end even between perfect mirrors."""
+
+ROULETTE_START = 3
+"""Number of scatterings before roulette begins."""
+
+MAXIMUM_STEPS = 100_000
+"""Stops a path that numerical trouble would keep alive for ever; reached by no valid scene."""
+
+
+def closest_hit(scene: CompiledScene, ray, active, coherent=False):
+    """Return the nearest surface of both sub-scenes."""
+    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+    if scene.veil is not None:
+        other = scene.veil.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+        hit = dr.select(other.t < hit.t, other, hit)
+    return hit.compute_surface_interaction(ray, +mi.RayFlags.All, active)
+
+
+def transmittance(scene: CompiledScene, origin, target, active):
+    """Share of light that goes straight from one point to another.
+
+    Parameters
+    ----------
+    origin : SurfaceInteraction3f    Where the ray starts; the ray is offset from its surface.
+    target : Point3f    Where it ends, excluded.
+
+    Returns
+    -------
+    Spectrum    0 where something solid stands between.
+    """
+    ray = origin.spawn_ray_to(target)
+    lit = active & ~scene.solid.ray_test(ray, active)
+    if scene.veil is None:
+        return dr.select(lit, mi.Spectrum(1.0), 0.0)
+
+    value = dr.select(lit, mi.Spectrum(1.0), 0.0)
+    ray = mi.Ray3f(ray)
+    steps = mi.UInt32(0)
+
+    def step(value, ray, lit, steps):
+        si = scene.veil.ray_intersect(ray, lit)
+        lit &= si.is_valid()
+        value[lit] = value * si.bsdf().eval_null_transmission(si, lit)
+        ray = dr.select(lit, si.spawn_ray_to(target), ray)
+        lit &= dr.any(value != 0.0)
+        steps += 1
+        return value, ray, lit & (steps < 1000), steps
+
+    value, ray, lit, steps = dr.while_loop(
+        state=(value, ray, mi.Bool(lit), steps),
+        cond=lambda value, ray, lit, steps: lit,
+        body=step,
+        labels=("value", "ray", "lit", "steps"),
+    )
+    return value
+
+
+def sample_emitter(scene: CompiledScene, si, sample, active):
+    """Choose a direction to an emitter.
+
+    Returns
+    -------
+    (DirectionSample3f, Spectrum)    ``pdf`` includes the choice of the emitter; the value is radiance / pdf, unoccluded.
+    """
+    pointer, share, remainder = scene.lights.sample(sample.x)
+    ds, value = pointer.sample_direction(si, mi.Point2f(remainder, sample.y), active)
+    ds.pdf *= share
+    return ds, value / share
+
+
+def emitter_density(scene: CompiledScene, reference, si, emitter, active):
+    """Solid-angle density with which next-event from ``reference`` would have found this emitting point."""
+    ds = dr.zeros(mi.DirectionSample3f)
+    ds.p, ds.n, ds.uv = si.p, si.n, si.uv
+    ds.d = si.p - reference.p
+    ds.dist = dr.norm(ds.d)
+    ds.d = dr.select(ds.dist > 0.0, ds.d / ds.dist, mi.Vector3f(0, 0, 1))
+    density = emitter.pdf_direction(reference, ds, active)
+    return density * scene.lights.probability(emitter, active)
+
+
+def surroundings_density(scene: CompiledScene, reference, direction, active):
+    """As `emitter_density`, for light from infinity."""
+    ds = dr.zeros(mi.DirectionSample3f)
+    ds.d = direction
+    density = scene.surroundings.pdf_direction(reference, ds, active)
+    return density * scene.lights.probability(mi.EmitterPtr(scene.surroundings), active)
+
+
+def power_heuristic(pdf, other):
+    """Weight of a sample drawn with density ``pdf`` that the density ``other`` would have found too."""
+    a, b = dr.square(pdf), dr.square(other)
+    return dr.select(a > 0.0, a / (a + b), 0.0)
+
+
+def trace(scene: CompiledScene, ray, wavelengths, stream, scatter_pdf, reference, active, first=None, depth=0):
+    """Radiance that arrives along rays.
+
+    Parameters
+    ----------
+    ray : Ray3f
+    wavelengths : Spectrum or None    Four wavelengths of each path, None in photometric variants. [nm]
+    stream : PCG32    Random numbers from the first vertex on.
+    scatter_pdf : Float    Solid-angle density with which the ray was chosen; 0 for camera rays, whose hits of
+        emitters count in full.
+    reference : Point3f    Where the ray was scattered: next-event from there competes with its hits.
+    active : Bool
+    first : (Point2f, Point2f) or None    Well-distributed samples for next-event and scattering at the first vertex.
+    depth : int    Scatterings so far; 0 hides what the camera must not see.
+
+    Returns
+    -------
+    Spectrum    Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants.
+    """
+    spectral = is_spectral()
+    context = mi.BSDFContext()
+    seen_by_camera = depth == 0 and scene.hidden is not None
+
+    ray = mi.Ray3f(ray)
+    if spectral:
+        ray.wavelengths = wavelengths
+    state = {
+        "ray": ray,
+        "stream": mi.PCG32(stream),
+        "throughput": mi.Spectrum(1.0),
+        "radiance": mi.Spectrum(0.0),
+        "pdf": mi.Float(scatter_pdf),
+        "reference": mi.Point3f(reference),
+        "depth": mi.UInt32(depth),
+        "steps": mi.UInt32(0),
+        "dispersed": mi.Bool(False),
+        "active": mi.Bool(active),
+    }
+
+    def body(ray, stream, throughput, radiance, pdf, reference, depth, steps, dispersed, active):
+        si = closest_hit(scene, ray, active)
+        if spectral:
+            si.wavelengths = ray.wavelengths
+        valid = active & si.is_valid()
+        origin = dr.zeros(mi.Interaction3f)
+        origin.p, origin.t = reference, 0.0
+        origin.wavelengths = si.wavelengths
+
+        # ---- light that the ray runs into ----
+        hidden = mi.Bool(False)
+        if seen_by_camera:
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            inside = valid & (depth == 0) & (ids < dr.width(scene.hidden))
+            hidden = dr.gather(mi.Bool, scene.hidden, ids, inside) & inside
+        emitter = si.shape.emitter()
+        glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
+        found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
+        weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
+        value = emitter.eval(si, glows)
+        radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
+
+        if scene.surroundings is not None:
+            leaves = active & ~si.is_valid()
+            away = dr.zeros(mi.SurfaceInteraction3f)
+            away.wi = -ray.d
+            away.wavelengths = si.wavelengths
+            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0))
+            weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
+            value = scene.surroundings.eval(away, leaves)
+            radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
+
+        # ---- next event ----
+        active = valid
+        bsdf = si.bsdf()
+        smooth = active & ~hidden & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        if first is not None:
+            light_sample = dr.select(steps == 0, first[0], light_sample)
+            scatter_sample = dr.select(steps == 0, first[1], scatter_sample)
+        choice = stream.next_float32()
+
+        if scene.lights.count:
+            ds, value = sample_emitter(scene, si, light_sample, smooth)
+            lit = smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
+            wo = si.to_local(ds.d)
+            response, response_pdf = bsdf.eval_pdf(context, si, wo, lit)
+            weight = dr.select(ds.delta, 1.0, power_heuristic(ds.pdf, response_pdf))
+            amount = throughput * response * value * weight
+            lit &= dr.any(amount != 0.0)
+            amount *= transmittance(scene, si, ds.p, lit)
+            radiance = dr.select(lit, radiance + amount, radiance)
+
+        # ---- scattering ----
+        bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
+        straight = hidden | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+        direction = dr.select(hidden, ray.d, si.to_world(bs.wo))
+        throughput = dr.select(hidden, throughput, throughput * scattered)
+        if scene.requirements.dispersive:
+            splits = active & ~straight & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
+            hero = mi.Spectrum(0.0)
+            hero[0] = 4.0 * throughput[0]
+            throughput = dr.select(splits, hero, throughput)
+            dispersed |= splits
+        onwards = si.spawn_ray(direction)
+        onwards.wavelengths = ray.wavelengths
+        ray = onwards
+        turned = active & ~straight
+        delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        pdf = dr.select(turned, dr.select(delta, 0.0, bs.pdf), pdf)
+        reference = dr.select(turned, si.p, reference)
+        depth = dr.select(turned, depth + 1, depth)
+        steps += 1
+
+        # ---- roulette ----
+        survival = dr.minimum(dr.max(throughput), SURVIVAL)
+        tried = active & (depth >= ROULETTE_START) & ~straight
+        alive = dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS)
+        goes_on = ~tried | (stream.next_float32() < survival)
+        throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
+        active &= alive & goes_on
+        return ray, stream, throughput, radiance, pdf, reference, depth, steps, dispersed, active
+
+    result = dr.while_loop(
+        state=tuple(state.values()),
+        cond=lambda *values: values[-1],
+        body=body,
+        labels=tuple(state),
+    )
+    return result[3]

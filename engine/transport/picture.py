@@ -1,0 +1,312 @@
+"""The picture job: camera rays, many passes, even and odd halves, extra passes at the pixels' centres."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..accuracy.estimate import Accumulator
+from ..accuracy.stopping import Clock
+from ..errors import Cancelled, SceneError
+from ..scene.camera import Camera, Projection
+from . import gather, paths
+from .compile import CompiledScene
+from .sampler import hash_words, random_stream, sobol_pair
+from .textures import is_spectral
+from .wavelengths import WavelengthSampler
+
+LANES = 1 << 18
+"""Paths per launch; a picture's paths are dearer than a receiver's."""
+
+GROUPS = 2
+"""Even and odd half."""
+
+FILTER_RADIUS = 0.75
+"""Half width of the pixel filter, a cubic B-spline like Blackman-Harris in look; sampled, so pixels stay independent."""
+
+FAR = 1e10
+"""Depth where nothing is seen, Blender's own value. [m]"""
+
+BAND_RANGE = (380.0, 780.0)
+"""Wavelengths that the bands cover. [nm]"""
+
+MAXIMUM_PIXELS = 1 << 28
+"""Largest picture."""
+
+
+class _Film:
+    """Camera as numbers on the device: makes rays from film positions."""
+
+    def __init__(self, camera: Camera, origin):
+        self.camera = camera
+        frame = np.asarray(camera.frame, dtype=np.float64)
+        position = frame[:3, 3] - origin
+        self.axes = [mi.Vector3f(*map(float, frame[:3, i] / np.linalg.norm(frame[:3, i]))) for i in range(3)]
+        self.position = mi.Point3f(*map(float, position))
+        self.lens = mi.Float(camera.aperture_radius)
+        self.focus = mi.Float(max(camera.focus_distance, 1e-6))
+        dr.make_opaque(self.axes, self.position, self.lens, self.focus)
+
+    def _to_world(self, x, y, z):
+        return self.axes[0] * x + self.axes[1] * y + self.axes[2] * z
+
+    def forward(self):
+        """Direction of view."""
+        return -self.axes[2]
+
+    def ray(self, x, y, lens_sample):
+        """Ray through a film position (pixels from the lower left corner)."""
+        camera = self.camera
+        u = x / camera.width - 0.5
+        v = y / camera.height - 0.5
+        if camera.projection is Projection.EQUIRECTANGULAR:
+            longitude = dr.lerp(camera.longitude[0], camera.longitude[1], u + 0.5)
+            latitude = dr.lerp(camera.latitude[0], camera.latitude[1], v + 0.5)
+            cos_lat = dr.cos(latitude)
+            direction = self._to_world(
+                dr.sin(longitude) * cos_lat, dr.sin(latitude), -dr.cos(longitude) * cos_lat
+            )
+            return mi.Ray3f(self.position, direction)
+        px = u * camera.extent_x + camera.shift_x
+        py = v * camera.extent_y + camera.shift_y
+        if camera.projection is Projection.ORTHOGRAPHIC:
+            start = self.position + self._to_world(px, py, 0.0)
+            return mi.Ray3f(start + self.forward() * camera.clip_start, self.forward())
+        start = self.position
+        direction = self._to_world(px, py, -1.0)
+        if camera.aperture_radius > 0.0:
+            on_lens = mi.warp.square_to_uniform_disk_concentric(lens_sample) * self.lens
+            shift = self._to_world(on_lens.x, on_lens.y, 0.0)
+            direction = direction * self.focus - shift
+            start = start + shift
+        direction = dr.normalize(direction)
+        along = dr.dot(direction, self.forward())
+        return mi.Ray3f(start + direction * (camera.clip_start / along), direction)
+
+
+def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancelled=lambda: False):
+    """Render until the rule of ``settings`` is met.
+
+    Returns
+    -------
+    (dict, int)    Fields of `session.Picture` but the provenance, and the samples per pixel.
+
+    Raises
+    ------
+    Cancelled    When ``cancelled`` answered true.
+    SceneError    The picture's size is not usable.
+    """
+    pixels = camera.width * camera.height
+    if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
+        raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
+    film = _Film(camera, scene.origin)
+    layers = _first_layers(scene, film)
+    job = _Job(scene, film, settings)
+    clock = Clock(settings.rule, "picture")
+    batch = job.batch(pixels)
+    per_launch = max(LANES // (GROUPS * batch), 1)
+    sums = Accumulator(GROUPS, (pixels, job.channels))
+    error = float("inf")
+    while True:
+        new = np.zeros((GROUPS, pixels, job.channels))
+        for first in range(0, pixels, per_launch):
+            if cancelled():
+                raise Cancelled("cancelled")
+            count = min(per_launch, pixels - first)
+            new[:, first : first + count] = job.launch(first, count, batch, sums.samples)
+            if progress is not None:
+                share = (first + count) / pixels
+                state = clock.progress(int((sums.samples + share * batch) * GROUPS), error)
+                progress(state, None)
+        sums.add(new, batch)
+        estimate = sums.estimate()
+        error = _relative_error(estimate)
+        finished = clock.is_done(sums.samples * GROUPS, error)
+        if progress is not None:
+            shape = (camera.height, camera.width, 3)
+            progress(
+                clock.progress(estimate.samples, error),
+                lambda mean=estimate.mean: mean[:, :3].reshape(shape).astype(np.float32),
+            )
+        if finished:
+            return _result(camera, job, estimate, error, layers), estimate.samples
+
+
+def _relative_error(estimate) -> float:
+    mean = estimate.mean[:, 1].mean()
+    if mean <= 0.0:
+        return float("inf")
+    return float(np.sqrt((estimate.standard_error[:, 1] ** 2).mean()) / mean)
+
+
+def _result(camera, job, estimate, error, layers) -> dict:
+    shape = (camera.height, camera.width)
+    mean = estimate.mean.reshape(*shape, -1).astype(np.float32)
+    deviation = estimate.standard_error.reshape(*shape, -1).astype(np.float32)
+    made = {
+        "tristimulus": mean[..., :3],
+        "luminance_error": deviation[..., 1],
+        "relative_error": error,
+        **layers,
+    }
+    if job.illuminance:
+        made["illuminance"] = mean[..., 3]
+        made["illuminance_error"] = deviation[..., 3]
+    if job.bands:
+        made["bands"] = mean[..., -job.bands :]
+        made["band_edges"] = np.linspace(*BAND_RANGE, job.bands + 1)
+    return made
+
+
+class _Job:
+    """What one launch needs besides its range of pixels."""
+
+    def __init__(self, scene: CompiledScene, film: _Film, settings):
+        self.scene, self.film = scene, film
+        self.rule, self.seed = settings.rule, settings.seed
+        self.illuminance = settings.illuminance
+        self.spectral = is_spectral()
+        self.bands = settings.bands
+        response = "bands" if self.bands else "colour"
+        self.sampler = WavelengthSampler(scene.mean_light, response) if self.spectral else None
+        self.channels = 3 + int(self.illuminance) + self.bands
+        # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
+        self.lamp_tristimulus, self.lamp_bands = _colour_of(scene.mean_light, self.bands)
+
+    def batch(self, pixels: int) -> int:
+        """Samples per pixel and half in one pass: few at first sight, a power of two."""
+        wanted = 4 if self.rule.samples is None else max(self.rule.samples // GROUPS, 1)
+        limit = min(wanted, 8, max(LANES // GROUPS, 1))
+        return 1 << int(np.floor(np.log2(max(limit, 1))))
+
+    def launch(self, first: int, count: int, batch: int, index: int) -> np.ndarray:
+        """Trace one range of pixels, return the sums of samples (2, count, channels)."""
+        scene = self.scene
+        width = self.film.camera.width
+        seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
+        lane = dr.arange(mi.UInt32, count * GROUPS * batch)
+        sample = dr.opaque(mi.UInt32, int(index)) + lane % batch
+        group = (lane // batch) % GROUPS
+        pixel = dr.opaque(mi.UInt32, int(first)) + lane // (batch * GROUPS)
+        own_seed = hash_words(pixel, hash_words(group, seed))
+
+        wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
+        offset = _filter_offset(sobol_pair(sample, own_seed, gather.PAIR_FILM))
+        x = mi.Float(pixel % width) + 0.5 + offset.x
+        y = mi.Float(pixel // width) + 0.5 + offset.y
+        ray = self.film.ray(x, y, sobol_pair(sample, own_seed, gather.PAIR_LENS))
+        stream = random_stream(sample, own_seed)
+        first_samples = (
+            sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
+            sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
+        )
+        radiance = paths.trace(
+            scene, ray, wavelengths, stream, mi.Float(0.0), ray.o, mi.Bool(True), first=first_samples
+        )
+        radiance = dr.select(dr.isfinite(radiance), radiance, 0.0)
+        columns = self._colour(radiance, wavelengths)
+        if self.illuminance:
+            columns.append(self._illuminance(ray, wavelengths, sample, own_seed))
+        sums = [dr.block_reduce(dr.ReduceOp.Add, c, batch) for c in columns]
+        bands = self._band_sums(radiance, wavelengths, lane // batch, count) if self.bands else None
+        dr.eval(sums, bands)
+        made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+        if bands is not None:
+            made = np.concatenate([made, np.array(bands, dtype=np.float64).reshape(-1, self.bands)], axis=-1)
+        return made.reshape(count, GROUPS, self.channels).transpose(1, 0, 2)
+
+    def _colour(self, radiance, wavelengths) -> list:
+        if self.spectral:
+            xyz = self.sampler.tristimulus(radiance, wavelengths)
+            return [xyz.x, xyz.y, xyz.z]
+        return [radiance[0] * float(c) for c in self.lamp_tristimulus]
+
+    def _band_sums(self, radiance, wavelengths, row, count):
+        """Sum of spectral radiance by band, flat (count * 2 * bands)."""
+        sums = dr.zeros(mi.Float, count * GROUPS * self.bands)
+        if not self.spectral:
+            for band, value in enumerate(self.lamp_bands):
+                dr.scatter_add(sums, radiance[0] * float(value), row * self.bands + band)
+            return sums
+        width = (BAND_RANGE[1] - BAND_RANGE[0]) / self.bands
+        density = self.sampler.density(wavelengths)
+        for k in range(4):
+            place = (wavelengths[k] - BAND_RANGE[0]) / width
+            inside = (place >= 0.0) & (place < self.bands)
+            band = mi.UInt32(dr.clip(place, 0, self.bands - 1))
+            value = radiance[k] / (4.0 * density[k] * width)
+            dr.scatter_add(sums, value, row * self.bands + band, inside)
+        return sums
+
+    def _illuminance(self, ray, wavelengths, sample, own_seed):
+        """Illuminance of the first surface that a camera ray meets, on the side that is seen."""
+        si = paths.closest_hit(self.scene, ray, mi.Bool(True))
+        valid = si.is_valid()
+        faces = dr.dot(si.n, ray.d) < 0.0
+        side = dr.select(faces, 1.0, -1.0)
+        at = gather.receiver(si.p, si.sh_frame.n * side, si.n * side, wavelengths)
+        pair = gather.PAIR_FILM + 1
+        value = gather.spectral_illuminance(
+            self.scene,
+            at,
+            wavelengths,
+            random_stream(sample, hash_words(own_seed, mi.UInt32(1))),
+            sobol_pair(sample, own_seed, pair),
+            sobol_pair(sample, own_seed, pair + 1),
+            valid,
+        )
+        value = gather.photometric(self.sampler, value, wavelengths)
+        return dr.select(valid & dr.isfinite(value), value, 0.0)
+
+
+def _filter_offset(sample):
+    """Offset within the pixel filter: a tent, sampled exactly, so that every sample counts alike. [pixel]"""
+
+    def tent(u):
+        low = u < 0.5
+        root = dr.sqrt(dr.select(low, 2.0 * u, 2.0 * (1.0 - u)))
+        return FILTER_RADIUS * dr.select(low, root - 1.0, 1.0 - root)
+
+    return mi.Point2f(tent(sample.x), tent(sample.y))
+
+
+def _colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
+    """X, Y, Z (Y = 1) and band radiances per unit of luminance of a spectrum on the grid."""
+    from ..photometry.spectra import GRID, observer
+    from ..photometry.units import LUMINOUS_EFFICACY
+
+    tristimulus = light @ observer()
+    density = light / (LUMINOUS_EFFICACY * tristimulus[1])
+    edges = np.linspace(*BAND_RANGE, bands + 1)
+    means = [density[(GRID >= a) & (GRID < b)].mean() for a, b in zip(edges, edges[1:], strict=False)]
+    return tristimulus / tristimulus[1], np.array(means)
+
+
+def _first_layers(scene: CompiledScene, film: _Film) -> dict:
+    """Depth, normal and indices at the centres of the pixels."""
+    camera = film.camera
+    shape = (camera.height, camera.width)
+    pixel = dr.arange(mi.UInt32, camera.width * camera.height)
+    ray = film.ray(
+        mi.Float(pixel % camera.width) + 0.5, mi.Float(pixel // camera.width) + 0.5, mi.Point2f(0.5, 0.5)
+    )
+    si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True)
+    valid = si.is_valid()
+    if camera.projection is Projection.EQUIRECTANGULAR:
+        depth = dr.norm(si.p - film.position)
+    else:
+        depth = dr.dot(si.p - film.position, film.forward())
+    normal = dr.select(valid, si.sh_frame.n * dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0), 0.0)
+    layers = {
+        "depth": np.array(dr.select(valid, depth, FAR), dtype=np.float32).reshape(shape),
+        "normal": np.stack([np.array(c, dtype=np.float32) for c in normal], axis=-1).reshape(*shape, 3),
+    }
+    ids = dr.reinterpret_array(mi.UInt32, si.shape)
+    for name in ("object", "material"):
+        table = scene.indices.get(name)
+        values = mi.Float(0.0)
+        if table is not None:
+            values = dr.gather(mi.Float, table, ids, valid & (ids < dr.width(table)))
+        layers[f"{name}_index"] = np.broadcast_to(np.array(values, dtype=np.float32), (shape[0] * shape[1],)).reshape(shape)
+    return layers
+
+

@@ -1,0 +1,175 @@
+"""What a scene needs: the decisions, each with its reason."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SceneError
+from ..photometry.spectra import GRID, evaluate_emission
+from ..scene.light import ImageWorld, UniformWorld
+from ..scene.material import (
+    Black,
+    Cauchy,
+    Coated,
+    Conductor,
+    Dielectric,
+    Diffuse,
+    Glossy,
+    Mix,
+    ThinGlass,
+    Transparent,
+)
+from ..scene.scene import Scene
+from ..scene.spectrum import Constant, Rgb
+from ..scene.texture import ImageTexture
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """Decisions for one scene: ``spectral`` or photometric transport, dispersion, and why."""
+
+    spectral: bool
+    dispersive: bool
+    reasons: tuple[str, ...]
+
+
+def analyse(scene: Scene, transport: str = "auto") -> Requirements:
+    """Decide how a scene has to be computed.
+
+    Parameters
+    ----------
+    scene : Scene
+    transport : str    ``auto``, ``mono`` or ``spectral``; the last two overrule the decision.
+
+    Raises
+    ------
+    SceneError    ``transport`` is none of the three.
+    """
+    if transport not in ("auto", "mono", "spectral"):
+        raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
+    coloured = _first_coloured_material(scene)
+    dispersive = any(
+        _is_dispersive(material.surface) for material in used_materials(scene)
+    )
+    lamps = _distinct_lamps(scene)
+    reasons = []
+    if coloured:
+        reasons.append(f"material '{coloured}' has a reflectance that depends on the wavelength")
+    if lamps > 1:
+        reasons.append("the lights have different spectra")
+    if dispersive:
+        reasons.append("a glass disperses light")
+    spectral = bool(reasons)
+    if not spectral:
+        reasons.append("all surfaces are neutral and all lights share one spectrum: photometric transport is exact")
+    if transport != "auto" and spectral != (transport == "spectral"):
+        verdict = "exact all the same" if transport == "spectral" else "an approximation here"
+        reasons.append(f"the user asked for {transport} transport, which is {verdict}")
+        spectral = transport == "spectral"
+    return Requirements(spectral, dispersive and spectral, tuple(reasons))
+
+
+def used_materials(scene: Scene):
+    """Yield the materials that some mesh refers to, in a fixed order."""
+    used = {key for mesh in scene.meshes.values() for key in mesh.materials}
+    for key in sorted(used):
+        if key in scene.materials:
+            yield scene.materials[key]
+
+
+def emission_spectra(scene: Scene) -> list:
+    """Return the spectra of everything that emits."""
+    found = [light.output.spectrum for light in scene.lights.values() if light.output.value > 0.0]
+    for material in used_materials(scene):
+        if material.emission is not None and material.emission.luminance > 0.0:
+            found.append(material.emission.spectrum)
+    if isinstance(scene.world, UniformWorld) and scene.world.luminance > 0.0:
+        found.append(scene.world.spectrum)
+    return found
+
+
+def _distinct_lamps(scene: Scene) -> int:
+    shapes = []
+    for spectrum in emission_spectra(scene):
+        values = evaluate_emission(spectrum, GRID)
+        total = values.sum()
+        if total <= 0.0:
+            continue
+        values = values / total
+        if not any(np.allclose(values, other, rtol=1e-4, atol=1e-7) for other in shapes):
+            shapes.append(values)
+    patterned = any(
+        material.emission is not None and _is_coloured(material.emission.pattern)
+        for material in used_materials(scene)
+    )
+    return len(shapes) + (isinstance(scene.world, ImageWorld)) + patterned
+
+
+def _first_coloured_material(scene: Scene) -> str | None:
+    for material in used_materials(scene):
+        if any(_is_coloured(value) for value in _colours(material.surface)):
+            return material.name
+    return None
+
+
+def _is_coloured(value) -> bool:
+    match value:
+        case None | Constant():
+            return False
+        case Rgb():
+            return not (value.red == value.green == value.blue)
+        case ImageTexture():
+            pixels = value.pixels
+            return pixels.shape[2] == 3 and bool(np.ptp(pixels, axis=2).max() > 1e-4)
+        case Conductor():
+            return True
+    return True
+
+
+def _colours(surface):
+    """Yield every spectral quantity of a surface; a conductor stands for its own index."""
+    match surface:
+        case Mix():
+            yield from _colours(surface.first)
+            yield from _colours(surface.second)
+        case Diffuse():
+            yield surface.reflectance
+            yield surface.transmittance
+        case Coated() | Glossy():
+            yield surface.reflectance
+        case Dielectric():
+            yield surface.tint
+        case ThinGlass() | Transparent():
+            yield surface.transmittance
+        case Conductor():
+            yield surface
+        case Black():
+            return
+
+
+def _is_dispersive(surface) -> bool:
+    if isinstance(surface, Mix):
+        return _is_dispersive(surface.first) or _is_dispersive(surface.second)
+    if not isinstance(surface, Dielectric):
+        return False
+    return not isinstance(surface.ior, Cauchy) or surface.ior.b != 0.0
+
+
+
+
+def pictures(material):
+    """Yield every picture that a material uses, in a fixed order."""
+    yield from _pictures_of(material.surface)
+    if material.emission is not None and material.emission.pattern is not None:
+        yield material.emission.pattern
+
+
+def _pictures_of(surface):
+    match surface:
+        case Mix():
+            yield from (value for value in (surface.factor,) if isinstance(value, ImageTexture))
+            yield from _pictures_of(surface.first)
+            yield from _pictures_of(surface.second)
+        case _:
+            values = [*_colours(surface), getattr(surface, "roughness", None)]
+            yield from (value for value in values if isinstance(value, ImageTexture))

@@ -1,0 +1,94 @@
+"""Spectra and pictures of the scene description as Mitsuba textures, in the active variant."""
+
+import mitsuba as mi
+import numpy as np
+
+from ..photometry.spectra import GRID, evaluate_reflectance, luminous_efficiency
+from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
+from ..scene.material import Cauchy, IorTable
+from ..scene.spectrum import Constant
+from ..scene.texture import ImageTexture
+
+
+def is_spectral() -> bool:
+    """Tell whether the active variant carries wavelengths."""
+    return "spectral" in mi.variant()
+
+
+def table(values: np.ndarray) -> dict:
+    """Texture of a spectrum given on the 1 nm grid, (471,)."""
+    return {
+        "type": "regular",
+        "wavelength_min": MINIMUM_WAVELENGTH,
+        "wavelength_max": MAXIMUM_WAVELENGTH,
+        "values": " ".join(f"{v:.9g}" for v in values),
+    }
+
+
+def number(value: float) -> dict:
+    """Texture of the same number everywhere."""
+    return {"type": "uniform", "value": float(value)}
+
+
+class TextureMaker:
+    """Makes textures for one scene.
+
+    Parameters
+    ----------
+    light : (471,) array    Mean spectrum of the scene's lights; photometric variants weigh reflectances by it.
+    """
+
+    def __init__(self, light: np.ndarray):
+        weight = light * luminous_efficiency()
+        self._weight = weight / weight.sum() if weight.sum() > 0.0 else np.full(len(GRID), 1.0 / len(GRID))
+
+    def reflectance(self, colour) -> dict:
+        """Texture of a reflectance or transmittance in [0, 1]."""
+        if isinstance(colour, ImageTexture):
+            return self.picture(colour)
+        if isinstance(colour, Constant):
+            return number(np.clip(colour.value, 0.0, 1.0))
+        values = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
+        return table(values) if is_spectral() else number(float(values @ self._weight))
+
+    def picture(self, texture: ImageTexture, largest: float = 1.0) -> dict:
+        """Texture of a picture; three channels are upsampled spectrally by Mitsuba (`srgb_model`)."""
+        pixels = np.clip(np.nan_to_num(texture.pixels), 0.0, largest).astype(np.float32)
+        if pixels.shape[2] == 3 and np.ptp(pixels, axis=2).max() <= 1e-6:
+            pixels = pixels[:, :, :1]
+        raw = pixels.shape[2] == 1
+        return {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.ascontiguousarray(pixels)),
+            "raw": raw,
+            "format": "fp16" if pixels.size > 1 << 22 else "variant",
+            "filter_type": "nearest" if texture.interpolation == "closest" else "bilinear",
+            "wrap_mode": {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}[texture.extension],
+            "to_uv": mi.ScalarTransform3f(
+                [list(row) for row in np.asarray(texture.transform, dtype=np.float64)]
+            ),
+        }
+
+    def scalar(self, value, power: float = 1.0) -> dict:
+        """Texture of a plain number or one-channel picture, raised to ``power``."""
+        if isinstance(value, ImageTexture):
+            pixels = np.clip(value.pixels.mean(axis=2, keepdims=True), 0.0, 1.0) ** power
+            return self.picture(
+                ImageTexture(
+                    pixels, value.uv_map, value.transform, value.interpolation, value.extension
+                )
+            )
+        return number(float(value) ** power)
+
+    def refractive_index(self, ior) -> dict:
+        """Texture of a refractive index by wavelength."""
+        return table(refractive_index(ior, GRID))
+
+
+def refractive_index(ior, wavelengths) -> np.ndarray:
+    """Evaluate a refractive index. [nm -> -]"""
+    if isinstance(ior, Cauchy):
+        return ior.a + ior.b / (np.asarray(wavelengths) * 1e-3) ** 2
+    if isinstance(ior, IorTable):
+        return np.interp(wavelengths, ior.wavelengths, ior.values)
+    raise TypeError(f"not a refractive index: {ior!r}")

@@ -1,0 +1,1 @@
+"""Data that ships with Lumenray and that users extend, and the small readers that find it."""

@@ -1,0 +1,177 @@
+"""Use Lumenray the way a user does, and write down what it measured.
+
+In a real Blender into which the extension was installed::
+
+    blender -b --python-exit-code 1 --python smoke.py -- use FOLDER
+    blender -b FOLDER/box.blend -E LUMENRAY -o FOLDER/line_ -F OPEN_EXR -f 1
+    blender -b --python-exit-code 1 --python smoke.py -- read FOLDER
+
+and with the bpy wheel, in which the package is called ``lumenray``::
+
+    python smoke.py use FOLDER
+
+``use`` registers, renders and bakes a closed box, registers anew and renders again, and writes
+``FOLDER/smoke.json``; ``read`` adds what the render from the command line shows.
+"""
+
+import importlib
+import json
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+SIZE = 64
+"""Width and height of the render. [pixel]"""
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Weights of linear Rec. 709 red, green and blue in the relative luminance (ITU-R BT.709)."""
+
+IS_WHEEL = not bpy.app.binary_path
+"""Whether this is the bpy wheel; a real Blender tells where its program lies."""
+
+INSTALLED = "bl_ext.user_default.lumenray"
+"""Name of the package where Blender has installed it from a zip."""
+
+
+class SmokeError(Exception):
+    """Something that a user would see go wrong."""
+
+
+def require(condition, message):
+    """Raise :class:`SmokeError` unless the condition holds."""
+    if not condition:
+        raise SmokeError(message)
+
+
+def load_package():
+    """Return the registered package: the installed extension, or the wheel's ``lumenray``."""
+    if IS_WHEEL:
+        package = importlib.import_module("lumenray")
+        package.register()
+        return package
+    import addon_utils
+
+    loaded = addon_utils.check(INSTALLED)
+    require(loaded == (True, True), f"{INSTALLED} is not enabled: (default, loaded) is {loaded}")
+    return sys.modules[INSTALLED]
+
+
+def build_scene(package):
+    """Build the closed box in an empty file and set up its render."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    tiny = importlib.import_module(f"{package.__name__}.libraries.scenes.tiny")
+    tiny.build_closed_box()
+    scene = bpy.context.scene
+    require("Floor" in bpy.data.objects, "the closed box has no object 'Floor'")
+    require(scene.camera is not None, "the closed box has no camera")
+    scene.render.engine = "LUMENRAY"
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+
+
+def read_luminance(path):
+    """Return the mean of a picture and its standard error.
+
+    The noise of a pixel is taken from the differences of neighbours, which the picture's own
+    contrast only makes larger.
+
+    Returns
+    -------
+    dict    ``mean`` and ``standard_error`` of the relative luminance. [-]
+    """
+    require(path.exists(), f"the render did not write {path.name}")
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    require((width, height) == (SIZE, SIZE), f"{path.name} has {width} x {height} pixels")
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    bpy.data.images.remove(image)
+    luminance = pixels.reshape(height, width, -1)[..., :3].astype(float) @ LUMINANCE
+    require(np.isfinite(luminance).all(), f"{path.name} has pixels that are no numbers")
+    require(luminance.mean() > 0.0, f"{path.name} is black")
+    variance = np.mean(np.diff(luminance, axis=1) ** 2) / 2.0
+    return {"mean": luminance.mean(), "standard_error": np.sqrt(variance / luminance.size)}
+
+
+def render(folder, name):
+    """Render the scene into a file and return what :func:`read_luminance` finds there."""
+    path = folder / f"{name}.exr"
+    path.unlink(missing_ok=True)
+    bpy.context.scene.render.filepath = str(path)
+    result = bpy.ops.render.render(write_still=True)
+    require(result == {"FINISHED"}, f"the render ended with {result}")
+    return read_luminance(path)
+
+
+def bake(folder):
+    """Bake the floor's illuminance and return its row of the report."""
+    # 2 m of floor at 32 lumels a metre make a map of 64 x 64.
+    result = bpy.ops.lumenray.bake_illuminance(
+        objects="Floor", density=32.0, samples=64, folder=str(folder)
+    )
+    require(result == {"FINISHED"}, f"the bake ended with {result}")
+    report = folder / "report.json"
+    require(report.exists(), "the bake wrote no report.json")
+    rows = json.loads(report.read_text(encoding="utf-8"))["quantities"]
+    row = next((row for row in rows if row["quantity"] == "illuminance"), None)
+    require(row is not None, f"report.json tells no illuminance: {rows}")
+    require(row["unit"] == "lx", f"the illuminance is in {row['unit']}, not lx")
+    require(row["mean"] > 0.0, "the floor is dark")
+    # The error of a single lumel: more than that of the mean, so a cautious stand-in for it.
+    error = row["mean"] * row["relative_standard_error"]
+    return {"mean": row["mean"], "standard_error": error}
+
+
+def register_again(package):
+    """Unregister and register, and check that nothing stays behind or goes missing."""
+    package.unregister()
+    left = [name for name in dir(bpy.types) if name.startswith("LUMENRAY_")]
+    require(not left, f"unregistering leaves {', '.join(left)}")
+    require(not hasattr(bpy.types.Scene, "lumenray"), "unregistering leaves Scene.lumenray")
+    package.register()
+    require(hasattr(bpy.types.Scene, "lumenray"), "registering again brings no Scene.lumenray")
+
+
+def use(folder):
+    """Go through everything and write ``smoke.json`` and ``box.blend``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    package = load_package()
+    build_scene(package)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
+    measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
+    register_again(package)
+    build_scene(package)
+    measured["luminance after registering again"] = render(folder, "second")
+    write(folder, {"blender": bpy.app.version_string, "measured": measured})
+    if IS_WHEEL:
+        package.unregister()
+
+
+def read(folder):
+    """Add the picture that the command line rendered to ``smoke.json``."""
+    record = json.loads((folder / "smoke.json").read_text(encoding="utf-8"))
+    measured = read_luminance(folder / "line_0001.exr")
+    record["measured"]["luminance from the command line"] = measured
+    write(folder, record)
+
+
+def write(folder, record):
+    """Write ``smoke.json`` and show it."""
+    text = json.dumps(record, indent=2)
+    (folder / "smoke.json").write_text(text + "\n", encoding="utf-8")
+    print(text)
+
+
+def main():
+    """Do what the arguments (after ``--``, inside Blender) ask for."""
+    arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    verb, folder = arguments
+    {"use": use, "read": read}[verb](Path(folder).resolve())
+
+
+main()
