@@ -176,9 +176,7 @@ class Session:
         made, samples = picture.render(
             compiled.scene, camera, settings, progress=progress, cancelled=self._cancelled
         )
-        return Picture(
-            **made, provenance=self._provenance(compiled, settings.seed, samples, start)
-        )
+        return Picture(**made, provenance=self._provenance(compiled, settings.seed, samples, start))
 
     def measure(
         self,

@@ -18,9 +18,15 @@ class StopRule:
         """Refuse rules that never stop or make no sense."""
         if self.samples is None and self.error is None and self.seconds is None:
             raise SceneError("no stopping rule: give a number of samples, an error or a time")
-        for name, value in (("samples", self.samples), ("error", self.error), ("time", self.seconds)):
+        for name, value in (
+            ("samples", self.samples),
+            ("error", self.error),
+            ("time", self.seconds),
+        ):
             if value is not None and not value > 0:
-                raise SceneError(f"the stopping rule's {name} is {value}, expected a number above 0")
+                raise SceneError(
+                    f"the stopping rule's {name} is {value}, expected a number above 0"
+                )
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,9 @@ def rasterise(mesh: Mesh, charts: AtlasChart) -> Lumels:
     corners = charts.uv * np.array([charts.width * fine, charts.height * fine])
     triangle, cell, bary = _cover(corners, charts.width * fine, charts.height * fine)
     if len(triangle) == 0:
-        raise SceneError(f"object '{mesh.name}': no lumel lies on the surface; raise the lumels per metre")
+        raise SceneError(
+            f"object '{mesh.name}': no lumel lies on the surface; raise the lumels per metre"
+        )
     y, x = np.divmod(cell, charts.width * fine)
     lumel = (y // fine) * charts.width + x // fine
     order = np.argsort(lumel, kind="stable")

@@ -27,7 +27,9 @@ def assemble(target, lumels, estimate, margin: int) -> dict:
         "minimum": float(estimate.mean.min()),
         "maximum": float(estimate.mean.max()),
         "relative_standard_error": estimate.relative_error(weights),
-        "mean_standard_error": float(np.sqrt(((estimate.standard_error * weights) ** 2).sum()) / total),
+        "mean_standard_error": float(
+            np.sqrt(((estimate.standard_error * weights) ** 2).sum()) / total
+        ),
         "samples": estimate.samples,
         "density": charts.density,
     }

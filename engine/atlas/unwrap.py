@@ -62,7 +62,12 @@ def unwrap(mesh: Mesh, density: float, largest: int = 1024, margin: int = 4) -> 
         longest = max(width, height)
         if longest <= largest:
             return AtlasChart(
-                uv / np.array([width, height], dtype=np.float64), width, height, reached, density, charts
+                uv / np.array([width, height], dtype=np.float64),
+                width,
+                height,
+                reached,
+                density,
+                charts,
             )
         # The margins do not shrink with the density, so aim a little lower than proportion says.
         reached *= 0.95 * max(largest - 4 * margin, 1) / longest
@@ -107,7 +112,9 @@ def _search_charts(mesh: Mesh, density: float, margin: int):
     atlas.generate(xatlas.ChartOptions(), _options(density, margin))
     _, indices, uv = atlas[0]
     if atlas.width == 0 or atlas.height == 0:
-        raise SceneError(f"object '{mesh.name}' could not be unwrapped; check it for degenerate faces")
+        raise SceneError(
+            f"object '{mesh.name}' could not be unwrapped; check it for degenerate faces"
+        )
     scaled = uv.astype(np.float64)[indices] * np.array([atlas.width, atlas.height])
     return scaled, atlas.width, atlas.height, atlas.chart_count
 
@@ -136,7 +143,8 @@ def _repack(mesh: Mesh, uv: np.ndarray, broken: np.ndarray, density: float, marg
         rows = np.flatnonzero(polygon == number)
         uv[rows] = _project(mesh.vertices[mesh.triangles[rows]]) * density
     corner = np.concatenate(
-        [np.where(broken, polygon + 1, 0)[:, None].repeat(3, axis=1)[..., None], np.round(uv, 4)], axis=2
+        [np.where(broken, polygon + 1, 0)[:, None].repeat(3, axis=1)[..., None], np.round(uv, 4)],
+        axis=2,
     ).reshape(-1, 3)
     _, first, inverse = np.unique(corner, axis=0, return_index=True, return_inverse=True)
     faces = inverse.reshape(-1, 3).astype(np.uint32)
@@ -158,5 +166,7 @@ def _project(corners: np.ndarray) -> np.ndarray:
     helper = np.eye(3)[np.argmin(np.abs(normal))]
     u = np.cross(helper, normal)
     u /= np.linalg.norm(u)
-    flat = (corners - corners.reshape(-1, 3).mean(axis=0)) @ np.stack([u, np.cross(normal, u)], axis=1)
+    flat = (corners - corners.reshape(-1, 3).mean(axis=0)) @ np.stack(
+        [u, np.cross(normal, u)], axis=1
+    )
     return flat - flat.reshape(-1, 2).min(axis=0)

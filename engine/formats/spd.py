@@ -114,7 +114,9 @@ def _rows_of_tm27(path, data: bytes) -> list[tuple[int | None, float, float]]:
 
 def _table(path, rows) -> Tabulated:
     if len(rows) < 2:
-        raise FileFormatError(path, f"expected at least two rows of wavelength and value, found {len(rows)}")
+        raise FileFormatError(
+            path, f"expected at least two rows of wavelength and value, found {len(rows)}"
+        )
     for line, nm, value in rows:
         if not (math.isfinite(nm) and math.isfinite(value)):
             raise FileFormatError(path, "expected finite numbers, found NaN or infinity", line)
@@ -126,7 +128,8 @@ def _table(path, rows) -> Tabulated:
     wavelengths = np.array([row[1] for row in rows])
     if wavelengths[-1] < 20.0:
         raise FileFormatError(
-            path, f"wavelengths end at {wavelengths[-1]:g}: expected nanometres, these look like micrometres"
+            path,
+            f"wavelengths end at {wavelengths[-1]:g}: expected nanometres, these look like micrometres",
         )
     same = np.flatnonzero(np.diff(wavelengths) <= 0.0)
     if len(same):

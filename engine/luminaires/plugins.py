@@ -57,7 +57,9 @@ def _surface_class():
             ds = shape.sample_direction(it, sample, active)
             ds.emitter = mi.EmitterPtr(self)
             active &= ds.pdf > 0.0
-            return ds, mi.Spectrum(self.eval_direction(it, ds, active) / dr.maximum(ds.pdf, 1e-20) & active)
+            return ds, mi.Spectrum(
+                self.eval_direction(it, ds, active) / dr.maximum(ds.pdf, 1e-20) & active
+            )
 
         def pdf_direction(self, it, ds, active=True):
             cosine = dr.dot(ds.d, ds.n)
@@ -210,7 +212,9 @@ def _surroundings_class():
             direction = mi.Vector3f(0.0, 0.0, 1.0)
             if self.world is not None and self.world_share > 0.0:
                 stretched = dr.clip(u / self.world_share, 0.0, 0.9999999)
-                ds_world, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
+                ds_world, _ = self.world.sample_direction(
+                    it, mi.Point2f(stretched, sample.y), active
+                )
                 direction = ds_world.d
                 start = self.world_share
             for _, towards, cap, share in self.suns:

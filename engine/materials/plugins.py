@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: matt sheet, pane, dispersive glass, transparency, mixture.
+"""Reflectance models that Mitsuba lacks, as its plug-ins: coated and matt surfaces, pane, dispersive glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -6,6 +6,8 @@ Directions are local, with the normal along +z; ``wi`` points to where the path 
 
 import drjit as dr
 import mitsuba as mi
+
+from .coated import coated_class
 
 DISPERSED_COMPONENT = 16
 """`sampled_component` of a refraction whose direction belongs to the first wavelength only."""
@@ -44,6 +46,7 @@ def pane_optics(cos_theta, ior, internal):
 def register() -> None:
     """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
     for name, make in (
+        ("lumenray_coated", coated_class),
         ("lumenray_sheet", _sheet_class),
         ("lumenray_pane", _pane_class),
         ("lumenray_dispersive", _dispersive_class),
@@ -83,7 +86,11 @@ def _sheet_class():
                 return reflectance, mi.Spectrum(0.0), mi.Float(0.0)
             transmittance = self.transmittance.eval(si, active)
             r, t = dr.mean(reflectance), dr.mean(transmittance)
-            return reflectance, transmittance, dr.select(r + t > 0.0, t / dr.maximum(r + t, 1e-8), 0.0)
+            return (
+                reflectance,
+                transmittance,
+                dr.select(r + t > 0.0, t / dr.maximum(r + t, 1e-8), 0.0),
+            )
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             reflectance, transmittance, through = self._shares(si, active)
@@ -105,7 +112,9 @@ def _sheet_class():
                 mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
             )
             valid = active & (cos_i != 0.0) & (pdf > 0.0)
-            weight = dr.select(goes_through, transmittance, reflectance) / dr.maximum(probability, 1e-8)
+            weight = dr.select(goes_through, transmittance, reflectance) / dr.maximum(
+                probability, 1e-8
+            )
             return bs, mi.Spectrum(dr.select(valid, weight, 0.0))
 
         def eval_pdf(self, ctx, si, wo, active=True):
@@ -286,7 +295,9 @@ def _mix_class():
             self.second = props["second"]
             self.factor = props["factor"]
             self.m_components = [
-                bsdf.flags(i) for bsdf in (self.first, self.second) for i in range(bsdf.component_count())
+                bsdf.flags(i)
+                for bsdf in (self.first, self.second)
+                for i in range(bsdf.component_count())
             ]
             self.m_flags = self.first.flags() | self.second.flags()
 

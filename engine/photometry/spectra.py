@@ -170,9 +170,7 @@ def integrate(values) -> float:
 
 def luminous_weight(spectrum: Spectrum) -> float:
     """Photometric integral K_m * sum(S V) of a relative emission spectrum, the scale-free luminous amount."""
-    return LUMINOUS_EFFICACY * integrate(
-        evaluate_emission(spectrum, GRID) * luminous_efficiency()
-    )
+    return LUMINOUS_EFFICACY * integrate(evaluate_emission(spectrum, GRID) * luminous_efficiency())
 
 
 def efficacy(spectrum: Spectrum) -> float:
@@ -197,5 +195,7 @@ def photometric_density(spectrum: Spectrum) -> np.ndarray:
     """
     weight = luminous_weight(spectrum)
     if weight <= 0.0:
-        raise SceneError("the spectrum of a light holds no visible light; state it in watts or change it")
+        raise SceneError(
+            "the spectrum of a light holds no visible light; state it in watts or change it"
+        )
     return evaluate_emission(spectrum, GRID) / weight

@@ -16,7 +16,9 @@ class Quantity(Enum):
     LUMINOUS_INTENSITY = "luminous_intensity"  # cd, on the axis
     ILLUMINANCE = "illuminance"  # lx, at 1 m on the axis; sun: on a plane facing it
     LUMINANCE = "luminance"  # cd/m2, area lights
-    RADIANT_FLUX = "radiant_flux"  # W within 360..830 nm, total emitted; sun: W/m2 on a plane facing it
+    RADIANT_FLUX = (
+        "radiant_flux"  # W within 360..830 nm, total emitted; sun: W/m2 on a plane facing it
+    )
 
 
 @dataclass(frozen=True)

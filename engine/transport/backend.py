@@ -67,7 +67,9 @@ def _installed() -> list[str]:
 
 def _major(path: str) -> int:
     """Major version of a library by its name or folder; unnumbered ones count as current."""
-    named = re.search(r"LLVM(?:\.so\.|-)(\d+)", Path(path).name) or re.search(r"llvm[-@](\d+)", path)
+    named = re.search(r"LLVM(?:\.so\.|-)(\d+)", Path(path).name) or re.search(
+        r"llvm[-@](\d+)", path
+    )
     return int(named.group(1)) if named else OLDEST_LLVM
 
 

@@ -13,12 +13,13 @@ from ..materials import plugins as surface_plugins
 from ..photometry import units
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
 from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight, UniformWorld
-from ..scene.material import Material
+from ..scene.material import Diffuse, Material
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from ..scene.spectrum import Constant
 from . import emission
 from .requirements import Requirements, pictures
-from .surfaces import approximations, bsdf, passes_straight
+from .surfaces import approximations, bsdf, is_plain, palette, passes_straight
 from .textures import TextureMaker, is_spectral
 
 log = logging.getLogger(__name__)
@@ -79,7 +80,9 @@ class LightTable:
 
     def sample(self, u):
         """Return an emitter pointer, its probability and the stretched remainder of ``u``."""
-        index = dr.binary_search(0, self.count - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u)
+        index = dr.binary_search(
+            0, self.count - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
+        )
         share = dr.gather(mi.Float, self._share, index)
         start = dr.gather(mi.Float, self._cdf, index) - share
         pointer = dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._ids, index))
@@ -118,7 +121,9 @@ def _bounds(scene: Scene) -> tuple[np.ndarray, float]:
         for light in scene.lights.values()
         if isinstance(light, PointLight | SpotLight)
     ]
-    points += [light.frame[:3, 3][None] for light in scene.lights.values() if isinstance(light, AreaLight)]
+    points += [
+        light.frame[:3, 3][None] for light in scene.lights.values() if isinstance(light, AreaLight)
+    ]
     for cloud in points:
         low = np.minimum(low, cloud.min(axis=0))
         high = np.maximum(high, cloud.max(axis=0))
@@ -158,7 +163,10 @@ def _emission_list(scene: Scene):
             areas = mesh.areas() if areas is None else areas
             area = float(areas[mesh.material_index == slot].sum())
             sides = 2.0 if glow.two_sided else 1.0
-            yield emission.luminous(glow.luminance, glow.spectrum), glow.luminance * np.pi * area * sides
+            yield (
+                emission.luminous(glow.luminance, glow.spectrum),
+                glow.luminance * np.pi * area * sides,
+            )
     if isinstance(scene.world, UniformWorld) and scene.world.luminance > 0.0:
         made = emission.luminous(scene.world.luminance, scene.world.spectrum)
         yield made, made.amount * np.pi * 4.0 * disk
@@ -193,6 +201,9 @@ class _Compiler:
         self.rows: list[tuple[object, int, int]] = []
         self.notes: list[str] = []
         self.bsdfs: dict[str, object] = {}
+        self.plain: dict[str, int] = {}
+        self.plain_shapes: list[tuple[object, int]] = []
+        self.palette = mi.load_dict({"type": "lumenray_coated"})
 
     def run(self) -> CompiledScene:
         for mesh in self.scene.meshes.values():
@@ -200,10 +211,15 @@ class _Compiler:
         for light in self.scene.lights.values():
             self._add_light(light)
         surroundings = self._add_surroundings()
-        solid = mi.load_dict({"type": "scene", **{f"s{i}": s for i, s in enumerate(self.solids)}}, optimize=False)
+        self._fill_palette()
+        solid = mi.load_dict(
+            {"type": "scene", **{f"s{i}": s for i, s in enumerate(self.solids)}}, optimize=False
+        )
         veil = None
         if self.veils:
-            veil = mi.load_dict({"type": "scene", **{f"v{i}": s for i, s in enumerate(self.veils)}}, optimize=False)
+            veil = mi.load_dict(
+                {"type": "scene", **{f"v{i}": s for i, s in enumerate(self.veils)}}, optimize=False
+            )
         return CompiledScene(
             solid=solid,
             veil=veil,
@@ -216,7 +232,7 @@ class _Compiler:
             hidden=_shape_mask(self.hidden),
             indices=_index_tables(self.rows),
             notes=self.notes,
-            keep=[self.emitters, self.solids, self.veils, self.bsdfs],
+            keep=[self.emitters, self.solids, self.veils, self.bsdfs, self.palette],
         )
 
     # ---- meshes ----
@@ -225,7 +241,9 @@ class _Compiler:
         _check_mesh(mesh)
         for slot, key in enumerate(mesh.materials):
             if key not in self.scene.materials:
-                raise SceneError(f"object '{mesh.name}' refers to a material that the scene does not hold ({key})")
+                raise SceneError(
+                    f"object '{mesh.name}' refers to a material that the scene does not hold ({key})"
+                )
             triangles = np.flatnonzero(mesh.material_index == slot)
             if len(triangles):
                 self._add_part(mesh, self.scene.materials[key], triangles)
@@ -239,15 +257,21 @@ class _Compiler:
             area = float(mesh.areas()[triangles].sum())
             if area > 0.0:
                 emitter = self._surface_emitter(
-                    emission.luminous(glow.luminance, glow.spectrum), glow.two_sided, pattern=glow.pattern
+                    emission.luminous(glow.luminance, glow.spectrum),
+                    glow.two_sided,
+                    pattern=glow.pattern,
                 )
                 properties["emitter"] = emitter
-                self._note_emitter(emitter, glow.luminance * np.pi * area * (2 if glow.two_sided else 1))
+                self._note_emitter(
+                    emitter, glow.luminance * np.pi * area * (2 if glow.two_sided else 1)
+                )
         shape = self._mesh_shape(mesh, _uv_map_of(material), triangles, properties)
         (self.veils if passes_straight(material.surface) else self.solids).append(shape)
         if not mesh.visible_to_camera:
             self.hidden.append(shape)
         self.rows.append((shape, mesh.index, material.index))
+        if material.id in self.plain:
+            self.plain_shapes.append((shape, self.plain[material.id]))
 
     def _mesh_shape(self, mesh: Mesh, uv_map: str, triangles, properties):
         uv = mesh.uv_maps.get(uv_map)
@@ -266,10 +290,17 @@ class _Compiler:
             positions = mesh.vertices[used].reshape(-1, 3)
             faces = np.arange(3 * len(triangles))
         shape = mi.Mesh(
-            mesh.name, len(positions), len(triangles), properties, normals is not None, uv is not None
+            mesh.name,
+            len(positions),
+            len(triangles),
+            properties,
+            normals is not None,
+            uv is not None,
         )
         values = mi.traverse(shape)
-        values["vertex_positions"] = mi.Float(((positions - self.origin).astype(np.float32)).ravel())
+        values["vertex_positions"] = mi.Float(
+            ((positions - self.origin).astype(np.float32)).ravel()
+        )
         values["faces"] = mi.UInt32(faces.astype(np.uint32))
         if normals is not None:
             values["vertex_normals"] = mi.Float(normals[triangles].astype(np.float32).ravel())
@@ -279,10 +310,25 @@ class _Compiler:
         return shape
 
     def _bsdf(self, material: Material):
+        """Plug-in of a material; all plain ones share the palette."""
+        if is_plain(material.surface):
+            self.plain.setdefault(material.id, len(self.plain))
+            return self.palette
         if material.id not in self.bsdfs:
-            self.bsdfs[material.id] = mi.load_dict(bsdf(material.surface, self.make))
-            self.notes += [f"material '{material.name}': {text}" for text in approximations(material.surface)]
+            made = bsdf(material.surface, self.make)
+            self.bsdfs[material.id] = mi.load_dict(made) if isinstance(made, dict) else made
+            self.notes += [
+                f"material '{material.name}': {text}" for text in approximations(material.surface)
+            ]
         return self.bsdfs[material.id]
+
+    def _fill_palette(self) -> None:
+        surfaces = [self.scene.materials[key].surface for key in self.plain] or [Diffuse(Constant(0.0))]
+        self.palette.set_palette(**palette(surfaces, self.make))
+        ids = _shape_ids([shape for shape, _ in self.plain_shapes])
+        rows = np.zeros(int(ids.max(initial=0)) + 1)
+        rows[ids] = [row for _, row in self.plain_shapes]
+        self.palette.set_rows(rows)
 
     # ---- lights ----
 
@@ -315,7 +361,8 @@ class _Compiler:
         centre = [float(x) for x in np.asarray(light.position) - self.origin]
         if light.radius < DELTA_RADIUS:
             self._note_emitter(
-                mi.load_dict({"type": "point", "position": centre, "intensity": made.texture()}), flux
+                mi.load_dict({"type": "point", "position": centre, "intensity": made.texture()}),
+                flux,
             )
             return
         luminance = made.scaled(units.luminance_from_intensity_sphere(1.0, light.radius))
@@ -367,7 +414,11 @@ class _Compiler:
 
     def _add_surroundings(self):
         world, shares = self._world()
-        suns = [s for s in self.scene.lights.values() if isinstance(s, SunLight) and s.output.value > 0.0]
+        suns = [
+            s
+            for s in self.scene.lights.values()
+            if isinstance(s, SunLight) and s.output.value > 0.0
+        ]
         if world is None and not suns:
             return None
         plugin = {"type": "lumenray_surroundings", "suns": len(suns)}
@@ -381,7 +432,9 @@ class _Compiler:
         flux = shares
         for i, (sun, made) in enumerate(zip(suns, amounts, strict=True)):
             half = 0.5 * max(sun.angle, SUN_POINT_ANGLE)
-            plugin[f"sun_{i}"] = made.scaled(units.luminance_from_illuminance_disk(1.0, half)).texture()
+            plugin[f"sun_{i}"] = made.scaled(
+                units.luminance_from_illuminance_disk(1.0, half)
+            ).texture()
             plugin[f"towards_{i}"] = [-float(x) for x in sun.direction]
             plugin[f"cap_{i}"] = float(2.0 * np.sin(0.5 * half) ** 2)
             plugin[f"share_{i}"] = float((1.0 - world_share) * made.amount / total)
@@ -397,7 +450,9 @@ class _Compiler:
         sphere = 4.0 * np.pi**2 * max(self.radius, 1.0) ** 2
         if isinstance(world, UniformWorld) and world.luminance > 0.0:
             made = emission.luminous(world.luminance, world.spectrum)
-            return mi.load_dict({"type": "constant", "radiance": made.texture()}), world.luminance * sphere
+            return mi.load_dict(
+                {"type": "constant", "radiance": made.texture()}
+            ), world.luminance * sphere
         if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
             return self._image_world(world, sphere)
         return None, 0.0
@@ -430,10 +485,16 @@ def _check_mesh(mesh: Mesh) -> None:
     """Refuse index errors before they reach native code, where they would end the process."""
     if not np.all(np.isfinite(mesh.vertices)):
         raise SceneError(f"object '{mesh.name}' has a vertex that is not a finite number")
-    if len(mesh.triangles) and (mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices)):
-        raise SceneError(f"object '{mesh.name}' has a triangle that names a vertex outside its list")
+    if len(mesh.triangles) and (
+        mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices)
+    ):
+        raise SceneError(
+            f"object '{mesh.name}' has a triangle that names a vertex outside its list"
+        )
     if len(mesh.material_index) and mesh.material_index.max() >= len(mesh.materials):
-        raise SceneError(f"object '{mesh.name}' has a triangle in a material slot that does not exist")
+        raise SceneError(
+            f"object '{mesh.name}' has a triangle in a material slot that does not exist"
+        )
 
 
 def _uv_map_of(material: Material) -> str:
@@ -444,7 +505,9 @@ def _uv_map_of(material: Material) -> str:
 
 
 def _shape_ids(shapes) -> np.ndarray:
-    return np.array([dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0] for s in shapes], dtype=np.int64)
+    return np.array(
+        [dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0] for s in shapes], dtype=np.int64
+    )
 
 
 def _shape_mask(shapes):
@@ -468,4 +531,3 @@ def _index_tables(rows) -> dict:
         values[ids] = [row[column] for row in rows]
         tables[name] = mi.Float(values)
     return tables
-

@@ -51,7 +51,9 @@ def radiant(watts: float, spectrum: Spectrum) -> Emitted:
 
 def _amount(output: Output) -> Emitted:
     if not (np.isfinite(output.value) and output.value >= 0.0):
-        raise SceneError(f"a light's {output.quantity.value} is {output.value}, expected a number of at least 0")
+        raise SceneError(
+            f"a light's {output.quantity.value} is {output.value}, expected a number of at least 0"
+        )
     if output.quantity is Quantity.RADIANT_FLUX:
         return radiant(output.value, output.spectrum)
     return luminous(output.value, output.spectrum)

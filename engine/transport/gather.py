@@ -24,7 +24,9 @@ def receiver(point, normal, geometric_normal, wavelengths):
     return si
 
 
-def spectral_illuminance(scene: CompiledScene, si, wavelengths, stream, light_sample, scatter_sample, active):
+def spectral_illuminance(
+    scene: CompiledScene, si, wavelengths, stream, light_sample, scatter_sample, active
+):
     """One-sample estimate of the illuminance at a receiver.
 
     Directions below the geometric surface give nothing, whatever the shading normal says.

@@ -58,10 +58,16 @@ class Receivers:
         positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
         normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        bad = ~(np.isfinite(positions).all(axis=1) & np.isfinite(lengths[:, 0]) & (lengths[:, 0] > 1e-12))
+        bad = ~(
+            np.isfinite(positions).all(axis=1)
+            & np.isfinite(lengths[:, 0])
+            & (lengths[:, 0] > 1e-12)
+        )
         if bad.any():
             row = int(np.flatnonzero(bad)[0])
-            raise SceneError(f"sensor {row + 1} has a position or normal that is not usable: {positions[row]}, {normals[row]}")
+            raise SceneError(
+                f"sensor {row + 1} has a position or normal that is not usable: {positions[row]}, {normals[row]}"
+            )
         normals = normals / lengths
         count = len(positions)
         return cls(

@@ -110,7 +110,17 @@ def power_heuristic(pdf, other):
     return dr.select(a > 0.0, a / (a + b), 0.0)
 
 
-def trace(scene: CompiledScene, ray, wavelengths, stream, scatter_pdf, reference, active, first=None, depth=0):
+def trace(
+    scene: CompiledScene,
+    ray,
+    wavelengths,
+    stream,
+    scatter_pdf,
+    reference,
+    active,
+    first=None,
+    depth=0,
+):
     """Radiance that arrives along rays.
 
     Parameters

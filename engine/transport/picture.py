@@ -40,7 +40,9 @@ class _Film:
         self.camera = camera
         frame = np.asarray(camera.frame, dtype=np.float64)
         position = frame[:3, 3] - origin
-        self.axes = [mi.Vector3f(*map(float, frame[:3, i] / np.linalg.norm(frame[:3, i]))) for i in range(3)]
+        self.axes = [
+            mi.Vector3f(*map(float, frame[:3, i] / np.linalg.norm(frame[:3, i]))) for i in range(3)
+        ]
         self.position = mi.Point3f(*map(float, position))
         self.lens = mi.Float(camera.aperture_radius)
         self.focus = mi.Float(max(camera.focus_distance, 1e-6))
@@ -200,7 +202,14 @@ class _Job:
             sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
         )
         radiance = paths.trace(
-            scene, ray, wavelengths, stream, mi.Float(0.0), ray.o, mi.Bool(True), first=first_samples
+            scene,
+            ray,
+            wavelengths,
+            stream,
+            mi.Float(0.0),
+            ray.o,
+            mi.Bool(True),
+            first=first_samples,
         )
         radiance = dr.select(dr.isfinite(radiance), radiance, 0.0)
         columns = self._colour(radiance, wavelengths)
@@ -211,7 +220,9 @@ class _Job:
         dr.eval(sums, bands)
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         if bands is not None:
-            made = np.concatenate([made, np.array(bands, dtype=np.float64).reshape(-1, self.bands)], axis=-1)
+            made = np.concatenate(
+                [made, np.array(bands, dtype=np.float64).reshape(-1, self.bands)], axis=-1
+            )
         return made.reshape(count, GROUPS, self.channels).transpose(1, 0, 2)
 
     def _colour(self, radiance, wavelengths) -> list:
@@ -277,7 +288,9 @@ def _colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
     tristimulus = light @ observer()
     density = light / (LUMINOUS_EFFICACY * tristimulus[1])
     edges = np.linspace(*BAND_RANGE, bands + 1)
-    means = [density[(GRID >= a) & (GRID < b)].mean() for a, b in zip(edges, edges[1:], strict=False)]
+    means = [
+        density[(GRID >= a) & (GRID < b)].mean() for a, b in zip(edges, edges[1:], strict=False)
+    ]
     return tristimulus / tristimulus[1], np.array(means)
 
 
@@ -287,7 +300,9 @@ def _first_layers(scene: CompiledScene, film: _Film) -> dict:
     shape = (camera.height, camera.width)
     pixel = dr.arange(mi.UInt32, camera.width * camera.height)
     ray = film.ray(
-        mi.Float(pixel % camera.width) + 0.5, mi.Float(pixel // camera.width) + 0.5, mi.Point2f(0.5, 0.5)
+        mi.Float(pixel % camera.width) + 0.5,
+        mi.Float(pixel // camera.width) + 0.5,
+        mi.Point2f(0.5, 0.5),
     )
     si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True)
     valid = si.is_valid()
@@ -298,7 +313,9 @@ def _first_layers(scene: CompiledScene, film: _Film) -> dict:
     normal = dr.select(valid, si.sh_frame.n * dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0), 0.0)
     layers = {
         "depth": np.array(dr.select(valid, depth, FAR), dtype=np.float32).reshape(shape),
-        "normal": np.stack([np.array(c, dtype=np.float32) for c in normal], axis=-1).reshape(*shape, 3),
+        "normal": np.stack([np.array(c, dtype=np.float32) for c in normal], axis=-1).reshape(
+            *shape, 3
+        ),
     }
     ids = dr.reinterpret_array(mi.UInt32, si.shape)
     for name in ("object", "material"):
@@ -306,7 +323,7 @@ def _first_layers(scene: CompiledScene, film: _Film) -> dict:
         values = mi.Float(0.0)
         if table is not None:
             values = dr.gather(mi.Float, table, ids, valid & (ids < dr.width(table)))
-        layers[f"{name}_index"] = np.broadcast_to(np.array(values, dtype=np.float32), (shape[0] * shape[1],)).reshape(shape)
+        layers[f"{name}_index"] = np.broadcast_to(
+            np.array(values, dtype=np.float32), (shape[0] * shape[1],)
+        ).reshape(shape)
     return layers
-
-

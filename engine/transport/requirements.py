@@ -48,9 +48,7 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
     if transport not in ("auto", "mono", "spectral"):
         raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
     coloured = _first_coloured_material(scene)
-    dispersive = any(
-        _is_dispersive(material.surface) for material in used_materials(scene)
-    )
+    dispersive = any(_is_dispersive(material.surface) for material in used_materials(scene))
     lamps = _distinct_lamps(scene)
     reasons = []
     if coloured:
@@ -61,7 +59,9 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
         reasons.append("a glass disperses light")
     spectral = bool(reasons)
     if not spectral:
-        reasons.append("all surfaces are neutral and all lights share one spectrum: photometric transport is exact")
+        reasons.append(
+            "all surfaces are neutral and all lights share one spectrum: photometric transport is exact"
+        )
     if transport != "auto" and spectral != (transport == "spectral"):
         verdict = "exact all the same" if transport == "spectral" else "an approximation here"
         reasons.append(f"the user asked for {transport} transport, which is {verdict}")
@@ -153,8 +153,6 @@ def _is_dispersive(surface) -> bool:
     if not isinstance(surface, Dielectric):
         return False
     return not isinstance(surface.ior, Cauchy) or surface.ior.b != 0.0
-
-
 
 
 def pictures(material):

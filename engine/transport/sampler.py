@@ -65,10 +65,14 @@ def sobol_pair(index, seed, pair: int):
     seed = hash_words(mi.UInt32(seed), mi.UInt32(2 * pair + 1))
     shuffled = dr.brev(_permute(dr.brev(mi.UInt32(index)), seed))
     first = dr.brev(_permute(mi.UInt32(shuffled), hash_words(seed, mi.UInt32(0x51633E2D))))
-    second = dr.brev(_permute(_pascal(mi.UInt32(shuffled)), hash_words(seed, mi.UInt32(0x68BC21EB))))
+    second = dr.brev(
+        _permute(_pascal(mi.UInt32(shuffled)), hash_words(seed, mi.UInt32(0x68BC21EB)))
+    )
     return mi.Point2f(_to_unit(first), _to_unit(second))
 
 
 def random_stream(index, seed):
     """Return a PCG32 generator of its own for every lane."""
-    return mi.PCG32(initstate=mi.UInt64(hash_words(index, seed)), initseq=mi.UInt64(hash_words(seed, index)))
+    return mi.PCG32(
+        initstate=mi.UInt64(hash_words(index, seed)), initseq=mi.UInt64(hash_words(seed, index))
+    )

@@ -24,6 +24,49 @@ SODIUM_D = 589.3
 """Wavelength that stands for the visible range where one refractive index must do. [nm]"""
 
 
+PALETTE_STEPS = 95
+"""Wavelengths of a palette's spectra: every 5 nm from 360 to 830 nm."""
+
+
+def is_matt(surface) -> bool:
+    """Tell whether a surface is a diffuse base, with or without a coat, that reflects only."""
+    return isinstance(surface, Coated) or (isinstance(surface, Diffuse) and surface.transmittance is None)
+
+
+def is_plain(surface) -> bool:
+    """Tell whether a surface can join a palette: matt, and the same all over."""
+    return is_matt(surface) and not isinstance(surface.reflectance, ImageTexture)
+
+
+def palette(surfaces: list, make: TextureMaker) -> dict[str, np.ndarray]:
+    """Rows of parameters of plain or textured matt surfaces, as `coated_class` takes them."""
+    coats = [s if isinstance(s, Coated) else Coated(s.reflectance, 1.5, 1.0, 0.0) for s in surfaces]
+    return {
+        "alpha": np.array([alpha(c.roughness) for c in coats]),
+        "eta": np.array([max(c.ior, 1.0001) for c in coats]),
+        "specular": np.array([np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]),
+        "spectra": np.stack([_row_spectrum(c.reflectance, make) for c in coats]),
+    }
+
+
+def _row_spectrum(colour, make: TextureMaker) -> np.ndarray:
+    if isinstance(colour, ImageTexture):
+        return np.zeros(1)
+    return make.spectrum(colour, PALETTE_STEPS)
+
+
+def _coated(surface, make: TextureMaker):
+    """A plug-in of its own, for surfaces with a picture or inside a mixture."""
+    import mitsuba as mi
+
+    made = {"type": "lumenray_coated"}
+    if isinstance(surface.reflectance, ImageTexture):
+        made["reflectance"] = make.picture(surface.reflectance)
+    plugin = mi.load_dict(made)
+    plugin.set_palette(**palette([surface], make))
+    return plugin
+
+
 def alpha(roughness: float) -> float:
     """Width of the microfacet distribution from Blender's roughness. [-]"""
     return max(float(roughness) ** 2, 1e-4)
@@ -32,6 +75,8 @@ def alpha(roughness: float) -> float:
 def bsdf(surface, make: TextureMaker) -> dict:
     """Return the Mitsuba dictionary of a surface; reflecting models act on both sides."""
     match surface:
+        case Diffuse() | Coated() if is_matt(surface):
+            return _coated(surface, make)
         case Diffuse():
             made = {"type": "lumenray_sheet", "reflectance": make.reflectance(surface.reflectance)}
             if surface.transmittance is not None:
@@ -39,8 +84,6 @@ def bsdf(surface, make: TextureMaker) -> dict:
             return made
         case Black():
             return {"type": "lumenray_sheet", "reflectance": number(0.0)}
-        case Coated():
-            return _coated(surface, make)
         case Glossy():
             return _mirror_like(
                 {"material": "none", "specular_reflectance": make.reflectance(surface.reflectance)},
@@ -76,20 +119,6 @@ def _two_sided(made: dict) -> dict:
     return {"type": "twosided", "nested": made}
 
 
-def _coated(surface: Coated, make: TextureMaker) -> dict:
-    made = {
-        "int_ior": max(surface.ior, 1.0001),
-        "diffuse_reflectance": make.reflectance(surface.reflectance),
-        "specular_reflectance": number(np.clip(surface.specular, 0.0, 1.0)),
-        "nonlinear": False,
-    }
-    if surface.roughness < SMOOTH_ROUGHNESS:
-        return _two_sided({"type": "plastic", **made})
-    return _two_sided(
-        {"type": "roughplastic", "distribution": "ggx", "alpha": alpha(surface.roughness), **made}
-    )
-
-
 def _mirror_like(made: dict, roughness, make: TextureMaker) -> dict:
     if isinstance(roughness, ImageTexture):
         width = make.scalar(roughness, power=2.0)
@@ -105,12 +134,21 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
     smooth = surface.roughness < SMOOTH_ROUGHNESS
     tint = make.reflectance(surface.tint)
     if disperses and smooth and is_spectral():
-        return {"type": "lumenray_dispersive", "ior": make.refractive_index(surface.ior), "tint": tint}
+        return {
+            "type": "lumenray_dispersive",
+            "ior": make.refractive_index(surface.ior),
+            "tint": tint,
+        }
     index = float(refractive_index(surface.ior, SODIUM_D))
     made = {"int_ior": max(index, 1.0001), "specular_transmittance": tint}
     if smooth:
         return {"type": "dielectric", **made}
-    return {"type": "roughdielectric", "distribution": "ggx", "alpha": alpha(surface.roughness), **made}
+    return {
+        "type": "roughdielectric",
+        "distribution": "ggx",
+        "alpha": alpha(surface.roughness),
+        **made,
+    }
 
 
 def passes_straight(surface) -> bool:

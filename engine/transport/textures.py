@@ -40,7 +40,9 @@ class TextureMaker:
 
     def __init__(self, light: np.ndarray):
         weight = light * luminous_efficiency()
-        self._weight = weight / weight.sum() if weight.sum() > 0.0 else np.full(len(GRID), 1.0 / len(GRID))
+        self._weight = (
+            weight / weight.sum() if weight.sum() > 0.0 else np.full(len(GRID), 1.0 / len(GRID))
+        )
 
     def reflectance(self, colour) -> dict:
         """Texture of a reflectance or transmittance in [0, 1]."""
@@ -50,6 +52,18 @@ class TextureMaker:
             return number(np.clip(colour.value, 0.0, 1.0))
         values = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
         return table(values) if is_spectral() else number(float(values @ self._weight))
+
+    def spectrum(self, colour, steps: int) -> np.ndarray:
+        """Reflectance at even steps from 360 to 830 nm, or the one photometric value. (steps,) or (1,)"""
+        if isinstance(colour, Constant):
+            values = np.full(steps, np.clip(colour.value, 0.0, 1.0))
+        else:
+            grid = np.linspace(MINIMUM_WAVELENGTH, MAXIMUM_WAVELENGTH, steps)
+            values = np.clip(evaluate_reflectance(colour, grid), 0.0, 1.0)
+        if is_spectral():
+            return values
+        full = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
+        return np.array([float(full @ self._weight)])
 
     def picture(self, texture: ImageTexture, largest: float = 1.0) -> dict:
         """Texture of a picture; three channels are upsampled spectrally by Mitsuba (`srgb_model`)."""
@@ -63,7 +77,9 @@ class TextureMaker:
             "raw": raw,
             "format": "fp16" if pixels.size > 1 << 22 else "variant",
             "filter_type": "nearest" if texture.interpolation == "closest" else "bilinear",
-            "wrap_mode": {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}[texture.extension],
+            "wrap_mode": {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}[
+                texture.extension
+            ],
             "to_uv": mi.ScalarTransform3f(
                 [list(row) for row in np.asarray(texture.transform, dtype=np.float64)]
             ),

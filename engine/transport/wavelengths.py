@@ -30,7 +30,9 @@ class WavelengthSampler:
         if base is None:
             base = functions.sum(axis=1) + 0.5 * ((GRID >= 380.0) & (GRID <= 780.0))
         density = base * light if np.any(base * light > 0.0) else base
-        density = (1.0 - DEFENSIVE_SHARE) * density / density.sum() + DEFENSIVE_SHARE * base / base.sum()
+        density = (
+            1.0 - DEFENSIVE_SHARE
+        ) * density / density.sum() + DEFENSIVE_SHARE * base / base.sum()
         # Piecewise constant over cells of 1 nm centred on the grid, so that weights can be tabulated exactly.
         density = np.maximum(density, 1e-7)
         density /= density.sum()
@@ -48,7 +50,9 @@ class WavelengthSampler:
         for k in range(4):
             v = u + 0.25 * k
             v = dr.select(v >= 1.0, v - 1.0, v)
-            cell = dr.binary_search(0, len(GRID), lambda i, v=v: dr.gather(mi.Float, self._cdf, i) <= v)
+            cell = dr.binary_search(
+                0, len(GRID), lambda i, v=v: dr.gather(mi.Float, self._cdf, i) <= v
+            )
             cell = dr.clip(mi.Int32(cell) - 1, 0, len(GRID) - 1)
             cell = mi.UInt32(cell)
             low = dr.gather(mi.Float, self._cdf, cell)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class Part:
     uvs: np.ndarray | None = None
 
     def moved(self, x=0.0, y=0.0, z=0.0):
-        """Return the part shifted by a vector. [m]"""
+        """Return the part shifted by a vector, lengths in metres."""
         return Part(self.points + np.array([x, y, z], dtype=float), self.faces, self.uvs)
 
     def turned(self, axis, degrees):
@@ -44,11 +45,11 @@ class Part:
 
 
 def signed_volume(part):
-    """Return the volume a closed part encloses, negative if its normals point inwards. [m3]"""
+    """Return the volume a closed part encloses, negative if its normals point inwards, in m3."""
     volume = 0.0
     for face in part.faces:
         first = part.points[face[0]]
-        for a, b in zip(face[1:-1], face[2:], strict=True):
+        for a, b in pairwise(face[1:]):
             volume += np.dot(first, np.cross(part.points[a], part.points[b]))
     return volume / 6.0
 
@@ -192,7 +193,7 @@ def lathe(profile, segments=32):
         else:
             rings.append(list(range(len(points), len(points) + segments)))
             points += [(r * math.cos(a), r * math.sin(a), z) for a in angles]
-    pairs = list(zip(rings[:-1], rings[1:], strict=True))
+    pairs = list(pairwise(rings))
     if profile[0][0] != 0.0:
         pairs.append((rings[-1], rings[0]))
     faces = []
@@ -243,7 +244,7 @@ def tube(path, radius, segments=12, closed=False):
 
 
 def prism(outline, height):
-    """Return a plane outline ``(n, 2)`` raised along z from 0 to ``height``. [m]"""
+    """Return a plane outline ``(n, 2)`` raised along z from 0 to ``height``, lengths in metres."""
     n = len(outline)
     points = [(x, y, 0.0) for x, y in outline] + [(x, y, height) for x, y in outline]
     faces = [tuple(reversed(range(n))), tuple(range(n, 2 * n))]
@@ -252,7 +253,7 @@ def prism(outline, height):
 
 
 def sphere(radius, segments=32, rings=16):
-    """Return a sphere about the origin. [m]"""
+    """Return a sphere about the origin, lengths in metres."""
     angles = np.pi * np.arange(rings + 1) / rings - np.pi / 2
     profile = [(radius * math.cos(a), radius * math.sin(a)) for a in angles]
     profile[0], profile[-1] = (0.0, -radius), (0.0, radius)
@@ -260,7 +261,7 @@ def sphere(radius, segments=32, rings=16):
 
 
 def cylinder(radius, height, segments=24, bevel=0.0):
-    """Return an upright cylinder that stands on z = 0, its edges chamfered by ``bevel``. [m]"""
+    """Return an upright cylinder on z = 0 with edges chamfered by ``bevel``, in metres."""
     if bevel == 0.0:
         return lathe([(0.0, 0.0), (radius, 0.0), (radius, height), (0.0, height)], segments)
     inner = radius - bevel
@@ -269,7 +270,7 @@ def cylinder(radius, height, segments=24, bevel=0.0):
 
 
 def curve(points, samples=8):
-    """Return a smooth path (Catmull-Rom) through ``(n, 3)`` points, ends included. [m]"""
+    """Return a smooth path (Catmull-Rom) through ``(n, 3)`` points, ends included."""
     points = np.asarray(points, dtype=float)
     padded = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])
     path = []

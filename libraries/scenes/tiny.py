@@ -18,7 +18,7 @@ def _matt(name, reflectance):
 
 
 def _square(side):
-    """Return a square about the origin, facing up. [m]"""
+    """Return a square about the origin, facing up, its side in metres."""
     return quad((-side / 2, -side / 2, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))
 
 
@@ -118,7 +118,7 @@ def build_materials():
         colour_temperature=5500.0,
     )
     sun.data.angle = np.radians(0.53)
-    sun.rotation_euler = np.radians((40.0, 25.0, 0.0))
+    sun.rotation_euler = np.radians((-35.0, 0.0, 50.0))
     staging.set_sky((0.85, 0.93, 1.0), 1500.0)
     staging.new_camera((0.0, -2.6, 1.1), (72.0, 0.0, 0.0), lens=40.0)
     staging.set_render(480, 320, 4000.0)

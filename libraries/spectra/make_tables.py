@@ -58,8 +58,7 @@ def main():
         sd = table[name]
         columns.append(np.interp(grid, sd.wavelengths, sd.values, left=0.0, right=0.0))
     rows = [
-        (int(nm), *(f"{v:.6g}" for v in values))
-        for nm, *values in zip(grid, *columns, strict=True)
+        (int(nm), *(f"{v:.6g}" for v in values)) for nm, *values in zip(grid, *columns, strict=True)
     ]
     write("illuminants.csv", ("nm", *ILLUMINANTS), rows)
 

@@ -1,6 +1,5 @@
 """The shell of the office: masonry, finished surfaces to bake, window, door, radiator, vent."""
 
-
 import numpy as np
 
 from .. import textures
@@ -194,7 +193,7 @@ def _door(palette, collection):
     face, y, z = x + 0.019, y1 - 0.09, 1.03
     rose = cylinder(0.026, 0.008, 32, 0.002).turned("y", -90.0)
     knob = [
-        (face, y, z),
+        (face - 0.006, y, z),
         (face - 0.035, y, z),
         (face - 0.05, y - 0.012, z),
         (face - 0.052, y - 0.12, z),
@@ -290,9 +289,7 @@ def _switches(palette, collection):
         y = 0.0815 * k
         socket.add(palette["White Lacquer"], plate.moved(y=y))
         ring = lathe([(0.017, 0.0), (0.022, 0.0), (0.022, 0.0025), (0.017, 0.0025)], 24)
-        socket.add(
-            palette["White Lacquer"], ring.turned("y", -90.0).moved(-0.0035, y, 0.0)
-        )
+        socket.add(palette["White Lacquer"], ring.turned("y", -90.0).moved(-0.0035, y, 0.0))
         holes = [
             cylinder(0.0025, 0.001, 12).turned("y", -90.0).moved(-0.0035, y + s * 0.0095)
             for s in (-1, 1)

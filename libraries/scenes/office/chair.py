@@ -17,7 +17,7 @@ def _seat():
         points[:, 0] *= 1.0 - 0.12 * np.maximum(0.0, -y / 0.24)
         return points
 
-    cushion = rounded_box((0.50, 0.48, 0.075), 0.034, segments=4, divisions=8)
+    cushion = rounded_box((0.50, 0.48, 0.075), 0.034, segments=3, divisions=7)
     return cushion.warped(shape).moved(z=0.475)
 
 
@@ -29,7 +29,7 @@ def _back():
         points[:, 0] *= 1.0 - 0.14 * ((z + 0.1) / 0.29) ** 2
         return points
 
-    cushion = rounded_box((0.47, 0.055, 0.58), 0.026, segments=4, divisions=8)
+    cushion = rounded_box((0.47, 0.055, 0.58), 0.026, segments=3, divisions=7)
     return cushion.warped(shape).moved(y=-0.275, z=0.86)
 
 

@@ -21,7 +21,7 @@ def _screen_parts(rng):
     xs = [0.0, 0.045, 0.060, 0.335, 0.350, 0.513, width]
     zs = [0.0, 0.020]
     lines = np.linspace(0.034, 0.266, 19)
-    zs += lines.tolist() + [0.280, height]
+    zs += [*lines.tolist(), 0.280, height]
     pages, dark = [], []
     for j in range(len(zs) - 1):
         text = 2 <= j < len(zs) - 3
@@ -116,7 +116,7 @@ def _mouse(name, palette, collection, desk):
     mat = rounded_box((0.22, 0.18, 0.003), 0.0014, segments=2).moved(0.0, 0.0, 0.0015)
     item = Assembly().add(palette["Grey Plastic"], shell.moved(z=0.0033))
     item.add(palette["Rubber"], wheel.moved(z=0.002)).add(palette["Book Charcoal"], mat)
-    item.build(name, collection, on_desk(desk, -0.29, 0.17), PLACES[desk][1] + 4.0)
+    item.build(name, collection, on_desk(desk, -0.33, 0.17), PLACES[desk][1] + 4.0)
 
 
 def _papers(palette, collection):
@@ -132,11 +132,11 @@ def _papers(palette, collection):
     pages = box((0.142, 0.204, 0.009), (0.002, 0.0, 0.0072))
     lid = rounded_box((0.148, 0.210, 0.0025), 0.001).moved(z=0.0133)
     note.add(palette["Paper"], pages).add(palette["Book Blue"], lid)
-    note.build("Notebook", collection, on_desk("A", -0.46, 0.18), PLACES["A"][1] - 12.0)
+    note.build("Notebook", collection, on_desk("A", -0.62, 0.10), PLACES["A"][1] - 12.0)
 
     pen = tube([(0, -0.07, 0), (0, 0.055, 0), (0, 0.07, 0)], (0.0042, 0.0042, 0.0012), 16)
     ball = Assembly().add(palette["Book Red"], pen.moved(z=0.0193))
-    ball.build("Pen", collection, on_desk("A", -0.46, 0.18), PLACES["A"][1] + 28.0)
+    ball.build("Pen", collection, on_desk("A", -0.62, 0.10), PLACES["A"][1] + 28.0)
 
 
 def _pen_cup(palette, collection):

@@ -47,20 +47,22 @@ def _house(palette, collection):
 
 
 def _tree(palette, collection, name, location, rng):
-    trunk = tube([(0, 0, 0), (0.05, 0.0, 1.2), (0.0, 0.04, 2.6)], (0.14, 0.10, 0.07), 12)
+    trunk = tube(
+        [(0, 0, 0), (0, 0, 0.2), (0.05, 0.0, 1.2), (0.0, 0.04, 2.6)], (0.15, 0.14, 0.10, 0.07), 12
+    )
     tree = Assembly().add(palette["Stem"], trunk)
-    for _ in range(9):
-        angle, reach = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(0.2, 0.9)
-        size = rng.uniform(0.55, 0.9)
+    for _ in range(15):
+        angle, reach = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(0.2, 1.15)
+        size = rng.uniform(0.35, 0.65)
         ripple = rng.uniform(0.0, 6.0, 3)
 
         def crumple(points, size=size, ripple=ripple):
-            wave = np.sin(points * 7.0 / size + ripple).sum(axis=1, keepdims=True)
-            return points * (1.0 + 0.05 * wave)
+            wave = np.sin(points * 6.0 / size + ripple).sum(axis=1, keepdims=True)
+            return points * (1.0 + 0.08 * wave)
 
-        crown = sphere(size, 20, 12).warped(crumple)
-        at = (reach * math.cos(angle), reach * math.sin(angle), rng.uniform(2.5, 3.9))
-        tree.add(palette["Leaf"], crown.moved(*at))
+        crown = sphere(size, 16, 10).warped(crumple)
+        at = (reach * math.cos(angle), reach * math.sin(angle), rng.uniform(2.3, 4.2))
+        tree.add(palette["Foliage"], crown.moved(*at))
     tree.build(name, collection, location)
 
 

@@ -1,6 +1,7 @@
 """Desks with drawers, cable tray, shelf and sideboard."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,19 +31,19 @@ SHELF_LEVELS = (0.080, 0.450, 0.820, 1.190, 1.560)
 SIDEBOARD = (0.74, 0.42, 0.76)
 """Width, depth and height of the sideboard. [m]"""
 
-SIDEBOARD_Y = 3.32
+SIDEBOARD_Y = 3.25
 """Middle of the sideboard along the east wall. [m]"""
 
 
 def on_desk(desk, x, y, z=0.0):
-    """Return the world position of a point on a desk, given in the desk's own axes. [m]"""
+    """Return the world position of a point stated in a desk's own axes, in metres."""
     (cx, cy), turn = PLACES[desk]
     c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
     return (cx + c * x - s * y, cy + s * x + c * y, DESK[2] + room.REST + z)
 
 
 def against_east(depth, y):
-    """Return where the middle of a piece stands with its back to the east wall. [m]"""
+    """Return the place of a piece with its back to the east wall, in metres."""
     return (room.WIDTH - 0.016 - depth / 2, y, 0.0)
 
 
@@ -86,7 +87,7 @@ def _drawers(name, palette, collection):
     body = rounded_box((width, depth, high - low), 0.004, (0.0, 0.0, (low + high) / 2))
     cabinet.add(palette["White Lacquer"], body)
     levels = (low + 0.004, low + 0.25, low + 0.40, high - 0.004)
-    for bottom, top in zip(levels, levels[1:], strict=False):
+    for bottom, top in pairwise(levels):
         front = rounded_box((width - 0.006, 0.018, top - bottom - 0.004), 0.003)
         middle = (bottom + top) / 2
         cabinet.add(palette["White Lacquer"], front.moved(0.0, depth / 2 + 0.0095, middle))
@@ -112,6 +113,8 @@ def _cable_tray(palette, collection):
         (0.0, 0.0015),
         lambda i, j, _: i in (0, 3) or j % 2 == 0,
     )
+    # The brackets end right under the rails of the two desks.
+    level = DESK[2] - TOP - 0.1055
     tray = Assembly().add(palette["White Steel"], floor)
     for x in (-0.0607, 0.0607):
         tray.add(palette["White Steel"], box((0.0012, 1.24, 0.07), (x, 0.0, 0.035)))
@@ -123,9 +126,11 @@ def _cable_tray(palette, collection):
         points = np.array(points) + rng.uniform(-0.005, 0.005, (7, 3)) * (1, 1, 0)
         tray.add(palette["Rubber"], tube(curve(points, 4), 0.0035, 8))
     drop = [(0.0, 0.58, 0.006), (0.0, 0.645, 0.03), (0.0, 0.665, -0.12), (0.0, 0.65, -0.40)]
-    drop += [(0.02, 0.66, -0.63), (0.06, 0.74, -0.6355), (0.09, 1.0, -0.6355)]
+    floor = 0.0045 - level
+    drop += [(0.0, 0.665, floor + 0.03), (0.01, 0.70, floor + 0.006), (0.03, 0.80, floor)]
+    drop += [(0.05, 1.00, floor), (0.06, 1.25, floor)]
     tray.add(palette["Rubber"], tube(curve(drop, 6), 0.004, 8))
-    at = (2.80, PLACES["A"][0][1], DESK[2] - TOP - 0.075)
+    at = (2.80, PLACES["A"][0][1], level)
     tray.build("Cable Tray", collection, at)
 
 
@@ -146,7 +151,7 @@ def _shelf(palette, collection):
 
 
 def plinth_height():
-    """Return the middle of the shelf's plinth above the floor. [m]"""
+    """Return the middle of the shelf's plinth above the floor, in metres."""
     return (SHELF_LEVELS[0] - 0.022) / 2
 
 

@@ -72,7 +72,10 @@ def _desk_lamp(palette, collection):
     shade = lathe([*outer, (0.024, 0.120), *inner, (0.0978, 0.0)], 64)
     # The faces follow the profile: first the enamel outside, then the rims and the white inside.
     outside = 64 * (len(outer) - 1)
-    for name, faces in (("Lamp Green", shade.faces[:outside]), ("Porcelain", shade.faces[outside:])):
+    for name, faces in (
+        ("Lamp Green", shade.faces[:outside]),
+        ("Porcelain", shade.faces[outside:]),
+    ):
         lamp.add(palette[name], Part(shade.points, faces).moved(*at))
     socket = [(0.0, 0.100), (0.015, 0.100), (0.019, 0.104), (0.0235, 0.112), (0.0265, 0.1215)]
     socket += [(0.0265, 0.132), (0.018, 0.142), (0.010, 0.150), (0.0, 0.150)]
@@ -81,7 +84,10 @@ def _desk_lamp(palette, collection):
         (0.0, -0.085, 0.008),
         (0.0, -0.12, 0.004),
         (0.03, -0.15, 0.0035),
-        (0.05, -0.172, 0.0035),
+        # It disappears in the joint of the two desks.
+        (0.05, -0.175, 0.0045),
+        (0.05, -0.188, -0.004),
+        (0.05, -0.190, -0.080),
     ]
     lamp.add(palette["Rubber"], tube(curve(cord, 6), 0.003, 8))
     desk, x, y = LAMP_AT

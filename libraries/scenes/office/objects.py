@@ -11,7 +11,7 @@ from .furniture import SHELF, SHELF_LEVELS, SHELF_Y, SIDEBOARD, SIDEBOARD_Y, aga
 
 
 def _on_sideboard(x, y):
-    """Return a place on the sideboard: ``x`` to its left, ``y`` to its front. [m]"""
+    """Return a place on the sideboard: ``x`` to its left, ``y`` to its front, in metres."""
     at = against_east(SIDEBOARD[1], SIDEBOARD_Y)
     return (at[0] - y, at[1] + x, SIDEBOARD[2] + 2 * room.REST)
 
@@ -108,7 +108,10 @@ def _basket(palette, collection):
         basket.add(palette["Black Plastic"], bar.turned("z", 360.0 * k / bars))
     rng = np.random.default_rng(67)
     for x, y, z in (
-        ((0.03, 0.02, 0.045), (-0.045, 0.01, 0.045), (0.0, -0.045, 0.046), (0.0, 0.01, 0.11))
+        (0.03, 0.02, 0.045),
+        (-0.045, 0.01, 0.045),
+        (0.0, -0.045, 0.046),
+        (0.0, 0.01, 0.11),
     ):
         ripple = rng.uniform(0.0, 6.0, 3)
 
@@ -131,8 +134,8 @@ def _coat_hooks(palette, collection):
             (x, -0.072, 0.02),
             (x, -0.075, 0.042),
         ]
-        rail.add(palette["Brushed Steel"], tube(curve(path, 6), 0.0045, 12))
-        knob = sphere(0.008, 20, 12).moved(x, -0.075, 0.047)
+        rail.add(palette["Brushed Steel"], tube(curve(path, 4), 0.0045, 12))
+        knob = sphere(0.008, 14, 8).moved(x, -0.075, 0.047)
         plate = cylinder(0.016, 0.003, 28, 0.001).turned("x", 90.0).moved(x, -0.0178, 0.012)
         rail.add(palette["Brushed Steel"], knob, plate)
     rail.build("Coat Hooks", collection, (room.WIDTH - 0.0005, 1.66, 1.70), -90.0)
@@ -166,7 +169,7 @@ def _bowl(palette, collection):
 def build_objects(palette, collection):
     """Build the small things that stand and hang about."""
     _mug("Mug A", "Blue Glaze", palette, collection, on_desk("A", 0.40, 0.12), 40.0)
-    _mug("Mug B", "Porcelain", palette, collection, on_desk("B", -0.42, 0.10), 200.0)
+    _mug("Mug B", "Porcelain", palette, collection, on_desk("B", -0.58, 0.04), 200.0)
     _mug("Mug C", "Book Ochre", palette, collection, _on_sideboard(-0.02, -0.08), 120.0)
     _carafe(palette, collection)
     _clock(palette, collection)

@@ -10,7 +10,7 @@ from . import room
 
 
 def leaf(length, width, droop, fold=0.25):
-    """Return one pointed leaf that grows from the origin along +y and droops. [m]"""
+    """Return one pointed leaf that grows from the origin along +y and droops, in metres."""
     rows, columns = 9, 3
     points, faces = [], []
     for i in range(rows + 1):
@@ -49,6 +49,13 @@ def _soil(radius, height):
     return lathe([(0.0, 0.72 * height), *rim, (0.0, 0.85 * height)], 40)
 
 
+def _is_clear(part):
+    """Return whether a leaf of the floor plant keeps off the walls and the sideboard."""
+    x, y, z = part.points.T
+    beside = (y < -0.18) & (z < 0.82)
+    return x.max() < 0.40 and y.max() < 0.34 and not beside.any()
+
+
 def build_floor_plant(palette, collection):
     """Build a rubber plant of a man's height in the corner beside the window."""
     rng = np.random.default_rng(83)
@@ -72,9 +79,11 @@ def build_floor_plant(palette, collection):
             blade = leaf(size, 0.46 * size, rng.uniform(0.5, 1.1))
             pitch = 20.0 + 35.0 * t + rng.uniform(-10.0, 10.0)
             stalk = tube([(0, 0, 0), (0, 0.02, 0), (0, 0.045, 0)], 0.0022, 6)
-            plant.add(palette["Stem"], _place(stalk, direction, pitch, at))
-            plant.add(palette["Leaf"], _place(blade.moved(y=0.04), direction, pitch, at))
-    at = (room.WIDTH - 0.46, room.DEPTH - 0.40, room.REST)
+            placed = _place(blade.moved(y=0.04), direction, pitch, at)
+            if _is_clear(placed):
+                plant.add(palette["Stem"], _place(stalk, direction, pitch, at))
+                plant.add(palette["Leaf"], placed)
+    at = (room.WIDTH - 0.42, room.DEPTH - 0.37, room.REST)
     plant.build("Rubber Plant", collection, at)
 
 

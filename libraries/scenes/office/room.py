@@ -41,5 +41,5 @@ REST = 0.0003
 
 
 def panel_centers():
-    """Return the (x, y) centres of the LED panels. [m]"""
+    """Return the (x, y) centres of the LED panels, in metres."""
     return [((i + 0.5) * MODULE, (j + 0.5) * MODULE) for i, j in PANEL_CELLS]

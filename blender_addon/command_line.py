@@ -1,0 +1,510 @@
+"""The command ``lumenray``: pictures, lux maps and sensor readings of a .blend file, without a window."""
+
+import argparse
+import os
+import shutil
+import sys
+import time
+from pathlib import Path
+
+EPILOG = """examples:
+  lumenray render office.blend -o office.exr --samples 128
+  lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --density 20 --error 0.01
+  lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.005
+
+All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
+"""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Describe the command line."""
+    parser = argparse.ArgumentParser(
+        prog="lumenray",
+        description="Lighting of Blender scenes in real units, with a stated error.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    render = commands.add_parser("render", help="render the scene's camera to an OpenEXR file")
+    _add_scene(render)
+    render.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT.exr",
+        help="linear picture; a .png for looking and a .json report are written beside it",
+    )
+    render.add_argument(
+        "--size", type=_size, metavar="WxH", help="picture size in pixels (default: the scene's)"
+    )
+    render.add_argument(
+        "--spectral",
+        type=int,
+        metavar="BANDS",
+        default=0,
+        help="also write a spectral OpenEXR with this many bands from 380 to 780 nm",
+    )
+    render.add_argument(
+        "--illuminance",
+        action="store_true",
+        help="also compute the illuminance of the visible surfaces [lx]",
+    )
+    _add_rule(render, "pixel")
+
+    bake = commands.add_parser("bake", help="compute lux maps of objects")
+    _add_scene(bake)
+    bake.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="DIR",
+        help="folder for maps (.exr in lx, .png in false colours) and report.json",
+    )
+    bake.add_argument(
+        "--objects",
+        default="",
+        metavar="A,B",
+        help="objects by name (default: the collection 'Bake', else all meshes)",
+    )
+    bake.add_argument(
+        "--density",
+        type=float,
+        metavar="LUMELS_PER_METRE",
+        help="resolution on the surface (default: the scene's)",
+    )
+    bake.add_argument(
+        "--save",
+        type=Path,
+        metavar="F.blend",
+        help="save the file with UV maps and images to this place",
+    )
+    _add_rule(bake, "lumel")
+
+    measure = commands.add_parser("measure", help="illuminance at sensors from a list")
+    _add_scene(measure)
+    measure.add_argument(
+        "--sensors",
+        required=True,
+        type=Path,
+        metavar="IN.csv",
+        help="x,y,z,nx,ny,nz in metres; the normal is where the sensor faces",
+    )
+    measure.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT.csv",
+        help="the same columns and illuminance_lx, standard_error_lx",
+    )
+    _add_rule(measure, "sensor")
+
+    demo = commands.add_parser("demo", help="render and bake the bundled office")
+    demo.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out"),
+        metavar="DIR",
+        help="folder for the results (default: out)",
+    )
+    return parser
+
+
+def _add_scene(parser) -> None:
+    parser.add_argument("file", type=Path, metavar="F.blend", help="Blender file")
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help="same seed, same result (default: the scene's)"
+    )
+    parser.add_argument(
+        "--transport",
+        choices=("auto", "mono", "spectral"),
+        help="photometric or spectral computation (default: the scene's)",
+    )
+
+
+def _add_rule(parser, per: str) -> None:
+    rule = parser.add_argument_group("when to stop (default: as the scene says)")
+    rule.add_argument("--samples", type=int, metavar="N", help=f"paths per {per}")
+    rule.add_argument(
+        "--error", type=float, metavar="E", help="relative standard error, 0.01 is 1 %%"
+    )
+    rule.add_argument("--time", type=float, metavar="S", help="seconds")
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+        raise argparse.ArgumentTypeError(f"expected WIDTHxHEIGHT such as 640x400, found '{text}'")
+    return int(width), int(height)
+
+
+def main(arguments=None) -> int:
+    """Run the command; 0 on success, 1 with one line on standard error on any failure."""
+    options = build_parser().parse_args(arguments)
+    from ..engine.errors import LumenrayError
+
+    try:
+        return {"render": _render, "bake": _bake, "measure": _measure, "demo": _demo}[
+            options.command
+        ](options)
+    except LumenrayError as error:
+        print(f"lumenray: {error}", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("lumenray: stopped", file=sys.stderr)
+    return 1
+
+
+# ---- Blender ----
+
+
+def _open(path: Path):
+    """Open a .blend file and return its evaluated dependency graph."""
+    from ..engine.errors import LumenrayError
+
+    try:
+        import bpy
+    except ImportError as error:
+        raise LumenrayError(
+            f"Blender's Python module cannot be loaded ({error}); run 'make setup'"
+        ) from None
+    from . import registry
+
+    if not path.is_file():
+        raise LumenrayError(f"{path}: no such file")
+    registry.register()
+    try:
+        with _quiet():
+            bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        raise LumenrayError(f"{path}: Blender cannot open it ({str(error).strip()})") from None
+    return bpy.context.evaluated_depsgraph_get()
+
+
+class _quiet:
+    """Keeps what Blender prints on its own off the terminal."""
+
+    def __enter__(self):
+        sys.stdout.flush()
+        self._kept = os.dup(1)
+        self._null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(self._null, 1)
+
+    def __exit__(self, *_):
+        os.dup2(self._kept, 1)
+        os.close(self._kept)
+        os.close(self._null)
+
+
+class _Bar:
+    """Progress on a terminal; silent when nobody watches."""
+
+    def __init__(self, title: str):
+        self.title = title
+        self.alive = sys.stderr.isatty() and not os.environ.get("CI")
+
+    def __call__(self, progress, _preview=None):
+        if not self.alive:
+            return
+        width = min(30, max(shutil.get_terminal_size().columns - 60, 5))
+        full = int(progress.done * width)
+        line = f"\r{self.title} [{'#' * full}{'.' * (width - full)}] {int(100 * progress.done):3d} %  {progress.text()}"
+        print(
+            line[: shutil.get_terminal_size().columns - 1].ljust(
+                shutil.get_terminal_size().columns - 1
+            ),
+            end="",
+            file=sys.stderr,
+        )
+
+    def close(self):
+        """Leave a clean line."""
+        if self.alive:
+            print(
+                "\r" + " " * (shutil.get_terminal_size().columns - 1) + "\r",
+                end="",
+                file=sys.stderr,
+            )
+
+
+def _rule(options, kind, samples, error, seconds):
+    from ..engine.accuracy.stopping import StopRule
+    from .render_engine import stop_rule
+
+    if options.samples is None and options.error is None and options.time is None:
+        return stop_rule(kind, samples, error, seconds)
+    return StopRule(options.samples, options.error, options.time)
+
+
+def _transport(options, settings) -> str:
+    return options.transport or settings.transport.lower()
+
+
+def _print_conversion(report) -> None:
+    rows = report.rows
+    if not rows:
+        return
+    print(f"{len(rows)} things were not taken over as they are (all in the report):")
+    for row, count in rows[:8]:
+        times = f" ({count} times)" if count > 1 else ""
+        print(f"  {row.severity.value}: {row.datablock}: {row.message}; {row.remedy}{times}")
+
+
+# ---- commands ----
+
+
+def _render(options) -> int:
+    depsgraph = _open(options.file)
+    _render_open(options, depsgraph)
+    return 0
+
+
+def _render_open(options, depsgraph):
+    """Render the open file and write picture, preview and report. Returns the picture."""
+    from dataclasses import replace
+
+    from ..engine.analysis.false_colour import write_display
+    from ..engine.errors import LumenrayError
+    from ..engine.formats import exr
+    from ..engine.formats.report import compose, write_json
+    from ..engine.photometry.colour import automatic_white, scene_linear
+    from ..engine.session import Session
+    from .properties import white_luminance
+    from .render_engine import view_settings, write_spectral
+    from .sync.scene import convert_scene
+
+    scene = depsgraph.scene
+    settings = scene.lumenray
+    if options.size:
+        scene.render.resolution_x, scene.render.resolution_y = options.size
+        scene.render.resolution_percentage = 100
+    converted = convert_scene(depsgraph)
+    if converted.camera is None:
+        raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
+    wanted = replace(
+        view_settings(settings),
+        rule=_rule(options, settings.stop, settings.samples, settings.error, settings.time),
+        seed=settings.seed if options.seed is None else options.seed,
+        transport=_transport(options, settings),
+        illuminance=options.illuminance or settings.use_pass_illuminance,
+        bands=options.spectral or (settings.spectral_bands if settings.use_spectral_file else 0),
+    )
+    session = Session()
+    session.apply(converted.delta)
+    bar = _Bar("render")
+    picture = session.render(converted.camera, wanted, bar)
+    bar.close()
+    white = white_luminance(settings) or automatic_white(picture.tristimulus[..., 1])
+    linear = scene_linear(picture.tristimulus, white)
+    channels = {name: linear[..., i] for i, name in enumerate("RGB")}
+    channels |= {
+        "Luminance.Y": picture.tristimulus[..., 1],
+        "Luminance.error": picture.luminance_error,
+        "Depth.Z": picture.depth,
+        **{f"Normal.{name}": picture.normal[..., i] for i, name in enumerate("XYZ")},
+        "IndexOB.X": picture.object_index,
+        "IndexMA.X": picture.material_index,
+    }
+    if picture.illuminance is not None:
+        channels |= {
+            "Illuminance.X": picture.illuminance,
+            "Illuminance.error": picture.illuminance_error,
+        }
+    # whiteLuminance is OpenEXR's standard attribute: the luminance of (1, 1, 1).
+    exr.write_channels(
+        options.output,
+        channels,
+        {"whiteLuminance": white, "sceneHash": picture.provenance.scene_hash},
+    )
+    write_display(options.output.with_suffix(".png"), linear)
+    if picture.bands is not None:
+        write_spectral(options.output.with_name(options.output.stem + "_spectral.exr"), picture)
+    luminance = picture.tristimulus[..., 1]
+    row = {
+        "name": scene.camera.name,
+        "quantity": "luminance",
+        "unit": "cd/m2",
+        "mean": float(luminance.mean()),
+        "minimum": float(luminance.min()),
+        "maximum": float(luminance.max()),
+        "relative_standard_error": picture.relative_error,
+        "samples": picture.provenance.samples,
+    }
+    content = compose(
+        options.file.name,
+        picture.provenance,
+        picture.provenance.seconds,
+        [row],
+        converted.report.to_dicts(),
+    )
+    write_json(options.output.with_suffix(".json"), content)
+    _print_conversion(converted.report)
+    print(
+        f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
+        f"mean luminance {row['mean']:.4g} cd/m2, picture error {100 * picture.relative_error:.2f} %, white = {white:.4g} cd/m2"
+    )
+    return picture
+
+
+def _bake(options) -> int:
+    import bpy
+
+    depsgraph = _open(options.file)
+    job = _bake_open(options, depsgraph)
+    if options.save is not None:
+        from . import bake
+
+        bake.store(job)
+        with _quiet():
+            bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
+    _print_conversion(job.report)
+    print_table(job.maps)
+    print(f"written to {options.output}")
+    return 0
+
+
+def _bake_open(options, depsgraph):
+    """Bake objects of the open file. Returns the finished job."""
+    from . import bake
+
+    settings = depsgraph.scene.lumenray
+    density = options.density
+    objects = _chosen(options, depsgraph.scene)
+    job = bake.prepare(
+        depsgraph,
+        objects,
+        bake.BakeSettings(
+            density=settings.bake_density if density is None else density,
+            largest=settings.bake_size,
+            margin=settings.bake_margin,
+            rule=_rule(
+                options,
+                settings.bake_stop,
+                settings.bake_samples,
+                settings.bake_error,
+                settings.bake_time,
+            ),
+            seed=settings.seed if options.seed is None else options.seed,
+            transport=_transport(options, settings),
+            folder=options.output,
+            densities={}
+            if density
+            else {o.name_full: o.lumenray.density for o in objects if o.lumenray.density > 0.0},
+        ),
+    )
+    bar = _Bar("bake")
+    job.run(bar)
+    bar.close()
+    return job
+
+
+def _chosen(options, scene) -> list:
+    from ..engine.errors import LumenrayError
+    from .bake import bakeable
+
+    if options.objects:
+        names = [name.strip() for name in options.objects.split(",") if name.strip()]
+        missing = [name for name in names if name not in scene.objects]
+        if missing:
+            raise LumenrayError(
+                f"{options.file}: the scene has no object named {', '.join(missing)}"
+            )
+        return [scene.objects[name] for name in names]
+    for collection in scene.collection.children_recursive:
+        if collection.name == "Bake":
+            return bakeable(collection.all_objects)
+    return bakeable(scene.objects)
+
+
+def _measure(options) -> int:
+    from ..engine.formats.sensors import read_sensors, write_measurements
+    from ..engine.session import Session
+    from .sync.scene import convert_scene
+
+    sensors = read_sensors(options.sensors)
+    depsgraph = _open(options.file)
+    settings = depsgraph.scene.lumenray
+    converted = convert_scene(depsgraph)
+    session = Session()
+    session.apply(converted.delta)
+    bar = _Bar("measure")
+    made = session.measure(
+        sensors[:, :3],
+        sensors[:, 3:],
+        _rule(
+            options,
+            settings.bake_stop,
+            max(settings.bake_samples, 1024),
+            settings.bake_error,
+            settings.bake_time,
+        ),
+        settings.seed if options.seed is None else options.seed,
+        _transport(options, settings),
+        bar,
+    )
+    bar.close()
+    write_measurements(options.output, sensors, made.illuminance, made.standard_error)
+    _print_conversion(converted.report)
+    print(
+        f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
+    )
+    return 0
+
+
+def _demo(options) -> int:
+    from ..engine.formats.report import compose, quantity_of_map, write_json
+    from ..libraries import scenes
+
+    start = time.perf_counter()
+    path = scenes.scene_path("office")
+    depsgraph = _open(path)
+    common = {
+        "file": path,
+        "seed": None,
+        "transport": None,
+        "samples": None,
+        "error": None,
+        "time": None,
+    }
+    view = argparse.Namespace(
+        **common, output=options.output / "office.exr", size=None, spectral=0, illuminance=False
+    )
+    print(f"Rendering {path.name}, a bundled office, with the Lumenray engine")
+    _render_open(view, depsgraph)
+    lux = argparse.Namespace(**common, output=options.output, objects="", density=None)
+    job = _bake_open(lux, depsgraph)
+    print_table(job.maps)
+    seconds = time.perf_counter() - start
+    content = compose(
+        path.name,
+        job.maps[0].provenance,
+        seconds,
+        [quantity_of_map(m) for m in job.maps],
+        job.report.to_dicts(),
+    )
+    write_json(options.output / "report.json", content)
+    print(
+        f"{seconds:.0f} s. Look at {options.output}/office.png and {options.output}/illuminance_atlas.png"
+    )
+    return 0
+
+
+def print_table(maps) -> None:
+    """Print mean, minimum and maximum illuminance per surface."""
+    width = max(len("surface"), *(len(made.name) for made in maps))
+    print(
+        f"{'surface':<{width}}  {'mean lx':>16}  {'min lx':>8}  {'max lx':>8}  {'map error':>9}  {'lumels':>8}"
+    )
+    for made in maps:
+        mean = f"{made.mean:.1f} ± {made.mean_standard_error:.2f}"
+        print(
+            f"{made.name:<{width}}  {mean:>16}  {made.minimum:8.1f}  {made.maximum:8.1f}  "
+            f"{100 * made.relative_standard_error:8.2f}%  {int(made.covered.sum()):8d}"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,211 @@
+"""What Lumenray tells the user: engine status, running job, conversion report and results.
+
+Kept in ``window_manager.lumenray``, on Blender's main thread. It belongs to the session, not to the file.
+"""
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import PropertyGroup
+
+from ..engine.session import LuxMap
+from .probe import Probe
+from .report import ConversionReport
+
+SEVERITIES = [
+    ("ERROR", "Error", "Something was left out", "CANCEL", 0),
+    ("WARNING", "Warning", "The result differs from what Blender shows", "ERROR", 1),
+    ("INFO", "Note", "Changes little", "INFO", 2),
+]
+
+FIRST_CHECK = 1.0
+"""Delay of the engine's check after Blender's start, so that the window is there first. [s]"""
+
+CHECK_INTERVAL = 0.25
+"""How often the check looks for its answer. [s]"""
+
+
+class LumenrayEngineStatus(PropertyGroup):
+    """Whether the engine can run here."""
+
+    checked: BoolProperty(name="Checked", description="Whether the engine was looked for")
+    usable: BoolProperty(name="Usable", description="Whether the engine can run")
+    cause: StringProperty(name="Cause", description="What was found")
+    remedy: StringProperty(name="Remedy", description="What to do about it")
+
+
+class LumenrayJob(PropertyGroup):
+    """The bake or render that runs in the background."""
+
+    running: BoolProperty(name="Running", description="Whether something is being computed")
+    progress: FloatProperty(
+        name="Progress",
+        description="Part that is done",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    text: StringProperty(name="State", description="What the job is at")
+
+
+class LumenrayReportRow(PropertyGroup):
+    """One departure of the conversion."""
+
+    severity: EnumProperty(name="Severity", description="How much it matters", items=SEVERITIES)
+    datablock: StringProperty(name="Where", description="Object, material, light or world")
+    node: StringProperty(name="Node", description="Node inside it")
+    message: StringProperty(name="What", description="What could not be taken over")
+    remedy: StringProperty(name="Instead", description="What was done instead")
+    count: IntProperty(name="Count", description="How often it occurred", default=1, min=1)
+
+
+class LumenrayResultRow(PropertyGroup):
+    """One lux map. ``relative_error`` is that of its lumels, ``mean_error`` that of ``mean``."""
+
+    name: StringProperty(name="Name", description="Object that the map lies on")
+    mean: FloatProperty(name="Mean", description="Area-weighted mean")
+    minimum: FloatProperty(name="Minimum", description="Smallest value on the surface")
+    maximum: FloatProperty(name="Maximum", description="Largest value on the surface")
+    mean_error: FloatProperty(name="Error of the mean", description="Standard error of the mean")
+    relative_error: FloatProperty(
+        name="Relative error",
+        description="Standard error of the single values divided by the mean",
+    )
+    samples: IntProperty(name="Samples", description="Paths per lumel")
+    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
+    unit: StringProperty(name="Unit", description="Unit of the values", default="lx")
+
+
+class LumenrayFeedback(PropertyGroup):
+    """All of it; the indices are the active rows of the lists."""
+
+    engine: PointerProperty(type=LumenrayEngineStatus)
+    job: PointerProperty(type=LumenrayJob)
+    rows: CollectionProperty(type=LumenrayReportRow)
+    row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
+    results: CollectionProperty(type=LumenrayResultRow)
+    result_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
+
+
+def show_report(window_manager, report: ConversionReport) -> None:
+    """Show a conversion report in place of the one before, the worst rows first."""
+    feedback = window_manager.lumenray
+    feedback.rows.clear()
+    feedback.row_index = 0
+    order = [identifier for identifier, *_ in SEVERITIES]
+    for row, count in sorted(report.rows, key=lambda item: order.index(item[0].severity.name)):
+        item = feedback.rows.add()
+        item.severity = row.severity.name
+        item.datablock, item.node = row.datablock, row.node
+        item.message, item.remedy = row.message, row.remedy
+        item.count = count
+
+
+def show_results(window_manager, maps: list[LuxMap]) -> None:
+    """Show lux maps in place of those before."""
+    feedback = window_manager.lumenray
+    feedback.results.clear()
+    feedback.result_index = 0
+    for made in maps:
+        item = feedback.results.add()
+        item.name = made.name
+        item.mean, item.minimum, item.maximum = made.mean, made.minimum, made.maximum
+        item.mean_error = made.mean_standard_error
+        item.relative_error = made.relative_standard_error
+        item.samples, item.seconds = made.samples, made.provenance.seconds
+        item.unit = "lx"
+
+
+def check_engine(window_manager) -> bool:
+    """Find out whether the engine can run, note it and return it; takes some seconds."""
+    return note_status(window_manager, Probe().wait())
+
+
+def note_status(window_manager, status) -> bool:
+    """Note a `BackendStatus` and return whether it is usable."""
+    engine = window_manager.lumenray.engine
+    engine.checked = True
+    engine.usable, engine.cause, engine.remedy = status.usable, status.cause, status.remedy
+    for window in window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
+    return status.usable
+
+
+def report_text(window_manager) -> str:
+    """Conversion report as lines of text, for pasting into a mail or a bug report."""
+    lines = []
+    for row in window_manager.lumenray.rows:
+        where = f"{row.datablock} / {row.node}" if row.node else row.datablock
+        count = f" ({row.count} times)" if row.count > 1 else ""
+        lines.append(f"{row.severity}: {where}: {row.message}; {row.remedy}{count}")
+    return "\n".join(lines)
+
+
+def _first_check():
+    """Return a timer function that asks the engine once without holding up the window."""
+    probe = None
+
+    def look():
+        nonlocal probe
+        managers = [wm for wm in bpy.data.window_managers if hasattr(wm, "lumenray")]
+        if not managers or managers[0].lumenray.engine.checked:
+            if probe is not None:
+                probe.close()
+            return None
+        if probe is None:
+            probe = Probe()
+        status = probe.poll()
+        if status is None:
+            return CHECK_INTERVAL
+        note_status(managers[0], status)
+        return None
+
+    return look
+
+
+def _start_check() -> None:
+    if not bpy.app.background:
+        bpy.app.timers.register(_first_check(), first_interval=FIRST_CHECK)
+
+
+@persistent
+def _forget(*_):
+    """Blender saves window managers in files, but what they tell belongs to another session."""
+    for window_manager in bpy.data.window_managers:
+        window_manager.property_unset("lumenray")
+    _start_check()
+
+
+CLASSES = (
+    LumenrayEngineStatus,
+    LumenrayJob,
+    LumenrayReportRow,
+    LumenrayResultRow,
+    LumenrayFeedback,
+)
+
+
+def attach():
+    """Attach the group to Blender's window manager; the classes must be registered."""
+    bpy.types.WindowManager.lumenray = PointerProperty(
+        type=LumenrayFeedback, options={"HIDDEN", "SKIP_SAVE"}
+    )
+    if _forget not in bpy.app.handlers.load_post:
+        bpy.app.handlers.load_post.append(_forget)
+    _start_check()
+
+
+def detach():
+    """Take the group off again."""
+    if _forget in bpy.app.handlers.load_post:
+        bpy.app.handlers.load_post.remove(_forget)
+    del bpy.types.WindowManager.lumenray

@@ -1,0 +1,41 @@
+"""What is registered with Blender, in order. The classes of operators and panels are handed in by the root."""
+
+import bpy
+
+from . import properties, render_engine
+
+
+def _groups():
+    from . import feedback
+
+    return (properties, feedback)
+
+
+def register(classes=()) -> None:
+    """Register properties, the render engine and ``classes``; what is registered already stays."""
+    for group in _groups():
+        _add(group.CLASSES)
+        group.attach()
+    _add(render_engine.CLASSES)
+    _add(classes)
+
+
+def unregister(classes=()) -> None:
+    """Undo `register`, in reverse order."""
+    _remove(classes)
+    _remove(render_engine.CLASSES)
+    for group in reversed(_groups()):
+        group.detach()
+        _remove(group.CLASSES)
+
+
+def _add(classes) -> None:
+    for cls in classes:
+        if not getattr(cls, "is_registered", False):
+            bpy.utils.register_class(cls)
+
+
+def _remove(classes) -> None:
+    for cls in reversed(classes):
+        if getattr(cls, "is_registered", False):
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,178 @@
+"""Lights of Blender as lights of the engine: our physical parameters, or Blender's own meaning of watts."""
+
+import numpy as np
+
+from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
+from ..report import ConversionReport
+from .fields import luminance
+from .graph import find_socket, trace
+from .nodes import Context, evaluate_colour, evaluate_scalar
+from .spectra import convert_spectrum, light_spectrum
+
+PHYSICAL_QUANTITIES = {
+    "POINT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
+    "SPOT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "RADIANT_FLUX"),
+    "SUN": ("ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
+    "AREA": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
+}
+"""Quantities that make sense for each kind of Blender light."""
+
+
+def convert_light(source, light_id: str, name: str, matrix, scale: float, efficacy: float, report):
+    """Convert a light object.
+
+    Parameters
+    ----------
+    source : bpy.types.Object    Evaluated light object.
+    light_id, name : str
+    matrix : (4, 4) array    World matrix, in Blender units.
+    scale : float    Metres per Blender unit.
+    efficacy : float    Lumens per Blender watt. [lm/W]
+    report : ConversionReport
+
+    Returns
+    -------
+    Light or None    None when it emits nothing.
+    """
+    data = source.data
+    matrix = np.array(matrix, dtype=np.float64)
+    position = matrix[:3, 3] * scale
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    axes = matrix[:3, :3] / np.maximum(lengths, 1e-30)
+    rgb = _colour(data)
+    tint, strength = _node_emission(data, name, report)
+    rgb = rgb * tint
+    output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    if output is None:
+        return None
+    match data.type:
+        case "POINT":
+            radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
+            return PointLight(light_id, name, output, position, radius, source.visible_camera)
+        case "SPOT":
+            return SpotLight(
+                light_id,
+                name,
+                output,
+                position,
+                -axes[:, 2],
+                0.5 * data.spot_size,
+                data.spot_blend,
+                data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale,
+            )
+        case "SUN":
+            return SunLight(light_id, name, output, -axes[:, 2], data.angle)
+        case "AREA":
+            return _area(
+                data, source, light_id, name, output, axes, position, lengths * scale, report
+            )
+    report.error(name, f"lights of type {data.type} are unknown", "the light is left out")
+    return None
+
+
+def _area(data, source, light_id, name, output, axes, position, lengths, report):
+    size_x = data.size * lengths[0]
+    size_y = (data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size) * lengths[1]
+    if abs(np.dot(axes[:, 0], axes[:, 1])) > 1e-4:
+        report.warn(name, "the area light is sheared", "its sides are taken as perpendicular")
+    frame = np.eye(4)
+    z = axes[:, 2] - axes[:, 0] * np.dot(axes[:, 0], axes[:, 2])
+    frame[:3, 0] = axes[:, 0]
+    frame[:3, 2] = z / np.linalg.norm(z)
+    frame[:3, 1] = np.cross(frame[:3, 2], frame[:3, 0])
+    frame[:3, 3] = position
+    shape = "ellipse" if data.shape in {"DISK", "ELLIPSE"} else "rectangle"
+    return AreaLight(
+        light_id, name, output, frame, size_x, size_y, shape, data.spread, source.visible_camera
+    )
+
+
+def _colour(data) -> np.ndarray:
+    rgb = np.array(data.color, dtype=np.float64)
+    if getattr(data, "use_temperature", False):
+        # Blender's colour of a temperature has luminance 1, so lumens do not change.
+        rgb = rgb * np.array(data.temperature_color)
+    return rgb
+
+
+def _node_emission(data, name: str, report: ConversionReport) -> tuple[np.ndarray, float]:
+    """Colour and strength of the light's own node tree, (1, 1, 1) and 1 without one."""
+    white = np.ones(3)
+    tree = data.node_tree if getattr(data, "use_nodes", False) else None
+    if tree is None:
+        return white, 1.0
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    surface = find_socket(output.inputs, "Surface") if output else None
+    origin = trace(surface) if surface else None
+    if (
+        origin is None
+        or not origin.is_output
+        or origin.socket.node.bl_idname != "ShaderNodeEmission"
+    ):
+        report.warn(
+            name,
+            "the light's nodes do not end in an Emission node",
+            "colour and power of the light are used",
+        )
+        return white, 1.0
+    node = origin.socket.node
+    context = Context(name, report)
+    colour = _mean(evaluate_colour(find_socket(node.inputs, "Color"), context, origin.groups), 3)
+    strength = _mean(
+        evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
+    )
+    return colour, float(strength[0])
+
+
+def _mean(value, channels: int) -> np.ndarray:
+    """Numbers of a constant, or the mean of a picture."""
+    if hasattr(value, "pixels"):
+        return (
+            np.asarray(value.pixels, dtype=np.float64)
+            .reshape(-1, value.pixels.shape[2])
+            .mean(axis=0)[:channels]
+        )
+    if hasattr(value, "red"):
+        return np.array([value.red, value.green, value.blue])
+    return np.full(channels, float(getattr(value, "value", value)))
+
+
+def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:
+    settings = data.lumenray
+    if settings.use_physical:
+        if settings.value <= 0.0:
+            return None
+        if settings.quantity not in PHYSICAL_QUANTITIES[data.type]:
+            report.error(
+                name,
+                f"{settings.quantity.replace('_', ' ').lower()} is not defined for a {data.type.lower()} light",
+                "the light is left out; choose another quantity",
+            )
+            return None
+        spectrum = convert_spectrum(settings, rgb, report, name)
+        return Output(Quantity[settings.quantity], settings.value, spectrum)
+    lumens = (
+        data.energy
+        * 2.0 ** getattr(data, "exposure", 0.0)
+        * strength
+        * efficacy
+        * float(luminance(rgb))
+    )
+    if lumens <= 0.0:
+        return None
+    spectrum = light_spectrum(rgb)
+    spread_out = not getattr(data, "normalize", True)
+    match data.type:
+        case "POINT" | "SPOT":
+            factor = (
+                (data.shadow_soft_size * float(np.cbrt(np.prod(lengths)))) ** 2
+                if spread_out
+                else 0.25 / np.pi
+            )
+            return Output(Quantity.LUMINOUS_INTENSITY, lumens * factor, spectrum)
+        case "SUN":
+            factor = np.pi * np.sin(0.5 * data.angle) ** 2 if spread_out else 1.0
+            return Output(Quantity.ILLUMINANCE, lumens * factor, spectrum)
+        case "AREA" if spread_out:
+            return Output(Quantity.LUMINANCE, lumens / np.pi, spectrum)
+    return Output(Quantity.LUMINOUS_FLUX, lumens, spectrum)

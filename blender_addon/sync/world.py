@@ -1,0 +1,179 @@
+"""Blender's world as the surroundings of the engine's scene."""
+
+import math
+
+import numpy as np
+
+from ...engine.scene.light import ImageWorld, UniformWorld
+from ...engine.scene.texture import ImageTexture
+from ..report import ConversionReport
+from .fields import luminance
+from .graph import find_socket, trace
+from .images import read_pixels
+from .lights import _mean
+from .nodes import Context, evaluate_colour, evaluate_scalar
+from .spectra import light_spectrum
+
+
+def convert_world(world, efficacy: float, report: ConversionReport):
+    """Convert the world.
+
+    Parameters
+    ----------
+    world : bpy.types.World or None
+    efficacy : float    Lumens per Blender watt. [lm/W]
+
+    Returns
+    -------
+    UniformWorld, ImageWorld or None    None when it is black.
+    """
+    if world is None:
+        return None
+    background = _background(world, report)
+    if background is None:
+        return None
+    colour_socket, strength, groups = background
+    picture = _environment(colour_socket, groups, world.name, report)
+    settings = world.lumenray
+    per_unit = strength * (efficacy if settings.unit == "BLENDER" else 1.0)
+    if picture is None:
+        rgb = (
+            _mean(
+                evaluate_colour(colour_socket, Context(world.name, report), groups)
+                if colour_socket is not None
+                else world.color,
+                3,
+            )
+            if colour_socket is not None
+            else np.array(world.color)
+        )
+        amount = float(luminance(rgb)) * per_unit
+        if settings.unit == "ILLUMINANCE":
+            amount = settings.illuminance / math.pi
+        return UniformWorld(amount, light_spectrum(rgb)) if amount > 0.0 else None
+    image, rotation = picture
+    if settings.unit == "ILLUMINANCE":
+        given = horizontal_illuminance(image.pixels, rotation)
+        if given <= 0.0:
+            report.error(
+                world.name, "the upper half of the environment is black", "it gives no light"
+            )
+            return None
+        per_unit = settings.illuminance / given
+    return ImageWorld(image, per_unit, rotation) if per_unit > 0.0 else None
+
+
+def horizontal_illuminance(pixels, rotation) -> float:
+    """Illuminance of a horizontal plane under an equirectangular map of luminances. (h, w, 3) -> [lx per unit]"""
+    height, width = pixels.shape[:2]
+    luma = luminance(np.asarray(pixels, dtype=np.float64))
+    latitude = ((np.arange(height) + 0.5) / height - 0.5) * np.pi
+    longitude = (0.5 - (np.arange(width) + 0.5) / width) * 2.0 * np.pi
+    local = np.stack(
+        [
+            np.cos(latitude)[:, None] * np.cos(longitude),
+            np.cos(latitude)[:, None] * np.sin(longitude),
+            np.broadcast_to(np.sin(latitude)[:, None], (height, width)),
+        ],
+        axis=-1,
+    )
+    # The rotation takes world directions to map directions, so its transpose takes them back.
+    up = np.maximum(local @ rotation[:, 2], 0.0)
+    solid = np.cos(latitude)[:, None] * (np.pi / height) * (2.0 * np.pi / width)
+    return float((luma * up * solid).sum())
+
+
+def _background(world, report):
+    """Colour socket, strength and groups of the Background node; None when nothing is there."""
+    tree = world.node_tree if getattr(world, "use_nodes", True) else None
+    if tree is None:
+        return None, 1.0, ()
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    if output is None:
+        return None
+    volume = find_socket(output.inputs, "Volume")
+    if volume is not None and volume.is_linked:
+        report.warn(world.name, "the world has a volume", "it is left out")
+    origin = trace(find_socket(output.inputs, "Surface"))
+    if not origin.is_output:
+        return None
+    node = origin.socket.node
+    if node.bl_idname not in {"ShaderNodeBackground", "ShaderNodeEmission"}:
+        report.error(
+            world.name,
+            f"{node.bl_label} is not converted in a world",
+            "the world is black",
+            node.name,
+        )
+        return None
+    context = Context(world.name, report)
+    strength = _mean(
+        evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
+    )
+    return find_socket(node.inputs, "Color"), float(strength[0]), origin.groups
+
+
+def _environment(socket, groups, name, report):
+    """Picture and rotation behind the colour socket, None when it is no environment texture."""
+    if socket is None:
+        return None
+    origin = trace(socket, groups)
+    if not origin.is_output or origin.socket.node.bl_idname != "ShaderNodeTexEnvironment":
+        return None
+    node = origin.socket.node
+    if node.projection != "EQUIRECTANGULAR":
+        report.error(
+            name,
+            "mirror-ball environments are not converted",
+            "it is read as equirectangular",
+            node.name,
+        )
+    pixels = read_pixels(
+        node.image, True, lambda message, remedy: report.warn(name, message, remedy, node.name)
+    )
+    if pixels is None:
+        report.error(
+            name,
+            "the environment texture has no picture",
+            "the world is uniform grey 0.5",
+            node.name,
+        )
+        pixels = np.full((2, 4, 4), 0.5, dtype=np.float32)
+    image = ImageTexture(
+        np.ascontiguousarray(pixels[..., :3]), name=node.image.name if node.image else ""
+    )
+    return image, _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
+
+
+def _rotation(socket, groups, name, report) -> np.ndarray:
+    """Matrix from world directions to map directions."""
+    origin = trace(socket, groups)
+    if not origin.is_output:
+        return np.eye(3)
+    node = origin.socket.node
+    if node.bl_idname == "ShaderNodeTexCoord" and origin.socket.name in {"Generated", "Object"}:
+        return np.eye(3)
+    if node.bl_idname == "ShaderNodeMapping":
+        from mathutils import Euler
+
+        angles = Euler(find_socket(node.inputs, "Rotation").default_value)
+        turned = np.array(angles.to_matrix(), dtype=np.float64)
+        if node.vector_type == "TEXTURE":
+            turned = turned.T
+        for key, neutral in (("Scale", 1.0), ("Location", 0.0)):
+            given = find_socket(node.inputs, key)
+            if given is not None and any(abs(v - neutral) > 1e-6 for v in given.default_value):
+                report.warn(
+                    name,
+                    f"the environment's mapping has a {key.lower()}",
+                    "only its rotation is used",
+                    node.name,
+                )
+        return turned @ _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
+    report.warn(
+        name,
+        f"{node.bl_label} drives the environment's direction",
+        "the environment is not rotated",
+        node.name,
+    )
+    return np.eye(3)

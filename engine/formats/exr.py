@@ -1,0 +1,89 @@
+"""OpenEXR files, written by Mitsuba's own copy of the library.
+
+The OpenEXR package for Python must not be loaded into Blender's process: both export the same C names, and the calls of
+one end up in the other. Mitsuba's copy has names of its own.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import FileFormatError
+
+
+def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
+    """Write 32-bit float channels.
+
+    Parameters
+    ----------
+    path : str or Path    Its folder is made if need be.
+    channels : dict of str to (h, w) array    Row 0 is the bottom row.
+    attributes : dict    Strings and floats for the header.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be written.
+    """
+    import mitsuba as mi
+
+    if mi.variant() is None:
+        mi.set_variant("scalar_rgb")
+    path = Path(path)
+    names = sorted(channels)
+    pixels = np.stack(
+        [np.asarray(channels[name], dtype=np.float32)[::-1] for name in names], axis=-1
+    )
+    bitmap = mi.Bitmap(
+        np.ascontiguousarray(pixels),
+        pixel_format=mi.Bitmap.PixelFormat.MultiChannel,
+        channel_names=names,
+    )
+    metadata = bitmap.metadata()
+    for key, value in (attributes or {}).items():
+        metadata[key] = value
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        bitmap.write(str(path), mi.Bitmap.FileFormat.OpenEXR)
+    except (OSError, RuntimeError) as error:
+        raise FileFormatError(path, f"cannot be written ({error})") from None
+    return path
+
+
+def read_channels(path) -> tuple[dict[str, np.ndarray], dict]:
+    """Read all channels as float32, row 0 at the bottom, and the header's attributes.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be read.
+    """
+    import mitsuba as mi
+
+    if mi.variant() is None:
+        mi.set_variant("scalar_rgb")
+    try:
+        bitmap = mi.Bitmap(str(path))
+    except (OSError, RuntimeError) as error:
+        raise FileFormatError(path, f"cannot be read as OpenEXR ({error})") from None
+    names = [field.name for field in bitmap.struct_()]
+    pixels = np.array(bitmap, dtype=np.float32).reshape(bitmap.height(), bitmap.width(), -1)[::-1]
+    metadata = bitmap.metadata()
+    attributes = {key: metadata[key] for key in metadata.keys()}  # noqa: SIM118 - no iterator
+    return {name: pixels[..., i] for i, name in enumerate(names)}, attributes
+
+
+def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndarray]:
+    """Name band radiances (h, w, b) [W/(m2 sr nm)] by their central wavelength, after Fichet et al.
+
+    References
+    ----------
+    A. Fichet, R. Pacanowski, A. Wilkie: An OpenEXR Layout for Spectral Images, JCGT 10(3), 2021.
+    """
+    centres = 0.5 * (edges[1:] + edges[:-1])
+    return {
+        f"S0.{nm:.6f}nm".replace(".", ",").replace("S0,", "S0.", 1): bands[..., i]
+        for i, nm in enumerate(centres)
+    }
+
+
+SPECTRAL_ATTRIBUTES = {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1", "EV": 0.0}
+"""Header of a spectral picture; the radiance is a density per nanometre, as the layout's own software integrates it."""

@@ -1,0 +1,114 @@
+"""Sensor lists as CSV: x, y, z, nx, ny, nz in; the same and the answers out."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import FileFormatError
+
+COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
+"""Columns of a sensor list: position [m] and the direction that the sensor faces."""
+
+MAXIMUM_SENSORS = 5_000_000
+"""Longest list."""
+
+
+def read_sensors(path) -> np.ndarray:
+    """Read a sensor list.
+
+    Parameters
+    ----------
+    path : str or Path    Comma-separated; a first line of names may give the columns in any order, others are ignored.
+
+    Returns
+    -------
+    (n, 6) float64 array    Position and normal. [m, -]
+
+    Raises
+    ------
+    FileFormatError    With the line, what was found and what was expected.
+    """
+    path = Path(path)
+    rows: list[list[float]] = []
+    order = None
+    try:
+        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+            reader = csv.reader(file)
+            for fields in reader:
+                if not any(field.strip() for field in fields) or fields[0].lstrip().startswith("#"):
+                    continue
+                if order is None:
+                    order = _order_of(path, fields, reader.line_num)
+                    if order is not None and not _is_number(fields[order[0]]):
+                        continue
+                rows.append(_row(path, fields, order, reader.line_num))
+                if len(rows) > MAXIMUM_SENSORS:
+                    raise FileFormatError(path, f"more than {MAXIMUM_SENSORS} sensors")
+    except OSError as error:
+        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+    except csv.Error as error:
+        raise FileFormatError(path, f"is not comma-separated text ({error})") from None
+    if not rows:
+        raise FileFormatError(path, "holds no sensor, expected rows of x,y,z,nx,ny,nz")
+    return np.array(rows)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _order_of(path, fields, line) -> list[int]:
+    """Positions of the six columns, from a line of names or from the first row of numbers."""
+    if all(_is_number(field) for field in fields):
+        return list(range(6))
+    names = [field.strip().lower() for field in fields]
+    missing = [name for name in COLUMNS if name not in names]
+    if missing:
+        raise FileFormatError(
+            path,
+            f"the heading has no column {', '.join(missing)}, expected {','.join(COLUMNS)}",
+            line,
+        )
+    return [names.index(name) for name in COLUMNS]
+
+
+def _row(path, fields, order, line) -> list[float]:
+    if len(fields) <= max(order):
+        raise FileFormatError(path, f"expected {max(order) + 1} columns, found {len(fields)}", line)
+    values = []
+    for name, place in zip(COLUMNS, order, strict=True):
+        text = fields[place].strip()
+        if not _is_number(text) or not math.isfinite(float(text)):
+            raise FileFormatError(path, f"expected a number for {name}, found '{text[:40]}'", line)
+        values.append(float(text))
+    if not any(values[3:]):
+        raise FileFormatError(
+            path, "the normal is 0,0,0, expected the direction that the sensor faces", line
+        )
+    return values
+
+
+def write_measurements(path, sensors: np.ndarray, illuminance, standard_error) -> Path:
+    """Write sensors (n, 6) with their illuminance and its standard error (n,). [m, lx]
+
+    Raises
+    ------
+    FileFormatError    The file cannot be written.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx"])
+            for row, value, error in zip(sensors, illuminance, standard_error, strict=True):
+                writer.writerow([*(f"{v:.9g}" for v in row), f"{value:.7g}", f"{error:.3g}"])
+    except OSError as error:
+        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
+    return path

@@ -1,0 +1,244 @@
+"""A diffuse base under a clear microfacet coat, for many materials in one plug-in.
+
+The reflectance distribution is
+
+    f = s F(cos h) D(h) G2(i, o) / (4 cos_i cos_o)  +  rho / pi * (1 - s E(cos_i)) (1 - s E(cos_o)) / (1 - s E_mean)
+
+with the GGX distribution D, Smith's height-correlated G2, the dielectric Fresnel term F, the scale s of the coat, the
+coat's directional reflectance E and its hemispherical mean E_mean = 2 * integral of E cos. It is reciprocal, and a white
+base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
+is Lambert's law exactly.
+
+Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all untextured
+materials of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit.
+
+References
+----------
+C. Kelemen, L. Szirmay-Kalos: A Microfacet Based Coupled Specular-Matte BRDF Model, Eurographics 2001 (short).
+B. Walter et al.: Microfacet Models for Refraction through Rough Surfaces, EGSR 2007 (GGX).
+J. Dupuy, A. Benyoub: Sampling Visible GGX Normals with Spherical Caps, HPG 2023.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+COSINES = 32
+"""Entries of a table of E over the cosine, evenly from 0 to 1."""
+
+MINIMUM_ALPHA = 1e-3
+"""Narrowest lobe that single precision evaluates well."""
+
+
+def fresnel(cosine, eta):
+    """Reflectance of a dielectric boundary from outside, unpolarised. [-]"""
+    g = np.sqrt(np.maximum(eta**2 - 1.0 + cosine**2, 0.0))
+    a = (g - cosine) / np.maximum(g + cosine, 1e-12)
+    b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
+    return 0.5 * a**2 * (1.0 + b**2)
+
+
+@lru_cache(maxsize=512)
+def directional_reflectance(alpha: float, eta: float) -> np.ndarray:
+    """Share of light that the coat reflects, E(cosine) at `COSINES` even steps from 0 to 1. (32,) [-]
+
+    Quadrature over the distribution of visible normals, 64 x 64 points for each cosine.
+    """
+    grid = (np.arange(64) + 0.5) / 64.0
+    u, v = (m.ravel() for m in np.meshgrid(grid, grid))
+    cosine = np.linspace(0.0, 1.0, COSINES)
+    cosine[0] = 0.25 / COSINES
+    wi = np.stack([np.sqrt(1.0 - cosine**2), np.zeros(COSINES), cosine], axis=1)[:, None, :]
+    # Visible normals by spherical caps: reflect a cap sample on the stretched view direction.
+    stretched = wi * np.array([alpha, alpha, 1.0])
+    stretched /= np.linalg.norm(stretched, axis=2, keepdims=True)
+    z = (1.0 - u) * (1.0 + stretched[..., 2]) - stretched[..., 2]
+    radius = np.sqrt(np.clip(1.0 - z**2, 0.0, None))
+    phi = 2.0 * np.pi * v
+    cap = np.stack([radius * np.cos(phi), radius * np.sin(phi), z], axis=2)
+    normal = (cap + stretched) * np.array([alpha, alpha, 1.0])
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    dot = (wi * normal).sum(axis=2)
+    out = 2.0 * dot[..., None] * normal - wi
+    cos_o = out[..., 2]
+    cos_i = cosine[:, None]
+
+    def smith(c):
+        return np.sqrt(alpha**2 + (1.0 - alpha**2) * c**2)
+
+    # G2 / G1 of the height-correlated Smith term.
+    ratio = cos_o * (cos_i + smith(cos_i)) / np.maximum(cos_o * smith(cos_i) + cos_i * smith(cos_o), 1e-12)
+    weight = np.where(cos_o > 0.0, fresnel(np.clip(dot, 0.0, 1.0), eta) * ratio, 0.0)
+    return np.clip(weight.mean(axis=1), 0.0, 1.0)
+
+
+def mean_reflectance(table: np.ndarray) -> float:
+    """Hemispherical mean 2 * integral of E cos of a table, exactly for its linear interpolant. [-]"""
+    cosine = np.linspace(0.0, 1.0, len(table))
+    step = cosine[1]
+    a, b, c, d = cosine[:-1], cosine[1:], table[:-1], table[1:]
+    return float(2.0 * (step / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)).sum())
+
+
+def coated_class():
+    """Return the plug-in for the active Mitsuba variant."""
+    import drjit as dr
+    import mitsuba as mi
+
+    class Coated(mi.BSDF):
+        """One row of parameters per material; ``reflectance`` is a texture that replaces the rows' own spectra."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.texture = props["reflectance"] if "reflectance" in props else None
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [
+                mi.BSDFFlags.GlossyReflection | sides,
+                mi.BSDFFlags.DiffuseReflection | sides,
+            ]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+            self.rows = None
+
+        def set_palette(self, alpha, eta, specular, spectra):
+            """Set the materials' parameters: (m,) each, ``spectra`` (m, w) even over 360..830 nm."""
+            alpha = np.maximum(alpha, MINIMUM_ALPHA)
+            tables = np.stack(
+                [
+                    s * directional_reflectance(round(float(a), 4), round(float(e), 4))
+                    for a, e, s in zip(alpha, eta, specular, strict=True)
+                ]
+            )
+            self.alpha = mi.Float(alpha.astype(np.float32))
+            self.eta = mi.Float(np.asarray(eta, dtype=np.float32))
+            self.scale = mi.Float(np.asarray(specular, dtype=np.float32))
+            self.table = mi.Float(tables.astype(np.float32).ravel())
+            self.mean = mi.Float(np.array([mean_reflectance(t) for t in tables], dtype=np.float32))
+            self.width = spectra.shape[1]
+            self.spectra = mi.Float(np.asarray(spectra, dtype=np.float32).ravel())
+            self.single = len(alpha) == 1
+            dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
+
+        def set_rows(self, rows):
+            """Set the table from shape id to row."""
+            self.rows = mi.UInt32(np.asarray(rows, dtype=np.uint32))
+            dr.eval(self.rows)
+
+        def traverse(self, callback):
+            if self.texture is not None:
+                callback.put("reflectance", self.texture, mi.ParamFlags.Differentiable)
+
+        def _row(self, si, active):
+            if self.single:
+                return mi.UInt32(0)
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            return dr.gather(mi.UInt32, self.rows, ids, active)
+
+        def _reflectance(self, si, row, active):
+            if self.texture is not None:
+                return self.texture.eval(si, active)
+            if self.width == 1:
+                return mi.Spectrum(dr.gather(mi.Float, self.spectra, row, active))
+            value = mi.Spectrum(0.0)
+            for k in range(len(value)):
+                place = (si.wavelengths[k] - 360.0) * ((self.width - 1) / 470.0)
+                below = dr.clip(mi.Int32(place), 0, self.width - 2)
+                index = row * self.width + mi.UInt32(below)
+                low = dr.gather(mi.Float, self.spectra, index, active)
+                high = dr.gather(mi.Float, self.spectra, index + 1, active)
+                value[k] = dr.lerp(low, high, place - mi.Float(below))
+            return value
+
+        def _coat(self, row, cosine, active):
+            """Directional reflectance of the coat, its scale included."""
+            place = dr.clip(cosine, 0.0, 1.0) * (COSINES - 1)
+            below = dr.minimum(mi.UInt32(place), COSINES - 2)
+            index = row * COSINES + below
+            low = dr.gather(mi.Float, self.table, index, active)
+            high = dr.gather(mi.Float, self.table, index + 1, active)
+            return dr.lerp(low, high, place - mi.Float(below))
+
+        def _prepare(self, si, active):
+            row = self._row(si, active)
+            cos_i = dr.abs(mi.Frame3f.cos_theta(si.wi))
+            reflectance = self._reflectance(si, row, active)
+            coat = self._coat(row, cos_i, active)
+            base = (1.0 - coat) * dr.mean(reflectance)
+            share = dr.select(coat + base > 0.0, coat / dr.maximum(coat + base, 1e-8), 0.0)
+            return row, cos_i, reflectance, coat, share
+
+        def _evaluate(self, si, wo, prepared, active):
+            row, cos_i, reflectance, coat, share = prepared
+            cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
+            valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
+            alpha = dr.gather(mi.Float, self.alpha, row, active)
+            eta = dr.gather(mi.Float, self.eta, row, active)
+            scale = dr.gather(mi.Float, self.scale, row, active)
+            half = dr.normalize(si.wi + wo)
+            a2 = dr.square(alpha)
+            # 1 - (1 - a2) cos^2 without cancellation for narrow lobes.
+            spread = dr.square(half.x) + dr.square(half.y) + a2 * dr.square(half.z)
+            density = a2 * dr.inv_pi / dr.maximum(dr.square(spread), 1e-30)
+            root_i = dr.sqrt(a2 + (1.0 - a2) * dr.square(cos_i))
+            root_o = dr.sqrt(a2 + (1.0 - a2) * dr.square(cos_o))
+            visibility = 0.5 / dr.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
+            mirror = mi.fresnel(dr.abs(dr.dot(si.wi, half)), eta)[0] * density * visibility * cos_o
+            mean = dr.gather(mi.Float, self.mean, row, active)
+            lambert = cos_o * dr.inv_pi
+            matte = (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
+            value = scale * mirror + reflectance * matte * lambert
+            # Density of visible normals over reflected directions: D G1 / (4 cos_i).
+            pdf = share * density * 0.5 / dr.maximum(cos_i + root_i, 1e-12) + (1.0 - share) * lambert
+            return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
+
+        def _sample_mirror(self, wi, alpha, sample):
+            """Reflect on a visible normal; ``wi`` above the surface."""
+            stretched = dr.normalize(mi.Vector3f(alpha * wi.x, alpha * wi.y, wi.z))
+            z = (1.0 - sample.x) * (1.0 + stretched.z) - stretched.z
+            radius = dr.safe_sqrt(1.0 - z * z)
+            sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
+            cap = mi.Vector3f(radius * cos_phi, radius * sin_phi, z) + stretched
+            normal = dr.normalize(mi.Vector3f(alpha * cap.x, alpha * cap.y, dr.maximum(cap.z, 1e-12)))
+            return mi.reflect(wi, mi.Normal3f(normal))
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            prepared = self._prepare(si, active)
+            row, _, _, _, share = prepared
+            below = mi.Frame3f.cos_theta(si.wi) < 0.0
+            wi = mi.Vector3f(si.wi)
+            wi.z = dr.abs(wi.z)
+            alpha = dr.gather(mi.Float, self.alpha, row, active)
+            glossy = sample1 < share
+            wo = dr.select(
+                glossy,
+                self._sample_mirror(wi, alpha, sample2),
+                mi.warp.square_to_cosine_hemisphere(sample2),
+            )
+            valid = active & (wo.z > 0.0) & (wi.z > 0.0)
+            wo.z = dr.select(below, -wo.z, wo.z)
+            value, pdf = self._evaluate(si, wo, prepared, valid)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = wo
+            bs.pdf = pdf
+            bs.eta = 1.0
+            bs.sampled_component = dr.select(glossy, mi.UInt32(0), mi.UInt32(1))
+            bs.sampled_type = dr.select(
+                glossy,
+                mi.UInt32(+mi.BSDFFlags.GlossyReflection),
+                mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
+            )
+            valid &= pdf > 0.0
+            return bs, mi.Spectrum(dr.select(valid, value / dr.maximum(pdf, 1e-20), 0.0))
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return self._evaluate(si, wo, self._prepare(si, active), active)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def to_string(self):
+            return "Coated[]"
+
+    return Coated
