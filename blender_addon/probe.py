@@ -36,7 +36,7 @@ class Probe:
 
     def __init__(self):
         self._start = time.monotonic()
-        self._failure = None
+        self._answer = None
         self._process = None
         try:
             self._process = subprocess.Popen(  # noqa: S603 - Blender's own Python and our own text
@@ -50,23 +50,23 @@ class Probe:
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except OSError as error:
-            self._failure = BackendStatus(
+            self._answer = BackendStatus(
                 False, f"Blender's Python cannot be started: {error}", "reinstall Blender"
             )
 
     def poll(self) -> BackendStatus | None:
         """Return the answer, None while there is none."""
-        if self._failure is not None:
-            return self._failure
+        if self._answer is not None:
+            return self._answer
         if self._process.poll() is None and time.monotonic() - self._start < PATIENCE:
             return None
         return self.wait(0.0)
 
     def wait(self, seconds: float = PATIENCE) -> BackendStatus:
         """Wait for the answer, no longer than this. [s]"""
-        if self._failure is None:
-            self._failure = self._collect(seconds)
-        return self._failure
+        if self._answer is None:
+            self._answer = self._collect(seconds)
+        return self._answer
 
     def close(self) -> None:
         """Give up."""

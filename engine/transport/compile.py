@@ -9,15 +9,17 @@ import numpy as np
 
 from ..errors import SceneError
 from ..luminaires import plugins as emitter_plugins
+from ..luminaires.portals import find_portals
 from ..materials import plugins as surface_plugins
 from ..photometry import units
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
 from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight, UniformWorld
-from ..scene.material import Diffuse, Material
+from ..scene.material import Diffuse, Material, ThinGlass
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant
 from . import emission
+from .lights import LightTable
 from .requirements import Requirements, pictures
 from .surfaces import approximations, bsdf, is_plain, palette, passes_straight
 from .textures import TextureMaker, is_spectral
@@ -26,6 +28,9 @@ log = logging.getLogger(__name__)
 
 SUN_POINT_ANGLE = 1e-5
 """Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
+
+PORTAL_SHARE = 0.75
+"""Share of the world's samples that aim at panes, where there are any."""
 
 DELTA_RADIUS = 1e-5
 """Point lights smaller than this are ideal points. [m]"""
@@ -56,42 +61,6 @@ class CompiledScene:
     def local(self, points) -> np.ndarray:
         """World points (n, 3) [m] in the compiled scene's frame, float32."""
         return (np.asarray(points, dtype=np.float64) - self.origin).astype(np.float32)
-
-
-class LightTable:
-    """Chooses an emitter in proportion to its share of the scene's flux, half of the choices evenly."""
-
-    def __init__(self, emitters: list, fluxes: list[float]):
-        self.count = len(emitters)
-        if not emitters:
-            return
-        fluxes = np.asarray(fluxes, dtype=np.float64)
-        shares = np.full(self.count, 1.0 / self.count)
-        if fluxes.sum() > 0.0:
-            shares = 0.5 * shares + 0.5 * fluxes / fluxes.sum()
-        ids = np.array([dr.reinterpret_array(mi.UInt32, mi.EmitterPtr(e))[0] for e in emitters])
-        by_id = np.zeros(int(ids.max()) + 1)
-        by_id[ids] = shares
-        self._ids = mi.UInt32(ids.astype(np.uint32))
-        self._cdf = mi.Float(np.cumsum(shares).astype(np.float32))
-        self._share = mi.Float(shares.astype(np.float32))
-        self._share_by_id = mi.Float(by_id.astype(np.float32))
-        dr.eval(self._ids, self._cdf, self._share, self._share_by_id)
-
-    def sample(self, u):
-        """Return an emitter pointer, its probability and the stretched remainder of ``u``."""
-        index = dr.binary_search(
-            0, self.count - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
-        )
-        share = dr.gather(mi.Float, self._share, index)
-        start = dr.gather(mi.Float, self._cdf, index) - share
-        pointer = dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._ids, index))
-        return pointer, share, dr.clip((u - start) / share, 0.0, 0.9999999)
-
-    def probability(self, pointer, active):
-        """Probability of choosing an emitter."""
-        ids = dr.reinterpret_array(mi.UInt32, pointer)
-        return dr.gather(mi.Float, self._share_by_id, ids, active & (ids < len(self._share_by_id)))
 
 
 def mean_light(scene: Scene) -> np.ndarray:
@@ -441,8 +410,20 @@ class _Compiler:
             flux += made.amount * np.pi * max(self.radius, 1.0) ** 2
         emitter = mi.load_dict(plugin)
         emitter.set_bounds(mi.Point3f(0.0), mi.Float(self.radius))
+        if world is not None:
+            emitter.set_portals(self._portals(), PORTAL_SHARE)
         self._note_emitter(emitter, flux)
         return emitter
+
+    def _portals(self) -> list:
+        """Rectangles around the panes, in the compiled scene's frame."""
+        panes = []
+        for mesh in self.scene.meshes.values():
+            for slot, key in enumerate(mesh.materials):
+                if isinstance(self.scene.materials[key].surface, ThinGlass):
+                    panes.append((mesh.vertices, mesh.triangles[mesh.material_index == slot]))
+        found = find_portals(pane for pane in panes if len(pane[1]))
+        return [(p.centre - self.origin, p.half_u, p.half_v) for p in found]
 
     def _world(self):
         """Mitsuba emitter of the world and its flux through the scene. [lm]"""

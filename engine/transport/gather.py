@@ -68,3 +68,8 @@ def draw_wavelengths(sampler, index, seed):
     if not is_spectral():
         return None
     return sampler.sample(sobol_pair(index, seed, PAIR_WAVELENGTH).x)
+
+
+def typical_wavelengths():
+    """Return four wavelengths that stand for the visible range, None in photometric variants. [nm]"""
+    return mi.Spectrum(450.0, 530.0, 570.0, 610.0) if is_spectral() else None

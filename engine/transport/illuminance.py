@@ -11,6 +11,7 @@ from ..accuracy.stopping import Clock, StopRule
 from ..errors import Cancelled, SceneError
 from . import gather
 from .compile import CompiledScene
+from .lights import learn
 from .sampler import hash_words, random_stream, sobol_pair
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -114,6 +115,12 @@ def compute(
     if total == 0:
         return sums.estimate()
     sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+    learn(
+        scene,
+        scene.local(receivers.positions),
+        receivers.normals.astype(np.float32),
+        gather.typical_wavelengths(),
+    )
     places = _upload(scene, receivers)
     batch = _batch(total * groups, rule, groups)
     per_launch = max(LANES // (groups * batch), 1)

@@ -10,6 +10,7 @@ from ..errors import Cancelled, SceneError
 from ..scene.camera import Camera, Projection
 from . import gather, paths
 from .compile import CompiledScene
+from .lights import PILOT_POINTS, learn
 from .sampler import hash_words, random_stream, sobol_pair
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -102,6 +103,7 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
         raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
     film = _Film(camera, scene.origin)
     layers = _first_layers(scene, film)
+    _learn_lights(scene, film)
     job = _Job(scene, film, settings)
     clock = Clock(settings.rule, "picture")
     batch = job.batch(pixels)
@@ -131,6 +133,23 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
             )
         if finished:
             return _result(camera, job, estimate, error, layers), estimate.samples
+
+
+def _learn_lights(scene: CompiledScene, film: _Film) -> None:
+    """Compare the lights where the camera looks."""
+    camera = film.camera
+    stream = mi.PCG32(size=4 * PILOT_POINTS, initstate=3)
+    ray = film.ray(
+        stream.next_float32() * camera.width,
+        stream.next_float32() * camera.height,
+        mi.Point2f(0.5, 0.5),
+    )
+    si = scene.solid.ray_intersect(ray)
+    normal = si.n * dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0)
+    seen = np.array(si.is_valid())
+    points = np.stack([np.array(c) for c in si.p], axis=1)[seen]
+    normals = np.stack([np.array(c) for c in normal], axis=1)[seen]
+    learn(scene, points, normals, gather.typical_wavelengths())
 
 
 def _relative_error(estimate) -> float:

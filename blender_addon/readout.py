@@ -1,0 +1,277 @@
+"""What the settings amount to in other units, as short text for panels. Cheap enough for every redraw."""
+
+import textwrap
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..engine.photometry import units
+from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
+from ..engine.scene.spectrum import Rgb
+from .properties import white_luminance
+from .report import ConversionReport
+from .sync.fields import luminance
+from .sync.lights import PHYSICAL_QUANTITIES
+from .sync.meshes import MESH_TYPES
+from .sync.spectra import convert_spectrum
+
+UNITS = {
+    "LUMINOUS_FLUX": "lm",
+    "LUMINOUS_INTENSITY": "cd",
+    "ILLUMINANCE": "lx",
+    "LUMINANCE": "cd/m²",
+    "RADIANT_FLUX": "W",
+}
+"""Unit of every quantity of a light."""
+
+NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known when rendering"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One light in all units; None where a quantity has no meaning for it.
+
+    Parameters
+    ----------
+    flux : float or None    Total emitted. [lm]
+    intensity : float or None    On the axis. [cd]
+    illuminance : float or None    At 1 m on the axis by the inverse-square law; of a sun, facing it. [lx]
+    luminance : float or None    Of the luminous surface, on the axis. [cd/m2]
+    """
+
+    flux: float | None = None
+    intensity: float | None = None
+    illuminance: float | None = None
+    luminance: float | None = None
+
+
+@dataclass(frozen=True)
+class Description:
+    """Lines (label, value) for a panel, and a ``problem`` in one sentence, empty if there is none."""
+
+    lines: tuple[tuple[str, str], ...] = ()
+    problem: str = ""
+
+
+def read_point(quantity: str, value: float, radius: float = 0.0) -> Reading:
+    """All quantities of a point or a uniform sphere.
+
+    Parameters
+    ----------
+    quantity : str    LUMINOUS_FLUX [lm], LUMINOUS_INTENSITY [cd], ILLUMINANCE [lx at 1 m] or LUMINANCE [cd/m2].
+    value : float    Its amount.
+    radius : float    0 is a point. [m]
+    """
+    per_lumen = units.intensity_from_flux_isotropic(1.0)
+    per_candela = units.luminance_from_intensity_sphere(1.0, radius) if radius > 0.0 else None
+    if quantity == "LUMINOUS_FLUX":
+        intensity = value * per_lumen
+    elif quantity == "LUMINANCE":
+        intensity = value / per_candela if per_candela else 0.0
+    else:
+        intensity = value
+    surface = intensity * per_candela if per_candela else None
+    return Reading(intensity / per_lumen, intensity, intensity, surface)
+
+
+def read_spot(quantity: str, value: float, half_angle: float, blend: float) -> Reading:
+    """All quantities of a spot. ``half_angle`` [rad]; ``blend``: share of the soft edge. [-]"""
+    solid_angle = units.spot_solid_angle(half_angle, blend)
+    intensity = value / solid_angle if quantity == "LUMINOUS_FLUX" else value
+    return Reading(intensity * solid_angle, intensity, intensity)
+
+
+def read_area(quantity: str, value: float, area: float, spread: float = np.pi) -> Reading:
+    """All quantities of a flat one-sided source. ``area`` [m2]; ``spread``: Blender's, pi is Lambertian. [rad]"""
+    per_lumen = units.luminance_from_flux_lambertian(1.0, area) * units.spread_axis_factor(spread)
+    if quantity == "LUMINOUS_FLUX":
+        surface = value * per_lumen
+    elif quantity == "LUMINANCE":
+        surface = value
+    else:
+        surface = value / area
+    return Reading(surface / per_lumen, surface * area, surface * area, surface)
+
+
+def read_sun(quantity: str, value: float, angle: float) -> Reading:
+    """All quantities of a sun. ``angle``: angular diameter. [rad]"""
+    per_lux = units.luminance_from_illuminance_disk(1.0, 0.5 * angle) if angle > 0.0 else None
+    if quantity == "LUMINANCE":
+        return Reading(illuminance=value / per_lux if per_lux else 0.0, luminance=value)
+    return Reading(illuminance=value, luminance=value * per_lux if per_lux else None)
+
+
+def format_number(value: float) -> str:
+    """Three significant digits, thousands set apart; powers of ten only for very large and very small numbers."""
+    if value == 0.0:
+        return "0"
+    size = abs(value)
+    if size < 1e-3 or size >= 1e7:
+        return f"{value:.2e}"
+    digits = max(0, 2 - int(np.floor(np.log10(float(f"{size:.2e}")))))
+    text = f"{value:,.{digits}f}" if size >= 1000.0 else f"{value:.{digits}f}"
+    # A thin space does not look like a decimal sign in any country.
+    return text.replace(",", "\u2009")
+
+
+def format_amount(value: float, unit: str) -> str:
+    """Return a number with its unit."""
+    return f"{format_number(value)} {unit}"
+
+
+def value_unit(light) -> str:
+    """Unit of a physical light's value; watts of a sun are per square metre."""
+    quantity = light.lumenray.quantity
+    return "W/m²" if light.type == "SUN" and quantity == "RADIANT_FLUX" else UNITS[quantity]
+
+
+def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0) -> Description:
+    """Say what a light emits in other units.
+
+    Parameters
+    ----------
+    light : bpy.types.Light
+    settings : LumenraySceneSettings    For the meaning of Blender's watts.
+    lengths : (3,) sequence    Scale of the light's object along its axes. [-]
+    metres : float    Length of a Blender unit. [m]
+    """
+    stated, problem = _stated_amount(light, settings, lengths)
+    if stated is None:
+        return Description(problem=problem)
+    quantity, value = stated
+    reading = _read(light, quantity, value, np.abs(np.asarray(lengths, dtype=float)), metres)
+    if reading is None:
+        return Description(problem="the light has no size, so that it has no luminance")
+    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m, as a point"}
+    named = (
+        ("Luminous flux", reading.flux, "lm"),
+        ("Intensity on the axis", reading.intensity, "cd"),
+        (at_one_metre.get(light.type, "At 1 m on the axis"), reading.illuminance, "lx"),
+        ("Luminance", reading.luminance, "cd/m²"),
+    )
+    lines = [
+        (name, format_amount(amount, unit)) for name, amount, unit in named if amount is not None
+    ]
+    return Description(tuple(lines), problem)
+
+
+def describe_lamp(source, scene) -> Description:
+    """`describe_light` for a light object in its scene."""
+    unit = scene.unit_settings
+    metres = unit.scale_length if unit.system != "NONE" else 1.0
+    return describe_light(source.data, scene.lumenray, source.matrix_world.to_scale(), metres)
+
+
+def describe_exposure(settings) -> str:
+    """Say which luminance becomes 1.0 in the picture."""
+    white = white_luminance(settings)
+    if white is None:
+        return "White is found from each picture: brightness cannot be compared"
+    return f"{format_amount(white, 'cd/m²')} becomes 1.0"
+
+
+def describe_selection(context) -> tuple[int, str]:
+    """Count the selected objects that can be baked, and say it."""
+    count = sum(source.type in MESH_TYPES for source in context.selected_objects)
+    if count == 0:
+        return 0, "Select the objects to bake"
+    return count, "1 object selected" if count == 1 else f"{count} objects selected"
+
+
+def describe_result(row) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about one lux map."""
+    return (
+        ("Mean", f"{format_number(row.mean)} ± {format_number(row.mean_error)} {row.unit}"),
+        ("Smallest", format_amount(row.minimum, row.unit)),
+        ("Largest", format_amount(row.maximum, row.unit)),
+        ("Uniformity", f"{row.minimum / row.mean:.2f}" if row.mean > 0.0 else "–"),
+        ("Error per lumel", f"{100.0 * row.relative_error:.1f} %"),
+        ("Samples", f"{row.samples}"),
+        ("Time", f"{row.seconds:.1f} s"),
+    )
+
+
+def describe_counts(rows) -> str:
+    """Say how many rows of each severity a report holds."""
+    counts = {"ERROR": 0, "WARNING": 0, "INFO": 0}
+    for row in rows:
+        counts[row.severity] += 1
+    names = {"ERROR": "error", "WARNING": "warning", "INFO": "note"}
+    parts = [
+        f"{count} {names[key]}{'' if count == 1 else 's'}" for key, count in counts.items() if count
+    ]
+    return ", ".join(parts) or "Everything was taken over as it is"
+
+
+def wrap(text: str, width: float, scale: float = 1.0) -> list[str]:
+    """Break text into lines for a region. ``width`` [pixel]; ``scale``: the interface's own scale."""
+    characters = int((width / max(scale, 0.1) - 40.0) / 6.6)
+    return textwrap.wrap(text, max(characters, 16)) or [""]
+
+
+def _stated_amount(light, settings, lengths):
+    """Return (quantity, value) in photometric units or None, and a problem."""
+    own = light.lumenray
+    if not own.use_physical:
+        return _blender_amount(light, settings.efficacy, lengths)
+    if own.quantity not in PHYSICAL_QUANTITIES[light.type]:
+        allowed = ", ".join(UNITS[name] for name in PHYSICAL_QUANTITIES[light.type])
+        kind = light.type.lower()
+        return None, f"this quantity is not defined for a {kind} light; choose one of {allowed}"
+    if own.quantity != "RADIANT_FLUX":
+        return (own.quantity, own.value), ""
+    if own.spectrum == "FILE":
+        return None, NEEDS_THE_ENGINE
+    spectrum = convert_spectrum(own, _colour(light), ConversionReport(), light.name)
+    if isinstance(spectrum, Rgb):
+        return None, NEEDS_THE_ENGINE
+    quantity = "ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX"
+    return (quantity, own.value * _efficacy(spectrum)), ""
+
+
+def _blender_amount(light, efficacy, lengths):
+    """Return what Blender's own watts mean, and what of the light is left out of it."""
+    amount = light.energy * 2.0 ** getattr(light, "exposure", 0.0) * efficacy
+    amount *= float(luminance(_colour(light))[0])
+    problem = "the light's own nodes come on top" if getattr(light, "use_nodes", False) else ""
+    if not getattr(light, "normalize", True):
+        return None, "not normalised by its size: the amount is known when rendering"
+    if light.type in {"POINT", "SPOT"}:
+        return ("LUMINOUS_INTENSITY", units.intensity_from_flux_isotropic(amount)), problem
+    return ("ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX", amount), problem
+
+
+def _colour(light) -> np.ndarray:
+    colour = np.array(light.color, dtype=np.float64)
+    if getattr(light, "use_temperature", False):
+        colour = colour * np.array(light.temperature_color)
+    return colour
+
+
+@lru_cache(maxsize=64)
+def _efficacy(spectrum) -> float:
+    return efficacy_of_spectrum(spectrum)
+
+
+def _read(light, quantity, value, lengths, metres) -> Reading | None:
+    if light.type == "SUN":
+        if quantity == "LUMINANCE" and light.angle <= 0.0:
+            return None
+        return read_sun(quantity, value, light.angle)
+    if light.type == "AREA":
+        area = _area(light, lengths) * metres**2
+        return read_area(quantity, value, area, light.spread) if area > 0.0 else None
+    if light.type == "SPOT":
+        return read_spot(quantity, value, 0.5 * light.spot_size, light.spot_blend)
+    radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * metres
+    if quantity == "LUMINANCE" and radius <= 0.0:
+        return None
+    return read_point(quantity, value, radius)
+
+
+def _area(light, lengths) -> float:
+    """Luminous area in squares of Blender's unit."""
+    high = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    area = light.size * lengths[0] * high * lengths[1]
+    return area * np.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else area

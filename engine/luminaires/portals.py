@@ -1,0 +1,82 @@
+"""Portals: the panes through which a room sees the sky, as rectangles that next-event estimation aims at.
+
+A sky sampled over the whole sphere is seen from inside through a few percent of its directions. Choosing points on the
+panes instead wastes nothing; combined with the sky's own density it stays unbiased wherever the receiver is.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+MAXIMUM_PORTALS = 16
+"""Most rectangles; their densities are summed at every next-event. Beyond, the smallest are left to plain sampling."""
+
+FLATNESS = 0.02
+"""Largest distance from the mean plane, relative to the size, of what counts as a flat pane. [-]"""
+
+
+@dataclass(frozen=True)
+class Portal:
+    """Rectangle by its centre and half edges, (3,) each. [m]"""
+
+    centre: np.ndarray
+    half_u: np.ndarray
+    half_v: np.ndarray
+
+
+def find_portals(panes) -> list[Portal]:
+    """Rectangles around the connected flat parts of panes, largest first.
+
+    Parameters
+    ----------
+    panes : iterable of (vertices (v, 3), triangles (t, 3))    [m]
+    """
+    found = []
+    for vertices, triangles in panes:
+        if len(triangles) > 20_000:
+            continue
+        for part in _connected(vertices, triangles):
+            portal = _rectangle(vertices[np.unique(part)])
+            if portal is not None:
+                found.append(portal)
+    found.sort(key=lambda p: -np.linalg.norm(p.half_u) * np.linalg.norm(p.half_v))
+    return found[:MAXIMUM_PORTALS]
+
+
+def _connected(vertices, triangles) -> list[np.ndarray]:
+    """Group triangles that share corner positions."""
+    _, same = np.unique(np.round(vertices, 5), axis=0, return_inverse=True)
+    corners = same.reshape(-1)[triangles]
+    label = np.arange(corners.max() + 1)
+    while True:
+        lowest = label[corners].min(axis=1)
+        before = label.copy()
+        np.minimum.at(label, corners.ravel(), np.repeat(lowest, 3))
+        label = label[label]
+        if np.array_equal(label, before):
+            break
+    group = label[corners[:, 0]]
+    return [triangles[group == g] for g in np.unique(group)]
+
+
+def _rectangle(points) -> Portal | None:
+    """Rectangle in the mean plane of points, sides along the first edge direction that makes it smallest."""
+    centre = points.mean(axis=0)
+    _, size, axes = np.linalg.svd(points - centre, full_matrices=False)
+    if len(points) < 3 or size[1] <= 1e-9 or size[-1] > FLATNESS * size[0]:
+        return None
+    flat = (points - centre) @ axes[:2].T
+    best = None
+    for angle in np.linspace(0.0, np.pi / 2.0, 90, endpoint=False):
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        turned = flat @ turn.T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        area = np.prod(high - low)
+        if best is None or area < best[0]:
+            best = (area, turn, low, high)
+    _, turn, low, high = best
+    directions = turn @ axes[:2]
+    middle = centre + 0.5 * (low + high) @ directions
+    # A little larger, so that rounding cannot put the pane's own edge outside.
+    half = 0.5 * (high - low) * 1.001 + 1e-4
+    return Portal(middle, half[0] * directions[0], half[1] * directions[1])

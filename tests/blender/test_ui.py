@@ -1,0 +1,431 @@
+"""Every panel is drawn onto a layout that checks what is put on it."""
+
+import types
+from functools import partial
+
+import bpy
+import numpy as np
+import pytest
+from lumenray import operators, ui
+from lumenray.blender_addon import feedback, probe, registry
+from lumenray.blender_addon.report import ConversionReport
+from lumenray.engine.session import LuxMap, Provenance
+from lumenray.engine.transport.backend import BackendStatus
+from lumenray.ui import compatibility, material, sidebar
+
+OPERATORS = {"lumenray.bake_illuminance", "lumenray.check_engine", "lumenray.copy_report"}
+ICONS = set(bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items.keys())
+
+
+class Layout:
+    """Takes the calls of a panel and refuses what Blender could not draw."""
+
+    def __init__(self, seen=None):
+        self.seen = [] if seen is None else seen
+
+    def _part(self, **_):
+        return Layout(self.seen)
+
+    row = column = box = split = _part
+
+    def prop(self, data, name, text=None, icon="NONE", **options):
+        assert name in data.bl_rna.properties, f"{type(data).__name__} has no {name}"
+        assert icon in ICONS
+        kind = data.bl_rna.properties[name].type
+        assert not options.get("expand") or kind == "ENUM"
+        self.seen.append(name)
+
+    def prop_enum(self, data, name, value, text=None):
+        assert name in data.bl_rna.properties
+        self.seen.append(f"{name}={value}")
+
+    def label(self, text="", icon="NONE"):
+        assert isinstance(text, str)
+        assert icon in ICONS
+        self.seen.append(text)
+
+    def operator(self, idname, text=None, icon="NONE"):
+        assert idname in OPERATORS
+        assert icon in ICONS
+        self.seen.append(idname)
+
+    def template_list(self, kind, _, data, name, active, index, rows=5):
+        assert hasattr(bpy.types, kind)
+        assert name in data.bl_rna.properties
+        assert index in active.bl_rna.properties
+        self.seen.append(kind)
+
+    def template_node_view(self, tree, node, socket):
+        assert socket.node == node
+        assert node.name in tree.nodes
+        self.seen.append("nodes")
+
+    def progress(self, factor, text):
+        assert 0.0 <= factor <= 1.0
+        self.seen.append(text)
+
+
+class Drawn:
+    """Stands for an instance of a panel or list, which only Blender can make."""
+
+    bitflag_filter_item = 1 << 30
+    filter_name = ""
+
+    def __init__(self, kind, layout):
+        self._kind, self.layout = kind, layout
+
+    def __getattr__(self, name):
+        found = getattr(self._kind, name)
+        return partial(found, self) if isinstance(found, types.FunctionType) else found
+
+
+@pytest.fixture(scope="module", autouse=True)
+def panels(registered):
+    registry.register((*operators.CLASSES, *ui.CLASSES))
+    ui.attach()
+    yield
+    ui.detach()
+
+
+def context(**attributes):
+    """Return what panels read of Blender's context."""
+    base = {
+        "engine": "LUMENRAY",
+        "light": None,
+        "material": None,
+        "world": None,
+        "object": None,
+        "selected_objects": [],
+        "scene": bpy.context.scene,
+        "view_layer": bpy.context.view_layer,
+        "window_manager": bpy.context.window_manager,
+        "preferences": bpy.context.preferences,
+        "region": types.SimpleNamespace(width=300),
+    }
+    return types.SimpleNamespace(**(base | attributes))
+
+
+def draw(name, where):
+    """Draw a panel if its poll allows it and return what was put on the layout, None if not."""
+    kind = getattr(bpy.types, name)
+    if hasattr(kind, "poll") and not kind.poll(where):
+        return None
+    layout = Layout()
+    stub = Drawn(kind, layout)
+    if hasattr(kind, "draw_header"):
+        kind.draw_header(stub, where)
+    kind.draw(stub, where)
+    return layout.seen
+
+
+def new_light(kind):
+    light = bpy.data.lights.new("Lamp", kind)
+    source = bpy.data.objects.new("Lamp", light)
+    bpy.context.scene.collection.objects.link(source)
+    return context(light=light, object=source)
+
+
+def all_panels():
+    return [kind.__name__ for kind in ui.CLASSES if issubclass(kind, bpy.types.Panel)]
+
+
+def test_all_classes_are_registered():
+    for kind in (*ui.CLASSES, *operators.CLASSES):
+        assert kind.is_registered
+        assert hasattr(bpy.types, kind.__name__)
+
+
+def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
+    light = new_light("POINT")
+    world = bpy.data.worlds.new("World")
+    for engine, expected in (("LUMENRAY", True), ("CYCLES", False)):
+        where = context(
+            engine=engine,
+            light=light.light,
+            world=world,
+            material=bpy.data.materials.new("Paint"),
+        )
+        for kind in ui.CLASSES:
+            if getattr(kind, "bl_space_type", "") == "PROPERTIES":
+                assert bool(kind.poll(where)) is expected, kind.__name__
+
+
+def test_panels_of_data_that_is_not_there_are_not_drawn():
+    for name in all_panels():
+        kind = getattr(bpy.types, name)
+        if getattr(kind, "bl_context", "") in {"data", "material", "world"}:
+            assert not kind.poll(context())
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+@pytest.mark.parametrize("physical", [False, True])
+def test_light_panels_draw_for_every_kind(kind, physical):
+    where = new_light(kind)
+    where.light.lumenray.use_physical = physical
+    assert {"POINT": "shadow_soft_size", "SPOT": "spot_size", "SUN": "angle", "AREA": "spread"}[
+        kind
+    ] in draw("LUMENRAY_PT_light", where)
+    seen = draw("LUMENRAY_PT_light_photometry", where)
+    assert ("value" in seen) is physical
+    assert ("energy" in seen) is not physical
+    assert draw("LUMENRAY_PT_light_readout", where)
+    assert "use_physical" in draw("LUMENRAY_PT_active_light", where)
+
+
+@pytest.mark.parametrize("spectrum", ["RGB", "ILLUMINANT", "BLACKBODY", "DAYLIGHT", "FILE"])
+def test_spectrum_shows_what_belongs_to_it(spectrum):
+    where = new_light("AREA")
+    where.light.lumenray.use_physical = True
+    where.light.lumenray.spectrum = spectrum
+    shown = {
+        "RGB": "color",
+        "ILLUMINANT": "illuminant",
+        "BLACKBODY": "colour_temperature",
+        "DAYLIGHT": "colour_temperature",
+        "FILE": "spectrum_file",
+    }
+    seen = draw("LUMENRAY_PT_light_photometry", where)
+    assert set(shown.values()) & set(seen) == {shown[spectrum]}
+
+
+@pytest.mark.parametrize("quantity", ["LUMINOUS_FLUX", "LUMINANCE", "RADIANT_FLUX"])
+@pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
+def test_readout_draws_for_every_quantity(kind, quantity):
+    where = new_light(kind)
+    where.light.lumenray.use_physical = True
+    where.light.lumenray.quantity = quantity
+    assert draw("LUMENRAY_PT_light_readout", where)
+
+
+@pytest.mark.parametrize("model", list(material.DRAWN))
+def test_material_override_draws_every_model(model):
+    paint = bpy.data.materials.new("Paint")
+    settings = paint.lumenray
+    settings.use_override = True
+    settings.model = model
+    for source in ("VALUE", "COLOR", "FILE"):
+        settings.reflectance_source = source
+        for index in ("CONSTANT", "CAUCHY", "FILE"):
+            settings.ior_source = index
+            assert "model" in draw("LUMENRAY_PT_material_override", context(material=paint))
+    assert draw("LUMENRAY_PT_material_surface", context(material=paint)) is None
+
+
+def test_every_model_of_the_properties_can_be_drawn():
+    items = bpy.data.materials.new("Paint").lumenray.bl_rna.properties["model"].enum_items
+    assert set(items.keys()) == set(material.DRAWN)
+
+
+def test_material_without_override_shows_its_nodes(tree):
+    tree.surface(tree.add("BsdfDiffuse"))
+    where = context(material=tree.material)
+    assert "nodes" in draw("LUMENRAY_PT_material_surface", where)
+    tree.material.node_tree.nodes.clear()
+    assert "No output node" in draw("LUMENRAY_PT_material_surface", where)
+
+
+@pytest.mark.parametrize("unit", ["BLENDER", "LUMINANCE", "ILLUMINANCE"])
+def test_world_panels_draw(unit):
+    world = bpy.data.worlds.new("World")
+    world.lumenray.unit = unit
+    where = context(world=world)
+    assert "unit" in draw("LUMENRAY_PT_world_unit", where)
+    assert draw("LUMENRAY_PT_world_surface", where)
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    world.node_tree.nodes.clear()
+    assert draw("LUMENRAY_PT_world_surface", where)
+
+
+@pytest.mark.parametrize("stop", ["SAMPLES", "ERROR", "TIME"])
+def test_render_panels_draw_what_their_choice_needs(stop):
+    settings = bpy.context.scene.lumenray
+    settings.stop = settings.bake_stop = stop
+    assert stop.lower() in draw("LUMENRAY_PT_sampling", context())
+    assert f"bake_{stop.lower()}" in draw("LUMENRAY_PT_lux_bake", context())
+    for name in ("LUMENRAY_PT_passes", "LUMENRAY_PT_advanced"):
+        assert draw(name, context())
+
+
+def test_film_says_what_becomes_white():
+    for exposure in ("LUMINANCE", "EV100", "AUTO"):
+        bpy.context.scene.lumenray.exposure = exposure
+        assert "exposure" in draw("LUMENRAY_PT_film", context())
+
+
+def test_engine_panel_names_cause_and_remedy():
+    manager = bpy.context.window_manager
+    feedback.note_status(manager, BackendStatus(False, "LLVM was not found", "install it"))
+    said = " ".join(draw("LUMENRAY_PT_engine", context()))
+    assert "LLVM was not found" in said
+    assert "install it" in said
+    assert "lumenray.check_engine" in said
+    feedback.note_status(manager, BackendStatus(True, "all there"))
+    assert draw("LUMENRAY_PT_engine", context()) == ["Ready"]
+
+
+def test_engine_panel_offers_our_engine_where_another_is_chosen():
+    assert "engine=LUMENRAY" in draw("LUMENRAY_PT_engine", context(engine="CYCLES"))
+
+
+def test_bake_panel_shows_a_button_or_progress():
+    mesh = bpy.data.objects.new("Floor", bpy.data.meshes.new("Floor"))
+    where = context(selected_objects=[mesh], object=mesh)
+    seen = draw("LUMENRAY_PT_bake", where)
+    assert "1 object selected" in seen
+    assert "lumenray.bake_illuminance" in seen
+    assert "Select the objects to bake" in draw("LUMENRAY_PT_bake", context())
+    job = bpy.context.window_manager.lumenray.job
+    job.running, job.progress, job.text = True, 0.42, "8 samples"
+    seen = draw("LUMENRAY_PT_bake", where)
+    assert "42 %" in seen
+    assert "Esc cancels" in seen
+    assert "lumenray.bake_illuminance" not in seen
+
+
+def lux_map(name="Floor", mean=500.0):
+    values = np.full((2, 2), mean, np.float32)
+    return LuxMap(
+        name=name,
+        illuminance=values,
+        standard_error=0.1 * values,
+        covered=values > 0,
+        area=np.ones_like(values),
+        mean=mean,
+        minimum=0.5 * mean,
+        maximum=1.5 * mean,
+        relative_standard_error=0.1,
+        mean_standard_error=2.0,
+        samples=64,
+        density=8.0,
+        provenance=Provenance("0", "llvm_ad_mono", "hash", 0, 64, 1.5),
+    )
+
+
+def test_results_are_shown_with_their_error():
+    manager = bpy.context.window_manager
+    assert draw("LUMENRAY_PT_results", context()) is None
+    feedback.show_results(manager, [lux_map(), lux_map("Desk", 750.0)])
+    manager.lumenray.result_index = 1
+    said = draw("LUMENRAY_PT_results", context())
+    assert "750 ± 2.00 lx" in said
+    assert "0.50" in said
+    layout = Layout()
+    list_ = Drawn(sidebar.LUMENRAY_UL_results, layout)
+    sidebar.LUMENRAY_UL_results.draw_item(
+        list_, context(), layout, manager.lumenray, manager.lumenray.results[0], 0, None, ""
+    )
+    assert layout.seen == ["Floor", "500 lx"]
+
+
+def report():
+    made = ConversionReport()
+    made.info("Glass", "Thin walls are not told apart", "solid glass is used")
+    made.warn("Wood", "Noise has no equal", "its mean is used", node="Noise Texture")
+    made.warn("Wood", "Noise has no equal", "its mean is used", node="Noise Texture")
+    made.error("Smoke", "A volume is not supported", "it is left out")
+    return made
+
+
+def test_report_lists_the_worst_first_and_details_the_active_row():
+    manager = bpy.context.window_manager
+    feedback.show_report(manager, report())
+    rows = manager.lumenray.rows
+    assert [row.severity for row in rows] == ["ERROR", "WARNING", "INFO"]
+    assert rows[1].count == 2
+    manager.lumenray.row_index = 1
+    said = draw("LUMENRAY_PT_report", context())
+    assert "1 error, 1 warning, 1 note" in said
+    assert "Wood / Noise Texture" in said
+    assert "Noise has no equal" in said
+    assert "Instead: its mean is used" in said
+    layout = Layout()
+    list_ = Drawn(sidebar.LUMENRAY_UL_report, layout)
+    for row in rows:
+        sidebar.LUMENRAY_UL_report.draw_item(
+            list_, context(), layout, manager.lumenray, row, 0, None, ""
+        )
+    assert "Noise has no equal (×2)" in layout.seen
+
+
+def test_report_can_be_searched():
+    manager = bpy.context.window_manager
+    feedback.show_report(manager, report())
+    list_ = Drawn(sidebar.LUMENRAY_UL_report, Layout())
+    find = sidebar.LUMENRAY_UL_report.filter_items
+    assert find(list_, context(), manager.lumenray, "rows") == ([], [])
+    list_.filter_name = "noise"
+    flags, _ = find(list_, context(), manager.lumenray, "rows")
+    assert [bool(flag) for flag in flags] == [False, True, False]
+
+
+def test_report_is_copied_as_text():
+    manager = bpy.context.window_manager
+    feedback.show_report(manager, report())
+    lines = feedback.report_text(manager).splitlines()
+    assert lines[0] == "ERROR: Smoke: A volume is not supported; it is left out"
+    assert lines[1].endswith("(2 times)")
+    assert bpy.ops.lumenray.copy_report() == {"FINISHED"}
+    manager.lumenray.rows.clear()
+    assert not bpy.ops.lumenray.copy_report.poll()
+
+
+def test_feedback_of_another_file_is_forgotten():
+    feedback.show_report(bpy.context.window_manager, report())
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert len(bpy.context.window_manager.lumenray.rows) == 0
+
+
+def test_operator_asks_for_the_engine(monkeypatch):
+    class Answer:
+        def wait(self):
+            return BackendStatus(False, "LLVM was not found", "install it")
+
+    monkeypatch.setattr(feedback, "Probe", Answer)
+    assert bpy.ops.lumenray.check_engine() == {"FINISHED"}
+    engine = bpy.context.window_manager.lumenray.engine
+    assert engine.checked
+    assert not engine.usable
+    assert engine.remedy == "install it"
+
+
+def test_probe_answers_from_a_process_of_its_own():
+    asked = probe.Probe()
+    status = asked.wait()
+    assert status.cause
+    assert asked.poll() == status
+    assert status.usable or status.remedy
+
+
+@pytest.mark.parametrize(
+    ("code", "answer", "complaint", "expected"),
+    [
+        (0, 'noise\nstatus={"usable": true, "cause": "c", "remedy": ""}\n', "", "c"),
+        (-11, "", "LLVM ERROR: bad\n", "LLVM ERROR: bad"),
+        (1, "", "Traceback\nImportError: no numpy\n", "ImportError: no numpy"),
+        (0, "", "", "without a word"),
+    ],
+)
+def test_probe_understands_what_a_process_leaves(code, answer, complaint, expected):
+    status = probe.read_answer(code, answer, complaint)
+    assert expected in status.cause
+    assert status.usable or status.remedy
+
+
+def test_blenders_own_panels_take_our_engine_and_let_it_go():
+    for name in (
+        "DATA_PT_lens",
+        "WORLD_PT_context_world",
+        "RENDER_PT_format",
+        "VIEWLAYER_PT_layer",
+    ):
+        assert "LUMENRAY" in getattr(bpy.types, name).COMPAT_ENGINES
+    assert "LUMENRAY" not in bpy.types.DATA_PT_light.COMPAT_ENGINES
+    assert "LUMENRAY" not in bpy.types.DATA_PT_EEVEE_light.COMPAT_ENGINES
+    for name in compatibility.TAKEN_TOO:
+        assert "LUMENRAY" in getattr(bpy.types, name).COMPAT_ENGINES
+    ui.detach()
+    for panel in bpy.types.Panel.__subclasses__():
+        if panel.__module__.startswith("bl_ui."):
+            assert "LUMENRAY" not in getattr(panel, "COMPAT_ENGINES", ())
+    ui.attach()

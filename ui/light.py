@@ -1,0 +1,97 @@
+"""Lights: Blender's own shape and colour, and the amount of light in photometric units."""
+
+import bpy
+
+from ..blender_addon import readout
+from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
+
+
+def draw_shape(layout, light) -> None:
+    """Draw what Blender knows about a light's size and beam."""
+    if light.type == "SUN":
+        layout.prop(light, "angle", text="Angular diameter")
+        return
+    if light.type != "AREA":
+        layout.prop(light, "shadow_soft_size", text="Radius")
+    if light.type == "SPOT":
+        layout.prop(light, "spot_size", text="Beam angle")
+        layout.prop(light, "spot_blend", text="Soft edge", slider=True)
+        layout.prop(light, "show_cone")
+    if light.type == "AREA":
+        layout.prop(light, "shape")
+        column = layout.column(align=True)
+        if light.shape in {"RECTANGLE", "ELLIPSE"}:
+            column.prop(light, "size", text="Size X")
+            column.prop(light, "size_y", text="Y")
+        else:
+            column.prop(light, "size")
+        layout.prop(light, "spread")
+
+
+def draw_amount(layout, light) -> None:
+    """Draw how much light there is and of which spectrum."""
+    settings = light.lumenray
+    if settings.use_physical:
+        layout.prop(settings, "quantity", text="")
+        layout.prop(settings, "value", text=f"Value [{readout.value_unit(light)}]")
+        draw_spectrum(layout, settings, light)
+        return
+    layout.prop(light, "energy")
+    if hasattr(light, "exposure"):
+        layout.prop(light, "exposure")
+    draw_colour(layout, light)
+
+
+def describe(context, light):
+    """Return what the light emits, with the scale of the object that it is shown for."""
+    source = context.object
+    if source is not None and source.data == light:
+        return readout.describe_lamp(source, context.scene)
+    return readout.describe_light(light, context.scene.lumenray)
+
+
+class LightPanel(PropertiesPanel):
+    """Panel of the data tab of a light."""
+
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return context.light is not None and super().poll(context)
+
+
+class LUMENRAY_PT_light(LightPanel, bpy.types.Panel):
+    """Kind and shape."""
+
+    bl_label = "Light"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.row().prop(context.light, "type", expand=True)
+        layout.use_property_split = True
+        draw_shape(layout.column(), context.light)
+
+
+class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
+    """Amount and spectrum."""
+
+    bl_label = "Amount of Light"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.prop(context.light.lumenray, "use_physical")
+        layout.use_property_split = True
+        draw_amount(layout.column(), context.light)
+
+
+class LUMENRAY_PT_light_readout(LightPanel, bpy.types.Panel):
+    """The same amount in other units."""
+
+    bl_label = "In Other Units"
+    bl_parent_id = "LUMENRAY_PT_light_photometry"
+
+    def draw(self, context):
+        draw_description(self.layout, context, describe(context, context.light))
+
+
+CLASSES = (LUMENRAY_PT_light, LUMENRAY_PT_light_photometry, LUMENRAY_PT_light_readout)

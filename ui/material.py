@@ -1,0 +1,128 @@
+"""Materials: measurable parameters, or the node tree while they are off."""
+
+import bpy
+
+from .parts import PropertiesPanel, draw_spectrum, draw_surface
+
+
+class MaterialPanel(PropertiesPanel):
+    """Panel of the material tab."""
+
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context):
+        material = context.material
+        return material is not None and not material.grease_pencil and super().poll(context)
+
+
+def _draw_reflectance(layout, settings):
+    layout.prop(settings, "reflectance_source", text="Reflectance")
+    names = {
+        "VALUE": ("reflectance", "Value"),
+        "COLOR": ("reflectance_color", "Colour"),
+        "FILE": ("reflectance_file", "File"),
+    }
+    name, label = names[settings.reflectance_source]
+    layout.prop(settings, name, text=label)
+
+
+def _draw_index(layout, settings):
+    layout.prop(settings, "ior_source", text="Refractive index")
+    if settings.ior_source == "FILE":
+        layout.prop(settings, "ior_file", text="File")
+        return
+    layout.prop(settings, "ior", text="A" if settings.ior_source == "CAUCHY" else "Value")
+    if settings.ior_source == "CAUCHY":
+        layout.prop(settings, "cauchy_b", text="B [µm²]")
+
+
+def _draw_diffuse(layout, settings):
+    _draw_reflectance(layout, settings)
+    layout.prop(settings, "transmittance")
+
+
+def _draw_coated(layout, settings):
+    _draw_reflectance(layout, settings)
+    layout.prop(settings, "roughness")
+    _draw_index(layout, settings)
+
+
+def _draw_conductor(layout, settings):
+    layout.prop(settings, "metal")
+    layout.prop(settings, "roughness")
+
+
+def _draw_dielectric(layout, settings):
+    layout.prop(settings, "roughness")
+    _draw_index(layout, settings)
+
+
+def _draw_pane(layout, settings):
+    layout.prop(settings, "transmittance", text="Internal transmittance")
+    _draw_index(layout, settings)
+
+
+def _draw_emitter(layout, settings):
+    layout.prop(settings, "luminance", text="Luminance [cd/m²]")
+    layout.prop(settings, "two_sided")
+    draw_spectrum(layout, settings)
+    if settings.spectrum == "RGB":
+        layout.prop(settings, "reflectance_color", text="Colour")
+
+
+DRAWN = {
+    "DIFFUSE": _draw_diffuse,
+    "COATED": _draw_coated,
+    "CONDUCTOR": _draw_conductor,
+    "DIELECTRIC": _draw_dielectric,
+    "THIN_GLASS": _draw_pane,
+    "EMITTER": _draw_emitter,
+}
+"""What is drawn for each model of a surface."""
+
+
+class LUMENRAY_PT_material_override(MaterialPanel, bpy.types.Panel):
+    """Measurable parameters."""
+
+    bl_label = "Physical Override"
+
+    def draw_header(self, context):
+        self.layout.prop(context.material.lumenray, "use_override", text="")
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.material.lumenray
+        if not settings.use_override:
+            layout.label(text="Off: the nodes below are used", icon="INFO")
+            return
+        layout.prop(settings, "model")
+        DRAWN[settings.model](layout.column(), settings)
+
+
+class LUMENRAY_PT_material_surface(MaterialPanel, bpy.types.Panel):
+    """Node tree."""
+
+    bl_label = "Surface"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and not context.material.lumenray.use_override
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        material = context.material
+        if bpy.app.version < (5, 0, 0):
+            layout.prop(material, "use_nodes", icon="NODETREE")
+            if not material.use_nodes:
+                layout.prop(material, "diffuse_color", text="Colour")
+                return
+        if material.node_tree is None:
+            layout.label(text="The material has no nodes", icon="INFO")
+            return
+        draw_surface(layout, material.node_tree)
+
+
+CLASSES = (LUMENRAY_PT_material_override, LUMENRAY_PT_material_surface)

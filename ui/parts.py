@@ -1,0 +1,90 @@
+"""Pieces that several panels share."""
+
+from ..blender_addon import readout
+from .compatibility import ENGINE
+
+
+class PropertiesPanel:
+    """Panel of the properties editor that is there while our engine is chosen."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+
+def draw_lines(layout, lines) -> None:
+    """Draw (label, value) pairs in two columns."""
+    column = layout.column(align=True)
+    for label, value in lines:
+        split = column.split(factor=0.55)
+        name = split.row()
+        name.active = False
+        name.label(text=label)
+        split.label(text=value)
+
+
+def draw_text(layout, context, text, icon="NONE") -> None:
+    """Draw a sentence over as many lines as the region needs."""
+    scale = context.preferences.system.ui_scale
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(readout.wrap(text, context.region.width, scale)):
+        if icon == "NONE":
+            column.label(text=line)
+        else:
+            column.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+def draw_description(layout, context, description) -> None:
+    """Draw what a `Description` says, the problem last."""
+    draw_lines(layout, description.lines)
+    if description.problem:
+        text = description.problem[:1].upper() + description.problem[1:]
+        draw_text(layout, context, text, "INFO" if description.lines else "ERROR")
+
+
+def draw_spectrum(layout, settings, data=None) -> None:
+    """Draw the choice of a spectrum and what belongs to it; ``data.color`` is shown for a colour."""
+    layout.prop(settings, "spectrum")
+    if settings.spectrum == "ILLUMINANT":
+        layout.prop(settings, "illuminant")
+    elif settings.spectrum in {"BLACKBODY", "DAYLIGHT"}:
+        layout.prop(settings, "colour_temperature", text="Temperature [K]")
+    elif settings.spectrum == "FILE":
+        layout.prop(settings, "spectrum_file", text="File")
+    elif data is not None:
+        draw_colour(layout, data)
+
+
+def draw_colour(layout, data) -> None:
+    """Draw Blender's colour of a light; newer versions also take a temperature."""
+    layout.prop(data, "color")
+    if hasattr(data, "use_temperature"):
+        layout.prop(data, "use_temperature", text="Temperature")
+        if data.use_temperature:
+            layout.prop(data, "temperature", text="Kelvin")
+
+
+def draw_stop(layout, settings, prefix="", per="pixel") -> None:
+    """Draw a stopping rule; ``prefix`` of its properties' names."""
+    stop = getattr(settings, f"{prefix}stop")
+    layout.prop(settings, f"{prefix}stop")
+    if stop == "SAMPLES":
+        layout.prop(settings, f"{prefix}samples", text=f"Samples per {per}")
+    elif stop == "ERROR":
+        layout.prop(settings, f"{prefix}error")
+    else:
+        layout.prop(settings, f"{prefix}time", text="Seconds")
+
+
+def draw_surface(layout, tree) -> None:
+    """Draw the shader that a node tree ends in, as Blender does it for its own engines."""
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    if output is None:
+        layout.label(text="No output node", icon="ERROR")
+        return
+    layout.template_node_view(tree, output, output.inputs["Surface"])

@@ -1,0 +1,103 @@
+"""Render tab: how long, how bright, which passes, how baked."""
+
+import bpy
+
+from ..blender_addon import readout
+from .parts import PropertiesPanel, draw_stop, draw_text
+
+
+class RenderPanel(PropertiesPanel):
+    """Panel of the render tab."""
+
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_settings(layout, context, context.scene.lumenray)
+
+
+class LUMENRAY_PT_sampling(RenderPanel, bpy.types.Panel):
+    """When the render ends."""
+
+    bl_label = "Sampling"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw the stopping rule."""
+        draw_stop(layout, settings)
+
+
+class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):
+    """Brightness of the picture."""
+
+    bl_label = "Film & Exposure"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw which luminance becomes white, and the spectral file."""
+        layout.prop(settings, "exposure")
+        if settings.exposure == "LUMINANCE":
+            layout.prop(settings, "white_luminance", text="White [cd/m²]")
+        elif settings.exposure == "EV100":
+            layout.prop(settings, "ev100")
+        if settings.exposure != "LUMINANCE":
+            draw_text(layout, context, readout.describe_exposure(settings), "INFO")
+        layout.prop(settings, "use_spectral_file")
+        column = layout.column()
+        column.active = settings.use_spectral_file
+        column.prop(settings, "spectral_bands")
+
+
+class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
+    """Photometric passes; Blender's own are in the view layer tab."""
+
+    bl_label = "Passes"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw the photometric passes."""
+        column = layout.column(heading="Photometric")
+        column.prop(settings, "use_pass_luminance", text="Luminance [cd/m²]")
+        column.prop(settings, "use_pass_illuminance", text="Illuminance [lx]")
+        column = layout.column(heading="Data")
+        column.prop(context.view_layer, "use_pass_z", text="Depth")
+        column.prop(context.view_layer, "use_pass_normal", text="Normal")
+        column.prop(context.view_layer, "use_pass_object_index", text="Object Index")
+        column.prop(context.view_layer, "use_pass_material_index", text="Material Index")
+
+
+class LUMENRAY_PT_lux_bake(RenderPanel, bpy.types.Panel):
+    """Lux maps; the button is in the sidebar of the 3D view and here."""
+
+    bl_label = "Lux Bake"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw the maps' layout, stopping rule and folder."""
+        column = layout.column()
+        column.prop(settings, "bake_density")
+        column.prop(settings, "bake_size", text="Largest map [px]")
+        column.prop(settings, "bake_margin", text="Margin [px]")
+        draw_stop(layout.column(), settings, "bake_", "lumel")
+        layout.prop(settings, "bake_folder")
+        layout.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
+
+
+class LUMENRAY_PT_advanced(RenderPanel, bpy.types.Panel):
+    """What is rarely changed."""
+
+    bl_label = "Advanced"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_settings(self, layout, context, settings):
+        """Draw transport, meaning of watts and seed."""
+        layout.prop(settings, "transport")
+        layout.prop(settings, "efficacy")
+        layout.prop(settings, "seed")
+
+
+CLASSES = (
+    LUMENRAY_PT_sampling,
+    LUMENRAY_PT_film,
+    LUMENRAY_PT_passes,
+    LUMENRAY_PT_lux_bake,
+    LUMENRAY_PT_advanced,
+)

@@ -1,0 +1,194 @@
+"""Tab 'Lumenray' in the sidebar of the 3D view: state of the engine, active light, bake, results, report."""
+
+import bpy
+
+from ..blender_addon import readout
+from .compatibility import ENGINE
+from .light import draw_amount, draw_shape
+from .parts import draw_description, draw_lines, draw_stop, draw_text
+
+ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
+"""Icon of every severity."""
+
+
+class SidebarPanel:
+    """Panel of our tab."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Lumenray"
+
+
+class LUMENRAY_PT_engine(SidebarPanel, bpy.types.Panel):
+    """Whether the engine can run, and what to do if not."""
+
+    bl_label = "Engine"
+
+    def draw(self, context):
+        layout = self.layout
+        engine = context.window_manager.lumenray.engine
+        if not engine.checked:
+            layout.label(text="Looking for the engine…", icon="TIME")
+        elif engine.usable:
+            layout.label(text="Ready", icon="CHECKMARK")
+        else:
+            box = layout.box()
+            box.label(text="The engine cannot run", icon="ERROR")
+            draw_text(box, context, f"Cause: {engine.cause}")
+            draw_text(box, context, f"Remedy: {engine.remedy}")
+            layout.operator("lumenray.check_engine", text="Check Again", icon="FILE_REFRESH")
+        if context.engine != ENGINE:
+            draw_text(layout, context, "This scene is rendered by another engine", "INFO")
+            layout.prop_enum(context.scene.render, "engine", ENGINE, text="Render with Lumenray")
+
+
+class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
+    """Quick settings of the active light."""
+
+    bl_label = "Active Light"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type == "LIGHT"
+
+    def draw(self, context):
+        layout = self.layout
+        source = context.object
+        light = source.data
+        layout.label(text=source.name, icon=f"LIGHT_{light.type}")
+        layout.prop(light.lumenray, "use_physical")
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column()
+        draw_amount(column, light)
+        draw_shape(column, light)
+        box = layout.box()
+        box.use_property_split = False
+        draw_description(box, context, readout.describe_lamp(source, context.scene))
+
+
+class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
+    """Illuminance of the selected objects."""
+
+    bl_label = "Bake Illuminance"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        feedback = context.window_manager.lumenray
+        if feedback.job.running:
+            layout.progress(
+                factor=feedback.job.progress, text=f"{100.0 * feedback.job.progress:.0f} %"
+            )
+            if feedback.job.text:
+                draw_text(layout, context, feedback.job.text)
+            layout.label(text="Esc cancels", icon="EVENT_ESC")
+            return
+        settings = context.scene.lumenray
+        count, text = readout.describe_selection(context)
+        layout.label(text=text, icon="OBJECT_DATA" if count else "INFO")
+        column = layout.column()
+        column.prop(settings, "bake_density", text="Lumels per m")
+        if context.object is not None and count:
+            column.prop(context.object.lumenray, "density", text="Active object")
+        draw_stop(column, settings, "bake_", "lumel")
+        column = layout.column()
+        column.scale_y = 1.4
+        engine = feedback.engine
+        column.enabled = bool(count) and (engine.usable or not engine.checked)
+        column.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
+        if engine.checked and not engine.usable:
+            draw_text(layout, context, "Not possible: the engine cannot run, see above", "INFO")
+
+
+class LUMENRAY_UL_results(bpy.types.UIList):
+    """Lux maps: name, mean, range."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.45)
+        split.label(text=item.name, icon="TEXTURE")
+        row = split.row()
+        row.alignment = "RIGHT"
+        row.label(text=readout.format_amount(item.mean, item.unit))
+
+
+class LUMENRAY_PT_results(SidebarPanel, bpy.types.Panel):
+    """What was baked last."""
+
+    bl_label = "Lux Maps"
+
+    @classmethod
+    def poll(cls, context):
+        return len(context.window_manager.lumenray.results) > 0
+
+    def draw(self, context):
+        layout = self.layout
+        feedback = context.window_manager.lumenray
+        layout.template_list(
+            "LUMENRAY_UL_results", "", feedback, "results", feedback, "result_index", rows=3
+        )
+        if feedback.result_index < len(feedback.results):
+            row = feedback.results[feedback.result_index]
+            draw_lines(layout.box(), readout.describe_result(row))
+
+
+class LUMENRAY_UL_report(bpy.types.UIList):
+    """Rows of the conversion report."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.4)
+        split.label(text=item.datablock, icon=ICONS[item.severity])
+        count = f" (×{item.count})" if item.count > 1 else ""
+        split.label(text=item.message + count)
+
+    def filter_items(self, context, data, property_name):
+        """Filter by the texts of a row; Blender would look for a name, which rows do not have."""
+        rows = getattr(data, property_name)
+        wanted = self.filter_name.casefold()
+        if not wanted:
+            return [], []
+        return [
+            self.bitflag_filter_item
+            if wanted in f"{row.datablock} {row.node} {row.message}".casefold()
+            else 0
+            for row in rows
+        ], []
+
+
+class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
+    """What of the scene could not be taken over as it is."""
+
+    bl_label = "Conversion Report"
+
+    def draw(self, context):
+        layout = self.layout
+        feedback = context.window_manager.lumenray
+        if not feedback.rows:
+            layout.label(text="Nothing to report", icon="CHECKMARK")
+            return
+        line = layout.row()
+        line.label(text=readout.describe_counts(feedback.rows))
+        line.operator("lumenray.copy_report", text="", icon="COPYDOWN")
+        layout.template_list(
+            "LUMENRAY_UL_report", "", feedback, "rows", feedback, "row_index", rows=4
+        )
+        if feedback.row_index < len(feedback.rows):
+            self._draw_row(layout.box(), context, feedback.rows[feedback.row_index])
+
+    def _draw_row(self, layout, context, row):
+        where = f"{row.datablock} / {row.node}" if row.node else row.datablock
+        draw_text(layout, context, where, ICONS[row.severity])
+        draw_text(layout, context, row.message)
+        draw_text(layout, context, f"Instead: {row.remedy}")
+
+
+CLASSES = (
+    LUMENRAY_UL_results,
+    LUMENRAY_UL_report,
+    LUMENRAY_PT_engine,
+    LUMENRAY_PT_active_light,
+    LUMENRAY_PT_bake,
+    LUMENRAY_PT_results,
+    LUMENRAY_PT_report,
+)
