@@ -7,13 +7,17 @@ This file is both the entry point of the Blender extension and the root of the P
 
 def register():
     """Register all of the extension with the running Blender."""
+    from . import operators, ui
     from .blender_addon import registry
 
-    registry.register()
+    registry.register((*operators.CLASSES, *ui.CLASSES))
+    ui.attach()
 
 
 def unregister():
-    """Take everything that :func:`register` added out of the running Blender."""
+    """Take everything that `register` added out of the running Blender."""
+    from . import operators, ui
     from .blender_addon import registry
 
-    registry.unregister()
+    ui.detach()
+    registry.unregister((*operators.CLASSES, *ui.CLASSES))

@@ -89,6 +89,7 @@ class LumenrayFeedback(PropertyGroup):
 
     engine: PointerProperty(type=LumenrayEngineStatus)
     job: PointerProperty(type=LumenrayJob)
+    reported: BoolProperty(name="Reported", description="Whether a scene has been converted")
     rows: CollectionProperty(type=LumenrayReportRow)
     row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
     results: CollectionProperty(type=LumenrayResultRow)
@@ -98,6 +99,7 @@ class LumenrayFeedback(PropertyGroup):
 def show_report(window_manager, report: ConversionReport) -> None:
     """Show a conversion report in place of the one before, the worst rows first."""
     feedback = window_manager.lumenray
+    feedback.reported = True
     feedback.rows.clear()
     feedback.row_index = 0
     order = [identifier for identifier, *_ in SEVERITIES]

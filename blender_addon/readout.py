@@ -103,7 +103,10 @@ def read_sun(quantity: str, value: float, angle: float) -> Reading:
 
 
 def format_number(value: float) -> str:
-    """Three significant digits, thousands set apart; powers of ten only for very large and very small numbers."""
+    """Return at least three significant digits, thousands set apart.
+
+    Powers of ten appear only in very large and very small numbers.
+    """
     if value == 0.0:
         return "0"
     size = abs(value)
@@ -115,13 +118,21 @@ def format_number(value: float) -> str:
     return text.replace(",", "\u2009")
 
 
+def format_estimate(value: float, error: float) -> str:
+    """Return a number with its standard error, both to the second significant digit of the error."""
+    if not (np.isfinite(error) and error > 0.0):
+        return format_number(value)
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:,.{digits}f} ± {error:,.{digits}f}".replace(",", "\u2009")
+
+
 def format_amount(value: float, unit: str) -> str:
     """Return a number with its unit."""
     return f"{format_number(value)} {unit}"
 
 
 def value_unit(light) -> str:
-    """Unit of a physical light's value; watts of a sun are per square metre."""
+    """Return the unit of a physical light's value; watts of a sun are per square metre."""
     quantity = light.lumenray.quantity
     return "W/m²" if light.type == "SUN" and quantity == "RADIANT_FLUX" else UNITS[quantity]
 
@@ -171,9 +182,14 @@ def describe_exposure(settings) -> str:
     return f"{format_amount(white, 'cd/m²')} becomes 1.0"
 
 
+def is_bakeable(source) -> bool:
+    """Whether an object, or None, has a surface that can be baked."""
+    return source is not None and source.type in MESH_TYPES
+
+
 def describe_selection(context) -> tuple[int, str]:
     """Count the selected objects that can be baked, and say it."""
-    count = sum(source.type in MESH_TYPES for source in context.selected_objects)
+    count = sum(is_bakeable(source) for source in context.selected_objects)
     if count == 0:
         return 0, "Select the objects to bake"
     return count, "1 object selected" if count == 1 else f"{count} objects selected"
@@ -182,7 +198,7 @@ def describe_selection(context) -> tuple[int, str]:
 def describe_result(row) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about one lux map."""
     return (
-        ("Mean", f"{format_number(row.mean)} ± {format_number(row.mean_error)} {row.unit}"),
+        ("Mean", f"{format_estimate(row.mean, row.mean_error)} {row.unit}"),
         ("Smallest", format_amount(row.minimum, row.unit)),
         ("Largest", format_amount(row.maximum, row.unit)),
         ("Uniformity", f"{row.minimum / row.mean:.2f}" if row.mean > 0.0 else "–"),
@@ -201,7 +217,7 @@ def describe_counts(rows) -> str:
     parts = [
         f"{count} {names[key]}{'' if count == 1 else 's'}" for key, count in counts.items() if count
     ]
-    return ", ".join(parts) or "Everything was taken over as it is"
+    return ", ".join(parts)
 
 
 def wrap(text: str, width: float, scale: float = 1.0) -> list[str]:

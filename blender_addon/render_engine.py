@@ -211,8 +211,15 @@ def _show(report):
     """Put the report where the panel finds it; a render without a window has none."""
     from .feedback import show_report
 
-    for manager in bpy.data.window_managers:
-        show_report(manager, report)
+    def show():
+        for manager in bpy.data.window_managers:
+            show_report(manager, report)
+
+    if bpy.app.background:
+        show()
+    else:
+        # Blender renders on a thread of its own; the window's data belong to the main thread.
+        bpy.app.timers.register(show)
 
 
 CLASSES = (LumenrayRenderEngine,)

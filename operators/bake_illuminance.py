@@ -135,7 +135,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     def _work(self):
         try:
             self._job.run(self._note)
-        except Exception as error:  # noqa: BLE001 - handed to the window, which reports it
+        except Exception as error:  # handed to the window, which reports it
             self._error = error
 
     def _note(self, progress):

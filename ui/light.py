@@ -9,7 +9,7 @@ from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
 def draw_shape(layout, light) -> None:
     """Draw what Blender knows about a light's size and beam."""
     if light.type == "SUN":
-        layout.prop(light, "angle", text="Angular diameter")
+        layout.prop(light, "angle")
         return
     if light.type != "AREA":
         layout.prop(light, "shadow_soft_size", text="Radius")

@@ -28,7 +28,7 @@ def _draw_reflectance(layout, settings):
 
 
 def _draw_index(layout, settings):
-    layout.prop(settings, "ior_source", text="Refractive index")
+    layout.prop(settings, "ior_source", text="Index n")
     if settings.ior_source == "FILE":
         layout.prop(settings, "ior_file", text="File")
         return
@@ -59,7 +59,7 @@ def _draw_dielectric(layout, settings):
 
 
 def _draw_pane(layout, settings):
-    layout.prop(settings, "transmittance", text="Internal transmittance")
+    layout.prop(settings, "transmittance", text="Internal transm.")
     _draw_index(layout, settings)
 
 

@@ -69,12 +69,12 @@ def draw_colour(layout, data) -> None:
             layout.prop(data, "temperature", text="Kelvin")
 
 
-def draw_stop(layout, settings, prefix="", per="pixel") -> None:
+def draw_stop(layout, settings, prefix="") -> None:
     """Draw a stopping rule; ``prefix`` of its properties' names."""
     stop = getattr(settings, f"{prefix}stop")
     layout.prop(settings, f"{prefix}stop")
     if stop == "SAMPLES":
-        layout.prop(settings, f"{prefix}samples", text=f"Samples per {per}")
+        layout.prop(settings, f"{prefix}samples", text="Samples")
     elif stop == "ERROR":
         layout.prop(settings, f"{prefix}error")
     else:

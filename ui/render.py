@@ -55,14 +55,15 @@ class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw the photometric passes."""
-        column = layout.column(heading="Photometric")
+        layout.use_property_split = False
+        column = layout.column()
         column.prop(settings, "use_pass_luminance", text="Luminance [cd/m²]")
         column.prop(settings, "use_pass_illuminance", text="Illuminance [lx]")
-        column = layout.column(heading="Data")
+        column = layout.column()
         column.prop(context.view_layer, "use_pass_z", text="Depth")
         column.prop(context.view_layer, "use_pass_normal", text="Normal")
-        column.prop(context.view_layer, "use_pass_object_index", text="Object Index")
-        column.prop(context.view_layer, "use_pass_material_index", text="Material Index")
+        column.prop(context.view_layer, "use_pass_object_index", text="Object index")
+        column.prop(context.view_layer, "use_pass_material_index", text="Material index")
 
 
 class LUMENRAY_PT_lux_bake(RenderPanel, bpy.types.Panel):
@@ -73,10 +74,10 @@ class LUMENRAY_PT_lux_bake(RenderPanel, bpy.types.Panel):
     def draw_settings(self, layout, context, settings):
         """Draw the maps' layout, stopping rule and folder."""
         column = layout.column()
-        column.prop(settings, "bake_density")
-        column.prop(settings, "bake_size", text="Largest map [px]")
+        column.prop(settings, "bake_density", text="Lumels per m")
+        column.prop(settings, "bake_size", text="Largest [px]")
         column.prop(settings, "bake_margin", text="Margin [px]")
-        draw_stop(layout.column(), settings, "bake_", "lumel")
+        draw_stop(layout.column(), settings, "bake_")
         layout.prop(settings, "bake_folder")
         layout.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
 
@@ -90,7 +91,7 @@ class LUMENRAY_PT_advanced(RenderPanel, bpy.types.Panel):
     def draw_settings(self, layout, context, settings):
         """Draw transport, meaning of watts and seed."""
         layout.prop(settings, "transport")
-        layout.prop(settings, "efficacy")
+        layout.prop(settings, "efficacy", text="lm per watt")
         layout.prop(settings, "seed")
 
 

@@ -83,16 +83,16 @@ class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
             )
             if feedback.job.text:
                 draw_text(layout, context, feedback.job.text)
-            layout.label(text="Esc cancels", icon="EVENT_ESC")
+            layout.label(text="Esc cancels", icon="INFO")
             return
         settings = context.scene.lumenray
         count, text = readout.describe_selection(context)
         layout.label(text=text, icon="OBJECT_DATA" if count else "INFO")
         column = layout.column()
         column.prop(settings, "bake_density", text="Lumels per m")
-        if context.object is not None and count:
+        if readout.is_bakeable(context.object):
             column.prop(context.object.lumenray, "density", text="Active object")
-        draw_stop(column, settings, "bake_", "lumel")
+        draw_stop(column, settings, "bake_")
         column = layout.column()
         column.scale_y = 1.4
         engine = feedback.engine
@@ -164,8 +164,11 @@ class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         feedback = context.window_manager.lumenray
+        if not feedback.reported:
+            draw_text(layout, context, "Filled when the scene is rendered or baked", "INFO")
+            return
         if not feedback.rows:
-            layout.label(text="Nothing to report", icon="CHECKMARK")
+            layout.label(text="All of it was taken over", icon="CHECKMARK")
             return
         line = layout.row()
         line.label(text=readout.describe_counts(feedback.rows))

@@ -41,11 +41,11 @@ class LUMENRAY_PT_world_unit(WorldPanel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         settings = context.world.lumenray
-        layout.row().prop(settings, "unit", expand=True)
+        layout.prop(settings, "unit")
         if settings.unit == "ILLUMINANCE":
             layout.prop(settings, "illuminance", text="Illuminance [lx]")
         elif settings.unit == "BLENDER":
-            layout.prop(context.scene.lumenray, "efficacy")
+            layout.prop(context.scene.lumenray, "efficacy", text="lm per watt")
 
 
 CLASSES = (LUMENRAY_PT_world_surface, LUMENRAY_PT_world_unit)

@@ -156,7 +156,7 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
         * 2.0 ** getattr(data, "exposure", 0.0)
         * strength
         * efficacy
-        * float(luminance(rgb))
+        * float(np.ravel(luminance(rgb))[0])
     )
     if lumens <= 0.0:
         return None

@@ -47,7 +47,7 @@ def convert_world(world, efficacy: float, report: ConversionReport):
             if colour_socket is not None
             else np.array(world.color)
         )
-        amount = float(luminance(rgb)) * per_unit
+        amount = float(np.ravel(luminance(rgb))[0]) * per_unit
         if settings.unit == "ILLUMINANCE":
             amount = settings.illuminance / math.pi
         return UniformWorld(amount, light_spectrum(rgb)) if amount > 0.0 else None

@@ -159,66 +159,15 @@ def _surroundings_class():
                 dr.make_opaque(towards, cap)
                 self.suns.append((props[f"sun_{i}"], towards, cap, float(props[f"share_{i}"])))
             self.world_share = float(props.get("world_share", 1.0))
-            self.portals = []
+            self.portals = None
             self.portal_share = 0.0
             self.centre, self.extent = mi.Point3f(0.0), mi.Float(1.0)
             self.m_flags = +mi.EmitterFlags.Infinite
 
         def set_portals(self, portals, share):
-            """Aim a share of the samples at rectangles (centre, half_u, half_v in the scene's frame)."""
-            self.portals = []
-            for portal in portals:
-                vectors = [mi.Vector3f(*map(float, v)) for v in portal]
-                _, u, v = vectors
-                normal = dr.normalize(dr.cross(u, v))
-                area = 4.0 * dr.norm(dr.cross(u, v))
-                made = (*vectors, normal, area, u / dr.squared_norm(u), v / dr.squared_norm(v))
-                dr.make_opaque(*made)
-                self.portals.append(made)
-            self.portal_share = share if portals else 0.0
-
-        def _portal_choices(self, point):
-            """Probability of each portal from a point: by its rough solid angle."""
-            weights = []
-            for centre, _, _, normal, area, _, _ in self.portals:
-                away = centre - mi.Vector3f(point)
-                squared = dr.squared_norm(away)
-                cosine = dr.abs(dr.dot(away, normal)) * dr.rsqrt(dr.maximum(squared, 1e-12))
-                weights.append(area * (cosine + 0.05) / (squared + area))
-            total = sum(weights[1:], weights[0])
-            return [w / total for w in weights]
-
-        def _portal_density(self, point, direction):
-            """Solid-angle density of aiming at the portals."""
-            pdf = mi.Float(0.0)
-            choices = self._portal_choices(point)
-            for (centre, _, _, normal, area, over_u, over_v), choice in zip(
-                self.portals, choices, strict=True
-            ):
-                away = centre - mi.Vector3f(point)
-                cosine = dr.dot(direction, normal)
-                distance = dr.dot(away, normal) / dr.select(cosine == 0.0, 1e-12, cosine)
-                place = direction * distance - away
-                inside = (
-                    (distance > 0.0)
-                    & (dr.abs(dr.dot(place, over_u)) <= 1.0)
-                    & (dr.abs(dr.dot(place, over_v)) <= 1.0)
-                )
-                density = choice * dr.square(distance) / (area * dr.maximum(dr.abs(cosine), 1e-6))
-                pdf += dr.select(inside, density, 0.0)
-            return pdf
-
-        def _portal_direction(self, point, u, v):
-            """Direction to a point on one of the portals."""
-            target, start = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
-            for (centre, half_u, half_v, *_), choice in zip(
-                self.portals, self._portal_choices(point), strict=True
-            ):
-                stretched = dr.clip((u - start) / choice, 0.0, 1.0)
-                place = centre + half_u * (2.0 * stretched - 1.0) + half_v * (2.0 * v - 1.0)
-                target = dr.select(u >= start, place - mi.Vector3f(point), target)
-                start += choice
-            return dr.normalize(target)
+            """Aim a share of the world's samples at a `PortalSet`."""
+            self.portals = portals
+            self.portal_share = share if portals is not None else 0.0
 
         def traverse(self, callback):
             if self.world is not None:
@@ -254,8 +203,8 @@ def _surroundings_class():
             if self.world is not None and self.world_share > 0.0:
                 plain = 1.0 - self.portal_share
                 pdf += self.world_share * plain * self.world.pdf_direction(it, ds, active)
-            if self.portals:
-                pdf += self.world_share * self.portal_share * self._portal_density(it.p, ds.d)
+            if self.portals is not None:
+                pdf += self.world_share * self.portal_share * self.portals.density(it.p, ds.d)
             for _, towards, cap, share in self.suns:
                 inside = self._inside(ds.d, towards, cap)
                 pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
@@ -274,8 +223,8 @@ def _surroundings_class():
             if self.world is not None and self.world_share > 0.0:
                 stretched = dr.clip(u / self.world_share, 0.0, 0.9999999)
                 aims = stretched < self.portal_share
-                if self.portals:
-                    direction = self._portal_direction(
+                if self.portals is not None:
+                    direction = self.portals.direction(
                         it.p, dr.minimum(stretched / self.portal_share, 0.9999999), sample.y
                     )
                     stretched = (stretched - self.portal_share) / (1.0 - self.portal_share)

@@ -1,7 +1,7 @@
-"""Portals: the panes through which a room sees the sky, as rectangles that next-event estimation aims at.
+"""Portals: the panes through which a room sees the outside, as rectangles that samples are aimed at.
 
 A sky sampled over the whole sphere is seen from inside through a few percent of its directions. Choosing points on the
-panes instead wastes nothing; combined with the sky's own density it stays unbiased wherever the receiver is.
+panes instead wastes little; joined with the sky's own density it stays unbiased wherever the receiver is.
 """
 
 from dataclasses import dataclass
@@ -41,6 +41,81 @@ def find_portals(panes) -> list[Portal]:
                 found.append(portal)
     found.sort(key=lambda p: -np.linalg.norm(p.half_u) * np.linalg.norm(p.half_v))
     return found[:MAXIMUM_PORTALS]
+
+
+class PortalSet:
+    """Portals on the device: draws directions towards them and tells their density.
+
+    Parameters
+    ----------
+    portals : list of Portal    In the compiled scene's frame, at least one.
+    """
+
+    def __init__(self, portals: list[Portal]):
+        import drjit as dr
+        import mitsuba as mi
+
+        self._rectangles = []
+        for portal in portals:
+            centre, u, v = (
+                mi.Vector3f(*map(float, x)) for x in (portal.centre, portal.half_u, portal.half_v)
+            )
+            normal = dr.normalize(dr.cross(u, v))
+            area = 4.0 * dr.norm(dr.cross(u, v))
+            made = (centre, u, v, normal, area, u / dr.squared_norm(u), v / dr.squared_norm(v))
+            dr.make_opaque(*made)
+            self._rectangles.append(made)
+
+    def _choices(self, point) -> list:
+        """Probability of each portal from a point: by its rough solid angle."""
+        import drjit as dr
+        import mitsuba as mi
+
+        weights = []
+        for centre, _, _, normal, area, _, _ in self._rectangles:
+            away = centre - mi.Vector3f(point)
+            squared = dr.squared_norm(away)
+            cosine = dr.abs(dr.dot(away, normal)) * dr.rsqrt(dr.maximum(squared, 1e-12))
+            weights.append(area * (cosine + 0.05) / (squared + area))
+        total = sum(weights[1:], weights[0])
+        return [w / total for w in weights]
+
+    def density(self, point, direction):
+        """Solid-angle density with which `direction` would have drawn a direction. [1/sr]"""
+        import drjit as dr
+        import mitsuba as mi
+
+        pdf = mi.Float(0.0)
+        for (centre, _, _, normal, area, over_u, over_v), choice in zip(
+            self._rectangles, self._choices(point), strict=True
+        ):
+            away = centre - mi.Vector3f(point)
+            cosine = dr.dot(direction, normal)
+            distance = dr.dot(away, normal) / dr.select(cosine == 0.0, 1e-12, cosine)
+            place = direction * distance - away
+            inside = (
+                (distance > 0.0)
+                & (dr.abs(dr.dot(place, over_u)) <= 1.0)
+                & (dr.abs(dr.dot(place, over_v)) <= 1.0)
+            )
+            value = choice * dr.square(distance) / (area * dr.maximum(dr.abs(cosine), 1e-6))
+            pdf += dr.select(inside, value, 0.0)
+        return pdf
+
+    def direction(self, point, u, v):
+        """Direction from a point to a place on one of the portals, for two numbers in [0, 1)."""
+        import drjit as dr
+        import mitsuba as mi
+
+        target, start = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
+        for (centre, half_u, half_v, *_), choice in zip(
+            self._rectangles, self._choices(point), strict=True
+        ):
+            stretched = dr.clip((u - start) / choice, 0.0, 1.0)
+            place = centre + half_u * (2.0 * stretched - 1.0) + half_v * (2.0 * v - 1.0)
+            target = dr.select(u >= start, place - mi.Vector3f(point), target)
+            start += choice
+        return dr.normalize(target)
 
 
 def _connected(vertices, triangles) -> list[np.ndarray]:

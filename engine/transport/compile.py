@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..luminaires import plugins as emitter_plugins
-from ..luminaires.portals import find_portals
+from ..luminaires.portals import Portal, PortalSet, find_portals
 from ..materials import plugins as surface_plugins
 from ..photometry import units
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
@@ -179,6 +179,7 @@ class _Compiler:
             self._add_mesh(mesh)
         for light in self.scene.lights.values():
             self._add_light(light)
+        self.portals = self._find_portals()
         surroundings = self._add_surroundings()
         self._fill_palette()
         solid = mi.load_dict(
@@ -411,11 +412,11 @@ class _Compiler:
         emitter = mi.load_dict(plugin)
         emitter.set_bounds(mi.Point3f(0.0), mi.Float(self.radius))
         if world is not None:
-            emitter.set_portals(self._portals(), PORTAL_SHARE)
+            emitter.set_portals(self.portals, PORTAL_SHARE)
         self._note_emitter(emitter, flux)
         return emitter
 
-    def _portals(self) -> list:
+    def _find_portals(self) -> PortalSet | None:
         """Rectangles around the panes, in the compiled scene's frame."""
         panes = []
         for mesh in self.scene.meshes.values():
@@ -423,7 +424,9 @@ class _Compiler:
                 if isinstance(self.scene.materials[key].surface, ThinGlass):
                     panes.append((mesh.vertices, mesh.triangles[mesh.material_index == slot]))
         found = find_portals(pane for pane in panes if len(pane[1]))
-        return [(p.centre - self.origin, p.half_u, p.half_v) for p in found]
+        if not found:
+            return None
+        return PortalSet([Portal(p.centre - self.origin, p.half_u, p.half_v) for p in found])
 
     def _world(self):
         """Mitsuba emitter of the world and its flux through the scene. [lm]"""

@@ -83,6 +83,8 @@ def new_light(name, kind, collection, location, quantity, value, spectrum="RGB",
     light.energy = value / bpy.context.scene.lumenray.efficacy
     item = bpy.data.objects.new(name, light)
     item.location = location
+    # Blender hides lights from the camera at first; lamps are there to be seen.
+    item.visible_camera = True
     collection.objects.link(item)
     return item
 
@@ -149,6 +151,7 @@ def set_render(width, height, white_luminance, samples=64, view_transform="Stand
     scene.view_settings.view_transform = view_transform
     scene.lumenray.white_luminance = white_luminance
     scene.lumenray.samples = samples
-    scene.lumenray.bake_density = 8.0
+    scene.lumenray.bake_density = 12.0
+    scene.lumenray.bake_samples = 256
     if any(getattr(t, "bl_idname", "") == ENGINE for t in bpy.types.RenderEngine.__subclasses__()):
         scene.render.engine = ENGINE

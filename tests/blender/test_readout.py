@@ -204,3 +204,16 @@ def test_unit_of_the_value_follows_quantity_and_kind():
     assert readout.value_unit(lamp("AREA", "LUMINANCE").data) == "cd/m²"
     assert readout.value_unit(lamp("POINT", "RADIANT_FLUX").data) == "W"
     assert readout.value_unit(lamp("SUN", "RADIANT_FLUX").data) == "W/m²"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (312.34, 1.249, "312.3 ± 1.2"),
+        (1512.3, 61.0, "1\u2009512 ± 61"),
+        (0.5123, 0.0042, "0.5123 ± 0.0042"),
+        (500.0, 0.0, "500"),
+    ],
+)
+def test_estimates_end_at_the_second_digit_of_their_error(value, error, text):
+    assert readout.format_estimate(value, error) == text

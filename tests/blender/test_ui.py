@@ -308,7 +308,7 @@ def test_results_are_shown_with_their_error():
     feedback.show_results(manager, [lux_map(), lux_map("Desk", 750.0)])
     manager.lumenray.result_index = 1
     said = draw("LUMENRAY_PT_results", context())
-    assert "750 ± 2.00 lx" in said
+    assert "750.0 ± 2.0 lx" in said
     assert "0.50" in said
     layout = Layout()
     list_ = Drawn(sidebar.LUMENRAY_UL_results, layout)
@@ -329,6 +329,9 @@ def report():
 
 def test_report_lists_the_worst_first_and_details_the_active_row():
     manager = bpy.context.window_manager
+    assert "Filled when" in draw("LUMENRAY_PT_report", context())[0]
+    feedback.show_report(manager, ConversionReport())
+    assert draw("LUMENRAY_PT_report", context()) == ["All of it was taken over"]
     feedback.show_report(manager, report())
     rows = manager.lumenray.rows
     assert [row.severity for row in rows] == ["ERROR", "WARNING", "INFO"]

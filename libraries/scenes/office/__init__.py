@@ -14,10 +14,10 @@ from .objects import build_objects
 from .palette import build_palette
 from .plant import build_floor_plant, build_sill_plant
 
-SKY_COLOUR, SKY_LUMINANCE = (0.93, 0.97, 1.0), 5000.0
-"""Overcast sky: linear colour, and luminance of a white pixel. [cd/m2]"""
+SKY_COLOUR, SKY_LUMINANCE = (0.93, 0.97, 1.0), 1500.0
+"""Overcast winter sky: linear colour, and luminance of a white pixel. [cd/m2]"""
 
-WHITE_LUMINANCE = 250.0
+WHITE_LUMINANCE = 160.0
 """Luminance that becomes 1.0 in the picture. [cd/m2]"""
 
 
@@ -36,5 +36,5 @@ def build_office():
     build_sill_plant(palette, collections["Objects"])
     build_exterior(palette, collections["Exterior"])
     staging.set_sky(SKY_COLOUR, SKY_LUMINANCE)
-    staging.new_camera((0.30, 0.30, 1.42), (90.0, 0.0, -48.0), lens=21.0, shift_y=0.0)
-    staging.set_render(1280, 800, WHITE_LUMINANCE, samples=64, view_transform="AgX")
+    staging.new_camera((0.30, 0.30, 1.42), (90.0, 0.0, -48.0), lens=21.0, shift_y=0.03)
+    staging.set_render(800, 500, WHITE_LUMINANCE, samples=64, view_transform="AgX")
