@@ -29,6 +29,10 @@ PASSES = (
 """Name, channels and kind of every pass that we can deliver."""
 
 
+OWN_PASSES = ("Luminance", "Illuminance")
+"""Passes that Blender does not know by itself; they are added to every result."""
+
+
 def view_settings(settings) -> ViewSettings:
     """What the scene's settings ask of a picture."""
     return ViewSettings(
@@ -126,6 +130,9 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         left, low, width, height = region(scene.render)
         crop = scene.render.use_border and scene.render.use_crop_to_border
         place = (0, 0, width, height) if crop else (left, low, width, height)
+        for name, channels, _ in PASSES:
+            if name in wanted and name in OWN_PASSES:
+                self.add_pass(name, len(channels), channels, layer=depsgraph.view_layer_eval.name)
         result = self.begin_result(*place, layer=depsgraph.view_layer_eval.name)
         finished = False
         try:

@@ -67,7 +67,11 @@ def directional_reflectance(alpha: float, eta: float) -> np.ndarray:
         return np.sqrt(alpha**2 + (1.0 - alpha**2) * c**2)
 
     # G2 / G1 of the height-correlated Smith term.
-    ratio = cos_o * (cos_i + smith(cos_i)) / np.maximum(cos_o * smith(cos_i) + cos_i * smith(cos_o), 1e-12)
+    ratio = (
+        cos_o
+        * (cos_i + smith(cos_i))
+        / np.maximum(cos_o * smith(cos_i) + cos_i * smith(cos_o), 1e-12)
+    )
     weight = np.where(cos_o > 0.0, fresnel(np.clip(dot, 0.0, 1.0), eta) * ratio, 0.0)
     return np.clip(weight.mean(axis=1), 0.0, 1.0)
 
@@ -184,10 +188,14 @@ def coated_class():
             mirror = mi.fresnel(dr.abs(dr.dot(si.wi, half)), eta)[0] * density * visibility * cos_o
             mean = dr.gather(mi.Float, self.mean, row, active)
             lambert = cos_o * dr.inv_pi
-            matte = (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
+            matte = (
+                (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
+            )
             value = scale * mirror + reflectance * matte * lambert
             # Density of visible normals over reflected directions: D G1 / (4 cos_i).
-            pdf = share * density * 0.5 / dr.maximum(cos_i + root_i, 1e-12) + (1.0 - share) * lambert
+            pdf = (
+                share * density * 0.5 / dr.maximum(cos_i + root_i, 1e-12) + (1.0 - share) * lambert
+            )
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
 
         def _sample_mirror(self, wi, alpha, sample):
@@ -197,7 +205,9 @@ def coated_class():
             radius = dr.safe_sqrt(1.0 - z * z)
             sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
             cap = mi.Vector3f(radius * cos_phi, radius * sin_phi, z) + stretched
-            normal = dr.normalize(mi.Vector3f(alpha * cap.x, alpha * cap.y, dr.maximum(cap.z, 1e-12)))
+            normal = dr.normalize(
+                mi.Vector3f(alpha * cap.x, alpha * cap.y, dr.maximum(cap.z, 1e-12))
+            )
             return mi.reflect(wi, mi.Normal3f(normal))
 
         def sample(self, ctx, si, sample1, sample2, active=True):

@@ -19,7 +19,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant
 from . import emission
-from .lights import LightTable
+from .lights import LightTable, Place
 from .requirements import Requirements, pictures
 from .surfaces import approximations, bsdf, is_plain, palette, passes_straight
 from .textures import TextureMaker, is_spectral
@@ -164,6 +164,7 @@ class _Compiler:
         self.make = TextureMaker(self.light)
         self.emitters: list = []
         self.fluxes: list[float] = []
+        self.places: list[Place] = []
         self.solids: list = []
         self.veils: list = []
         self.hidden: list = []
@@ -193,7 +194,7 @@ class _Compiler:
         return CompiledScene(
             solid=solid,
             veil=veil,
-            lights=LightTable(self.emitters, self.fluxes),
+            lights=LightTable(self.emitters, self.fluxes, self.places, max(self.radius, 1.0)),
             surroundings=surroundings,
             origin=self.origin,
             radius=self.radius,
@@ -232,9 +233,11 @@ class _Compiler:
                     pattern=glow.pattern,
                 )
                 properties["emitter"] = emitter
-                self._note_emitter(
-                    emitter, glow.luminance * np.pi * area * (2 if glow.two_sided else 1)
-                )
+                corners = mesh.vertices[mesh.triangles[triangles]].reshape(-1, 3)
+                centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+                radius = float(np.linalg.norm(corners.max(axis=0) - centre))
+                sides = 2 if glow.two_sided else 1
+                self._note_emitter(emitter, glow.luminance * np.pi * area * sides, centre, radius)
         shape = self._mesh_shape(mesh, _uv_map_of(material), triangles, properties)
         (self.veils if passes_straight(material.surface) else self.solids).append(shape)
         if not mesh.visible_to_camera:
@@ -293,7 +296,9 @@ class _Compiler:
         return self.bsdfs[material.id]
 
     def _fill_palette(self) -> None:
-        surfaces = [self.scene.materials[key].surface for key in self.plain] or [Diffuse(Constant(0.0))]
+        surfaces = [self.scene.materials[key].surface for key in self.plain] or [
+            Diffuse(Constant(0.0))
+        ]
         self.palette.set_palette(**palette(surfaces, self.make))
         ids = _shape_ids([shape for shape, _ in self.plain_shapes])
         rows = np.zeros(int(ids.max(initial=0)) + 1)
@@ -310,9 +315,12 @@ class _Compiler:
             plugin["tan_spread"] = float(np.tan(0.5 * spread))
         return mi.load_dict(plugin)
 
-    def _note_emitter(self, emitter, flux: float) -> None:
+    def _note_emitter(self, emitter, flux: float, centre=None, radius: float = 0.0) -> None:
+        """Offer an emitter to next-event; ``centre`` in world space, None for light from infinity."""
         self.emitters.append(emitter)
         self.fluxes.append(float(flux))
+        local = None if centre is None else np.asarray(centre, dtype=np.float64) - self.origin
+        self.places.append(Place(local, radius))
 
     def _add_light(self, light) -> None:
         if light.output.value <= 0.0:
@@ -333,12 +341,14 @@ class _Compiler:
             self._note_emitter(
                 mi.load_dict({"type": "point", "position": centre, "intensity": made.texture()}),
                 flux,
+                light.position,
             )
             return
         luminance = made.scaled(units.luminance_from_intensity_sphere(1.0, light.radius))
         emitter = self._surface_emitter(luminance)
         shape = {"type": "sphere", "center": centre, "radius": float(light.radius)}
         self._add_body(shape, emitter, flux, light.visible_to_camera)
+        self.places[-1] = Place(np.array(centre), light.radius)
 
     def _add_spot(self, light: SpotLight) -> None:
         made = emission.spot_intensity(light)
@@ -352,7 +362,7 @@ class _Compiler:
             "radius": float(light.radius),
         }
         flux = made.amount * units.spot_solid_angle(light.half_angle, light.blend)
-        self._note_emitter(mi.load_dict(plugin), flux)
+        self._note_emitter(mi.load_dict(plugin), flux, light.position, light.radius)
 
     def _add_area(self, light: AreaLight) -> None:
         area = emission.area_of(light)
@@ -370,6 +380,9 @@ class _Compiler:
         emitter = self._surface_emitter(made, spread=light.spread)
         flux = made.amount * np.pi * area / units.spread_axis_factor(light.spread)
         self._add_body(shape, emitter, flux, light.visible_to_camera)
+        self.places[-1] = Place(
+            frame[:3, 3], 0.5 * float(np.hypot(light.size_x, light.size_y)), -frame[:3, 2]
+        )
 
     def _add_body(self, shape: dict, emitter, flux: float, visible: bool) -> None:
         """Add the luminous body of a light; light of others passes it, as in Blender."""
@@ -447,8 +460,9 @@ class _Compiler:
         luma = (pixels @ np.array([0.2126, 0.7152, 0.0722], dtype=np.float32))[..., None]
         if not is_spectral():
             pixels = np.repeat(luma, 3, axis=2)
-        # Mitsuba's map: row 0 is the top, the centre column looks along -z with +y up; ours has +x in the centre, +z up.
-        to_map = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]) @ world.rotation
+        # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with
+        # +z up: they agree when Mitsuba's (x, y, z) is our (y, z, x).
+        to_map = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]) @ world.rotation
         to_world = np.eye(4)
         to_world[:3, :3] = to_map.T
         scale = world.luminance_per_unit

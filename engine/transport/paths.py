@@ -79,7 +79,7 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     -------
     (DirectionSample3f, Spectrum)    ``pdf`` includes the choice of the emitter; the value is radiance / pdf, unoccluded.
     """
-    pointer, share, remainder = scene.lights.sample(sample.x)
+    pointer, share, remainder = scene.lights.sample(sample.x, si.p)
     ds, value = pointer.sample_direction(si, mi.Point2f(remainder, sample.y), active)
     ds.pdf *= share
     return ds, value / share
@@ -93,7 +93,7 @@ def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     ds.dist = dr.norm(ds.d)
     ds.d = dr.select(ds.dist > 0.0, ds.d / ds.dist, mi.Vector3f(0, 0, 1))
     density = emitter.pdf_direction(reference, ds, active)
-    return density * scene.lights.probability(emitter, active)
+    return density * scene.lights.probability(emitter, reference.p, active)
 
 
 def surroundings_density(scene: CompiledScene, reference, direction, active):
@@ -101,7 +101,9 @@ def surroundings_density(scene: CompiledScene, reference, direction, active):
     ds = dr.zeros(mi.DirectionSample3f)
     ds.d = direction
     density = scene.surroundings.pdf_direction(reference, ds, active)
-    return density * scene.lights.probability(mi.EmitterPtr(scene.surroundings), active)
+    return density * scene.lights.probability(
+        mi.EmitterPtr(scene.surroundings), reference.p, active
+    )
 
 
 def power_heuristic(pdf, other):

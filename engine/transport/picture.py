@@ -308,7 +308,7 @@ def _colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
     density = light / (LUMINOUS_EFFICACY * tristimulus[1])
     edges = np.linspace(*BAND_RANGE, bands + 1)
     means = [
-        density[(GRID >= a) & (GRID < b)].mean() for a, b in zip(edges, edges[1:], strict=False)
+        density[(a <= GRID) & (b > GRID)].mean() for a, b in zip(edges, edges[1:], strict=False)
     ]
     return tristimulus / tristimulus[1], np.array(means)
 

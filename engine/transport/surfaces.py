@@ -30,7 +30,9 @@ PALETTE_STEPS = 95
 
 def is_matt(surface) -> bool:
     """Tell whether a surface is a diffuse base, with or without a coat, that reflects only."""
-    return isinstance(surface, Coated) or (isinstance(surface, Diffuse) and surface.transmittance is None)
+    return isinstance(surface, Coated) or (
+        isinstance(surface, Diffuse) and surface.transmittance is None
+    )
 
 
 def is_plain(surface) -> bool:
@@ -44,7 +46,9 @@ def palette(surfaces: list, make: TextureMaker) -> dict[str, np.ndarray]:
     return {
         "alpha": np.array([alpha(c.roughness) for c in coats]),
         "eta": np.array([max(c.ior, 1.0001) for c in coats]),
-        "specular": np.array([np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]),
+        "specular": np.array(
+            [np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]
+        ),
         "spectra": np.stack([_row_spectrum(c.reflectance, make) for c in coats]),
     }
 

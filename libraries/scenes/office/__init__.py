@@ -17,7 +17,7 @@ from .plant import build_floor_plant, build_sill_plant
 SKY_COLOUR, SKY_LUMINANCE = (0.93, 0.97, 1.0), 1500.0
 """Overcast winter sky: linear colour, and luminance of a white pixel. [cd/m2]"""
 
-WHITE_LUMINANCE = 160.0
+WHITE_LUMINANCE = 200.0
 """Luminance that becomes 1.0 in the picture. [cd/m2]"""
 
 
@@ -37,4 +37,4 @@ def build_office():
     build_exterior(palette, collections["Exterior"])
     staging.set_sky(SKY_COLOUR, SKY_LUMINANCE)
     staging.new_camera((0.30, 0.30, 1.42), (90.0, 0.0, -48.0), lens=21.0, shift_y=0.03)
-    staging.set_render(800, 500, WHITE_LUMINANCE, samples=64, view_transform="AgX")
+    staging.set_render(720, 450, WHITE_LUMINANCE, samples=32, view_transform="AgX")

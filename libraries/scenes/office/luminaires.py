@@ -42,7 +42,7 @@ def _panel(index, center, palette, collection):
         "LUMINOUS_FLUX",
         PANEL_FLUX,
         "ILLUMINANT",
-        illuminant="LED-B3",
+        illuminant="LED-B4",
     )
     light.data.shape = "SQUARE"
     light.data.size = PANEL_SIDE

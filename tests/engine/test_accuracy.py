@@ -1,0 +1,78 @@
+"""Errors, stopping and forecast."""
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.estimate import Accumulator, Estimate
+from lumenray.engine.accuracy.stopping import Clock, StopRule, format_seconds
+from lumenray.engine.errors import Cancelled, SceneError
+
+
+def test_the_error_of_two_halves_is_half_their_difference():
+    made = Estimate.from_groups(np.array([[3.0, 10.0], [5.0, 10.0]]), 64)
+    assert made.mean.tolist() == [4.0, 10.0]
+    assert made.standard_error.tolist() == [1.0, 0.0]
+
+
+def test_the_stated_error_is_calibrated_for_known_noise():
+    rng = np.random.default_rng(1)
+    sums = Accumulator(2, 20000)
+    for _ in range(8):
+        sums.add(rng.normal(10.0, 3.0, (2, 20000, 4)).sum(axis=2), 4)
+    made = sums.estimate()
+    true = 3.0 / np.sqrt(64)
+    assert made.samples == 64
+    assert made.relative_error() == pytest.approx(true / 10.0, rel=0.02)
+    assert np.std(made.mean) == pytest.approx(true, rel=0.02)
+
+
+def test_relative_error_weighs_by_area():
+    made = Estimate(np.array([1.0, 3.0]), np.array([1.0, 0.0]), 2)
+    assert made.relative_error(np.array([1.0, 3.0])) == pytest.approx(0.5 / 2.5)
+    assert Estimate(np.zeros(2), np.zeros(2), 2).relative_error() == float("inf")
+
+
+def test_a_rule_without_an_end_is_refused():
+    with pytest.raises(SceneError, match="samples, an error or a time"):
+        StopRule()
+    with pytest.raises(SceneError, match="above 0"):
+        StopRule(error=-0.1)
+
+
+def test_the_forecast_follows_one_over_the_square_root(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.01))
+    now[0] = 110.0
+    # 2 % after 10 s needs four times as long: 30 s more.
+    assert clock.progress(100, 0.02).seconds_left == pytest.approx(30.0)
+    assert not clock.is_done(100, 0.02)
+    assert clock.is_done(400, 0.01)
+    assert clock.progress(1, float("inf")).seconds_left is None
+    assert format_seconds(709) == "11:49 min"
+
+
+def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
+    from lumenray.engine.scene.light import Output, PointLight, Quantity
+    from small_scenes import box, paint, quad, session_of
+
+    floor = quad("floor", (0.2, 0.2, 0.1), (1, 0, 0), (0, 1, 0), "paint")
+    items = (
+        box(2, 2, 2),
+        floor,
+        paint(0.5),
+        PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 100.0), np.ones(3), 0.1),
+    )
+    from lumenray.engine.atlas.unwrap import unwrap
+    from lumenray.engine.session import BakeTarget
+
+    target = BakeTarget(floor, unwrap(floor, 16.0, 64, 2))
+    session = session_of(*items)
+    seen = []
+    made = session.bake([target], StopRule(error=0.01), progress=seen.append)[0]
+    assert made.relative_standard_error <= 0.01
+    assert made.samples > 16
+    assert all(a.done <= b.done + 0.2 for a, b in zip(seen, seen[1:], strict=False))
+    with pytest.raises(Cancelled):
+        session.bake([target], StopRule(samples=1 << 20), progress=lambda _: session.cancel())
+    # The session goes on after a cancel.
+    assert session.bake([target], StopRule(samples=4))[0].samples == 4
