@@ -344,7 +344,8 @@ def _render_open(options, depsgraph):
     _print_conversion(converted.report)
     print(
         f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
-        f"mean luminance {row['mean']:.4g} cd/m2, picture error {100 * picture.relative_error:.2f} %, white = {white:.4g} cd/m2"
+        f"mean luminance {row['mean']:.4g} cd/m2, picture error {100 * picture.relative_error:.2f} %, "
+        f"white = {white:.4g} cd/m2"
     )
     return picture
 

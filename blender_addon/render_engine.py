@@ -34,7 +34,7 @@ OWN_PASSES = ("Luminance", "Illuminance")
 
 
 def view_settings(settings) -> ViewSettings:
-    """What the scene's settings ask of a picture."""
+    """Read what the scene's settings ask of a picture."""
     return ViewSettings(
         rule=stop_rule(settings.stop, settings.samples, settings.error, settings.time),
         seed=settings.seed,

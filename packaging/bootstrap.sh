@@ -94,42 +94,37 @@ install_python_packages() {
     || fail "pip could not install requirements.lock"
   "$venv/bin/python" -m pip install "${quiet[@]}" --no-deps --no-build-isolation -e "$root" \
     || fail "pip could not install the project itself"
-  "$venv/bin/python" -m pip check >/dev/null \
-    || fail "the packages do not fit each other: $("$venv/bin/python" -m pip check 2>&1)"
+  # The bpy wheel carries a tag of another Python, which newer pips remark upon; all else counts.
+  local misfits
+  misfits="$("$venv/bin/python" -m pip check 2>&1 | grep -vE "^bpy .* is not supported|^No broken" || true)"
+  [ -z "$misfits" ] || fail "the packages do not fit each other: $misfits"
   echo "$wanted" >"$stamp"
   say packages "installed $(grep -c == "$lock") packages and the project itself"
 }
 
-# The question is put to Dr.Jit itself: a library that it finds but cannot use counts as missing.
-has_llvm() {
+# The engine's own check decides: it knows which versions Dr.Jit takes but cannot work with.
+llvm_status() {
   "$venv/bin/python" -c '
-import sys, drjit
-sys.exit(not drjit.has_backend(drjit.JitBackend.LLVM))' >/dev/null 2>&1
+import sys
+from lumenray.engine.transport import backend
+found = backend.status()
+print(found.cause if found.usable else f"{found.cause}; {found.remedy}")
+sys.exit(not found.usable)'
 }
 
 check_llvm() {
-  local package
-  if ! has_llvm; then
-    if [ -n "${DRJIT_LIBLLVM_PATH:-}" ]; then
-      fail "Dr.Jit cannot use the LLVM library that DRJIT_LIBLLVM_PATH names: $DRJIT_LIBLLVM_PATH"
+  local status package
+  if ! status="$(llvm_status 2>&1)"; then
+    if [ "$(uname -s)" != Linux ] || [ -n "${DRJIT_LIBLLVM_PATH:-}" ] || ! has_apt; then
+      fail "$status"
     fi
-    case "$(uname -s)" in
-      Darwin) fail "no LLVM library. Run 'brew install llvm', then set DRJIT_LIBLLVM_PATH to its libLLVM.dylib" ;;
-      Linux) ;;
-      *) fail "no LLVM library. Install LLVM and set DRJIT_LIBLLVM_PATH to its LLVM-C.dll" ;;
-    esac
-    if ! has_apt; then fail "no LLVM library. Install LLVM (14 to 19) or set DRJIT_LIBLLVM_PATH"; fi
     if [ "$(id -u)" -eq 0 ]; then refresh_apt; fi
-    package="$(first_available libllvm{19,18,17,16,15,14})" \
-      || fail "no LLVM library, and apt knows none of libllvm14 to libllvm19"
-    install_packages "no LLVM library for Dr.Jit" "$package"
-    has_llvm || fail "Dr.Jit cannot use the LLVM library of $package"
-    say LLVM "installed $package"
-    return
+    package="$(first_available libllvm{19,18,17,22,21,20})" \
+      || fail "$status (apt knows no libllvm17 or newer)"
+    install_packages "no LLVM library that Dr.Jit can use" "$package"
+    status="$(llvm_status 2>&1)" || fail "$status"
   fi
-  local where="${DRJIT_LIBLLVM_PATH:-$(ldconfig -p 2>/dev/null | sed -n 's/.*\(libLLVM[^ ]*\) .*/\1/p' \
-    | sort -u | paste -sd ' ')}"
-  say LLVM "usable by Dr.Jit (${where:-found by itself})"
+  say LLVM "$status"
 }
 
 # package_of SONAME: the Debian package that holds it

@@ -26,7 +26,7 @@ class Accumulator:
         return len(self._sum)
 
     def add(self, sums: np.ndarray, samples: int) -> None:
-        """Add sums over ``samples`` new samples of every group. ``sums``: (groups, \\*shape)."""
+        """Add sums over ``samples`` new samples of every group. ``sums``: (groups, ...)."""
         self._sum += sums
         self.samples += samples
 

@@ -53,7 +53,7 @@ class Progress:
 
 def format_seconds(seconds: float) -> str:
     """Human form of a duration."""
-    seconds = int(round(seconds))
+    seconds = round(seconds)
     if seconds < 60:
         return f"{seconds} s"
     if seconds < 3600:

@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated and matt surfaces, pane, dispersive glass, transparency, mixture.
+"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, pane, dispersive glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.

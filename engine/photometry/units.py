@@ -39,7 +39,7 @@ def luminance_from_flux_lambertian(flux, area):
 
 
 def luminance_from_illuminance_disk(illuminance, half_angle):
-    """Luminance of a disk of the given angular radius that gives E on a plane facing it: E = pi L sin^2. [lx, rad -> cd/m2]"""
+    """Luminance of a disk of given angular radius from E on a plane facing it: E = pi L sin^2. [lx, rad -> cd/m2]"""
     return illuminance / (np.pi * np.sin(half_angle) ** 2)
 
 

@@ -24,7 +24,7 @@ class Camera:
     projection : Projection
     width, height : int    Film size. [pixel]
     extent_x, extent_y : float
-        Full film extent: at unit distance for perspective [-], in the plane for orthographic [m]; unused for equirectangular.
+        Full film extent: at unit distance for perspective [-], in the plane for orthographic [m].
     shift_x, shift_y : float    Film shift in units of the extents' own measure (same unit as `extent_x`).
     aperture_radius : float    Thin lens; 0 is a pinhole. [m]
     focus_distance : float    Distance of the plane in focus, along the view axis. [m]

@@ -129,7 +129,9 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
             shape = (camera.height, camera.width, 3)
             progress(
                 clock.progress(estimate.samples, error),
-                lambda mean=estimate.mean: mean[:, :3].reshape(shape).astype(np.float32),
+                lambda mean=estimate.mean, shape=shape: (
+                    mean[:, :3].reshape(shape).astype(np.float32)
+                ),
             )
         if finished:
             return _result(camera, job, estimate, error, layers), estimate.samples

@@ -78,7 +78,7 @@ def test_monochromatic_555_nm_has_the_maximum_efficacy():
 
 
 def test_invisible_light_has_no_lumens():
-    with pytest.raises(SceneError, match="no visible light|zero everywhere"):
+    with pytest.raises(SceneError, match=r"no visible light|zero everywhere"):
         spectra.photometric_density(Tabulated(np.array([200.0, 300.0]), np.array([1.0, 1.0])))
 
 
