@@ -1,10 +1,23 @@
-"""Turn a newly opened window into one worth a picture.
+"""Turn a newly opened window into one worth a picture: ``--python prepare_window.py -- VIEW``.
 
-The viewport is rendered, its sidebar shows the tab of Lumenray, and the properties editor shows the
-settings of the active light, or of the render where no light is active.
+The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes a luminaire
+active, ``material`` an object with a physical override, ``bake`` runs the bake as a user would and writes into the log how
+long the window ever waited. The sidebar shows the tab of Lumenray.
 """
 
+import importlib
+import sys
+import time
+
 import bpy
+
+PACKAGE = "bl_ext.user_default.lumenray"
+"""Name of the installed extension."""
+
+VIEW = sys.argv[sys.argv.index("--") + 1] if "--" in sys.argv else "light"
+
+ACTIVE = {"light": "LED Panel 1", "material": "Window Panes", "bake": "Floor", "render": ""}
+"""Object that is made active for each view."""
 
 CATEGORY = "Lumenray"
 
@@ -25,7 +38,7 @@ def shade(shading):
 
 def prepare_spaces(window):
     """Choose what the window's editors show."""
-    light = bpy.context.object is not None and bpy.context.object.type == "LIGHT"
+    context = {"light": "DATA", "material": "MATERIAL"}.get(VIEW, "RENDER")
     for area in window.screen.areas:
         for space in area.spaces:
             if space.type == "VIEW_3D":
@@ -33,7 +46,7 @@ def prepare_spaces(window):
                 space.region_3d.view_perspective = "CAMERA"
                 space.show_region_ui = True
             elif space.type == "PROPERTIES":
-                space.context = "DATA" if light else "RENDER"
+                space.context = context
 
 
 def sidebars(window):
@@ -69,8 +82,63 @@ def choose_tab():
     return choose
 
 
+def build():
+    """Build the office in the open file and make one object active."""
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    importlib.import_module(f"{PACKAGE}.libraries.scenes.office").build_office()
+    for item in bpy.context.view_layer.objects:
+        item.select_set(False)
+    wanted = ACTIVE[VIEW]
+    found = [o for o in bpy.context.view_layer.objects if wanted and o.name.startswith(wanted[:8])]
+    item = bpy.data.objects.get(wanted) or next(iter(found), None)
+    if item is not None:
+        item.select_set(True)
+        bpy.context.view_layer.objects.active = item
+
+
+class Pulse:
+    """Timer that notes the longest time for which the window did not answer."""
+
+    def __init__(self):
+        self.last = time.monotonic()
+        self.longest = 0.0
+        self.was_running = False
+
+    def __call__(self):
+        now = time.monotonic()
+        running = bpy.context.window_manager.lumenray.job.running
+        if running:
+            self.longest = max(self.longest, now - self.last)
+        elif self.was_running:
+            print(f"longest wait of the window during the bake: {self.longest:.2f} s", flush=True)
+        self.was_running = running
+        self.last = now
+        return 0.05
+
+
+def start_bake():
+    """Press the button, as it were."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(a for a in window.screen.areas if a.type == "VIEW_3D")
+    with bpy.context.temp_override(window=window, area=area):
+        print(
+            bpy.ops.lumenray.bake_illuminance(
+                "INVOKE_DEFAULT",
+                objects="Floor,Wall South,Desk Top A,Ceiling",
+                samples=64,
+                folder="/out/window-bake",
+            ),
+            flush=True,
+        )
+
+
 bpy.context.preferences.view.show_splash = False
+build()
 bpy.context.scene.render.engine = "LUMENRAY"
 for shown in bpy.context.window_manager.windows:
     prepare_spaces(shown)
 bpy.app.timers.register(choose_tab(), first_interval=1.0)
+if VIEW == "bake":
+    bpy.app.timers.register(Pulse(), first_interval=3.0)
+    bpy.app.timers.register(start_bake, first_interval=4.0)
