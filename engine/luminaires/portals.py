@@ -11,6 +11,9 @@ import numpy as np
 MAXIMUM_PORTALS = 16
 """Most rectangles; their densities are summed at every next-event. Beyond, the smallest are left to plain sampling."""
 
+FLOOR_OPENNESS = 0.05
+"""Openness far from all portals."""
+
 FLATNESS = 0.02
 """Largest distance from the mean plane, relative to the size, of what counts as a flat pane. [-]"""
 
@@ -55,6 +58,7 @@ class PortalSet:
         import drjit as dr
         import mitsuba as mi
 
+        self.portals = portals
         self._rectangles = []
         for portal in portals:
             centre, u, v = (
@@ -66,8 +70,8 @@ class PortalSet:
             dr.make_opaque(*made)
             self._rectangles.append(made)
 
-    def _choices(self, point) -> list:
-        """Probability of each portal from a point: by its rough solid angle."""
+    def _solid_angles(self, point) -> list:
+        """Rough solid angle of each portal from a point, up to about 1. [sr]"""
         import drjit as dr
         import mitsuba as mi
 
@@ -77,8 +81,32 @@ class PortalSet:
             squared = dr.squared_norm(away)
             cosine = dr.abs(dr.dot(away, normal)) * dr.rsqrt(dr.maximum(squared, 1e-12))
             weights.append(area * (cosine + 0.05) / (squared + area))
+        return weights
+
+    def _choices(self, point) -> list:
+        """Probability of each portal from a point: by its rough solid angle."""
+        weights = self._solid_angles(point)
         total = sum(weights[1:], weights[0])
         return [w / total for w in weights]
+
+    def openness(self, point):
+        """How much of the outside a point may see: rough solid angle of all portals, and a floor for points outside."""
+        weights = self._solid_angles(point)
+        return FLOOR_OPENNESS + sum(weights[1:], weights[0])
+
+    def openness_of(self, points: np.ndarray) -> np.ndarray:
+        """As `openness`, for points (k, 3) on the host. (k,)"""
+        total = np.full(len(points), FLOOR_OPENNESS)
+        for portal in self.portals:
+            u, v = portal.half_u, portal.half_v
+            normal = np.cross(u, v)
+            area = 4.0 * np.linalg.norm(normal)
+            normal = normal / np.linalg.norm(normal)
+            away = portal.centre - points
+            squared = (away**2).sum(axis=1)
+            cosine = np.abs(away @ normal) / np.sqrt(np.maximum(squared, 1e-12))
+            total += area * (cosine + 0.05) / (squared + area)
+        return total
 
     def density(self, point, direction):
         """Solid-angle density with which `direction` would have drawn a direction. [1/sr]"""

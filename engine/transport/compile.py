@@ -194,7 +194,9 @@ class _Compiler:
         return CompiledScene(
             solid=solid,
             veil=veil,
-            lights=LightTable(self.emitters, self.fluxes, self.places, max(self.radius, 1.0)),
+            lights=LightTable(
+                self.emitters, self.fluxes, self.places, max(self.radius, 1.0), self.portals
+            ),
             surroundings=surroundings,
             origin=self.origin,
             radius=self.radius,

@@ -34,14 +34,17 @@ class Place:
 class LightTable:
     """Chooses one of the scene's emitters.
 
-    The probability at a point is proportional to strength / (distance^2 + radius^2), a constant for light from infinity:
-    next to a desk lamp the desk lamp counts, across the room the ceiling. Strengths are fluxes at first; `learn` replaces
-    them by what arrives at the points that a job looks at, shadows included, so that a sky of enormous flux outside a
-    small window does not draw away the samples from the lamps inside.
+    The probability at a point is proportional to strength / (distance^2 + radius^2); light from infinity counts by the
+    rough solid angle of the portals, or evenly without any. Next to a desk lamp the desk lamp counts, across the room the
+    ceiling. Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
+    included, so that a sky of enormous flux outside a small window does not draw the samples from the lamps inside.
     """
 
-    def __init__(self, emitters: list, fluxes: list[float], places: list[Place], reach: float):
+    def __init__(
+        self, emitters: list, fluxes: list[float], places: list[Place], reach: float, portals=None
+    ):
         self.count = len(emitters)
+        self.portals = portals
         if not emitters:
             return
         ids = np.array([dr.reinterpret_array(mi.UInt32, mi.EmitterPtr(e))[0] for e in emitters])
@@ -71,7 +74,10 @@ class LightTable:
         """Distance kernels of all lights at points (k, 3), shape (k, n). [1/m2, 1 for light from infinity]"""
         made = np.ones((len(points), self.count))
         for i, place in enumerate(self.places):
-            if place.centre is not None:
+            if place.centre is None:
+                if self.portals is not None:
+                    made[:, i] = self.portals.openness_of(points)
+            else:
                 away = points - place.centre
                 squared = (away**2).sum(axis=1) + max(place.radius, 1e-3) ** 2
                 made[:, i] = 1.0 / squared
@@ -106,6 +112,8 @@ class LightTable:
 
     def probability(self, pointer, point, active):
         """Probability of choosing an emitter at a point."""
+        if self.count == 0:
+            return mi.Float(0.0)
         ids = dr.reinterpret_array(mi.UInt32, pointer)
         known = active & (ids < dr.width(self._number))
         index = dr.gather(mi.UInt32, self._number, ids, known)
@@ -123,7 +131,10 @@ class LightTable:
         weights = []
         for i, place in enumerate(self.places):
             weight = dr.gather(mi.Float, self._strength, mi.UInt32(i))
-            if place.centre is not None:
+            if place.centre is None:
+                if self.portals is not None:
+                    weight = weight * self.portals.openness(point)
+            else:
                 away = point - mi.Point3f(*map(float, place.centre))
                 squared = dr.squared_norm(away) + max(place.radius, 1e-3) ** 2
                 weight = weight / squared

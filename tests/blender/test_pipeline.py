@@ -242,7 +242,7 @@ needs_cycles = pytest.mark.skipif(not HAS_CYCLES, reason="this Blender has no Cy
 
 
 @needs_cycles
-@pytest.mark.parametrize("view", ["perspective", "shifted", "orthographic"])
+@pytest.mark.parametrize("view", ["perspective", "shifted", "orthographic", "panorama"])
 def test_pictures_agree_with_cycles(view):
     cube(location=(0, 0, 0))
     floor = cube(location=(0, 0, -1.5), scale=(6, 6, 0.4))
@@ -261,8 +261,13 @@ def test_pictures_agree_with_cycles(view):
         "perspective": {"lens": 30.0},
         "shifted": {"lens": 40.0, "shift_x": 0.15, "shift_y": -0.1},
         "orthographic": {"type": "ORTHO", "ortho_scale": 7.0},
+        "panorama": {"type": "PANO"},
     }[view]
     add_camera((5, -6, 4), (1.1, 0, 0.7), **settings)
+    if view == "panorama":
+        data = bpy.context.scene.camera.data
+        holder = data if hasattr(data, "panorama_type") else data.cycles
+        holder.panorama_type = "EQUIRECTANGULAR"
     ours, theirs = render_with("LUMENRAY"), render_with("CYCLES")
 
     # Blocks of 8 x 8 pixels even out noise; upsampled spectra and RGB differ a little in colour.
