@@ -14,7 +14,7 @@ PANEL_FLUX = 3600.0
 PANEL_SIDE = 0.55
 """Luminous side of an LED panel. [m]"""
 
-LAMP_FLUX = 806.0
+LAMP_FLUX = 350.0
 """Of the lamp in the desk lamp, a 60 W replacement. [lm]"""
 
 LAMP_AT = ("A", -0.60, -0.22)
