@@ -51,6 +51,11 @@ def build_parser() -> argparse.ArgumentParser:
         action="store_true",
         help="also compute the illuminance of the visible surfaces [lx]",
     )
+    render.add_argument(
+        "--raw",
+        action="store_true",
+        help="do not smooth the .png (the .exr is never smoothed)",
+    )
     _add_rule(render, "pixel")
 
     bake = commands.add_parser("bake", help="compute lux maps of objects")
@@ -319,7 +324,8 @@ def _render_open(options, depsgraph):
         channels,
         {"whiteLuminance": white, "sceneHash": picture.provenance.scene_hash},
     )
-    write_display(options.output.with_suffix(".png"), linear)
+    shown = linear if options.raw else _smoothed(picture, linear, white)
+    write_display(options.output.with_suffix(".png"), shown)
     if picture.bands is not None:
         write_spectral(options.output.with_name(options.output.stem + "_spectral.exr"), picture)
     luminance = picture.tristimulus[..., 1]
@@ -340,6 +346,11 @@ def _render_open(options, depsgraph):
         [row],
         converted.report.to_dicts(),
     )
+    content["preview"] = (
+        "as computed"
+        if options.raw
+        else "smoothed for looking at; all numbers are of the unsmoothed data"
+    )
     write_json(options.output.with_suffix(".json"), content)
     _print_conversion(converted.report)
     print(
@@ -348,6 +359,14 @@ def _render_open(options, depsgraph):
         f"white = {white:.4g} cd/m2"
     )
     return picture
+
+
+def _smoothed(picture, linear, white):
+    """Smooth a picture for looking at; the numbers stay as they are."""
+    from ..engine.analysis.noise_filter import smooth
+
+    error = picture.luminance_error / white
+    return smooth(linear, error, picture.normal, picture.depth, picture.albedo)
 
 
 def _bake(options) -> int:
@@ -471,7 +490,12 @@ def _demo(options) -> int:
         "time": None,
     }
     view = argparse.Namespace(
-        **common, output=options.output / "office.exr", size=None, spectral=0, illuminance=False
+        **common,
+        output=options.output / "office.exr",
+        size=None,
+        raw=False,
+        spectral=0,
+        illuminance=False,
     )
     print(f"Rendering {path.name}, a bundled office, with the Lumenray engine")
     _render_open(view, depsgraph)

@@ -55,6 +55,7 @@ class Picture:
     depth : (h, w) float32    Along the view axis, at the pixel's centre; 1e10 where nothing is seen. [m]
     normal : (h, w, 3) float32    World space, at the pixel's centre; 0 where nothing is seen.
     object_index, material_index : (h, w) float32
+    albedo : (h, w, 3) float32    Diffuse reflectance at the pixel's centre, for filters; 1 without a matt part. [-]
     illuminance, illuminance_error : (h, w) float32 or None    On the visible surface. [lx]
     bands : (h, w, b) float32 or None    Spectral radiance per band. [W/(m2 sr nm)]
     band_edges : (b + 1,) float64 or None    [nm]
@@ -67,6 +68,7 @@ class Picture:
     normal: np.ndarray
     object_index: np.ndarray
     material_index: np.ndarray
+    albedo: np.ndarray
     provenance: Provenance
     illuminance: np.ndarray | None = None
     illuminance_error: np.ndarray | None = None

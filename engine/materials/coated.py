@@ -242,6 +242,9 @@ def coated_class():
         def eval_pdf(self, ctx, si, wo, active=True):
             return self._evaluate(si, wo, self._prepare(si, active), active)
 
+        def eval_diffuse_reflectance(self, si, active=True):
+            return self._reflectance(si, self._row(si, active), active)
+
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]
 

@@ -337,6 +337,13 @@ def _mix_class():
             value1, pdf1 = self.second.eval_pdf(ctx, si, wo, active)
             return dr.lerp(value0, value1, factor), dr.lerp(pdf0, pdf1, factor)
 
+        def eval_diffuse_reflectance(self, si, active=True):
+            return dr.lerp(
+                self.first.eval_diffuse_reflectance(si, active),
+                self.second.eval_diffuse_reflectance(si, active),
+                self._factor(si, active),
+            )
+
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]
 

@@ -315,6 +315,20 @@ def _colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
     return tristimulus / tristimulus[1], np.array(means)
 
 
+def _albedo(si, valid) -> np.ndarray:
+    """Diffuse reflectance in the red, green and blue, 1 where a surface has no matt part. (n, 3)"""
+    if is_spectral():
+        si.wavelengths = mi.Spectrum(610.0, 550.0, 460.0, 550.0)
+    bsdf = si.bsdf()
+    matt = valid & mi.has_flag(bsdf.flags(), mi.BSDFFlags.DiffuseReflection)
+    value = bsdf.eval_diffuse_reflectance(si, matt)
+    columns = [value[i] for i in range(3)] if is_spectral() else [value[0]] * 3
+    return np.stack(
+        [np.array(dr.select(matt, dr.clip(c, 0.0, 1.0), 1.0), dtype=np.float32) for c in columns],
+        axis=-1,
+    )
+
+
 def _first_layers(scene: CompiledScene, film: _Film) -> dict:
     """Depth, normal and indices at the centres of the pixels."""
     camera = film.camera
@@ -338,6 +352,9 @@ def _first_layers(scene: CompiledScene, film: _Film) -> dict:
             *shape, 3
         ),
     }
+    # Behind panes the picture shows what stands there, so that guides the filters.
+    beyond = scene.solid.ray_intersect(ray)
+    layers["albedo"] = _albedo(beyond, beyond.is_valid()).reshape(*shape, 3)
     ids = dr.reinterpret_array(mi.UInt32, si.shape)
     for name in ("object", "material"):
         table = scene.indices.get(name)

@@ -170,3 +170,29 @@ def test_reports_are_json_with_the_stated_fields(tmp_path):
     assert made["engine"] == {"version": "0.1.0", "variant": "llvm_ad_mono"}
     assert made["scene"] == {"file": "a.blend", "hash": "abc"}
     assert made["seed"] == 3
+
+
+def test_smoothing_removes_noise_but_keeps_edges_and_texture():
+    from lumenray.engine.analysis.noise_filter import smooth
+
+    rng = np.random.default_rng(7)
+    height, width = 64, 96
+    truth = np.full((height, width), 0.5)
+    truth[:, 48:] = 0.2
+    normal = np.zeros((height, width, 3))
+    normal[:, :48, 2] = 1.0
+    normal[:, 48:, 0] = 1.0
+    albedo = np.where((np.arange(width) // 3 % 2 == 0)[None, :, None], 0.8, 0.2) * np.ones(
+        (height, width, 3)
+    )
+    clean = truth[..., None] * albedo
+    sigma = 0.3
+    noisy = clean * (1.0 + sigma * rng.normal(size=(height, width, 1)))
+    error = np.abs(sigma * (clean @ [0.2126, 0.7152, 0.0722]) * rng.normal(size=(height, width)))
+    made = smooth(noisy, error, normal, np.full((height, width), 3.0), albedo)
+    before = np.sqrt(((noisy - clean) ** 2).mean())
+    assert np.sqrt(((made - clean) ** 2).mean()) < 0.3 * before
+    # The step between the two walls and the stripes of the texture stay sharp.
+    light = made[..., 0] / albedo[..., 0]
+    assert light[:, 46:48].mean() == pytest.approx(0.5, rel=0.05)
+    assert light[:, 48:50].mean() == pytest.approx(0.2, rel=0.05)
