@@ -4,9 +4,11 @@ Only plain data (dataclasses, numpy arrays, strings) passes, so that the same in
 its own.
 """
 
+import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -136,6 +138,10 @@ SENSOR_GROUPS = 16
 """Independent groups for sensors: enough for an error of each, within 18 % of itself."""
 
 
+_ONE_AT_A_TIME = threading.Lock()
+"""Mitsuba's variant belongs to the process, so jobs of several sessions wait for each other."""
+
+
 class Session:
     """Keeps a scene and answers questions about it, in this process and on the calling thread."""
 
@@ -171,13 +177,13 @@ class Session:
         Cancelled    After `cancel`.
         LumenrayError    The scene or the machine does not allow it; the text says what to do.
         """
-        compiled = self._prepare(settings.transport)
-        from .transport import picture
+        with self._engine(settings.transport) as compiled:
+            from .transport import picture
 
-        start = time.perf_counter()
-        made, samples = picture.render(
-            compiled.scene, camera, settings, progress=progress, cancelled=self._cancelled
-        )
+            start = time.perf_counter()
+            made, samples = picture.render(
+                compiled.scene, camera, settings, progress=progress, cancelled=self._cancelled
+            )
         return Picture(**made, provenance=self._provenance(compiled, settings.seed, samples, start))
 
     def measure(
@@ -190,19 +196,14 @@ class Session:
         progress: Callable[[Progress], None] | None = None,
     ) -> Measurement:
         """Illuminance at points. ``positions``, ``normals``: (n, 3) world space. [m -> lx]"""
-        compiled = self._prepare(transport)
-        from .transport.illuminance import Receivers, compute
+        with self._engine(transport) as compiled:
+            from .transport.illuminance import Receivers, compute
 
-        start = time.perf_counter()
-        estimate = compute(
-            compiled.scene,
-            Receivers.at_points(positions, normals),
-            rule,
-            seed,
-            SENSOR_GROUPS,
-            progress,
-            self._cancelled,
-        )
+            start = time.perf_counter()
+            receivers = Receivers.at_points(positions, normals)
+            estimate = compute(
+                compiled.scene, receivers, rule, seed, SENSOR_GROUPS, progress, self._cancelled
+            )
         provenance = self._provenance(compiled, seed, estimate.samples, start)
         return Measurement(estimate.mean, estimate.standard_error, provenance)
 
@@ -215,45 +216,42 @@ class Session:
         transport: str = "auto",
         progress: Callable[[Progress], None] | None = None,
     ) -> list[LuxMap]:
-        """Lux maps of unwrapped meshes, all to the same rule."""
+        """Lux maps of unwrapped meshes, all to the same rule; a rule's time is shared by all."""
         from .atlas.lumels import rasterise
         from .atlas.maps import assemble
 
         # The atlas is laid out before the scene is compiled: bad charts fail fast.
         lumels = [rasterise(target.mesh, target.charts) for target in targets]
-        compiled = self._prepare(transport)
-        from .transport.illuminance import compute
-
+        if rule.seconds is not None:
+            rule = replace(rule, seconds=rule.seconds / len(targets))
         maps = []
-        for number, (target, lumel) in enumerate(zip(targets, lumels, strict=True)):
-            start = time.perf_counter()
+        with self._engine(transport) as compiled:
+            from .transport.illuminance import compute
 
-            def report(state, number=number, name=target.mesh.name):
-                if progress is not None:
-                    done = (number + state.done) / len(targets)
-                    left = state.seconds_left
-                    if left is not None and number + 1 < len(targets):
-                        left = None
-                    progress(
-                        Progress(
-                            done, state.samples, state.relative_error, state.seconds, left, name
-                        )
-                    )
+            begin = time.perf_counter()
+            for number, (target, lumel) in enumerate(zip(targets, lumels, strict=True)):
+                start = time.perf_counter()
 
-            estimate = compute(
-                compiled.scene,
-                lumel.receivers,
-                rule,
-                seed + number,
-                2,
-                report,
-                self._cancelled,
-            )
-            provenance = self._provenance(compiled, seed + number, estimate.samples, start)
-            maps.append(LuxMap(**assemble(target, lumel, estimate, margin), provenance=provenance))
+                def report(state, number=number, name=target.mesh.name):
+                    if progress is not None:
+                        progress(_progress_of_part(state, number, len(targets), begin, name))
+
+                own_seed = seed + number
+                estimate = compute(
+                    compiled.scene, lumel.receivers, rule, own_seed, 2, report, self._cancelled
+                )
+                provenance = self._provenance(compiled, own_seed, estimate.samples, start)
+                finished = assemble(target, lumel, estimate, margin)
+                maps.append(LuxMap(**finished, provenance=provenance))
         return maps
 
     # ---- private ----
+
+    @contextmanager
+    def _engine(self, transport: str):
+        """Give the compiled scene, alone with the process's Mitsuba."""
+        with _ONE_AT_A_TIME:
+            yield self._prepare(transport)
 
     def _cancelled(self) -> bool:
         return self._cancel
@@ -286,3 +284,13 @@ class Session:
             decisions=compiled.requirements.reasons,
             notes=tuple(compiled.scene.notes),
         )
+
+
+def _progress_of_part(
+    state: Progress, number: int, count: int, begin: float, name: str
+) -> Progress:
+    """Progress of a job of ``count`` alike parts from that of one of them."""
+    done = (number + state.done) / count
+    seconds = time.perf_counter() - begin
+    left = seconds * (1.0 - done) / done if done > 0.0 else None
+    return Progress(done, state.samples, state.relative_error, seconds, left, name)

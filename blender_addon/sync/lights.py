@@ -117,14 +117,14 @@ def _node_emission(data, name: str, report: ConversionReport) -> tuple[np.ndarra
         return white, 1.0
     node = origin.socket.node
     context = Context(name, report)
-    colour = _mean(evaluate_colour(find_socket(node.inputs, "Color"), context, origin.groups), 3)
-    strength = _mean(
+    colour = mean_of(evaluate_colour(find_socket(node.inputs, "Color"), context, origin.groups), 3)
+    strength = mean_of(
         evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
     )
     return colour, float(strength[0])
 
 
-def _mean(value, channels: int) -> np.ndarray:
+def mean_of(value, channels: int) -> np.ndarray:
     """Numbers of a constant, or the mean of a picture."""
     if hasattr(value, "pixels"):
         return (

@@ -10,7 +10,7 @@ from ..report import ConversionReport
 from .fields import luminance
 from .graph import find_socket, trace
 from .images import read_pixels
-from .lights import _mean
+from .lights import mean_of
 from .nodes import Context, evaluate_colour, evaluate_scalar
 from .spectra import light_spectrum
 
@@ -38,7 +38,7 @@ def convert_world(world, efficacy: float, report: ConversionReport):
     per_unit = strength * (efficacy if settings.unit == "BLENDER" else 1.0)
     if picture is None:
         rgb = (
-            _mean(
+            mean_of(
                 evaluate_colour(colour_socket, Context(world.name, report), groups)
                 if colour_socket is not None
                 else world.color,
@@ -107,7 +107,7 @@ def _background(world, report):
         )
         return None
     context = Context(world.name, report)
-    strength = _mean(
+    strength = mean_of(
         evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
     )
     return find_socket(node.inputs, "Color"), float(strength[0]), origin.groups

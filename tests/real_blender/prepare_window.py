@@ -1,7 +1,7 @@
 """Turn a newly opened window into one worth a picture: ``--python prepare_window.py -- VIEW``.
 
 The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes a luminaire
-active, ``material`` an object with a physical override, ``bake`` runs the bake as a user would and writes into the log how
+active, ``material`` an object with a physical override, ``render`` starts F12, ``bake`` runs the bake as a user would and writes into the log how
 long the window ever waited. The sidebar shows the tab of Lumenray.
 """
 
@@ -133,12 +133,22 @@ def start_bake():
         )
 
 
+def start_render():
+    """Press F12, as it were."""
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window):
+        print(bpy.ops.render.render("INVOKE_DEFAULT"), flush=True)
+
+
 bpy.context.preferences.view.show_splash = False
 build()
 bpy.context.scene.render.engine = "LUMENRAY"
 for shown in bpy.context.window_manager.windows:
     prepare_spaces(shown)
 bpy.app.timers.register(choose_tab(), first_interval=1.0)
+if VIEW == "render":
+    bpy.context.scene.lumenray.samples = 16
+    bpy.app.timers.register(start_render, first_interval=4.0)
 if VIEW == "bake":
     bpy.app.timers.register(Pulse(), first_interval=3.0)
     bpy.app.timers.register(start_bake, first_interval=4.0)

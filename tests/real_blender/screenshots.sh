@@ -12,7 +12,7 @@ seconds="${1:-60}"
 export LUMENRAY_PROFILE=screenshots-profile
 
 "$here/install.sh"
-for view in light material bake; do
+for view in light material render bake; do
   "$here/blender.sh" shot "$seconds" "$project/docs/pictures/window_$view.png" \
     --python-exit-code 1 --python /project/tests/real_blender/prepare_window.py -- "$view"
   grep -h "longest wait" "${LUMENRAY_OUT:-$project/out/real-blender}/shot.log" || true
