@@ -1,8 +1,9 @@
 """Turn a newly opened window into one worth a picture: ``--python prepare_window.py -- VIEW``.
 
-The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes a luminaire
-active, ``material`` an object with a physical override, ``render`` starts F12, ``bake`` runs the bake as a user would and writes into the log how
-long the window ever waited. The sidebar shows the tab of Lumenray.
+The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes
+a luminaire active, ``material`` an object with a physical override, ``render`` starts F12, ``bake``
+runs the bake as a user would and writes into the log how long the window ever waited. The sidebar
+shows the tab of Lumenray.
 """
 
 import importlib
