@@ -383,6 +383,13 @@ class LumenraySceneSettings(PropertyGroup):
         min=-20.0,
         max=30.0,
     )
+    use_smoothing: BoolProperty(
+        name="Smooth the picture",
+        description=(
+            "Filter the noise of the Combined pass, guided by its own error; all other passes stay as computed"
+        ),
+        default=False,
+    )
     use_spectral_file: BoolProperty(
         name="Spectral EXR",
         description="Write a spectral OpenEXR beside the picture",

@@ -1,12 +1,14 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
 import logging
+import time
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 from ..engine.accuracy.stopping import StopRule
+from ..engine.analysis.noise_filter import smooth
 from ..engine.errors import Cancelled, LumenrayError
 from ..engine.photometry.colour import automatic_white, scene_linear
 from ..engine.session import Session, ViewSettings
@@ -28,6 +30,9 @@ PASSES = (
 )
 """Name, channels and kind of every pass that we can deliver."""
 
+
+PREVIEW_INTERVAL = 1.0
+"""Shortest time between two previews; each copies the whole picture. [s]"""
 
 OWN_PASSES = ("Luminance", "Illuminance")
 """Passes that Blender does not know by itself; they are added to every result."""
@@ -67,12 +72,17 @@ def wanted_passes(scene, view_layer) -> set[str]:
     return {name for name, wanted in chosen.items() if wanted}
 
 
-def picture_layers(picture, white: float | None) -> dict[str, np.ndarray]:
+def picture_layers(picture, white: float | None, smoothed: bool = False) -> dict[str, np.ndarray]:
     """Name the layers of a `Picture` as passes, (h, w, c) float32. ``white`` None: found from the picture."""
     if white is None:
         white = automatic_white(picture.tristimulus[..., 1])
     combined = np.ones((*picture.depth.shape, 4), dtype=np.float32)
     combined[..., :3] = scene_linear(picture.tristimulus, white)
+    if smoothed:
+        error = picture.luminance_error / white
+        combined[..., :3] = smooth(
+            combined[..., :3], error, picture.normal, picture.depth, picture.albedo
+        )
     layers = {
         "Combined": combined,
         "Depth": picture.depth[..., None],
@@ -145,20 +155,24 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         finally:
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
-        self._deliver(place, depsgraph.view_layer_eval.name, picture_layers(picture, white), wanted)
+        layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
+        self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
         self._write_beside(scene, picture, report)
         left_over = f"error {100.0 * picture.relative_error:.2f} %"
         self.update_stats("", f"{picture.provenance.samples} samples, {left_over}")
 
     def _follow(self, session, result, white):
         """Return the function that follows the engine's progress."""
+        shown_at = [0.0]
 
         def follow(progress, preview):
             if self.test_break():
                 session.cancel()
             self.update_progress(progress.done)
             self.update_stats("", progress.text())
-            if preview is not None and progress.done < 1.0:
+            now = time.monotonic()
+            if preview is not None and progress.done < 1.0 and now - shown_at[0] > PREVIEW_INTERVAL:
+                shown_at[0] = now
                 tristimulus = preview()
                 shown = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)
                 shown[..., :3] = scene_linear(

@@ -42,6 +42,7 @@ class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):
             layout.prop(settings, "ev100")
         if settings.exposure != "LUMINANCE":
             draw_text(layout, context, readout.describe_exposure(settings), "INFO")
+        layout.prop(settings, "use_smoothing")
         layout.prop(settings, "use_spectral_file")
         column = layout.column()
         column.active = settings.use_spectral_file

@@ -120,7 +120,8 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
             if progress is not None:
                 share = (first + count) / pixels
                 state = clock.progress(int((sums.samples + share * batch) * GROUPS), error)
-                progress(state, None)
+                # The first pass shows what it has, row by row; later ones replace the whole picture.
+                progress(state, _snapshot(camera, new, batch) if sums.samples == 0 else None)
         sums.add(new, batch)
         estimate = sums.estimate()
         error = _relative_error(estimate)
@@ -152,6 +153,16 @@ def _learn_lights(scene: CompiledScene, film: _Film) -> None:
     points = np.stack([np.array(c) for c in si.p], axis=1)[seen]
     normals = np.stack([np.array(c) for c in normal], axis=1)[seen]
     learn(scene, points, normals, gather.typical_wavelengths())
+
+
+def _snapshot(camera: Camera, sums: np.ndarray, batch: int):
+    """Return a function that gives the picture of a pass that is not done yet, (h, w, 3) X, Y, Z."""
+
+    def take():
+        mean = sums[:, :, :3].mean(axis=0) / batch
+        return mean.reshape(camera.height, camera.width, 3).astype(np.float32)
+
+    return take
 
 
 def _relative_error(estimate) -> float:

@@ -76,3 +76,30 @@ def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
         session.bake([target], StopRule(samples=1 << 20), progress=lambda _: session.cancel())
     # The session goes on after a cancel.
     assert session.bake([target], StopRule(samples=4))[0].samples == 4
+
+
+def test_a_render_can_be_cancelled_and_shows_its_first_pass_on_the_way():
+    from lumenray.engine.scene.camera import Camera, Projection
+    from lumenray.engine.scene.light import Output, PointLight, Quantity
+    from lumenray.engine.session import ViewSettings
+    from small_scenes import box, paint, session_of
+
+    frame = np.eye(4)
+    frame[:3, 3] = (1.0, 1.0, 1.9)
+    camera = Camera(frame, Projection.PERSPECTIVE, 300, 200, 1.5, 1.0)
+    lamp = PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 100.0), np.array([0.5, 1.0, 1.0]))
+    session = session_of(box(2, 2, 2), paint(0.5), lamp)
+    seen = []
+
+    def follow(progress, preview):
+        seen.append(preview() if preview is not None else None)
+        if len(seen) == 2:
+            session.cancel()
+
+    with pytest.raises(Cancelled):
+        session.render(camera, ViewSettings(StopRule(samples=1024)), follow)
+    first = seen[0]
+    assert first.shape == (200, 300, 3)
+    # Rows appear from below; the upper ones are still empty.
+    assert first[0].min() > 0.0
+    assert first[-1].max() == 0.0
