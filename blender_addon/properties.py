@@ -320,7 +320,7 @@ class LumenraySceneSettings(PropertyGroup):
     )
     error: FloatProperty(
         name="Relative error",
-        description="Standard error of the picture divided by its mean luminance",
+        description="Standard error of the pixels relative to their luminance, dark ones to the mean",
         default=0.02,
         min=0.0001,
         max=1.0,

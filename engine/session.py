@@ -53,7 +53,8 @@ class Picture:
     ----------
     tristimulus : (h, w, 3) float32    X, Y, Z with Y the luminance. [cd/m2]
     luminance_error : (h, w) float32    Standard error of Y. [cd/m2]
-    relative_error : float    Of the whole picture: root mean square error over mean luminance. [-]
+    relative_error : float    Root mean square over the pixels of their error over the larger of their own and the mean
+        luminance. [-]
     depth : (h, w) float32    Along the view axis, at the pixel's centre; 1e10 where nothing is seen. [m]
     normal : (h, w, 3) float32    World space, at the pixel's centre; 0 where nothing is seen.
     object_index, material_index : (h, w) float32

@@ -166,10 +166,17 @@ def _snapshot(camera: Camera, sums: np.ndarray, batch: int):
 
 
 def _relative_error(estimate) -> float:
-    mean = estimate.mean[:, 1].mean()
+    """Root mean square over the pixels of their error over the larger of their own and the mean luminance.
+
+    So a lamp in view counts by its own luminance, and its edge does not hide what happens elsewhere.
+    """
+    luminance = estimate.mean[:, 1]
+    mean = luminance.mean()
     if mean <= 0.0:
         return float("inf")
-    return float(np.sqrt((estimate.standard_error[:, 1] ** 2).mean()) / mean)
+    return float(
+        np.sqrt(((estimate.standard_error[:, 1] / np.maximum(luminance, mean)) ** 2).mean())
+    )
 
 
 def _result(camera, job, estimate, error, layers) -> dict:
