@@ -248,7 +248,9 @@ def _transport(options, settings) -> str:
     return options.transport or settings.transport.lower()
 
 
-def _print_conversion(report) -> None:
+def _print_conversion(report, provenance) -> None:
+    for note in provenance.notes:
+        print(f"note: {note}")
     rows = report.rows
     if not rows:
         return
@@ -352,7 +354,7 @@ def _render_open(options, depsgraph):
         else "smoothed for looking at; all numbers are of the unsmoothed data"
     )
     write_json(options.output.with_suffix(".json"), content)
-    _print_conversion(converted.report)
+    _print_conversion(converted.report, picture.provenance)
     print(
         f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
         f"mean luminance {row['mean']:.4g} cd/m2, picture error {100 * picture.relative_error:.2f} %, "
@@ -380,7 +382,7 @@ def _bake(options) -> int:
         bake.store(job)
         with _quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
-    _print_conversion(job.report)
+    _print_conversion(job.report, job.maps[0].provenance)
     print_table(job.maps)
     print(f"written to {options.output}")
     return 0
@@ -467,7 +469,7 @@ def _measure(options) -> int:
     )
     bar.close()
     write_measurements(options.output, sensors, made.illuminance, made.standard_error)
-    _print_conversion(converted.report)
+    _print_conversion(converted.report, made.provenance)
     print(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )

@@ -14,7 +14,7 @@ from ..materials import plugins as surface_plugins
 from ..photometry import units
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
 from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight, UniformWorld
-from ..scene.material import Diffuse, Material, ThinGlass
+from ..scene.material import Dielectric, Diffuse, Material, ThinGlass
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant
@@ -183,6 +183,7 @@ class _Compiler:
         self.portals = self._find_portals()
         surroundings = self._add_surroundings()
         self._fill_palette()
+        self._note_missing_caustics()
         solid = mi.load_dict(
             {"type": "scene", **{f"s{i}": s for i, s in enumerate(self.solids)}}, optimize=False
         )
@@ -207,6 +208,26 @@ class _Compiler:
             notes=self.notes,
             keep=[self.emitters, self.solids, self.veils, self.bsdfs, self.palette],
         )
+
+    def _note_missing_caustics(self) -> None:
+        """Say which light the paths cannot find: that of ideal points, focused by smooth solid glass."""
+        used = {key for mesh in self.scene.meshes.values() for key in mesh.materials}
+        glass = [
+            self.scene.materials[key].name
+            for key in sorted(used)
+            if isinstance(self.scene.materials[key].surface, Dielectric)
+        ]
+        points = [
+            light.name
+            for light in self.scene.lights.values()
+            if isinstance(light, SpotLight)
+            or (isinstance(light, PointLight) and light.radius < DELTA_RADIUS)
+        ]
+        if glass and points:
+            self.notes.append(
+                f"light of '{points[0]}' that passes solid glass ('{glass[0]}') is missing: no path finds an ideal "
+                "point or spot through it; use a point light with a radius, or a pane"
+            )
 
     # ---- meshes ----
 

@@ -206,3 +206,17 @@ def test_the_kind_of_transport_follows_from_the_scene():
     assert "paint" in made.reasons[0]
     with pytest.raises(SceneError, match="auto, mono or spectral"):
         analyse(neutral, "rgb")
+
+
+def test_light_that_no_path_can_find_is_named():
+    glass = Material("glass", "Vase", Dielectric(Cauchy(1.5, 0.0)))
+    slab = quad("front", (-1, -1, 1.0), (0, 2, 0), (2, 0, 0), "glass")
+    ideal = PointLight("l", "Bulb", Output(INTENSITY, 1.0), np.array([0, 0, 2.0]))
+    real = PointLight("l", "Bulb", Output(INTENSITY, 1.0), np.array([0, 0, 2.0]), 0.1)
+    rule = StopRule(samples=16)
+    told = session_of(slab, glass, ideal).measure([[0, 0, 0]], [[0, 0, 1]], rule).provenance.notes
+    assert "Bulb" in told[0]
+    assert "Vase" in told[0]
+    assert (
+        not session_of(slab, glass, real).measure([[0, 0, 0]], [[0, 0, 1]], rule).provenance.notes
+    )
