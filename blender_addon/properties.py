@@ -1,7 +1,5 @@
 """What the user can set: one property group per kind of data-block, reached as ``data.lumenray``."""
 
-import math
-
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -14,6 +12,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
+from ..engine.photometry import units
 from ..libraries import spectra
 
 
@@ -353,9 +352,9 @@ class LumenraySceneSettings(PropertyGroup):
             "Photometric meaning of Blender's own watts, for lights and shaders without physical "
             "parameters: 177.83 lm/W is what Cycles assumes, glTF uses 683"
         ),
-        default=177.83,
+        default=units.BLENDER_EFFICACY,
         min=1e-3,
-        max=683.002,
+        max=units.LUMINOUS_EFFICACY,
         precision=2,
     )
     exposure: EnumProperty(
@@ -471,14 +470,11 @@ class LumenraySceneSettings(PropertyGroup):
 
 
 def white_luminance(settings) -> float | None:
-    """Return the luminance that becomes 1.0 in the picture, None when it is to be found from the picture. [cd/m2]
-
-    EV100 follows ISO 12232 with the saturation-based constant: L = 1.2 * 2^EV.
-    """
+    """Return the luminance that becomes 1.0 in the picture, None when it is to be found from the picture. [cd/m2]"""
     if settings.exposure == "AUTO":
         return None
     if settings.exposure == "EV100":
-        return 1.2 * math.pow(2.0, settings.ev100)
+        return float(units.luminance_from_ev100(settings.ev100))
     return settings.white_luminance
 
 

@@ -1,6 +1,5 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
-import logging
 import time
 from pathlib import Path
 
@@ -16,8 +15,6 @@ from .properties import white_luminance
 from .report import ConversionReport
 from .sync.camera import region
 from .sync.scene import convert_scene
-
-log = logging.getLogger(__name__)
 
 PASSES = (
     ("Combined", "RGBA", "COLOR"),

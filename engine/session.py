@@ -47,7 +47,7 @@ class ViewSettings:
 
 @dataclass(frozen=True)
 class Picture:
-    """A rendered view. Row 0 is the bottom row. NaN marks pixels in which nothing solid is seen.
+    """A rendered view. Row 0 is the bottom row.
 
     Parameters
     ----------
@@ -59,7 +59,8 @@ class Picture:
     normal : (h, w, 3) float32    World space, at the pixel's centre; 0 where nothing is seen.
     object_index, material_index : (h, w) float32
     albedo : (h, w, 3) float32    Diffuse reflectance at the pixel's centre, for filters; 1 without a matt part. [-]
-    illuminance, illuminance_error : (h, w) float32 or None    On the visible surface. [lx]
+    illuminance, illuminance_error : (h, w) float32 or None
+        Of the surface that is seen, through panes. [lx]
     bands : (h, w, b) float32 or None    Spectral radiance per band. [W/(m2 sr nm)]
     band_edges : (b + 1,) float64 or None    [nm]
     """

@@ -1,5 +1,6 @@
 """Bake illuminance: selected objects to lux maps, without blocking the window."""
 
+import logging
 import threading
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from ..blender_addon import bake, feedback
 from ..blender_addon.render_engine import stop_rule
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
+
+log = logging.getLogger(__name__)
 
 
 class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
@@ -135,7 +138,11 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     def _work(self):
         try:
             self._job.run(self._note)
-        except Exception as error:  # handed to the window, which reports it
+        except LumenrayError as error:
+            self._error = error
+        except Exception as error:
+            # A fault of ours: the log tells where, the window that it happened.
+            log.exception("the bake failed")
             self._error = error
 
     def _note(self, progress):

@@ -44,7 +44,6 @@ def convert_camera(source, scene, scale: float, report) -> Camera:
         "width": width,
         "height": height,
         "clip_start": data.clip_start * scale,
-        "clip_end": data.clip_end * scale,
     }
     # The part of the full film that is rendered, as shares of its sides.
     centre_x = (left + 0.5 * width) / full_width - 0.5

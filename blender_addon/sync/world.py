@@ -37,16 +37,9 @@ def convert_world(world, efficacy: float, report: ConversionReport):
     settings = world.lumenray
     per_unit = strength * (efficacy if settings.unit == "BLENDER" else 1.0)
     if picture is None:
-        rgb = (
-            mean_of(
-                evaluate_colour(colour_socket, Context(world.name, report), groups)
-                if colour_socket is not None
-                else world.color,
-                3,
-            )
-            if colour_socket is not None
-            else np.array(world.color)
-        )
+        rgb = np.array(world.color)
+        if colour_socket is not None:
+            rgb = mean_of(evaluate_colour(colour_socket, Context(world.name, report), groups), 3)
         amount = float(np.ravel(luminance(rgb))[0]) * per_unit
         if settings.unit == "ILLUMINANCE":
             amount = settings.illuminance / math.pi

@@ -11,6 +11,8 @@ Filtering, HPG 2017.
 
 import numpy as np
 
+from ..photometry.colour import REC709_LUMINANCE as WEIGHTS
+
 KERNEL = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 """Cubic B-spline."""
 
@@ -31,9 +33,6 @@ SMALLEST_ALBEDO = 0.04
 
 OUTLIER = 1.6
 """Pixels brighter than this many times the second brightest of their neighbours are brought down to it."""
-
-WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
-"""Luminance of linear Rec. 709."""
 
 
 def smooth(colour, luminance_error, normal, depth, albedo) -> np.ndarray:

@@ -49,28 +49,6 @@ def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | Non
     return path
 
 
-def read_channels(path) -> tuple[dict[str, np.ndarray], dict]:
-    """Read all channels as float32, row 0 at the bottom, and the header's attributes.
-
-    Raises
-    ------
-    FileFormatError    The file cannot be read.
-    """
-    import mitsuba as mi
-
-    if mi.variant() is None:
-        mi.set_variant("scalar_rgb")
-    try:
-        bitmap = mi.Bitmap(str(path))
-    except (OSError, RuntimeError) as error:
-        raise FileFormatError(path, f"cannot be read as OpenEXR ({error})") from None
-    names = [field.name for field in bitmap.struct_()]
-    pixels = np.array(bitmap, dtype=np.float32).reshape(bitmap.height(), bitmap.width(), -1)[::-1]
-    metadata = bitmap.metadata()
-    attributes = {key: metadata[key] for key in metadata.keys()}  # noqa: SIM118 - no iterator
-    return {name: pixels[..., i] for i, name in enumerate(names)}, attributes
-
-
 def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndarray]:
     """Name band radiances (h, w, b) [W/(m2 sr nm)] by their central wavelength, after Fichet et al.
 

@@ -23,11 +23,6 @@ def intensity_from_flux_isotropic(flux):
     return flux / (4.0 * np.pi)
 
 
-def luminance_from_flux_sphere(flux, radius):
-    """Luminance of a uniform sphere: flux = pi L * 4 pi r^2. [lm, m -> cd/m2]"""
-    return flux / (4.0 * np.pi**2 * radius**2)
-
-
 def luminance_from_intensity_sphere(intensity, radius):
     """Luminance of a uniform sphere seen with the given intensity: I = L pi r^2. [cd, m -> cd/m2]"""
     return intensity / (np.pi * radius**2)

@@ -28,7 +28,7 @@ class Camera:
     shift_x, shift_y : float    Film shift in units of the extents' own measure (same unit as `extent_x`).
     aperture_radius : float    Thin lens; 0 is a pinhole. [m]
     focus_distance : float    Distance of the plane in focus, along the view axis. [m]
-    clip_start, clip_end : float    Depth range along the view axis. [m]
+    clip_start : float    Nothing nearer along the view axis is seen. [m]
     longitude, latitude : (float, float)    Range of an equirectangular film. [rad]
     """
 
@@ -43,6 +43,5 @@ class Camera:
     aperture_radius: float = 0.0
     focus_distance: float = 1.0
     clip_start: float = 0.0
-    clip_end: float = float("inf")
     longitude: tuple[float, float] = (-np.pi, np.pi)
     latitude: tuple[float, float] = (-np.pi / 2, np.pi / 2)

@@ -1,6 +1,5 @@
 """From the scene description to Mitsuba objects that the estimators trace."""
 
-import logging
 from dataclasses import dataclass, field
 
 import drjit as dr
@@ -12,6 +11,7 @@ from ..luminaires import plugins as emitter_plugins
 from ..luminaires.portals import Portal, PortalSet, find_portals
 from ..materials import plugins as surface_plugins
 from ..photometry import units
+from ..photometry.colour import REC709_LUMINANCE
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
 from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight, UniformWorld
 from ..scene.material import Dielectric, Diffuse, Material, ThinGlass
@@ -23,8 +23,6 @@ from .lights import LightTable, Place
 from .requirements import Requirements, pictures
 from .surfaces import approximations, bsdf, is_plain, palette, passes_straight
 from .textures import TextureMaker, is_spectral
-
-log = logging.getLogger(__name__)
 
 SUN_POINT_ANGLE = 1e-5
 """Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
@@ -50,7 +48,6 @@ class CompiledScene:
     lights: object
     surroundings: object | None
     origin: np.ndarray
-    radius: float
     requirements: Requirements
     mean_light: np.ndarray
     hidden: object | None
@@ -200,7 +197,6 @@ class _Compiler:
             ),
             surroundings=surroundings,
             origin=self.origin,
-            radius=self.radius,
             requirements=self.requirements,
             mean_light=self.light,
             hidden=_shape_mask(self.hidden),
@@ -480,7 +476,7 @@ class _Compiler:
     def _image_world(self, world: ImageWorld, sphere: float):
         pixels = np.nan_to_num(np.asarray(world.image.pixels, dtype=np.float32), posinf=0.0)
         pixels = np.maximum(pixels, 0.0)
-        luma = (pixels @ np.array([0.2126, 0.7152, 0.0722], dtype=np.float32))[..., None]
+        luma = (pixels @ REC709_LUMINANCE.astype(np.float32))[..., None]
         if not is_spectral():
             pixels = np.repeat(luma, 3, axis=2)
         # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with

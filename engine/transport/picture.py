@@ -22,7 +22,7 @@ GROUPS = 2
 """Even and odd half."""
 
 FILTER_RADIUS = 0.75
-"""Half width of the pixel filter, a cubic B-spline like Blackman-Harris in look; sampled, so pixels stay independent."""
+"""Half width of the pixel filter, a tent; it is sampled, so that pixels stay independent. [pixel]"""
 
 FAR = 1e10
 """Depth where nothing is seen, Blender's own value. [m]"""
@@ -288,8 +288,8 @@ class _Job:
         return sums
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):
-        """Illuminance of the first surface that a camera ray meets, on the side that is seen."""
-        si = paths.closest_hit(self.scene, ray, mi.Bool(True))
+        """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
+        si = self.scene.solid.ray_intersect(ray)
         valid = si.is_valid()
         faces = dr.dot(si.n, ray.d) < 0.0
         side = dr.select(faces, 1.0, -1.0)

@@ -58,7 +58,7 @@ class WavelengthSampler:
             low = dr.gather(mi.Float, self._cdf, cell)
             width = dr.gather(mi.Float, self._density, cell)
             inside = dr.clip((v - low) / width, 0.0, 1.0)
-            # Half a cell hangs over each end of the range; it is folded back inside.
+            # Half a cell hangs over each end of the range; it is drawn to the end, whose weight it has.
             nm = MINIMUM_WAVELENGTH - 0.5 + mi.Float(cell) + inside
             wavelengths[k] = dr.clip(nm, GRID[0], GRID[-1])
         return wavelengths

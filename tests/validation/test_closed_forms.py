@@ -139,8 +139,8 @@ def test_a_rectangular_room_agrees_with_radiosity(transport):
     )
     error = np.sqrt((made.standard_error**2).mean() / 400)
     assert error < 0.002 * expected
-    # The radiosity solution itself is exact to about 0.3 % with these patches.
-    assert abs(made.illuminance.mean() - expected) < 3.0 * error + 0.005 * expected
+    # The radiosity solution itself is not exact with these patches.
+    assert abs(made.illuminance.mean() - expected) < 3.0 * error + 0.002 * expected
 
 
 def test_light_of_several_lamps_adds_up():
