@@ -280,7 +280,7 @@ def _render_open(options, depsgraph):
     from ..engine.photometry.colour import automatic_white, scene_linear
     from ..engine.session import Session
     from .properties import white_luminance
-    from .render_engine import view_settings, write_spectral
+    from .render_engine import view_settings
     from .sync.scene import convert_scene
 
     scene = depsgraph.scene
@@ -298,6 +298,7 @@ def _render_open(options, depsgraph):
         transport=_transport(options, settings),
         illuminance=options.illuminance or settings.use_pass_illuminance,
         bands=options.spectral or (settings.spectral_bands if settings.use_spectral_file else 0),
+        spectral_file=str(options.output.with_name(options.output.stem + "_spectral.exr")),
     )
     session = Session()
     session.apply(converted.delta)
@@ -328,8 +329,6 @@ def _render_open(options, depsgraph):
     )
     shown = linear if options.raw else _smoothed(picture, linear, white)
     write_display(options.output.with_suffix(".png"), shown)
-    if picture.bands is not None:
-        write_spectral(options.output.with_name(options.output.stem + "_spectral.exr"), picture)
     luminance = picture.tristimulus[..., 1]
     row = {
         "name": scene.camera.name,
@@ -390,6 +389,7 @@ def _bake(options) -> int:
 
 def _bake_open(options, depsgraph):
     """Bake objects of the open file. Returns the finished job."""
+    from ..engine.session import Session
     from . import bake
 
     settings = depsgraph.scene.lumenray
@@ -418,7 +418,7 @@ def _bake_open(options, depsgraph):
         ),
     )
     bar = _Bar("bake")
-    job.run(bar)
+    job.run(Session(), bar)
     bar.close()
     return job
 

@@ -21,6 +21,11 @@ def _tag(self, context):
     self.id_data.update_tag()
 
 
+def _identity():
+    """Property of the identity; `identity` alone writes it."""
+    return StringProperty(name="Identity", options={"HIDDEN"})
+
+
 def _enum_from_names(names):
     return [(name, name, "", index) for index, name in enumerate(names)]
 
@@ -91,6 +96,7 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
     """Physical parameters of a light; ignored while `use_physical` is off."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
+    uid: _identity()
     use_physical: BoolProperty(
         name="Physical parameters",
         description="State this light in photometric units instead of Blender's watts",
@@ -119,6 +125,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
     """Physical override of a material; the node tree is used while `use_override` is off."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
+    uid: _identity()
     use_override: BoolProperty(
         name="Physical override",
         description="Use these measurable parameters in place of the node tree",
@@ -255,6 +262,7 @@ class LumenrayWorldSettings(PropertyGroup):
     """What the numbers in the world's background mean."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
+    uid: _identity()
     unit: EnumProperty(
         name="Unit",
         description="What colour times strength of the background stands for",
@@ -285,6 +293,7 @@ class LumenrayObjectSettings(PropertyGroup):
     """Per-object settings of the bake."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
+    uid: _identity()
     density: FloatProperty(
         name="Lumels per metre",
         description="Density of this object's lux map; 0 takes the scene's",
@@ -293,6 +302,13 @@ class LumenrayObjectSettings(PropertyGroup):
         max=1000.0,
         update=_tag,
     )
+
+
+class LumenrayCameraSettings(PropertyGroup):
+    """Identity of a camera."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    uid: _identity()
 
 
 class LumenraySceneSettings(PropertyGroup):
@@ -356,6 +372,7 @@ class LumenraySceneSettings(PropertyGroup):
         min=1e-3,
         max=units.LUMINOUS_EFFICACY,
         precision=2,
+        update=_tag,
     )
     exposure: EnumProperty(
         name="Exposure",
@@ -483,6 +500,7 @@ CLASSES = (
     LumenrayMaterialSettings,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
+    LumenrayCameraSettings,
     LumenraySceneSettings,
 )
 
@@ -491,6 +509,7 @@ POINTERS = (
     (bpy.types.Material, LumenrayMaterialSettings),
     (bpy.types.World, LumenrayWorldSettings),
     (bpy.types.Object, LumenrayObjectSettings),
+    (bpy.types.Camera, LumenrayCameraSettings),
     (bpy.types.Scene, LumenraySceneSettings),
 )
 

@@ -6,9 +6,10 @@ from . import properties, render_engine
 
 
 def _groups():
-    from . import feedback
+    from . import feedback, identity
+    from .sync import live
 
-    return (properties, feedback)
+    return (properties, feedback, identity, live)
 
 
 def register(classes=()) -> None:

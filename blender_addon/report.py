@@ -34,6 +34,11 @@ class ConversionReport:
         row = Row(severity, datablock, node, message, remedy)
         self._counts[row] = self._counts.get(row, 0) + 1
 
+    def include(self, other: "ConversionReport"):
+        """Note all departures of another report."""
+        for row, count in other.rows:
+            self._counts[row] = self._counts.get(row, 0) + count
+
     def info(self, datablock, message, remedy, node=""):
         """Note something that changes little."""
         self.add(Severity.INFO, datablock, node, message, remedy)

@@ -25,3 +25,15 @@ class FileFormatError(LumenrayError):
 
 class Cancelled(LumenrayError):  # noqa: N818 - not a fault
     """The user stopped the job."""
+
+
+class EngineFault(LumenrayError):  # noqa: N818 - says where the fault lies
+    """The engine met an error of its own, or its machine's; the worker goes on."""
+
+
+class EngineLost(LumenrayError):  # noqa: N818 - a state rather than a fault
+    """The engine's process ended, hung or was closed; a new one has to be started."""
+
+
+class CodecError(LumenrayError):
+    """A message between Blender and the engine cannot be written or understood."""

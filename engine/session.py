@@ -8,13 +8,15 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from enum import Enum
 
 import numpy as np
 
 from . import VERSION
 from .accuracy.stopping import Progress, StopRule
 from .atlas.unwrap import AtlasChart
+from .errors import SceneError
 from .scene.camera import Camera
 from .scene.mesh import Mesh
 from .scene.scene import Scene, SceneDelta
@@ -36,13 +38,14 @@ class Provenance:
 
 @dataclass(frozen=True)
 class ViewSettings:
-    """What a picture has to contain."""
+    """What a picture has to contain. ``spectral_file``: where its bands are written as a spectral OpenEXR."""
 
     rule: StopRule
     seed: int = 0
     illuminance: bool = False
     bands: int = 0
     transport: str = "auto"
+    spectral_file: str | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,90 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class LiveSettings:
+    """What a live view has to compute. ``samples`` per pixel are the most it goes to."""
+
+    samples: int = 1024
+    seed: int = 0
+    illuminance: bool = False
+    transport: str = "auto"
+
+
+class DisplayMode(Enum):
+    """What a live view shows."""
+
+    PICTURE = "picture"  # scene-linear colour, 1 at the white luminance
+    LUMINANCE = "luminance"  # the same without colour
+    FALSE_LUMINANCE = "false_luminance"  # cd/m2 in false colours
+    FALSE_ILLUMINANCE = "false_illuminance"  # lx in false colours
+
+
+@dataclass(frozen=True)
+class Display:
+    """How a live view turns numbers into what is seen.
+
+    Parameters
+    ----------
+    mode : DisplayMode
+    white : float or None    Luminance that becomes 1; None: from the picture itself. [cd/m2]
+    low, high : float    Ends of the false colours' scale; ``high`` 0: from the picture itself. [cd/m2 or lx]
+    logarithmic : bool    Whether the scale of the false colours is logarithmic.
+    """
+
+    mode: DisplayMode = DisplayMode.PICTURE
+    white: float | None = 200.0
+    low: float = 0.0
+    high: float = 0.0
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True)
+class Commit:
+    """What bringing the engine's objects up to date took.
+
+    Parameters
+    ----------
+    items : int    Items that the deltas since the last time named.
+    action : str    For people: what had to be done.
+    seconds : float    For the objects.
+    first_sample_seconds : float    From then to the first samples.
+    """
+
+    items: int = 0
+    action: str = ""
+    seconds: float = 0.0
+    first_sample_seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """State of a live view. Row 0 is the bottom row; smaller than the view while it is coarse.
+
+    Parameters
+    ----------
+    pixels : (h, w, 4) float32
+        Scene-linear colour and 1 (pictures and luminance), or display colours in sRGB (false colours).
+    is_display_referred : bool    Whether ``pixels`` are display colours that no view transform must touch.
+    low, high : float    Ends of the scale, in ``unit``.
+    revision : int    Number of the scene's state: how many deltas had been applied.
+    samples : int    Per pixel.
+    relative_error : float    As in `Picture`; infinite while unknown.
+    is_final : bool    Whether no better frame will come.
+    """
+
+    pixels: np.ndarray
+    is_display_referred: bool
+    low: float
+    high: float
+    unit: str
+    revision: int
+    samples: int
+    relative_error: float
+    is_final: bool
+    commit: Commit
+
+
+@dataclass(frozen=True)
 class BakeTarget:
     """A mesh and the charts of its lux map."""
 
@@ -89,12 +176,57 @@ class BakeTarget:
 
 
 @dataclass(frozen=True)
+class BakeOrder:
+    """What a bake is asked for.
+
+    Parameters
+    ----------
+    objects : tuple of str    Ids of objects of the scene.
+    density : float    Lumels per metre; ``densities`` by object id where it is another.
+    largest, margin : int    Largest side of a map and free rim of charts. [lumel]
+    folder : str or None    Where maps and report are written; None: nowhere.
+    file : str    Name of the scene's file, for the report.
+    conversion : tuple of dict    Rows of the conversion report, for the report.
+    """
+
+    objects: tuple[str, ...]
+    rule: StopRule
+    density: float = 8.0
+    densities: dict[str, float] = field(default_factory=dict)
+    largest: int = 1024
+    margin: int = 4
+    seed: int = 0
+    transport: str = "auto"
+    folder: str | None = None
+    file: str = ""
+    conversion: tuple[dict, ...] = ()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where an object's triangles lie on its lux map: texture coordinates by corner, and which corner is which.
+
+    Parameters
+    ----------
+    uv : (t, 3, 2) float32    In 0..1, v upwards.
+    triangles : (t, 3) int32    Vertex indices.
+    polygon : (t,) int32 or None    Polygon of every triangle.
+    vertex_count : int
+    """
+
+    uv: np.ndarray
+    triangles: np.ndarray
+    polygon: np.ndarray | None
+    vertex_count: int
+
+
+@dataclass(frozen=True)
 class LuxMap:
     """Illuminance over an unwrapped mesh. Row 0 is the bottom row of the map.
 
     Parameters
     ----------
-    name : str    Of the object.
+    id, name : str    Of the object.
     illuminance : (h, w) float32    Seams dilated; 0 outside the margin. [lx]
     standard_error : (h, w) float32    Of each lumel. [lx]
     covered : (h, w) bool    Lumels that lie on the surface.
@@ -104,6 +236,7 @@ class LuxMap:
     mean_standard_error : float    Of ``mean``, the lumels being independent. [lx]
     """
 
+    id: str
     name: str
     illuminance: np.ndarray
     standard_error: np.ndarray
@@ -117,6 +250,26 @@ class LuxMap:
     samples: int
     density: float
     provenance: Provenance
+    layout: Layout
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Something that a bake could not do as ordered: where, what, and what was done instead."""
+
+    name: str
+    message: str
+    remedy: str
+    is_error: bool = False
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """Finished maps, departures and the files that were written."""
+
+    maps: tuple[LuxMap, ...]
+    departures: tuple[Departure, ...]
+    files: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -128,35 +281,71 @@ class Measurement:
     provenance: Provenance
 
 
-@dataclass
-class _Compiled:
-    key: tuple
-    scene: object
-    variant: str
-    requirements: object = field(default=None)
-
-
 SENSOR_GROUPS = 16
 """Independent groups for sensors: enough for an error of each, within 18 % of itself."""
 
+FRAME_INTERVAL = 0.08
+"""Shortest time between two frames of a live view. [s]"""
 
-_ONE_AT_A_TIME = threading.Lock()
-"""Mitsuba's variant belongs to the process, so jobs of several sessions wait for each other."""
+FRAME_SHARE = 0.25
+"""Largest share of a live view's time that is spent on making frames."""
+
+_ONE_AT_A_TIME = threading.RLock()
+"""Mitsuba's variant belongs to the process, so jobs of several threads wait for each other."""
+
+
+@dataclass
+class _View:
+    """The live view that was asked for, and its state of work."""
+
+    camera: Camera
+    settings: LiveSettings
+    display: Display
+    work: object = None
+    revision: int = -1
+    is_shown: bool = False
+    shown_at: float = 0.0
+    frame_seconds: float = 0.0
 
 
 class Session:
-    """Keeps a scene and answers questions about it, in this process and on the calling thread."""
+    """Keeps a scene and answers questions about it, in this process and on the calling thread.
 
-    def __init__(self):
+    Parameters
+    ----------
+    interrupt : callable or None
+        Called between the launches of long jobs; it may use other sessions.
+    """
+
+    def __init__(self, interrupt: Callable[[], None] | None = None):
         self.scene = Scene()
-        self._compiled: _Compiled | None = None
+        self.revision = 0
+        self.commit = Commit()
+        self._interrupt = interrupt
+        self._compiled = None
+        self._variant = ""
+        self._requirements: tuple | None = None
+        self._pending: dict[str, None] = {}
+        self._view: _View | None = None
         self._cancel = False
-        self._revision = 0
+        self._is_busy = False
 
     def apply(self, delta: SceneDelta) -> None:
-        """Change the scene."""
+        """Change the scene. The engine's objects follow when the next answer is asked for.
+
+        Raises
+        ------
+        SceneError    The delta does not fit the scene, which stays as it was.
+        """
         self.scene.apply(delta)
-        self._revision += 1
+        self.revision += 1
+        for key in (
+            *delta.removed,
+            *(item.id for item in delta.changed),
+            *(attachment.id for attachment in delta.attached),
+            *(new for new, _ in delta.copies),
+        ):
+            self._pending[key] = None
 
     def cancel(self) -> None:
         """Ask the running job to end; it raises `Cancelled` before its next launch."""
@@ -184,9 +373,15 @@ class Session:
 
             start = time.perf_counter()
             made, samples = picture.render(
-                compiled.scene, camera, settings, progress=progress, cancelled=self._cancelled
+                compiled, camera, settings, progress=progress, cancelled=self._cancelled
             )
-        return Picture(**made, provenance=self._provenance(compiled, settings.seed, samples, start))
+            provenance = self._provenance(compiled, settings.seed, samples, start)
+            finished = Picture(**made, provenance=provenance)
+            if settings.spectral_file and finished.bands is not None:
+                from .formats.exr import write_spectral
+
+                write_spectral(settings.spectral_file, finished)
+        return finished
 
     def measure(
         self,
@@ -204,10 +399,73 @@ class Session:
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals)
             estimate = compute(
-                compiled.scene, receivers, rule, seed, SENSOR_GROUPS, progress, self._cancelled
+                compiled, receivers, rule, seed, SENSOR_GROUPS, progress, self._cancelled
             )
-        provenance = self._provenance(compiled, seed, estimate.samples, start)
+            provenance = self._provenance(compiled, seed, estimate.samples, start)
         return Measurement(estimate.mean, estimate.standard_error, provenance)
+
+    def measure_sensors(
+        self,
+        key: str,
+        rule: StopRule,
+        seed: int = 0,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+    ) -> Measurement:
+        """Illuminance at the sensors of one of the scene's sets, by its id. [lx]"""
+        sensors = self.scene.sensors.get(key)
+        if sensors is None:
+            raise SceneError(f"the scene holds no sensors with the id {key}")
+        return self.measure(sensors.positions, sensors.normals, rule, seed, transport, progress)
+
+    def bake_objects(
+        self, order: BakeOrder, progress: Callable[[Progress], None] | None = None
+    ) -> BakeResult:
+        """Unwrap objects, compute their lux maps and write the files.
+
+        Raises
+        ------
+        SceneError    None of the objects can be baked.
+        """
+        from .atlas.unwrap import unwrap
+
+        self._cancel = False
+        targets, departures = [], []
+        begin = time.perf_counter()
+        for number, key in enumerate(order.objects):
+            item = self.scene.meshes.get(key)
+            if item is None:
+                departures.append(
+                    Departure(key, "the object has no surface that is rendered", "it is not baked", True)
+                )  # fmt: skip
+                continue
+            if progress is not None:
+                seconds = time.perf_counter() - begin
+                stage = f"laying out {number + 1} of {len(order.objects)}: {item.name}"
+                progress(Progress(0.0, 0, float("inf"), seconds, None, stage))
+            self._pause()
+            mesh = self.scene.mesh(key)
+            density = order.densities.get(key, order.density)
+            charts = unwrap(mesh, density, order.largest, order.margin)
+            if charts.density < 0.999 * density:
+                departures.append(
+                    Departure(
+                        item.name,
+                        f"{density:g} lumels per metre do not fit a map of {order.largest} pixels",
+                        f"baked with {charts.density:.3g} lumels per metre",
+                    )
+                )
+            targets.append(BakeTarget(mesh, charts))
+        if not targets:
+            raise SceneError("nothing to bake: none of the objects has a surface that is rendered")
+        maps = self.bake(targets, order.rule, order.seed, order.margin, order.transport, progress)
+        files = []
+        if order.folder is not None:
+            from .formats.lux_maps import write_lux_maps
+
+            conversion = [*order.conversion, *(_report_row(departure) for departure in departures)]
+            files = write_lux_maps(order.folder, maps, order.file, conversion)
+        return BakeResult(tuple(maps), tuple(departures), tuple(str(path) for path in files))
 
     def bake(
         self,
@@ -240,52 +498,193 @@ class Session:
 
                 own_seed = seed + number
                 estimate = compute(
-                    compiled.scene, lumel.receivers, rule, own_seed, 2, report, self._cancelled
+                    compiled, lumel.receivers, rule, own_seed, 2, report, self._cancelled
                 )
                 provenance = self._provenance(compiled, own_seed, estimate.samples, start)
                 finished = assemble(target, lumel, estimate, margin)
-                maps.append(LuxMap(**finished, provenance=provenance))
+                layout = Layout(
+                    target.charts.uv.astype(np.float32),
+                    target.mesh.triangles,
+                    target.mesh.polygon,
+                    len(target.mesh.vertices),
+                )
+                maps.append(
+                    LuxMap(id=target.mesh.id, **finished, provenance=provenance, layout=layout)
+                )
         return maps
+
+    # ---- live view ----
+
+    def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
+        """Begin or change the live view; `refine` then works on it."""
+        if display.mode is DisplayMode.FALSE_ILLUMINANCE:
+            settings = replace(settings, illuminance=True)
+        old = self._view
+        self._view = _View(camera, settings, display)
+        if old is not None and old.settings == settings and _is_same_view(old.camera, camera):
+            self._view = replace(old, camera=camera, display=display, is_shown=False)
+
+    def unwatch(self) -> None:
+        """End the live view."""
+        self._view = None
+
+    @property
+    def has_view_work(self) -> bool:
+        """Whether `refine` would do anything. A session whose own long job runs does not look up from it."""
+        view = self._view
+        if view is None or self._is_busy:
+            return False
+        if view.revision != self.revision or view.work is None:
+            return True
+        return not (view.work.is_complete and view.is_shown)
+
+    def refine(self) -> Frame | None:
+        """Do one short slice of work on the live view.
+
+        Returns
+        -------
+        Frame or None    A better image if it is time for one.
+
+        Raises
+        ------
+        LumenrayError    The scene cannot be shown; it is tried again after the next change.
+        """
+        if not self.has_view_work:
+            return None
+        view = self._view
+        with self._engine(view.settings.transport, is_live=True) as compiled:
+            from .analysis.display import show
+            from .transport.live_view import LiveView
+
+            start = time.perf_counter()
+            is_new = view.revision != self.revision or view.work is None
+            if is_new:
+                view.revision, view.work, view.is_shown = self.revision, None, False
+                view.work = LiveView(compiled, view.camera, view.settings)
+            is_pass_done = not view.work.is_complete and view.work.refine()
+            now = time.perf_counter()
+            if is_new:
+                self.commit = replace(self.commit, first_sample_seconds=now - start)
+            waits = max(FRAME_INTERVAL, view.frame_seconds / FRAME_SHARE)
+            is_final = view.work.is_complete
+            is_due = now - view.shown_at > waits and (is_pass_done or view.work.factor == 1)
+            if not (is_new or is_final or is_due or not view.is_shown):
+                return None
+            image = view.work.image()
+            frame = Frame(
+                **show(image, view.display.mode.value, view.display),
+                revision=view.revision,
+                samples=view.work.samples,
+                relative_error=view.work.error,
+                is_final=is_final,
+                commit=self.commit,
+            )
+            view.is_shown, view.shown_at = True, time.perf_counter()
+            view.frame_seconds = view.shown_at - now
+        return frame
 
     # ---- private ----
 
     @contextmanager
-    def _engine(self, transport: str):
+    def _engine(self, transport: str, is_live: bool = False):
         """Give the compiled scene, alone with the process's Mitsuba."""
         with _ONE_AT_A_TIME:
-            yield self._prepare(transport)
+            self._cancel = False
+            self._is_busy = not is_live
+            try:
+                compiled = self._prepare(transport, is_live)
+                if not is_live:
+                    compiled.settle()
+                yield compiled
+            finally:
+                self._is_busy = False
 
     def _cancelled(self) -> bool:
+        self._pause()
         return self._cancel
 
-    def _prepare(self, transport: str) -> _Compiled:
+    def _pause(self) -> None:
+        """Let others work for a moment, and come back to our own variant."""
+        if self._interrupt is None:
+            return
+        self._interrupt()
+        if self._variant:
+            from .transport import backend
+
+            backend.start("spectral" in self._variant)
+
+    def _prepare(self, transport: str, is_live: bool):
         """Bring the Mitsuba objects up to date with the scene."""
-        from .transport import backend, requirements
+        from .transport import backend
 
-        self._cancel = False
-        needs = requirements.analyse(self.scene, transport)
-        key = (self._revision, needs.spectral)
-        if self._compiled is not None and self._compiled.key == key:
-            backend.start(needs.spectral)
-            return self._compiled
-        self._compiled = None
+        needs = self._needs(transport)
+        if is_live and transport == "auto" and "spectral" in self._variant and self._compiled:
+            # A live scene stays spectral, so that no change of colour costs a new start.
+            needs = replace(needs, spectral=True)
         variant = backend.start(needs.spectral)
-        from .transport.compile import compile_scene
+        from .transport.compile import CompiledScene, Outgrown
 
-        self._compiled = _Compiled(key, compile_scene(self.scene, needs), variant, needs)
-        return self._compiled
+        start = time.perf_counter()
+        compiled, self._compiled = self._compiled, None
+        named, count = list(self._pending), len(self._pending)
+        action = ""
+        if compiled is not None and self._variant == variant:
+            try:
+                if named:
+                    action = compiled.commit(self.scene, named, needs).text()
+                compiled.requirements = needs
+            except Outgrown:
+                compiled = None
+        else:
+            compiled = None
+        self._variant = variant
+        if compiled is None:
+            compiled = CompiledScene(self.scene, needs)
+            count = len(self.scene.meshes) + len(self.scene.lights) + len(self.scene.materials)
+            action = "everything built"
+        if action:
+            self.commit = Commit(count, action, time.perf_counter() - start)
+        self._pending.clear()
+        self._compiled = compiled
+        return compiled
 
-    def _provenance(self, compiled: _Compiled, seed: int, samples: int, start: float) -> Provenance:
+    def _needs(self, transport: str):
+        """Decide how the scene has to be computed; kept until it changes."""
+        from .transport import requirements
+
+        key = (self.revision, transport)
+        if self._requirements is None or self._requirements[0] != key:
+            self._requirements = (key, requirements.analyse(self.scene, transport))
+        return self._requirements[1]
+
+    def _provenance(self, compiled, seed: int, samples: int, start: float) -> Provenance:
         return Provenance(
             engine_version=VERSION,
-            variant=compiled.variant,
+            variant=self._variant,
             scene_hash=self.scene.hash(),
             seed=seed,
             samples=samples,
             seconds=time.perf_counter() - start,
             decisions=compiled.requirements.reasons,
-            notes=tuple(compiled.scene.notes),
+            notes=tuple(compiled.notes),
         )
+
+
+def _is_same_view(a: Camera, b: Camera) -> bool:
+    return all(
+        np.array_equal(getattr(a, entry.name), getattr(b, entry.name)) for entry in fields(Camera)
+    )
+
+
+def _report_row(departure: Departure) -> dict:
+    return {
+        "severity": "error" if departure.is_error else "warning",
+        "object": departure.name,
+        "node": "",
+        "message": departure.message,
+        "instead": departure.remedy,
+        "count": 1,
+    }
 
 
 def _progress_of_part(

@@ -15,12 +15,13 @@ from .nodes import Context, evaluate_colour, evaluate_scalar
 from .spectra import light_spectrum
 
 
-def convert_world(world, efficacy: float, report: ConversionReport):
+def convert_world(world, world_id: str, efficacy: float, report: ConversionReport):
     """Convert the world.
 
     Parameters
     ----------
     world : bpy.types.World or None
+    world_id : str    Stable key of the result.
     efficacy : float    Lumens per Blender watt. [lm/W]
 
     Returns
@@ -43,7 +44,7 @@ def convert_world(world, efficacy: float, report: ConversionReport):
         amount = float(np.ravel(luminance(rgb))[0]) * per_unit
         if settings.unit == "ILLUMINANCE":
             amount = settings.illuminance / math.pi
-        return UniformWorld(amount, light_spectrum(rgb)) if amount > 0.0 else None
+        return UniformWorld(amount, light_spectrum(rgb), world_id) if amount > 0.0 else None
     image, rotation = picture
     if settings.unit == "ILLUMINANCE":
         given = horizontal_illuminance(image.pixels, rotation)
@@ -53,7 +54,7 @@ def convert_world(world, efficacy: float, report: ConversionReport):
             )
             return None
         per_unit = settings.illuminance / given
-    return ImageWorld(image, per_unit, rotation) if per_unit > 0.0 else None
+    return ImageWorld(image, per_unit, rotation, world_id) if per_unit > 0.0 else None
 
 
 def horizontal_illuminance(pixels, rotation) -> float:

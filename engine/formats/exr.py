@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..photometry.colour import scene_linear
 
 
 def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
@@ -61,6 +62,14 @@ def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndar
         f"S0.{nm:.6f}nm".replace(".", ",").replace("S0,", "S0.", 1): bands[..., i]
         for i, nm in enumerate(centres)
     }
+
+
+def write_spectral(path, picture) -> Path:
+    """Write a picture's bands (`session.Picture`) as a spectral OpenEXR with a preview in R, G, B."""
+    channels = spectral_channels(picture.bands, picture.band_edges)
+    preview = scene_linear(picture.tristimulus, 1.0)
+    channels |= {name: preview[..., i] for i, name in enumerate("RGB")}
+    return write_channels(path, channels, SPECTRAL_ATTRIBUTES)
 
 
 SPECTRAL_ATTRIBUTES = {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1", "EV": 0.0}

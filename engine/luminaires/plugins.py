@@ -27,7 +27,9 @@ def _surface_class():
             self.radiance = props["radiance"]
             self.pattern = props["pattern"] if "pattern" in props else None
             self.two_sided = props.get("two_sided", False)
-            self.tan_spread = props.get("tan_spread", 0.0)
+            self.is_narrow = props.get("tan_spread", 0.0) > 0.0
+            self.tan_spread = mi.Float(props.get("tan_spread", 0.0))
+            dr.make_opaque(self.tan_spread)
             self.m_flags = +mi.EmitterFlags.Surface
 
         def traverse(self, callback):
@@ -36,7 +38,7 @@ def _surface_class():
         def _profile(self, cosine):
             """Directional factor; 0 behind a one-sided surface."""
             lit = cosine != 0.0 if self.two_sided else cosine > 0.0
-            if self.tan_spread <= 0.0:
+            if not self.is_narrow:
                 return dr.select(lit, mi.Float(1.0), 0.0)
             c = dr.abs(cosine)
             tangent = dr.safe_sqrt(1.0 - c * c) / dr.maximum(c, 1e-6)
@@ -156,8 +158,9 @@ def _surroundings_class():
             for i in range(count):
                 towards = dr.normalize(mi.Vector3f(props[f"towards_{i}"]))
                 cap = mi.Float(props[f"cap_{i}"])
-                dr.make_opaque(towards, cap)
-                self.suns.append((props[f"sun_{i}"], towards, cap, float(props[f"share_{i}"])))
+                share = mi.Float(props[f"share_{i}"])
+                dr.make_opaque(towards, cap, share)
+                self.suns.append((props[f"sun_{i}"], towards, cap, share))
             self.world_share = float(props.get("world_share", 1.0))
             self.portals = None
             self.portal_share = 0.0

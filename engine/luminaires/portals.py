@@ -27,6 +27,12 @@ class Portal:
     half_v: np.ndarray
 
 
+def portal_order(portal: Portal) -> tuple:
+    """Key that puts portals in an order of their own: the largest first."""
+    area = np.linalg.norm(portal.half_u) * np.linalg.norm(portal.half_v)
+    return (-area, *portal.centre)
+
+
 def find_portals(panes) -> list[Portal]:
     """Rectangles around the connected flat parts of panes, largest first.
 
@@ -42,7 +48,7 @@ def find_portals(panes) -> list[Portal]:
             portal = _rectangle(vertices[np.unique(part)])
             if portal is not None:
                 found.append(portal)
-    found.sort(key=lambda p: -np.linalg.norm(p.half_u) * np.linalg.norm(p.half_v))
+    found.sort(key=portal_order)
     return found[:MAXIMUM_PORTALS]
 
 

@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, pane, dispersive glass, transparency, mixture.
+"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, pane, smooth glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -49,7 +49,7 @@ def register() -> None:
         ("lumenray_coated", coated_class),
         ("lumenray_sheet", _sheet_class),
         ("lumenray_pane", _pane_class),
-        ("lumenray_dispersive", _dispersive_class),
+        ("lumenray_glass", _glass_class),
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
     ):
@@ -195,7 +195,8 @@ def _pane_class():
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            self.ior = props["ior"]
+            self.ior = mi.Float(props["ior"])
+            dr.make_opaque(self.ior)
             self.internal = props["transmittance"]
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [mi.BSDFFlags.DeltaReflection | sides, mi.BSDFFlags.Null | sides]
@@ -233,19 +234,21 @@ def _pane_class():
     return Pane
 
 
-def _dispersive_class():
+def _glass_class():
     @_specular
-    class DispersiveGlass(mi.BSDF):
-        """Smooth boundary of a body whose index depends on the wavelength.
+    class SmoothGlass(mi.BSDF):
+        """Smooth boundary of a body.
 
-        The direction of refraction is that of the first wavelength; the path loop then drops the other three and
-        gives their share to the first (see `DISPERSED_COMPONENT`). Reflection keeps all four.
+        Where the index depends on the wavelength (``disperses``), the direction of refraction is that of the first one;
+        the path loop then drops the other three and gives their share to the first (see `DISPERSED_COMPONENT`).
+        Reflection keeps all four.
         """
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.ior = props["ior"]
             self.tint = props["tint"]
+            self.refraction = DISPERSED_COMPONENT if props.get("disperses", False) else 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
                 mi.BSDFFlags.DeltaReflection | sides,
@@ -269,7 +272,7 @@ def _dispersive_class():
             bs.wo = dr.select(reflects, mi.reflect(si.wi), mi.refract(si.wi, cos_t, eta_ti))
             bs.pdf = dr.select(reflects, hero_r, 1.0 - hero_r)
             bs.eta = dr.select(reflects, 1.0, eta_it)
-            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(DISPERSED_COMPONENT))
+            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(self.refraction))
             bs.sampled_type = dr.select(
                 reflects,
                 mi.UInt32(+mi.BSDFFlags.DeltaReflection),
@@ -280,9 +283,9 @@ def _dispersive_class():
             return bs, mi.Spectrum(dr.select(active, weight, 0.0))
 
         def to_string(self):
-            return "DispersiveGlass[]"
+            return "SmoothGlass[]"
 
-    return DispersiveGlass
+    return SmoothGlass
 
 
 def _mix_class():

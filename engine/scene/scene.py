@@ -1,67 +1,212 @@
 """The scene as a set of items with ids, the delta that changes it, and the hash that names its state."""
 
 import hashlib
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 
 import numpy as np
 
+from ..errors import SceneError
 from .light import ImageWorld, Light, UniformWorld, World
 from .material import Material
-from .mesh import Mesh
+from .mesh import Geometry, Mesh, Placement, place
+from .sensor import SensorSet
 
-Item = Mesh | Material | Light | World
+Item = Geometry | Placement | Mesh | Material | Light | World | SensorSet
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """Data that a user puts on an item on the engine's side: ``values`` replace the item's own fields of those names.
+
+    It belongs to the id, so it stays when the host sends the item anew or takes it away and brings it back, and copies of
+    the item get it too. Empty values take it off.
+    """
+
+    id: str
+    values: dict[str, object]
 
 
 @dataclass(frozen=True)
 class SceneDelta:
-    """A change: items that are new or different, and ids that are gone."""
+    """A change.
+
+    Parameters
+    ----------
+    changed : tuple of Item    Items that are new or different.
+    removed : tuple of str    Ids that are gone.
+    copies : tuple of (str, str)    Ids that are copies of others: (new, original). They inherit attachments.
+    attached : tuple of Attachment
+    """
 
     changed: tuple[Item, ...] = ()
     removed: tuple[str, ...] = ()
+    copies: tuple[tuple[str, str], ...] = ()
+    attached: tuple[Attachment, ...] = ()
+
+    def __bool__(self) -> bool:
+        """Whether it changes anything."""
+        return bool(self.changed or self.removed or self.copies or self.attached)
 
 
 @dataclass
 class Scene:
-    """All items by id. Meshes refer to materials by id; a missing material is an error at compile time."""
+    """All items by id. Objects refer to geometries and materials by id; a missing one is an error at compile time.
 
-    meshes: dict[str, Mesh] = field(default_factory=dict)
+    ``given`` holds items with attachments as the host sent them; the tables hold them as they count.
+    """
+
+    geometries: dict[str, Geometry] = field(default_factory=dict)
+    meshes: dict[str, Mesh | Placement] = field(default_factory=dict)
     materials: dict[str, Material] = field(default_factory=dict)
     lights: dict[str, Light] = field(default_factory=dict)
+    sensors: dict[str, SensorSet] = field(default_factory=dict)
     world: World | None = None
+    attachments: dict[str, Attachment] = field(default_factory=dict)
+    given: dict[str, Item] = field(default_factory=dict)
+    _digests: dict[str, tuple[object, bytes]] = field(default_factory=dict, repr=False)
 
     def apply(self, delta: SceneDelta) -> None:
-        """Bring the scene to the state after ``delta``."""
+        """Bring the scene to the state after ``delta``.
+
+        Raises
+        ------
+        SceneError    An attachment names a field that the item does not have; the scene is as before.
+        """
+        changed = list(delta.changed)
+        attachments = dict(self.attachments)
+        for new, original in delta.copies:
+            if original in attachments and new not in attachments:
+                attachments[new] = replace(attachments[original], id=new)
+        for attachment in delta.attached:
+            attachments[attachment.id] = attachment
+        # What is attached to changes with its attachment, although the host has not sent it.
+        sent = {item.id for item in changed}
+        for key in {a.id for a in delta.attached} - sent:
+            item = self.given.get(key) or self._find(key)
+            if item is not None:
+                changed.append(item)
+        counted = [_with_attachment(item, attachments.get(item.id)) for item in changed]
         for gone in delta.removed:
-            for table in (self.meshes, self.materials, self.lights):
-                table.pop(gone, None)
-            if self.world is not None and self.world.id == gone:
-                self.world = None
-        for item in delta.changed:
-            if isinstance(item, Mesh):
-                self.meshes[item.id] = item
-            elif isinstance(item, Material):
-                self.materials[item.id] = item
-            elif isinstance(item, UniformWorld | ImageWorld):
-                self.world = item
+            self._drop(gone)
+        for item, given in zip(counted, changed, strict=True):
+            self._put(item)
+            if item is not given:
+                self.given[item.id] = given
             else:
-                self.lights[item.id] = item
+                self.given.pop(item.id, None)
+        self.attachments = {key: a for key, a in attachments.items() if a.values}
+
+    def mesh(self, key: str) -> Mesh:
+        """Return an object's triangles in the world.
+
+        Raises
+        ------
+        SceneError    There is no such object, or its geometry is missing.
+        """
+        item = self.meshes.get(key)
+        if item is None:
+            raise SceneError(f"the scene holds no object with the id {key}")
+        if isinstance(item, Mesh):
+            return item
+        geometry = self.geometries.get(item.geometry)
+        if geometry is None:
+            raise SceneError(
+                f"object '{item.name}' refers to a geometry that the scene does not hold ({item.geometry})"
+            )
+        return place(geometry, item)
 
     def hash(self) -> str:
-        """Return a hexadecimal SHA-256 of all content that can change a result, whatever the order of the items."""
-        digest = hashlib.sha256()
-        for table in (self.meshes, self.materials, self.lights):
-            for key in sorted(table):
-                _feed(digest, table[key])
-        _feed(digest, self.world)
+        """Return a hexadecimal SHA-256 of all content that can change a result.
+
+        Ids and names do not count, nor does the order of the items.
+        """
+        materials = {key: self._digest(item) for key, item in self.materials.items()}
+        geometries = {key: self._digest(item) for key, item in self.geometries.items()}
+        parts = []
+        for item in self.meshes.values():
+            part = hashlib.sha256(self._digest(item))
+            for key in item.materials:
+                part.update(materials.get(key, b"?"))
+            if isinstance(item, Placement):
+                part.update(geometries.get(item.geometry, b"?"))
+            parts.append(part.digest())
+        shining = (item for item in self.lights.values() if item.output.value > 0.0)
+        parts += [self._digest(item) for item in shining]
+        digest = hashlib.sha256(b"".join(sorted(parts)))
+        if self.world is not None:
+            digest.update(self._digest(self.world))
         return digest.hexdigest()
+
+    def _digest(self, item) -> bytes:
+        """SHA-256 of an item's content; kept, because meshes are large."""
+        known = self._digests.get(item.id)
+        if known is None or known[0] is not item:
+            known = (item, content_digest(item))
+            self._digests[item.id] = known
+        return known[1]
+
+    def _tables(self):
+        return (self.geometries, self.meshes, self.materials, self.lights, self.sensors)
+
+    def _find(self, key: str):
+        for table in self._tables():
+            if key in table:
+                return table[key]
+        return self.world if self.world is not None and self.world.id == key else None
+
+    def _drop(self, gone: str) -> None:
+        for table in self._tables():
+            table.pop(gone, None)
+        self._digests.pop(gone, None)
+        self.given.pop(gone, None)
+        if self.world is not None and self.world.id == gone:
+            self.world = None
+
+    def _put(self, item) -> None:
+        match item:
+            case Geometry():
+                self.geometries[item.id] = item
+            case Mesh() | Placement():
+                self.meshes[item.id] = item
+            case Material():
+                self.materials[item.id] = item
+            case UniformWorld() | ImageWorld():
+                self.world = item
+            case SensorSet():
+                self.sensors[item.id] = item
+            case _:
+                self.lights[item.id] = item
+
+
+def _with_attachment(item, attachment: Attachment | None):
+    """Return an item as it counts."""
+    if attachment is None or not attachment.values:
+        return item
+    known = {entry.name for entry in fields(item)} - {"id"}
+    for name in attachment.values:
+        if name not in known:
+            raise SceneError(
+                f"'{name}' cannot be attached to {item.id}: a {type(item).__name__} has {', '.join(sorted(known))}"
+            )
+    return replace(item, **attachment.values)
+
+
+def content_digest(item) -> bytes:
+    """SHA-256 of what an item says, without its identity: ids, names and references by id are left out."""
+    digest = hashlib.sha256(type(item).__name__.encode())
+    for entry in fields(item):
+        if entry.name not in {"id", "name", "materials", "geometry"}:
+            digest.update(entry.name.encode())
+            _feed(digest, getattr(item, entry.name))
+    return digest.digest()
 
 
 def _feed(digest, value) -> None:
     """Feed a value into the digest, tagged by type and shape so that neighbours cannot run together."""
     if isinstance(value, np.ndarray):
         digest.update(f"array{value.shape}{value.dtype.str}".encode())
-        digest.update(np.ascontiguousarray(value).tobytes())
+        digest.update(np.ascontiguousarray(value).data)
     elif is_dataclass(value):
         digest.update(type(value).__name__.encode())
         for entry in fields(value):

@@ -130,12 +130,15 @@ def start(spectral: bool) -> str:
     ------
     BackendError    Mitsuba or LLVM is missing; the message holds the remedy.
     """
+    kind = "spectral" if spectral else "mono"
+    mitsuba = sys.modules.get("mitsuba")
+    if mitsuba is not None and mitsuba.variant() in (f"cuda_ad_{kind}", f"llvm_ad_{kind}"):
+        return mitsuba.variant()
     state = status()
     if not state.usable:
         raise BackendError(f"{state.cause}; {state.remedy}")
     import mitsuba as mi
 
-    kind = "spectral" if spectral else "mono"
     names = [f"cuda_ad_{kind}"] if _has_cuda() else []
     names.append(f"llvm_ad_{kind}")
     problems = []

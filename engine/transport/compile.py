@@ -1,4 +1,9 @@
-"""From the scene description to Mitsuba objects that the estimators trace."""
+"""From the scene description to the Mitsuba objects that the estimators trace, and from edit to edit.
+
+Every object, light and material is kept under its id; a commit changes what the ids named since the last one ask for.
+The state after any series of edits gives the same pictures as a scene compiled at once: everything that steers sampling
+(the order of the lights, the frame's origin, the mean light) follows from the scene alone, not from its history.
+"""
 
 from dataclasses import dataclass, field
 
@@ -8,543 +13,435 @@ import numpy as np
 
 from ..errors import SceneError
 from ..luminaires import plugins as emitter_plugins
-from ..luminaires.portals import Portal, PortalSet, find_portals
+from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ..materials import plugins as surface_plugins
-from ..photometry import units
-from ..photometry.colour import REC709_LUMINANCE
-from ..photometry.spectra import GRID, illuminant, luminous_efficiency
-from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight, UniformWorld
-from ..scene.material import Dielectric, Diffuse, Material, ThinGlass
+from ..photometry.spectra import GRID, illuminant
+from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight
+from ..scene.material import Dielectric
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.spectrum import Constant
 from . import emission
-from .lights import LightTable, Place
-from .requirements import Requirements, pictures
-from .surfaces import approximations, bsdf, is_plain, palette, passes_straight
-from .textures import TextureMaker, is_spectral
+from .arrays import pointer_id, table_size, upload
+from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
+from .finishes import Finishes
+from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp
+from .layers import Layer
+from .lights import LightTable, Source
+from .pool import SurfacePool
+from .requirements import Requirements
+from .surroundings import make_surroundings, make_world
 
-SUN_POINT_ANGLE = 1e-5
-"""Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
 
-PORTAL_SHARE = 0.75
-"""Share of the world's samples that aim at panes, where there are any."""
-
-DELTA_RADIUS = 1e-5
-"""Point lights smaller than this are ideal points. [m]"""
+class Outgrown(Exception):  # noqa: N818 - not a fault
+    """An edit has moved the frame's origin, or edits have left much waste: everything has to be compiled anew."""
 
 
 @dataclass
+class Changes:
+    """What a commit did, counted for people."""
+
+    built: int = 0
+    removed: int = 0
+    surfaces: int = 0
+    lights: int = 0
+    is_rebuilt: bool = False
+    other: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """One line."""
+        parts = [
+            f"{count} {name}{'s' if count > 1 else ''} {verb}"
+            for count, name, verb in (
+                (self.built, "object", "built"),
+                (self.removed, "object", "removed"),
+                (self.surfaces, "surface", "changed"),
+                (self.lights, "light", "changed"),
+            )
+            if count
+        ]
+        parts += self.other
+        if self.is_rebuilt:
+            parts.append("search tree rebuilt")
+        return ", ".join(parts) or "nothing"
+
+
+def frame_of(scene_low: np.ndarray, scene_high: np.ndarray) -> tuple[np.ndarray, float]:
+    """Origin of the compiled frame and radius of everything around it. [m]
+
+    The origin lies on a grid about as coarse as the scene is large, so that positions are small numbers and yet hardly any
+    edit moves it.
+    """
+    if not np.all(scene_low <= scene_high):
+        return np.zeros(3), 1.0
+    half = 0.5 * float((scene_high - scene_low).max())
+    grid = 2.0 ** max(np.floor(np.log2(max(half, 1.0))) - 1.0, 0.0)
+    origin = np.round(0.5 * (scene_low + scene_high) / grid) * grid
+    return origin, float(np.linalg.norm(np.maximum(scene_high - origin, origin - scene_low)))
+
+
 class CompiledScene:
-    """Mitsuba objects of one scene state, for one variant. Owned and used by one thread.
+    """Mitsuba objects of one scene, for one variant. Owned and used by one thread.
 
     ``solid`` holds what stops light, ``veil`` what light may pass straight (panes, cut-outs, the bodies of lights).
     ``lights`` chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to
     ``origin`` (float64, world) so that single precision serves scenes far from the world's origin.
+
+    Raises
+    ------
+    SceneError    An object has a material that the scene lacks, or a light's quantity does not fit its kind.
     """
 
-    solid: object
-    veil: object | None
-    lights: object
-    surroundings: object | None
-    origin: np.ndarray
-    requirements: Requirements
-    mean_light: np.ndarray
-    hidden: object | None
-    indices: dict
-    notes: list[str] = field(default_factory=list)
-    keep: list = field(default_factory=list)
+    def __init__(self, scene: Scene, requirements: Requirements):
+        surface_plugins.register()
+        emitter_plugins.register()
+        self.requirements = requirements
+        self.origin = frame_of(*_bounds(scene))[0]
+        self.radius = 1.0
+        self.mean_light = np.ones(len(GRID)) / len(GRID)
+        self._pool = SurfacePool()
+        self.solid = Layer(self._pool)
+        self._veil = Layer(self._pool)
+        # What light bodies are made of for others' light: nothing.
+        self._nothing = mi.load_dict({"type": "null"})
+        self.surroundings = None
+        self.hidden = None
+        self.indices: dict = {}
+        self.notes: list[str] = []
+        self._bodies: dict[str, Body] = {}
+        self._lamps: dict[str, Lamp] = {}
+        self._finishes = Finishes(self.mean_light)
+        self._users: dict[str, dict[str, None]] = {}
+        self._world_item, self._world = None, None
+        self._panes: list[Portal] = []
+        self._portals: PortalSet | None = None
+        self._outside_key: object = None
+        self._outside: Source | None = None
+        self.commit(scene, [*scene.meshes, *scene.materials, *scene.lights], requirements)
+
+    @property
+    def veil(self):
+        """Layer of what light may pass straight, None when there is nothing of the kind."""
+        return self._veil if len(self._veil) else None
 
     def local(self, points) -> np.ndarray:
         """World points (n, 3) [m] in the compiled scene's frame, float32."""
         return (np.asarray(points, dtype=np.float64) - self.origin).astype(np.float32)
 
+    def settle(self) -> None:
+        """Put everything into still scenes, for long jobs."""
+        self.solid.settle()
+        self._veil.settle()
 
-def mean_light(scene: Scene) -> np.ndarray:
-    """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1. (471,)
+    def commit(self, scene: Scene, named: list[str], requirements: Requirements) -> Changes:
+        """Bring everything that ids name up to date.
 
-    Only the proportions of lamps matter here (they steer sampling and photometric reflectances), so emitters whose
-    flux depends on the scene around them (world, sun) are weighed by the flux through the scene's bounds.
-    """
-    total = np.zeros(len(GRID))
-    for made, flux in _emission_list(scene):
-        density = made.density / max(made.density.sum(), 1e-300)
-        total += density * flux
-    if isinstance(scene.world, ImageWorld):
-        white = illuminant(GRID, "D65")
-        total += white / white.sum() * max(total.sum(), 1.0)
-    if total.sum() <= 0.0:
-        total = np.ones(len(GRID))
-    return total / total.sum()
+        The order of the ids decides nothing but between surfaces at exactly the same place.
 
-
-def _bounds(scene: Scene) -> tuple[np.ndarray, float]:
-    """Centre (rounded to whole metres) and radius of everything. [m]"""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    points = [mesh.vertices for mesh in scene.meshes.values() if len(mesh.vertices)]
-    points += [
-        np.asarray(light.position)[None]
-        for light in scene.lights.values()
-        if isinstance(light, PointLight | SpotLight)
-    ]
-    points += [
-        light.frame[:3, 3][None] for light in scene.lights.values() if isinstance(light, AreaLight)
-    ]
-    for cloud in points:
-        low = np.minimum(low, cloud.min(axis=0))
-        high = np.maximum(high, cloud.max(axis=0))
-    if not np.all(np.isfinite(low)) or not np.all(np.isfinite(high)):
-        if points:
-            raise SceneError("a mesh or light has a position that is not a finite number")
-        return np.zeros(3), 1.0
-    centre = np.round(0.5 * (low + high))
-    return centre, float(np.linalg.norm(np.maximum(high - centre, centre - low)))
-
-
-def _emission_list(scene: Scene):
-    """Yield (light per unit, flux in lm) of everything that emits; world and suns through the bounding sphere."""
-    _, radius = _bounds(scene)
-    disk = np.pi * max(radius, 1.0) ** 2
-    for light in scene.lights.values():
-        match light:
-            case PointLight():
-                made = emission.point_intensity(light)
-                yield made, made.amount * 4.0 * np.pi
-            case SpotLight():
-                made = emission.spot_intensity(light)
-                yield made, made.amount * units.spot_solid_angle(light.half_angle, light.blend)
-            case AreaLight():
-                made = emission.area_luminance(light)
-                flux = made.amount * np.pi * emission.area_of(light)
-                yield made, flux / units.spread_axis_factor(light.spread)
-            case SunLight():
-                made = emission.sun_illuminance(light)
-                yield made, made.amount * disk
-    for mesh in scene.meshes.values():
-        areas = None
-        for slot, key in enumerate(mesh.materials):
-            glow = scene.materials[key].emission if key in scene.materials else None
-            if glow is None or glow.luminance <= 0.0:
-                continue
-            areas = mesh.areas() if areas is None else areas
-            area = float(areas[mesh.material_index == slot].sum())
-            sides = 2.0 if glow.two_sided else 1.0
-            yield (
-                emission.luminous(glow.luminance, glow.spectrum),
-                glow.luminance * np.pi * area * sides,
-            )
-    if isinstance(scene.world, UniformWorld) and scene.world.luminance > 0.0:
-        made = emission.luminous(scene.world.luminance, scene.world.spectrum)
-        yield made, made.amount * np.pi * 4.0 * disk
-
-
-def compile_scene(scene: Scene, requirements: Requirements) -> CompiledScene:
-    """Build all Mitsuba objects of a scene in the active variant.
-
-    Raises
-    ------
-    SceneError    A mesh has a material that the scene lacks, or a light's quantity does not fit its kind.
-    """
-    surface_plugins.register()
-    emitter_plugins.register()
-    return _Compiler(scene, requirements).run()
-
-
-class _Compiler:
-    """One pass over a scene; keeps what the parts share."""
-
-    def __init__(self, scene: Scene, requirements: Requirements):
-        self.scene = scene
+        Raises
+        ------
+        Outgrown    The scene has to be compiled anew.
+        SceneError    The scene cannot be computed; this object must not be used any more.
+        """
+        changes = Changes()
         self.requirements = requirements
-        self.origin, self.radius = _bounds(scene)
-        self.light = mean_light(scene)
-        self.make = TextureMaker(self.light)
-        self.emitters: list = []
-        self.fluxes: list[float] = []
-        self.places: list[Place] = []
-        self.solids: list = []
-        self.veils: list = []
-        self.hidden: list = []
-        self.rows: list[tuple[object, int, int]] = []
-        self.notes: list[str] = []
-        self.bsdfs: dict[str, object] = {}
-        self.plain: dict[str, int] = {}
-        self.plain_shapes: list[tuple[object, int]] = []
-        self.palette = mi.load_dict({"type": "lumenray_coated"})
+        moved = self._changed_meshes(scene, named)
+        rebuilt = self._commit_materials(scene, named, changes)
+        for key in dict.fromkeys([*moved, *rebuilt]):
+            self._commit_mesh(scene, key, key in rebuilt, changes)
+        self._drop_unused_materials()
+        self._commit_lights(scene, named, changes)
+        if scene.world is not self._world_item:
+            self._world_item, self._world = scene.world, make_world(scene.world)
+            changes.other.append("surroundings changed")
+        self._commit_light_table(scene)
+        self._commit_tables()
+        changes.is_rebuilt = self.solid.commit() | self._veil.commit()
+        self._note(scene)
+        return changes
 
-    def run(self) -> CompiledScene:
-        for mesh in self.scene.meshes.values():
-            self._add_mesh(mesh)
-        for light in self.scene.lights.values():
-            self._add_light(light)
-        self.portals = self._find_portals()
-        surroundings = self._add_surroundings()
-        self._fill_palette()
-        self._note_missing_caustics()
-        solid = mi.load_dict(
-            {"type": "scene", **{f"s{i}": s for i, s in enumerate(self.solids)}}, optimize=False
-        )
-        veil = None
-        if self.veils:
-            veil = mi.load_dict(
-                {"type": "scene", **{f"v{i}": s for i, s in enumerate(self.veils)}}, optimize=False
-            )
-        return CompiledScene(
-            solid=solid,
-            veil=veil,
-            lights=LightTable(
-                self.emitters, self.fluxes, self.places, max(self.radius, 1.0), self.portals
-            ),
-            surroundings=surroundings,
-            origin=self.origin,
-            requirements=self.requirements,
-            mean_light=self.light,
-            hidden=_shape_mask(self.hidden),
-            indices=_index_tables(self.rows),
-            notes=self.notes,
-            keep=[self.emitters, self.solids, self.veils, self.bsdfs, self.palette],
-        )
+    # ---- what a ray meets ----
 
-    def _note_missing_caustics(self) -> None:
-        """Say which light the paths cannot find: that of ideal points, focused by smooth solid glass."""
-        used = {key for mesh in self.scene.meshes.values() for key in mesh.materials}
-        glass = [
-            self.scene.materials[key].name
-            for key in sorted(used)
-            if isinstance(self.scene.materials[key].surface, Dielectric)
+    def surface(self, hit, ray, active):
+        """Surface at a preliminary hit."""
+        return self._pool.interaction(hit, ray, active)
+
+    def bsdf(self, si, active=True):
+        """Surface model at an interaction."""
+        return self._pool.bsdf(si, mi.Bool(active) & si.is_valid())
+
+    def emitter(self, si, active=True):
+        """Emitter at an interaction, null where the surface does not glow."""
+        return self._pool.emitter(si, mi.Bool(active) & si.is_valid())
+
+    # ---- materials ----
+
+    def _commit_materials(self, scene: Scene, named, changes: Changes) -> dict[str, None]:
+        """Take in the named materials; returns the ids of objects whose shapes must be built anew."""
+        rebuilt: dict[str, None] = {}
+        for key in named:
+            new, old = scene.materials.get(key), self._finishes.item(key)
+            if new is None or new is old or (old is None and key not in self._users):
+                continue
+            self._finishes.put(new)
+            changes.surfaces += 1
+            if old is None:
+                continue
+            users = self._users.get(key, {})
+            if needs_new_shape(old, new):
+                rebuilt |= users
+                continue
+            for part in self._parts_of(users, key):
+                reglow(part, old, new)
+        return rebuilt
+
+    def _parts_of(self, bodies, material: str):
+        for key in bodies:
+            for part in self._bodies[key].parts if key in self._bodies else ():
+                if part.material == material:
+                    yield part
+
+    def _drop_unused_materials(self) -> None:
+        for key in [k for k, users in self._users.items() if not users]:
+            del self._users[key]
+            self._finishes.drop(key)
+
+    # ---- meshes ----
+
+    def _changed_meshes(self, scene: Scene, named) -> list[str]:
+        changed = [key for key in named if key in scene.meshes or key in self._bodies]
+        geometries = {key for key in named if key in scene.geometries}
+        if geometries:
+            changed += [
+                key
+                for key, item in scene.meshes.items()
+                if not isinstance(item, Mesh) and item.geometry in geometries
+            ]
+        return changed
+
+    def _commit_mesh(self, scene: Scene, key: str, is_stale: bool, changes: Changes) -> None:
+        item, old = scene.meshes.get(key), self._bodies.get(key)
+        if item is None:
+            if old is not None:
+                self._remove_body(key)
+                changes.removed += 1
+            return
+        geometry = None if isinstance(item, Mesh) else scene.geometries.get(item.geometry)
+        if old is not None and not is_stale and not old.is_moved(item, geometry):
+            self._redress(scene, key, item, changes)
+            if self._bodies[key].item is item:
+                return
+        mesh = scene.mesh(key)
+        check_mesh(mesh, scene.materials)
+        if old is not None:
+            self._remove_body(key)
+        for material in mesh.materials:
+            self._users.setdefault(material, {})[key] = None
+            if self._finishes.item(material) is not scene.materials[material]:
+                self._finishes.put(scene.materials[material])
+        body = make_body(item, geometry, mesh, self.origin, self._finishes, self._pool)
+        for part in body.parts:
+            layer = self._veil if part.is_veil else self.solid
+            layer.add(part.shape, part.number, part.triangles)
+        self._bodies[key] = body
+        changes.built += 1
+
+    def _redress(self, scene: Scene, key: str, item, changes: Changes) -> None:
+        """Change what an object is made of or how it shows, where its shapes can stay; sets the body's item if so."""
+        body = self._bodies[key]
+        if item.materials != body.item.materials:
+            if len(item.materials) != len(body.item.materials):
+                return
+            for part in body.parts:
+                new = scene.materials.get(item.materials[part.slot])
+                if new is None or needs_new_shape(self._finishes.item(part.material), new):
+                    return
+            for old, new in zip(body.item.materials, item.materials, strict=True):
+                if new not in scene.materials:
+                    return
+                self._users.setdefault(new, {})[key] = None
+                if self._finishes.item(new) is not scene.materials[new]:
+                    self._finishes.put(scene.materials[new])
+                if old not in item.materials:
+                    self._users[old].pop(key, None)
+            for part in body.parts:
+                new = item.materials[part.slot]
+                reglow(part, self._finishes.item(part.material), self._finishes.item(new))
+                part.material = new
+            changes.surfaces += 1
+        body.item = item
+
+    def _remove_body(self, key: str) -> None:
+        body = self._bodies.pop(key)
+        for part in body.parts:
+            (self._veil if part.is_veil else self.solid).remove(part.number)
+            self._pool.remove(part.number)
+        for material in body.item.materials:
+            self._users[material].pop(key, None)
+
+    # ---- lights ----
+
+    def _commit_lights(self, scene: Scene, named, changes: Changes) -> None:
+        for key in named:
+            light, lamp = scene.lights.get(key), self._lamps.get(key)
+            if light is None and lamp is None:
+                continue
+            changes.lights += 1
+            if light is not None and lamp is not None:
+                is_moved = change_lamp(lamp, light, self.origin)
+                if is_moved is not None:
+                    if is_moved:
+                        self._veil.replace(lamp.body_id)
+                        lamp.put_into(self._pool)
+                    continue
+            if lamp is not None:
+                del self._lamps[key]
+                if lamp.body is not None:
+                    self._veil.remove(lamp.body_id)
+                    self._pool.remove(lamp.body_id)
+            made = None if light is None else make_lamp(light, self.origin)
+            if made is not None:
+                self._lamps[key] = made
+                if made.body is not None:
+                    self._veil.add(made.body, made.body_id, 1)
+                    made.put_into(self._pool)
+
+    def _commit_light_table(self, scene: Scene) -> None:
+        """Bring bounds, mean light, portals, surroundings and the choice of lights up to date."""
+        origin, self.radius = frame_of(*_bounds(scene, self._bodies.values()))
+        if not np.array_equal(origin, self.origin) or self._pool.is_wasteful:
+            raise Outgrown
+        panes = [pane for body in self._bodies.values() for pane in body.panes]
+        panes = sorted(panes, key=portal_order)[:MAXIMUM_PORTALS]
+        if [id(p) for p in panes] != [id(p) for p in self._panes]:
+            self._panes = panes
+            local = [Portal(p.centre - self.origin, p.half_u, p.half_v) for p in panes]
+            self._portals = PortalSet(local) if local else None
+        sources = [lamp.source for lamp in self._lamps.values()]
+        sources += [p.source for body in self._bodies.values() for p in body.parts if p.source]
+        sources.sort(key=Source.order)
+        suns = [
+            light
+            for light in scene.lights.values()
+            if isinstance(light, SunLight) and light.output.value > 0.0
         ]
-        points = [
+        suns.sort(key=lambda sun: (*sun.direction, sun.angle, sun.output.value))
+        mean = self._mean_light(scene, sources, suns)
+        if not np.array_equal(mean, self.mean_light):
+            self.mean_light = mean
+            self._finishes.set_light(mean)
+        outside = self._commit_surroundings(suns)
+        if outside is not None:
+            sources.insert(0, outside)
+        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals)
+
+    def _mean_light(self, scene: Scene, sources, suns) -> np.ndarray:
+        """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1. (471,)
+
+        Only the proportions of lamps matter here (they steer sampling and photometric reflectances), so emitters whose
+        flux depends on the scene around them (world, sun) are weighed by the flux through the scene's bounds.
+        """
+        disk = np.pi * max(self.radius, 1.0) ** 2
+        total = np.zeros(len(GRID))
+        shining = [(source.density, source.flux) for source in sources]
+        shining += [(m.density, m.amount * disk) for m in map(emission.sun_illuminance, suns)]
+        if self._world is not None and not isinstance(scene.world, ImageWorld):
+            made = emission.luminous(scene.world.luminance, scene.world.spectrum)
+            shining.append((made.density, made.amount * np.pi * 4.0 * disk))
+        for density, flux in shining:
+            total += density / max(density.sum(), 1e-300) * flux
+        if isinstance(scene.world, ImageWorld):
+            white = illuminant(GRID, "D65")
+            total += white / white.sum() * max(total.sum(), 1.0)
+        if total.sum() <= 0.0:
+            total = np.ones(len(GRID))
+        return total / total.sum()
+
+    def _commit_surroundings(self, suns) -> Source | None:
+        key = (id(self._world), tuple(map(id, suns)), self.radius, id(self._portals))
+        if key != self._outside_key:
+            made = make_surroundings(self._world, suns, self.radius, self._portals)
+            self._outside = None
+            self.surroundings = None
+            if made is not None:
+                self.surroundings, flux = made
+                self._outside = Source(self.surroundings, flux, np.zeros(len(GRID)), None)
+            # Kept so that the ids above stay taken.
+            self._outside_key, self._outside_parts = key, (self._world, suns, self._portals)
+        return self._outside
+
+    # ---- tables by shape ----
+
+    def _commit_tables(self) -> None:
+        parts: list[tuple[Body, Part]] = [
+            (body, part) for body in self._bodies.values() for part in body.parts
+        ]
+        lamps = [lamp for lamp in self._lamps.values() if lamp.body is not None]
+        numbers = [part.number for _, part in parts] + [lamp.body_id for lamp in lamps]
+        size = table_size(max(numbers, default=0) + 1)
+        names = ("row", "object", "material", "hidden", "bsdf", "emitter")
+        columns = {name: np.zeros(size) for name in names}
+        if parts:
+            place = np.array([part.number for _, part in parts])
+            columns["row"][place] = [self._finishes.row(part.material) for _, part in parts]
+            columns["object"][place] = [body.item.index for body, _ in parts]
+            columns["material"][place] = [
+                self._finishes.item(part.material).index for _, part in parts
+            ]
+            columns["hidden"][place] = [not body.item.visible_to_camera for body, _ in parts]
+            columns["bsdf"][place] = [
+                self._finishes.plugin_number(part.material) for _, part in parts
+            ]
+            columns["emitter"][place] = [p.source.number if p.source else 0 for _, p in parts]
+        for lamp in lamps:
+            columns["hidden"][lamp.body_id] = not lamp.item.visible_to_camera
+            columns["bsdf"][lamp.body_id] = pointer_id(self._nothing)
+            columns["emitter"][lamp.body_id] = lamp.source.number
+        self._pool.commit(size, columns["bsdf"], columns["emitter"])
+        self._finishes.commit(columns["row"])
+        self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
+        hidden = columns["hidden"] > 0.0
+        self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
+        dr.eval(self.indices, self.hidden)
+
+    # ---- notes ----
+
+    def _note(self, scene: Scene) -> None:
+        """Say what is approximated, and which light the paths cannot find."""
+        self.notes = self._finishes.notes()
+        used = (self._finishes.item(key) for key in sorted(self._users))
+        glass = sorted(item.name for item in used if isinstance(item.surface, Dielectric))
+        points = sorted(
             light.name
-            for light in self.scene.lights.values()
+            for light in scene.lights.values()
             if isinstance(light, SpotLight)
             or (isinstance(light, PointLight) and light.radius < DELTA_RADIUS)
-        ]
+        )
         if glass and points:
             self.notes.append(
                 f"light of '{points[0]}' that passes solid glass ('{glass[0]}') is missing: no path finds an ideal "
                 "point or spot through it; use a point light with a radius, or a pane"
             )
 
-    # ---- meshes ----
 
-    def _add_mesh(self, mesh: Mesh) -> None:
-        _check_mesh(mesh)
-        for slot, key in enumerate(mesh.materials):
-            if key not in self.scene.materials:
-                raise SceneError(
-                    f"object '{mesh.name}' refers to a material that the scene does not hold ({key})"
-                )
-            triangles = np.flatnonzero(mesh.material_index == slot)
-            if len(triangles):
-                self._add_part(mesh, self.scene.materials[key], triangles)
-
-    def _add_part(self, mesh: Mesh, material: Material, triangles: np.ndarray) -> None:
-        properties = mi.Properties()
-        properties["bsdf"] = self._bsdf(material)
-        glow = material.emission
-        emitter = None
-        if glow is not None and glow.luminance > 0.0:
-            area = float(mesh.areas()[triangles].sum())
-            if area > 0.0:
-                emitter = self._surface_emitter(
-                    emission.luminous(glow.luminance, glow.spectrum),
-                    glow.two_sided,
-                    pattern=glow.pattern,
-                )
-                properties["emitter"] = emitter
-                corners = mesh.vertices[mesh.triangles[triangles]].reshape(-1, 3)
-                centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-                radius = float(np.linalg.norm(corners.max(axis=0) - centre))
-                sides = 2 if glow.two_sided else 1
-                self._note_emitter(emitter, glow.luminance * np.pi * area * sides, centre, radius)
-        shape = self._mesh_shape(mesh, _uv_map_of(material), triangles, properties)
-        (self.veils if passes_straight(material.surface) else self.solids).append(shape)
-        if not mesh.visible_to_camera:
-            self.hidden.append(shape)
-        self.rows.append((shape, mesh.index, material.index))
-        if material.id in self.plain:
-            self.plain_shapes.append((shape, self.plain[material.id]))
-
-    def _mesh_shape(self, mesh: Mesh, uv_map: str, triangles, properties):
-        uv = mesh.uv_maps.get(uv_map)
-        if uv is None and mesh.uv_maps:
-            uv = next(iter(mesh.uv_maps.values()))
-        normals = mesh.corner_normals
-        if normals is None:
-            properties["face_normals"] = True
-        used = mesh.triangles[triangles]
-        if normals is None and uv is None:
-            vertices, faces = np.unique(used, return_inverse=True)
-            positions = mesh.vertices[vertices]
-            faces = faces.reshape(-1)
-        else:
-            # Corners carry their own normals and texture coordinates, so vertices are not shared.
-            positions = mesh.vertices[used].reshape(-1, 3)
-            faces = np.arange(3 * len(triangles))
-        shape = mi.Mesh(
-            mesh.name,
-            len(positions),
-            len(triangles),
-            properties,
-            normals is not None,
-            uv is not None,
-        )
-        values = mi.traverse(shape)
-        values["vertex_positions"] = mi.Float(
-            ((positions - self.origin).astype(np.float32)).ravel()
-        )
-        values["faces"] = mi.UInt32(faces.astype(np.uint32))
-        if normals is not None:
-            values["vertex_normals"] = mi.Float(normals[triangles].astype(np.float32).ravel())
-        if uv is not None:
-            values["vertex_texcoords"] = mi.Float(uv[triangles].astype(np.float32).ravel())
-        values.update()
-        return shape
-
-    def _bsdf(self, material: Material):
-        """Plug-in of a material; all plain ones share the palette."""
-        if is_plain(material.surface):
-            self.plain.setdefault(material.id, len(self.plain))
-            return self.palette
-        if material.id not in self.bsdfs:
-            made = bsdf(material.surface, self.make)
-            self.bsdfs[material.id] = mi.load_dict(made) if isinstance(made, dict) else made
-            self.notes += [
-                f"material '{material.name}': {text}" for text in approximations(material.surface)
-            ]
-        return self.bsdfs[material.id]
-
-    def _fill_palette(self) -> None:
-        surfaces = [self.scene.materials[key].surface for key in self.plain] or [
-            Diffuse(Constant(0.0))
-        ]
-        self.palette.set_palette(**palette(surfaces, self.make))
-        ids = _shape_ids([shape for shape, _ in self.plain_shapes])
-        rows = np.zeros(int(ids.max(initial=0)) + 1)
-        rows[ids] = [row for _, row in self.plain_shapes]
-        self.palette.set_rows(rows)
-
-    # ---- lights ----
-
-    def _surface_emitter(self, made, two_sided=False, pattern=None, spread=np.pi):
-        plugin = {"type": "lumenray_surface", "radiance": made.texture(), "two_sided": two_sided}
-        if pattern is not None:
-            plugin["pattern"] = self.make.picture(pattern, largest=1.0)
-        if spread < np.pi - 1e-3:
-            plugin["tan_spread"] = float(np.tan(0.5 * spread))
-        return mi.load_dict(plugin)
-
-    def _note_emitter(self, emitter, flux: float, centre=None, radius: float = 0.0) -> None:
-        """Offer an emitter to next-event; ``centre`` in world space, None for light from infinity."""
-        self.emitters.append(emitter)
-        self.fluxes.append(float(flux))
-        local = None if centre is None else np.asarray(centre, dtype=np.float64) - self.origin
-        self.places.append(Place(local, radius))
-
-    def _add_light(self, light) -> None:
-        if light.output.value <= 0.0:
-            return
-        match light:
-            case PointLight():
-                self._add_point(light)
-            case SpotLight():
-                self._add_spot(light)
-            case AreaLight():
-                self._add_area(light)
-
-    def _add_point(self, light: PointLight) -> None:
-        made = emission.point_intensity(light)
-        flux = 4.0 * np.pi * made.amount
-        centre = [float(x) for x in np.asarray(light.position) - self.origin]
-        if light.radius < DELTA_RADIUS:
-            self._note_emitter(
-                mi.load_dict({"type": "point", "position": centre, "intensity": made.texture()}),
-                flux,
-                light.position,
-            )
-            return
-        luminance = made.scaled(units.luminance_from_intensity_sphere(1.0, light.radius))
-        emitter = self._surface_emitter(luminance)
-        shape = {"type": "sphere", "center": centre, "radius": float(light.radius)}
-        self._add_body(shape, emitter, flux, light.visible_to_camera)
-        self.places[-1] = Place(np.array(centre), light.radius)
-
-    def _add_spot(self, light: SpotLight) -> None:
-        made = emission.spot_intensity(light)
-        plugin = {
-            "type": "lumenray_spot",
-            "intensity": made.texture(),
-            "position": [float(x) for x in np.asarray(light.position) - self.origin],
-            "direction": [float(x) for x in light.direction],
-            "cos_end": float(np.cos(light.half_angle)),
-            "blend": float(light.blend),
-            "radius": float(light.radius),
-        }
-        flux = made.amount * units.spot_solid_angle(light.half_angle, light.blend)
-        self._note_emitter(mi.load_dict(plugin), flux, light.position, light.radius)
-
-    def _add_area(self, light: AreaLight) -> None:
-        area = emission.area_of(light)
-        if area <= 0.0:
-            raise SceneError(f"area light '{light.name}' has no area; give it a size above 0")
-        made = emission.area_luminance(light)
-        frame = np.array(light.frame, dtype=np.float64)
-        frame[:3, 3] -= self.origin
-        # Blender's area lights shine along -z, Mitsuba's flat shapes along +z: turn about x.
-        placed = frame @ np.diag([0.5 * light.size_x, -0.5 * light.size_y, -1.0, 1.0])
-        shape = {
-            "type": "disk" if light.shape == "ellipse" else "rectangle",
-            "to_world": mi.ScalarTransform4f([list(row) for row in placed]),
-        }
-        emitter = self._surface_emitter(made, spread=light.spread)
-        flux = made.amount * np.pi * area / units.spread_axis_factor(light.spread)
-        self._add_body(shape, emitter, flux, light.visible_to_camera)
-        self.places[-1] = Place(
-            frame[:3, 3], 0.5 * float(np.hypot(light.size_x, light.size_y)), -frame[:3, 2]
-        )
-
-    def _add_body(self, shape: dict, emitter, flux: float, visible: bool) -> None:
-        """Add the luminous body of a light; light of others passes it, as in Blender."""
-        made = mi.load_dict({**shape, "bsdf": {"type": "null"}, "emitter": emitter})
-        self.veils.append(made)
-        self._note_emitter(emitter, flux)
-        if not visible:
-            self.hidden.append(made)
-        self.rows.append((made, 0, 0))
-
-    # ---- surroundings ----
-
-    def _add_surroundings(self):
-        world, shares = self._world()
-        suns = [
-            s
-            for s in self.scene.lights.values()
-            if isinstance(s, SunLight) and s.output.value > 0.0
-        ]
-        if world is None and not suns:
-            return None
-        plugin = {"type": "lumenray_surroundings", "suns": len(suns)}
-        # Half of the samples go to the world and half to the suns: both matter and neither is known beforehand.
-        world_share = 0.0 if world is None else (0.5 if suns else 1.0)
-        plugin["world_share"] = world_share
-        if world is not None:
-            plugin["world"] = world
-        amounts = [emission.sun_illuminance(sun) for sun in suns]
-        total = sum(made.amount for made in amounts)
-        flux = shares
-        for i, (sun, made) in enumerate(zip(suns, amounts, strict=True)):
-            half = 0.5 * max(sun.angle, SUN_POINT_ANGLE)
-            plugin[f"sun_{i}"] = made.scaled(
-                units.luminance_from_illuminance_disk(1.0, half)
-            ).texture()
-            plugin[f"towards_{i}"] = [-float(x) for x in sun.direction]
-            plugin[f"cap_{i}"] = float(2.0 * np.sin(0.5 * half) ** 2)
-            plugin[f"share_{i}"] = float((1.0 - world_share) * made.amount / total)
-            flux += made.amount * np.pi * max(self.radius, 1.0) ** 2
-        emitter = mi.load_dict(plugin)
-        emitter.set_bounds(mi.Point3f(0.0), mi.Float(self.radius))
-        if world is not None:
-            emitter.set_portals(self.portals, PORTAL_SHARE)
-        self._note_emitter(emitter, flux)
-        return emitter
-
-    def _find_portals(self) -> PortalSet | None:
-        """Rectangles around the panes, in the compiled scene's frame."""
-        panes = []
-        for mesh in self.scene.meshes.values():
-            for slot, key in enumerate(mesh.materials):
-                if isinstance(self.scene.materials[key].surface, ThinGlass):
-                    panes.append((mesh.vertices, mesh.triangles[mesh.material_index == slot]))
-        found = find_portals(pane for pane in panes if len(pane[1]))
-        if not found:
-            return None
-        return PortalSet([Portal(p.centre - self.origin, p.half_u, p.half_v) for p in found])
-
-    def _world(self):
-        """Mitsuba emitter of the world and its flux through the scene. [lm]"""
-        world = self.scene.world
-        sphere = 4.0 * np.pi**2 * max(self.radius, 1.0) ** 2
-        if isinstance(world, UniformWorld) and world.luminance > 0.0:
-            made = emission.luminous(world.luminance, world.spectrum)
-            return mi.load_dict(
-                {"type": "constant", "radiance": made.texture()}
-            ), world.luminance * sphere
-        if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
-            return self._image_world(world, sphere)
-        return None, 0.0
-
-    def _image_world(self, world: ImageWorld, sphere: float):
-        pixels = np.nan_to_num(np.asarray(world.image.pixels, dtype=np.float32), posinf=0.0)
-        pixels = np.maximum(pixels, 0.0)
-        luma = (pixels @ REC709_LUMINANCE.astype(np.float32))[..., None]
-        if not is_spectral():
-            pixels = np.repeat(luma, 3, axis=2)
-        # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with
-        # +z up: they agree when Mitsuba's (x, y, z) is our (y, z, x).
-        to_map = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]) @ world.rotation
-        to_world = np.eye(4)
-        to_world[:3, :3] = to_map.T
-        scale = world.luminance_per_unit
-        if is_spectral():
-            scale /= units.LUMINOUS_EFFICACY * luminous_efficiency().sum()
-        plugin = {
-            "type": "envmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(pixels[::-1])),
-            "scale": float(scale),
-            "to_world": mi.ScalarTransform4f([list(row) for row in to_world]),
-        }
-        rows = np.cos((np.arange(len(luma)) + 0.5) / len(luma) * np.pi - 0.5 * np.pi)
-        mean = float((luma[..., 0].mean(axis=1) * rows).sum() / rows.sum())
-        return mi.load_dict(plugin), mean * world.luminance_per_unit * sphere
-
-
-def _check_mesh(mesh: Mesh) -> None:
-    """Refuse index errors before they reach native code, where they would end the process."""
-    if not np.all(np.isfinite(mesh.vertices)):
-        raise SceneError(f"object '{mesh.name}' has a vertex that is not a finite number")
-    if len(mesh.triangles) and (
-        mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices)
-    ):
-        raise SceneError(
-            f"object '{mesh.name}' has a triangle that names a vertex outside its list"
-        )
-    if len(mesh.material_index) and mesh.material_index.max() >= len(mesh.materials):
-        raise SceneError(
-            f"object '{mesh.name}' has a triangle in a material slot that does not exist"
-        )
-
-
-def _uv_map_of(material: Material) -> str:
-    """Name of the UV map that a material's pictures use; the converter sees to it that there is one at most."""
-    for picture in pictures(material):
-        return picture.uv_map
-    return ""
-
-
-def _shape_ids(shapes) -> np.ndarray:
-    return np.array(
-        [dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0] for s in shapes], dtype=np.int64
-    )
-
-
-def _shape_mask(shapes):
-    """Table by shape id: true for the given shapes; None when there are none."""
-    if not shapes:
-        return None
-    ids = _shape_ids(shapes)
-    mask = np.zeros(ids.max() + 1, dtype=bool)
-    mask[ids] = True
-    return mi.Bool(mask)
-
-
-def _index_tables(rows) -> dict:
-    """Tables by shape id of the users' object and material numbers."""
-    if not rows:
-        return {}
-    ids = _shape_ids([row[0] for row in rows])
-    tables = {}
-    for name, column in (("object", 1), ("material", 2)):
-        values = np.zeros(ids.max() + 1, dtype=np.float32)
-        values[ids] = [row[column] for row in rows]
-        tables[name] = mi.Float(values)
-    return tables
+def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of everything, objects by their boxes. ``bodies``: known extents. (3,), (3,) [m]"""
+    low, high = [np.full(3, np.inf)], [np.full(3, -np.inf)]
+    if bodies is None:
+        for item in scene.meshes.values():
+            geometry = None if isinstance(item, Mesh) else scene.geometries.get(item.geometry)
+            lowest, highest = extent(item, geometry)
+            low.append(lowest)
+            high.append(highest)
+    else:
+        low += [body.low for body in bodies]
+        high += [body.high for body in bodies]
+    for light in scene.lights.values():
+        if not isinstance(light, SunLight) and light.output.value > 0.0:
+            place = light.frame[:3, 3] if isinstance(light, AreaLight) else light.position
+            low.append(np.asarray(place, dtype=np.float64))
+            high.append(low[-1])
+    low, high = np.min(low, axis=0), np.max(high, axis=0)
+    is_empty = np.isposinf(low).all() and np.isneginf(high).all()
+    if not is_empty and not (np.isfinite(low) & np.isfinite(high)).all():
+        raise SceneError("a mesh or light has a position that is not a finite number")
+    return low, high

@@ -1,10 +1,12 @@
 """Choice of the emitter for next-event estimation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+
+from .arrays import pointer_id, table_size, upload
 
 PILOT_POINTS = 1024
 """Points at which the lights are compared before a job."""
@@ -19,16 +21,42 @@ LOCAL_LIMIT = 32
 """Up to this many lights, each point weighs all of them by distance; beyond, one choice serves all points."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where an emitter is, roughly: ``centre`` (3,) in the scene's frame and ``radius`` [m]; None: at infinity.
+COLUMNS = ("x", "y", "z", "spread", "axis_x", "axis_y", "axis_z", "radius", "flat", "real")
+"""What the table on the device holds about each light."""
 
-    ``axis`` (3,) is the direction to which a flat one-sided emitter shines; nothing behind it is lit.
+
+@dataclass
+class Source:
+    """An emitter that next-event may choose.
+
+    Parameters
+    ----------
+    emitter : mi.Emitter
+    flux : float    [lm]
+    density : (471,) array    Spectral density on the 1 nm grid, any scale.
+    centre : (3,) array or None    Roughly where it is, in the scene's frame [m]; None: light from infinity.
+    radius : float    Of a sphere around it. [m]
+    axis : (3,) array or None    Direction to which a flat one-sided emitter shines; nothing behind it is lit.
     """
 
+    emitter: object
+    flux: float
+    density: np.ndarray
     centre: np.ndarray | None
     radius: float = 0.0
     axis: np.ndarray | None = None
+    number: int = field(init=False)
+
+    def __post_init__(self):
+        """Note the number by which kernels know the emitter."""
+        self.number = pointer_id(self.emitter)
+
+    def order(self) -> tuple:
+        """Key that puts sources in an order that depends on the scene alone, not on ids: infinity first."""
+        if self.centre is None:
+            return (0,)
+        axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
+        return (1, *self.centre, self.radius, *axis, self.flux)
 
 
 class LightTable:
@@ -38,24 +66,61 @@ class LightTable:
     rough solid angle of the portals, or evenly without any. Next to a desk lamp the desk lamp counts, across the room the
     ceiling. Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
     included, so that a sky of enormous flux outside a small window does not draw the samples from the lamps inside.
+
+    The tables on the device are filled up to a power of two, and all numbers are data, so that a moved, dimmed or added
+    light meets the same compiled kernel.
+
+    Parameters
+    ----------
+    sources : list of Source    In the order of `Source.order`.
+    reach : float    Radius of the scene. [m]
+    portals : PortalSet or None
     """
 
-    def __init__(
-        self, emitters: list, fluxes: list[float], places: list[Place], reach: float, portals=None
-    ):
-        self.count = len(emitters)
+    def __init__(self, sources: list[Source], reach: float, portals=None):
+        self.count = len(sources)
         self.portals = portals
-        if not emitters:
+        self.sources = sources
+        self.reach = reach
+        if not sources:
             return
-        ids = np.array([dr.reinterpret_array(mi.UInt32, mi.EmitterPtr(e))[0] for e in emitters])
-        number = np.full(int(ids.max()) + 1, 0)
+        ids = np.array([source.number for source in sources])
+        number = np.zeros(table_size(int(ids.max()) + 1), dtype=np.uint32)
         number[ids] = np.arange(self.count)
-        self._pointers = mi.UInt32(ids.astype(np.uint32))
-        self._number = mi.UInt32(number.astype(np.uint32))
         self.is_local = self.count <= LOCAL_LIMIT
-        self.places = places
-        kernels = [1.0 if p.centre is None else 1.0 / (reach**2 + p.radius**2) for p in places]
-        self.set_strengths(np.asarray(fluxes) / reach**2, kernels)
+        self._slots = 1 << (self.count - 1).bit_length()
+        padded = np.full(self._slots, ids[0], dtype=np.uint32)
+        padded[: self.count] = ids
+        self._pointers = mi.UInt32(padded)
+        self._number = mi.UInt32(number)
+        self._even = mi.Float(1.0 / self.count)
+        self._places = mi.Float(self._place_table().ravel())
+        dr.make_opaque(self._even)
+        dr.eval(self._pointers, self._number, self._places)
+        self.reset()
+
+    def _place_table(self) -> np.ndarray:
+        table = np.zeros((self._slots, len(COLUMNS)), dtype=np.float32)
+        for row, source in zip(table, self.sources, strict=False):
+            if source.centre is not None:
+                row[:3] = source.centre
+            row[3] = max(source.radius, 1e-3) ** 2
+            if source.axis is not None:
+                row[4:7] = source.axis
+                row[8] = 1.0
+            row[7] = source.radius
+            row[9] = 1.0
+        return table
+
+    def reset(self) -> None:
+        """Forget what was learned: strengths are fluxes."""
+        if self.count:
+            fluxes = np.array([source.flux for source in self.sources])
+            kernels = [
+                1.0 if s.centre is None else 1.0 / (self.reach**2 + s.radius**2)
+                for s in self.sources
+            ]
+            self.set_strengths(fluxes / self.reach**2, kernels)
 
     def set_strengths(self, arriving: np.ndarray, kernels) -> None:
         """Set strengths from light that arrives (n,) where the distance kernels have the values ``kernels`` (n,)."""
@@ -63,27 +128,32 @@ class LightTable:
         if not arriving.sum() > 0.0:
             arriving = np.ones(self.count)
         arriving = arriving / arriving.sum()
-        strengths = arriving / np.maximum(kernels, 1e-30)
-        shares = EVEN_SHARE / self.count + (1.0 - EVEN_SHARE) * arriving
+        strengths = np.zeros(self._slots)
+        strengths[: self.count] = arriving / np.maximum(kernels, 1e-30)
+        shares = np.zeros(self._slots)
+        shares[: self.count] = EVEN_SHARE / self.count + (1.0 - EVEN_SHARE) * arriving
+        cdf = np.cumsum(shares)
+        cdf[self.count - 1 :] = 2.0
         self._strength = mi.Float(strengths.astype(np.float32))
-        self._cdf = mi.Float(np.cumsum(shares).astype(np.float32))
+        self._cdf = mi.Float(cdf.astype(np.float32))
         self._share = mi.Float(shares.astype(np.float32))
-        dr.eval(self._pointers, self._number, self._strength, self._cdf, self._share)
+        self._start = mi.Float((np.cumsum(shares) - shares).astype(np.float32))
+        dr.eval(self._strength, self._cdf, self._share, self._start)
 
     def kernels(self, points: np.ndarray) -> np.ndarray:
         """Distance kernels of all lights at points (k, 3), shape (k, n). [1/m2, 1 for light from infinity]"""
         made = np.ones((len(points), self.count))
-        for i, place in enumerate(self.places):
-            if place.centre is None:
+        for i, source in enumerate(self.sources):
+            if source.centre is None:
                 if self.portals is not None:
                     made[:, i] = self.portals.openness_of(points)
             else:
-                away = points - place.centre
-                squared = (away**2).sum(axis=1) + max(place.radius, 1e-3) ** 2
+                away = points - source.centre
+                squared = (away**2).sum(axis=1) + max(source.radius, 1e-3) ** 2
                 made[:, i] = 1.0 / squared
-                if place.axis is not None:
-                    height = np.maximum(away @ place.axis, 1e-9)
-                    rise = height + np.minimum(height, place.radius)
+                if source.axis is not None:
+                    height = np.maximum(away @ source.axis, 1e-9)
+                    rise = height + np.minimum(height, source.radius)
                     made[:, i] *= np.minimum(rise / np.sqrt(squared), 1.0)
         return made
 
@@ -95,15 +165,15 @@ class LightTable:
         """Return an emitter pointer, its probability at a point, and the stretched remainder of ``u``."""
         if not self.is_local:
             index = dr.binary_search(
-                0, self.count - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
+                0, self._slots - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
             )
             share = dr.gather(mi.Float, self._share, index)
-            start = dr.gather(mi.Float, self._cdf, index) - share
+            start = dr.gather(mi.Float, self._start, index)
         else:
             index, share, start = mi.UInt32(0), mi.Float(1.0), mi.Float(0.0)
             running = mi.Float(0.0)
             for i, value in enumerate(self._local_shares(point)):
-                chosen = u >= running
+                chosen = (u >= running) & (value > 0.0)
                 index = dr.select(chosen, mi.UInt32(i), index)
                 share = dr.select(chosen, value, share)
                 start = dr.select(chosen, running, start)
@@ -115,41 +185,45 @@ class LightTable:
         if self.count == 0:
             return mi.Float(0.0)
         ids = dr.reinterpret_array(mi.UInt32, pointer)
-        known = active & (ids < dr.width(self._number))
-        index = dr.gather(mi.UInt32, self._number, ids, known)
+        index = dr.gather(mi.UInt32, self._number, ids, active)
         if not self.is_local:
-            return dr.gather(mi.Float, self._share, index, known)
+            return dr.gather(mi.Float, self._share, index, active)
         probability = mi.Float(0.0)
         for i, value in enumerate(self._local_shares(point)):
-            probability = dr.select(known & (index == i), value, probability)
+            probability = dr.select(active & (index == i), value, probability)
         return probability
 
     def _local_shares(self, point) -> list:
-        """Probabilities of all lights at a point."""
+        """Probabilities of all lights at a point; 0 where the table is only filled up."""
         if self.count == 1:
             return [mi.Float(1.0)]
+
+        def entry(row, name):
+            place = row * len(COLUMNS) + COLUMNS.index(name)
+            return dr.gather(mi.Float, self._places, mi.UInt32(place))
+
         weights = []
-        for i, place in enumerate(self.places):
+        for i in range(self._slots):
             weight = dr.gather(mi.Float, self._strength, mi.UInt32(i))
-            if place.centre is None:
+            if i == 0 and self.sources[0].centre is None:
                 if self.portals is not None:
                     weight = weight * self.portals.openness(point)
             else:
-                away = point - mi.Point3f(*map(float, place.centre))
-                squared = dr.squared_norm(away) + max(place.radius, 1e-3) ** 2
-                weight = weight / squared
-                if place.axis is not None:
-                    # The cosine at the emitter, at most that of its nearest part.
-                    height = dr.maximum(dr.dot(away, mi.Vector3f(*map(float, place.axis))), 0.0)
-                    rise = height + dr.minimum(height, place.radius)
-                    weight = weight * dr.minimum(rise * dr.rsqrt(squared), 1.0)
+                away = point - mi.Point3f(*(entry(i, name) for name in "xyz"))
+                squared = dr.squared_norm(away) + entry(i, "spread")
+                axis = mi.Vector3f(*(entry(i, f"axis_{name}") for name in "xyz"))
+                # The cosine at the emitter, at most that of its nearest part.
+                height = dr.maximum(dr.dot(away, axis), 0.0)
+                rise = height + dr.minimum(height, entry(i, "radius"))
+                cosine = dr.minimum(rise * dr.rsqrt(squared), 1.0)
+                weight = weight / squared * dr.select(entry(i, "flat") > 0.0, cosine, 1.0)
             weights.append(weight)
         total = sum(weights[1:], weights[0])
         total = dr.maximum(total, 1e-30)
         shares = [(1.0 - EVEN_SHARE) * w / total for w in weights]
         # Whatever is missing to 1 (all of it where no light shines) is spread evenly.
-        rest = (1.0 - sum(shares[1:], shares[0])) / self.count
-        return [share + rest for share in shares]
+        rest = (1.0 - sum(shares[1:], shares[0])) * self._even
+        return [share + rest * entry(i, "real") for i, share in enumerate(shares)]
 
 
 def learn(scene, points, normals, wavelengths) -> None:
@@ -163,6 +237,7 @@ def learn(scene, points, normals, wavelengths) -> None:
     points, normals : (k, 3) float32 array    In the compiled scene's frame.
     wavelengths : Spectrum or None    Four wavelengths that stand for the visible range.
     """
+    scene.lights.reset()
     if scene.lights.count < 2 or len(points) == 0:
         return
     chosen = np.random.default_rng(1).integers(0, len(points), PILOT_POINTS)
@@ -193,7 +268,7 @@ def learn(scene, points, normals, wavelengths) -> None:
 
 
 def _columns(array):
-    return [mi.Float(np.ascontiguousarray(array[:, i], dtype=np.float32)) for i in range(3)]
+    return [upload(mi.Float, array[:, i]) for i in range(3)]
 
 
 def _surface(point, normal):
@@ -209,8 +284,10 @@ def _arriving(scene, si, active, wavelengths) -> np.ndarray:
     count = scene.lights.count
     repeats = int(np.clip(PILOT_LANES // (PILOT_POINTS * count), 1, 64))
     lane = dr.arange(mi.UInt32, PILOT_POINTS * count * repeats)
-    light = (lane // repeats) % count
-    point = lane // (repeats * count)
+    # Numbers of lights as data, so that one more needs no new kernel.
+    many, times = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, repeats)
+    light = (lane // times) % many
+    point = lane // (times * many)
     at = dr.gather(mi.SurfaceInteraction3f, si, point)
     active = dr.gather(mi.Bool, dr.select(active, True, dr.zeros(mi.Bool, PILOT_POINTS)), point)
     if wavelengths is not None:

@@ -30,7 +30,7 @@ def closest_hit(scene: CompiledScene, ray, active, coherent=False):
     if scene.veil is not None:
         other = scene.veil.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
         hit = dr.select(other.t < hit.t, other, hit)
-    return hit.compute_surface_interaction(ray, +mi.RayFlags.All, active)
+    return scene.surface(hit, ray, active)
 
 
 def transmittance(scene: CompiledScene, origin, target, active):
@@ -57,7 +57,7 @@ def transmittance(scene: CompiledScene, origin, target, active):
     def step(value, ray, lit, steps):
         si = scene.veil.ray_intersect(ray, lit)
         lit &= si.is_valid()
-        value[lit] = value * si.bsdf().eval_null_transmission(si, lit)
+        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit)
         ray = dr.select(lit, si.spawn_ray_to(target), ray)
         lit &= dr.any(value != 0.0)
         steps += 1
@@ -174,9 +174,9 @@ def trace(
         hidden = mi.Bool(False)
         if seen_by_camera:
             ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            inside = valid & (depth == 0) & (ids < dr.width(scene.hidden))
-            hidden = dr.gather(mi.Bool, scene.hidden, ids, inside) & inside
-        emitter = si.shape.emitter()
+            begins = valid & (depth == 0)
+            hidden = dr.gather(mi.Bool, scene.hidden, ids, begins) & begins
+        emitter = scene.emitter(si, valid)
         glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
         found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
         weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
@@ -195,7 +195,7 @@ def trace(
 
         # ---- next event ----
         active = valid
-        bsdf = si.bsdf()
+        bsdf = scene.bsdf(si, active)
         smooth = active & ~hidden & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
         scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())

@@ -34,7 +34,7 @@ MAXIMUM_PIXELS = 1 << 28
 """Largest picture."""
 
 
-class _Film:
+class Film:
     """Camera as numbers on the device: makes rays from film positions."""
 
     def __init__(self, camera: Camera, origin):
@@ -47,7 +47,16 @@ class _Film:
         self.position = mi.Point3f(*map(float, position))
         self.lens = mi.Float(camera.aperture_radius)
         self.focus = mi.Float(max(camera.focus_distance, 1e-6))
-        dr.make_opaque(self.axes, self.position, self.lens, self.focus)
+        self.clip = mi.Float(camera.clip_start)
+        self.size = mi.Vector2f(camera.width, camera.height)
+        self.width = mi.UInt32(camera.width)
+        self.extent = mi.Vector2f(float(camera.extent_x), float(camera.extent_y))
+        self.shift = mi.Vector2f(float(camera.shift_x), float(camera.shift_y))
+        self.low = mi.Vector2f(float(camera.longitude[0]), float(camera.latitude[0]))
+        self.high = mi.Vector2f(float(camera.longitude[1]), float(camera.latitude[1]))
+        # As data, so that another view or size meets the same compiled kernel.
+        dr.make_opaque(self.axes, self.position, self.lens, self.focus, self.clip, self.size)
+        dr.make_opaque(self.width, self.extent, self.shift, self.low, self.high)
 
     def _to_world(self, x, y, z):
         return self.axes[0] * x + self.axes[1] * y + self.axes[2] * z
@@ -59,21 +68,21 @@ class _Film:
     def ray(self, x, y, lens_sample):
         """Ray through a film position (pixels from the lower left corner)."""
         camera = self.camera
-        u = x / camera.width - 0.5
-        v = y / camera.height - 0.5
+        u = x / self.size.x - 0.5
+        v = y / self.size.y - 0.5
         if camera.projection is Projection.EQUIRECTANGULAR:
-            longitude = dr.lerp(camera.longitude[0], camera.longitude[1], u + 0.5)
-            latitude = dr.lerp(camera.latitude[0], camera.latitude[1], v + 0.5)
+            longitude = dr.lerp(self.low.x, self.high.x, u + 0.5)
+            latitude = dr.lerp(self.low.y, self.high.y, v + 0.5)
             cos_lat = dr.cos(latitude)
             direction = self._to_world(
                 dr.sin(longitude) * cos_lat, dr.sin(latitude), -dr.cos(longitude) * cos_lat
             )
             return mi.Ray3f(self.position, direction)
-        px = u * camera.extent_x + camera.shift_x
-        py = v * camera.extent_y + camera.shift_y
+        px = u * self.extent.x + self.shift.x
+        py = v * self.extent.y + self.shift.y
         if camera.projection is Projection.ORTHOGRAPHIC:
             start = self.position + self._to_world(px, py, 0.0)
-            return mi.Ray3f(start + self.forward() * camera.clip_start, self.forward())
+            return mi.Ray3f(start + self.forward() * self.clip, self.forward())
         start = self.position
         direction = self._to_world(px, py, -1.0)
         if camera.aperture_radius > 0.0:
@@ -83,7 +92,7 @@ class _Film:
             start = start + shift
         direction = dr.normalize(direction)
         along = dr.dot(direction, self.forward())
-        return mi.Ray3f(start + direction * (camera.clip_start / along), direction)
+        return mi.Ray3f(start + direction * (self.clip / along), direction)
 
 
 def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancelled=lambda: False):
@@ -101,10 +110,10 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
     pixels = camera.width * camera.height
     if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
         raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
-    film = _Film(camera, scene.origin)
+    film = Film(camera, scene.origin)
     layers = _first_layers(scene, film)
-    _learn_lights(scene, film)
-    job = _Job(scene, film, settings)
+    learn_lights(scene, film)
+    job = PictureJob(scene, film, settings)
     clock = Clock(settings.rule, "picture")
     batch = job.batch(pixels)
     per_launch = max(LANES // (GROUPS * batch), 1)
@@ -124,7 +133,7 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
                 progress(state, _snapshot(camera, new, batch) if sums.samples == 0 else None)
         sums.add(new, batch)
         estimate = sums.estimate()
-        error = _relative_error(estimate)
+        error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
         finished = clock.is_done(sums.samples * GROUPS, error)
         if progress is not None:
             shape = (camera.height, camera.width, 3)
@@ -138,13 +147,12 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
             return _result(camera, job, estimate, error, layers), estimate.samples
 
 
-def _learn_lights(scene: CompiledScene, film: _Film) -> None:
+def learn_lights(scene: CompiledScene, film: Film) -> None:
     """Compare the lights where the camera looks."""
-    camera = film.camera
     stream = mi.PCG32(size=4 * PILOT_POINTS, initstate=3)
     ray = film.ray(
-        stream.next_float32() * camera.width,
-        stream.next_float32() * camera.height,
+        stream.next_float32() * film.size.x,
+        stream.next_float32() * film.size.y,
         mi.Point2f(0.5, 0.5),
     )
     si = scene.solid.ray_intersect(ray)
@@ -165,18 +173,15 @@ def _snapshot(camera: Camera, sums: np.ndarray, batch: int):
     return take
 
 
-def _relative_error(estimate) -> float:
+def relative_error(luminance: np.ndarray, standard_error: np.ndarray) -> float:
     """Root mean square over the pixels of their error over the larger of their own and the mean luminance.
 
     So a lamp in view counts by its own luminance, and its edge does not hide what happens elsewhere.
     """
-    luminance = estimate.mean[:, 1]
     mean = luminance.mean()
     if mean <= 0.0:
         return float("inf")
-    return float(
-        np.sqrt(((estimate.standard_error[:, 1] / np.maximum(luminance, mean)) ** 2).mean())
-    )
+    return float(np.sqrt(((standard_error / np.maximum(luminance, mean)) ** 2).mean()))
 
 
 def _result(camera, job, estimate, error, layers) -> dict:
@@ -198,10 +203,10 @@ def _result(camera, job, estimate, error, layers) -> dict:
     return made
 
 
-class _Job:
+class PictureJob:
     """What one launch needs besides its range of pixels."""
 
-    def __init__(self, scene: CompiledScene, film: _Film, settings):
+    def __init__(self, scene: CompiledScene, film: Film, settings):
         self.scene, self.film = scene, film
         self.rule, self.seed = settings.rule, settings.seed
         self.illuminance = settings.illuminance
@@ -222,7 +227,7 @@ class _Job:
     def launch(self, first: int, count: int, batch: int, index: int) -> np.ndarray:
         """Trace one range of pixels, return the sums of samples (2, count, channels)."""
         scene = self.scene
-        width = self.film.camera.width
+        width = self.film.width
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
         lane = dr.arange(mi.UInt32, count * GROUPS * batch)
         sample = dr.opaque(mi.UInt32, int(index)) + lane % batch
@@ -333,11 +338,11 @@ def _colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
     return tristimulus / tristimulus[1], np.array(means)
 
 
-def _albedo(si, valid) -> np.ndarray:
+def _albedo(scene, si, valid) -> np.ndarray:
     """Diffuse reflectance in the red, green and blue, 1 where a surface has no matt part. (n, 3)"""
     if is_spectral():
         si.wavelengths = mi.Spectrum(610.0, 550.0, 460.0, 550.0)
-    bsdf = si.bsdf()
+    bsdf = scene.bsdf(si, valid)
     matt = valid & mi.has_flag(bsdf.flags(), mi.BSDFFlags.DiffuseReflection)
     value = bsdf.eval_diffuse_reflectance(si, matt)
     columns = [value[i] for i in range(3)] if is_spectral() else [value[0]] * 3
@@ -347,7 +352,7 @@ def _albedo(si, valid) -> np.ndarray:
     )
 
 
-def _first_layers(scene: CompiledScene, film: _Film) -> dict:
+def _first_layers(scene: CompiledScene, film: Film) -> dict:
     """Depth, normal and indices at the centres of the pixels."""
     camera = film.camera
     shape = (camera.height, camera.width)
@@ -372,13 +377,13 @@ def _first_layers(scene: CompiledScene, film: _Film) -> dict:
     }
     # Behind panes the picture shows what stands there, so that guides the filters.
     beyond = scene.solid.ray_intersect(ray)
-    layers["albedo"] = _albedo(beyond, beyond.is_valid()).reshape(*shape, 3)
+    layers["albedo"] = _albedo(scene, beyond, beyond.is_valid()).reshape(*shape, 3)
     ids = dr.reinterpret_array(mi.UInt32, si.shape)
     for name in ("object", "material"):
         table = scene.indices.get(name)
         values = mi.Float(0.0)
         if table is not None:
-            values = dr.gather(mi.Float, table, ids, valid & (ids < dr.width(table)))
+            values = dr.gather(mi.Float, table, ids, valid)
         layers[f"{name}_index"] = np.broadcast_to(
             np.array(values, dtype=np.float32), (shape[0] * shape[1],)
         ).reshape(shape)

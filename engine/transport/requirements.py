@@ -90,7 +90,7 @@ def emission_spectra(scene: Scene) -> list:
 
 def _distinct_lamps(scene: Scene) -> int:
     shapes = []
-    for spectrum in emission_spectra(scene):
+    for spectrum in dict.fromkeys(emission_spectra(scene)):
         values = evaluate_emission(spectrum, GRID)
         total = values.sum()
         if total <= 0.0:
@@ -124,6 +124,13 @@ def _is_coloured(value) -> bool:
         case Conductor():
             return True
     return True
+
+
+def is_coloured(surface) -> bool:
+    """Tell whether a surface has a spectrum, pictures aside, that depends on the wavelength."""
+    return any(
+        _is_coloured(value) for value in _colours(surface) if not isinstance(value, ImageTexture)
+    )
 
 
 def _colours(surface):

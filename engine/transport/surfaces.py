@@ -137,21 +137,17 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
     disperses = not isinstance(surface.ior, Cauchy) or surface.ior.b != 0.0
     smooth = surface.roughness < SMOOTH_ROUGHNESS
     tint = make.reflectance(surface.tint)
-    if disperses and smooth and is_spectral():
-        return {
-            "type": "lumenray_dispersive",
-            "ior": make.refractive_index(surface.ior),
-            "tint": tint,
-        }
-    index = float(refractive_index(surface.ior, SODIUM_D))
-    made = {"int_ior": max(index, 1.0001), "specular_transmittance": tint}
+    index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
     if smooth:
-        return {"type": "dielectric", **made}
+        disperses &= is_spectral()
+        ior = make.refractive_index(surface.ior) if disperses else number(index)
+        return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
     return {
         "type": "roughdielectric",
         "distribution": "ggx",
         "alpha": alpha(surface.roughness),
-        **made,
+        "int_ior": index,
+        "specular_transmittance": tint,
     }
 
 

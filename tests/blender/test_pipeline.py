@@ -13,6 +13,7 @@ from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Projection
+from lumenray.engine.scene.scene import Scene
 from lumenray.engine.session import Session
 from lumenray.libraries import scenes
 from lumenray.libraries.scenes import tiny
@@ -117,9 +118,11 @@ def cube(location=(0, 0, 0), scale=(1, 1, 1)):
     return item
 
 
-def only_mesh():
+def meshes():
     bpy.context.view_layer.update()
-    return next(i for i in convert().delta.changed if i.id.startswith("mesh:"))
+    scene = Scene()
+    scene.apply(convert().delta)
+    return [scene.mesh(key) for key in scene.meshes]
 
 
 def signed_volume(mesh):
@@ -132,7 +135,7 @@ def test_mirrored_objects_keep_their_outside_outside(scale):
     item = cube(scale=scale)
     for polygon in item.data.polygons:
         polygon.use_smooth = True
-    mesh = only_mesh()
+    (mesh,) = meshes()
     assert signed_volume(mesh) == pytest.approx(8.0 * abs(np.prod(scale)))
     corners = mesh.vertices[mesh.triangles]
     assert (np.einsum("tcx,tcx->tc", corners, mesh.corner_normals) > 0).all()
@@ -150,11 +153,10 @@ def test_hidden_objects_stay_out_and_instances_come_in():
         empty.instance_type, empty.instance_collection = "COLLECTION", group
         empty.location = (0, 10.0 * i, 0)
         bpy.context.scene.collection.objects.link(empty)
-    bpy.context.view_layer.update()
-    meshes = [i for i in convert().delta.changed if i.id.startswith("mesh:")]
-    assert len(meshes) == 3
-    assert len({m.id for m in meshes}) == 3
-    assert sorted(round(m.vertices[:, 1].mean()) for m in meshes) == [0, 10, 20]
+    made = meshes()
+    assert len(made) == 3
+    assert len({m.id for m in made}) == 3
+    assert sorted(round(m.vertices[:, 1].mean()) for m in made) == [0, 10, 20]
 
 
 def world_with(colour, strength=1.0):

@@ -1,0 +1,58 @@
+"""From a Blender scene to an engine's session: what changed is walked, sent and told."""
+
+import time
+from dataclasses import dataclass
+
+from .report import ConversionReport
+from .sync.scene_sync import SceneSync
+from .sync.step import PART_BYTES, SyncStats
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What one update did.
+
+    Parameters
+    ----------
+    stats : SyncStats    Of the walk.
+    transfer_seconds : float    Handing over to the engine.
+    revision : int    Of the engine's scene from then on; frames with it show the edit.
+    """
+
+    stats: SyncStats
+    transfer_seconds: float
+    revision: int
+
+
+class SceneFeed:
+    """Keeps the scene of an engine's session equal to a Blender scene.
+
+    Parameters
+    ----------
+    session : Session or RemoteSession    With an empty scene.
+    final : bool    Whether objects that are hidden in renders are left out.
+    """
+
+    def __init__(self, session, final: bool = False):
+        self.session = session
+        self.sync = SceneSync(final)
+        self.report = ConversionReport()
+        self.last: Edit | None = None
+
+    def update(self, depsgraph, visible=None) -> Edit | None:
+        """Send what changed since the last time; None when nothing did.
+
+        Raises
+        ------
+        EngineLost    The session's process is gone; a new feed has to be made.
+        """
+        step = self.sync.walk(depsgraph, visible)
+        self.report = step.report
+        if not step.delta:
+            return None
+        start = time.perf_counter()
+        for part in step.parts(PART_BYTES):
+            self.session.apply(part)
+        seconds = time.perf_counter() - start
+        self.last = Edit(step.stats, seconds, self.session.revision)
+        return self.last

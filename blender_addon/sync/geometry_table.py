@@ -1,0 +1,93 @@
+"""The geometries that the engine has, and which of them may be out of date."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...engine.scene.mesh import Geometry
+from .meshes import fingerprint, read_geometry
+
+
+@dataclass
+class _Entry:
+    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent."""
+
+    owner: int
+    is_of_data: bool
+    fingerprint: int = 0
+    is_stale: bool = True
+
+
+class GeometryTable:
+    """Geometries by id. An owner, by session uid, is the object or the data whose edits change a geometry."""
+
+    def __init__(self):
+        self.changed: list[Geometry] = []
+        self.removed: list[str] = []
+        self.reshaped = 0
+        self._entries: dict[str, _Entry] = {}
+        self._of_owner: dict[int, set[str]] = {}
+
+    def mark(self, owners: set[int]) -> None:
+        """Note that the geometries of these owners may be out of date."""
+        for owner in owners & self._of_owner.keys():
+            for key in self._of_owner[owner]:
+                self._entries[key].is_stale = True
+
+    def take(self, key: str, owner: int, is_of_data: bool, source) -> str | None:
+        """Return the id of an object's geometry, read anew where needed; None when it has no face."""
+        entry = self._entries.get(key)
+        if entry is None:
+            entry = self._entries[key] = _Entry(owner, is_of_data)
+            self._of_owner.setdefault(owner, set()).add(key)
+        if entry.is_stale:
+            self._update(key, entry, source)
+        return key if entry.fingerprint else None
+
+    def sweep(self, used: set[str], shown: set[int]) -> None:
+        """Give up geometries that nothing shows, but keep those of objects that are only hidden.
+
+        Parameters
+        ----------
+        used : set of str    Geometries that are shown.
+        shown : set of int    Objects of which something is shown.
+        """
+        unused = self._entries.keys() - used
+        if not unused:
+            return
+        alive = {
+            block.session_uid
+            for blocks in (bpy.data.objects, bpy.data.meshes)
+            for block in blocks
+            if block.users
+        }
+        for key in unused:
+            entry = self._entries[key]
+            if entry.owner in alive and entry.owner not in shown:
+                continue
+            if entry.fingerprint:
+                self.removed.append(key)
+            del self._entries[key]
+            self._of_owner[entry.owner].discard(key)
+
+    def flush(self) -> tuple[list[Geometry], list[str]]:
+        """Hand over what changed and what was removed since the last time."""
+        made, gone = self.changed, self.removed
+        self.changed, self.removed, self.reshaped = [], [], 0
+        return made, gone
+
+    def __iter__(self):
+        """Ids of the geometries that the engine has."""
+        return (key for key, entry in self._entries.items() if entry.fingerprint)
+
+    def _update(self, key, entry, source) -> None:
+        geometry = read_geometry(source, key)
+        entry.is_stale, before = False, entry.fingerprint
+        entry.fingerprint = fingerprint(geometry)
+        if entry.fingerprint == before:
+            return
+        self.reshaped += bool(before)
+        if geometry is None:
+            self.removed.append(key)
+        else:
+            self.changed.append(geometry)

@@ -1,0 +1,62 @@
+"""The syncs that are kept current, and the handlers that tell them what Blender reports."""
+
+from weakref import WeakSet
+
+import bpy
+from bpy.app.handlers import persistent
+
+_live = WeakSet()
+
+
+def keep(sync) -> None:
+    """Tell a `SceneSync` about changes for as long as it lives."""
+    _live.add(sync)
+
+
+@persistent
+def _tag(_scene, depsgraph):
+    # Scenes share their data, so each change concerns every sync; what one does not show it passes over.
+    is_render = depsgraph.mode == "RENDER"
+    for sync in tuple(_live):
+        # The graph of a render is new and calls everything changed; a viewport need not care.
+        if sync.final or not is_render:
+            sync.tag(depsgraph.updates)
+
+
+@persistent
+def _undone(*_):
+    for sync in tuple(_live):
+        sync.tag_scene()
+
+
+@persistent
+def _loaded(*_):
+    for sync in tuple(_live):
+        sync.start_over()
+
+
+CLASSES = ()
+
+_HANDLERS = {
+    "depsgraph_update_post": _tag,
+    "frame_change_post": _tag,
+    "undo_post": _undone,
+    "redo_post": _undone,
+    "load_post": _loaded,
+}
+
+
+def attach():
+    """Listen to Blender."""
+    for name, function in _HANDLERS.items():
+        known = getattr(bpy.app.handlers, name)
+        if function not in known:
+            known.append(function)
+
+
+def detach():
+    """Listen no longer."""
+    for name, function in _HANDLERS.items():
+        known = getattr(bpy.app.handlers, name)
+        if function in known:
+            known.remove(function)

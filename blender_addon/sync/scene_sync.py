@@ -1,0 +1,526 @@
+"""Keeps the engine's scene equal to Blender's: tags are noted as they come, one walk turns them into a delta."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+
+from ...engine.scene.camera import Camera
+from ...engine.scene.light import Light
+from ...engine.scene.mesh import Placement
+from ...engine.scene.scene import SceneDelta, content_digest
+from .. import identity
+from ..report import ConversionReport
+from . import live
+from .camera import convert_camera
+from .dependencies import shading_dependencies
+from .geometry_table import GeometryTable
+from .lights import convert_light
+from .material_table import MaterialTable
+from .step import SyncStats, SyncStep
+from .tags import Tags
+from .world import convert_world
+
+UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
+"""Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
+
+_NO_ID = 0x7FFFFFFF
+
+
+def metres_per_unit(scene) -> float:
+    """Length of a Blender unit. [m]"""
+    settings = scene.unit_settings
+    return settings.scale_length if settings.system != "NONE" else 1.0
+
+
+@dataclass
+class _Shown:
+    """What was made of one instance.
+
+    Parameters
+    ----------
+    source : int    Session uid of the object that it shows.
+    is_own : bool    Whether it is the object itself, not an instance that something makes of it.
+    key, name : str    Engine id, and name for people.
+    item : Placement, Light or None    As it was sent last.
+    digest : bytes    Of the item, if it is a light.
+    matrix : bytes    World matrix that it was made with, in Blender units.
+    data : int    Session uid of the object's data.
+    shading : frozenset of int    Node trees and images that a light reads.
+    is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    walk : int    Number of the walk that saw it last.
+    """
+
+    source: int
+    is_own: bool
+    key: str = ""
+    name: str = ""
+    item: Placement | Light | None = None
+    digest: bytes = b""
+    matrix: bytes = b""
+    data: int = 0
+    shading: frozenset[int] = frozenset()
+    is_dark: bool = False
+    report: ConversionReport | None = None
+    walk: int = 0
+
+
+@dataclass
+class _World:
+    """The world as it was sent last; ``source`` 0: there was none."""
+
+    source: int = -1
+    key: str = ""
+    digest: bytes = b""
+    shading: frozenset[int] = frozenset()
+    report: ConversionReport | None = None
+
+
+class SceneSync:
+    """Turns a Blender scene into deltas for one scene of the engine; the first one holds everything.
+
+    Parameters
+    ----------
+    final : bool    Leave out what is hidden in renders; else the dependency graph alone decides.
+    """
+
+    def __init__(self, final: bool = False):
+        self.final = final
+        self._walks = self._last_visit = 0
+        self._is_new = True
+        self.start_over()
+        live.keep(self)
+
+    def start_over(self) -> None:
+        """Forget what was sent, because another file was opened or the engine was started anew.
+
+        The next delta holds everything, and takes away what is no longer there.
+        """
+        self._left: set[str] = set() if self._is_new else self._ids()
+        self._tags = Tags(scene=True)
+        self._shown: dict[object, _Shown] = {}
+        self._geometries = GeometryTable()
+        self._materials = MaterialTable()
+        self._world = _World()
+        self._scale = self._efficacy = 0.0
+        self._copies = 0
+        self._report = ConversionReport()
+        self._is_new = True
+
+    def tag(self, updates) -> None:
+        """Note what a dependency graph reports as changed; nothing else happens until the next walk."""
+        self._tags.add(updates)
+
+    def tag_scene(self) -> None:
+        """Note that what is shown may differ in a way that Blender does not report, such as local view."""
+        self._tags.scene = True
+
+    @property
+    def objects(self) -> dict[str, str]:
+        """Engine ids of the objects that are shown by themselves, by their full names."""
+        return {
+            shown.name: shown.key
+            for shown in self._shown.values()
+            if shown.is_own and isinstance(shown.item, Placement)
+        }
+
+    def camera(self, depsgraph, report: ConversionReport) -> Camera | None:
+        """Convert the scene's camera; None if it has none."""
+        scene = depsgraph.scene
+        if scene.camera is None:
+            return None
+        source = scene.camera.evaluated_get(depsgraph)
+        return convert_camera(source, scene, metres_per_unit(scene), report)
+
+    def walk(self, depsgraph, visible: Callable | None = None) -> SyncStep:
+        """Find what changed since the last walk.
+
+        Parameters
+        ----------
+        depsgraph : bpy.types.Depsgraph    Evaluated.
+        visible : callable or None    Asked whether an instance (`bpy.types.DepsgraphObjectInstance`) is shown.
+        """
+        start = time.perf_counter()
+        copies = identity.copies_since(self._copies)
+        self._copies += len(copies)
+        if not self._tags and not copies:
+            return SyncStep(SceneDelta(), self._report, SyncStats(time.perf_counter() - start))
+        # Renders walk on a thread of their own: what is tagged from here on is for the next walk.
+        tags, self._tags = self._tags, Tags()
+        walk = _Walk(self, depsgraph, visible, tags)
+        try:
+            walk.run()
+        except BaseException:
+            self.start_over()
+            raise
+        is_new, self._is_new = self._is_new, False
+        geometries_made = len(self._geometries.changed)
+        reshaped = self._geometries.reshaped
+        geometries, geometries_gone = self._geometries.flush()
+        materials, materials_gone = self._materials.flush()
+        changed = (*geometries, *materials, *walk.changed, *walk.worlds)
+        gone = {*walk.removed, *geometries_gone, *materials_gone, *self._left}
+        gone -= {item.id for item in changed}
+        self._left = set()
+        delta = SceneDelta(changed, tuple(sorted(gone)), tuple(copies))
+        self._report = walk.report()
+        lights = [item for item in walk.changed if not isinstance(item, Placement)]
+        sent = {
+            "geometry": geometries_made,
+            "object": len(walk.changed) - len(lights),
+            "material": len(materials),
+            "light": len(lights),
+            "world": len(walk.worlds),
+        }
+        told = (
+            ("everything" if delta else "")
+            if is_new
+            else _describe(walk.counts, reshaped, lights, materials, bool(walk.world_changed))
+        )
+        stats = SyncStats(time.perf_counter() - start, walk.visited, sent, len(gone), told)
+        return SyncStep(delta, self._report, stats)
+
+    def _ids(self) -> set[str]:
+        """Ids of all items that the engine has from us."""
+        held = {shown.key for shown in self._shown.values() if shown.item is not None}
+        held |= {*self._geometries, *self._materials, *self._left}
+        return held | ({self._world.key} if self._world.digest else set())
+
+
+class _Walk:
+    """One pass over the instances."""
+
+    def __init__(self, sync: SceneSync, depsgraph, visible, tags: Tags):
+        self.sync, self.depsgraph, self.visible, self.tags = sync, depsgraph, visible, tags
+        self.scene = depsgraph.scene
+        self.changed: list[Placement | Light] = []
+        self.worlds: list = []
+        self.world_changed = False
+        self.removed: list[str] = []
+        self.visited = 0
+        self.counts = {"added": 0, "moved": 0, "changed": 0, "removed": 0}
+        self.number = sync._walks = sync._walks + 1
+        self._own_data: dict[int, int] = {}
+        self._ordinals: dict[int, dict[int, int]] = {}
+
+    def run(self) -> None:
+        """Visit everything that the tags call for."""
+        sync, tags = self.sync, self.tags
+        scale, efficacy = metres_per_unit(self.scene), self.scene.lumenray.efficacy
+        self.is_rescaled = scale != sync._scale
+        self.is_rerated = efficacy != sync._efficacy
+        sync._scale, sync._efficacy, sync._materials.efficacy = scale, efficacy, efficacy
+        sync._geometries.mark(tags.geometry)
+        sync._materials.mark(tags.shading)
+        if self.is_rerated:
+            sync._materials.mark_all()
+        if self._concerns_objects():
+            self._visit_all()
+            self._sweep()
+        sync._materials.refresh(self._used_materials())
+        self._update_world()
+
+    def report(self) -> ConversionReport:
+        """Return the rows of everything that is shown."""
+        sync, whole = self.sync, ConversionReport()
+        reports, is_lit = sync._materials.tell(self._used_materials())
+        for shown in sync._shown.values():
+            is_lit |= not shown.is_dark and shown.item is not None and bool(shown.digest)
+            if shown.report is not None and shown.walk == sync._last_visit:
+                reports.append(shown.report)
+        if sync._world.report is not None:
+            reports.append(sync._world.report)
+        for part in reports:
+            whole.include(part)
+        if not is_lit and not sync._world.digest:
+            whole.warn(self.scene.name, "the scene has no light", "everything is black")
+        return whole
+
+    # ---- objects ----
+
+    def _concerns_objects(self) -> bool:
+        tags = self.tags
+        return bool(
+            tags.objects
+            or tags.geometry
+            or tags.scene
+            or any(not s.shading.isdisjoint(tags.shading) for s in self.sync._shown.values())
+        )
+
+    def _visit_all(self) -> None:
+        sync, tags = self.sync, self.tags
+        sync._last_visit = self.number
+        touched = tags.objects | tags.geometry | tags.shading
+        is_all = self.is_rescaled or self.is_rerated
+        shown_before, number = sync._shown, self.number
+        matrices = _read_matrices(self.depsgraph.object_instances)
+        for row, instance in enumerate(self.depsgraph.object_instances):
+            if not instance.show_self or not self._is_visible(instance):
+                continue
+            source = instance.object
+            original = source.original
+            session_uid = original.session_uid
+            if instance.is_instance:
+                parent = instance.parent
+                owner = parent.original.session_uid if parent is not None else 0
+                key = (owner, tuple(instance.persistent_id), session_uid)
+                is_touched = is_all or session_uid in touched or owner in touched
+            else:
+                key = session_uid
+                is_touched = is_all or session_uid in touched
+            self.visited += 1
+            shown = shown_before.get(key)
+            if shown is None:
+                shown = shown_before[key] = _Shown(session_uid, key == session_uid)
+                is_touched = True
+            shown.walk = number
+            matrix = matrices[64 * row : 64 * row + 64]
+            if (
+                is_touched
+                or shown.is_dark
+                or shown.data in touched
+                or (shown.shading and not shown.shading.isdisjoint(touched))
+            ):
+                self._convert(shown, instance, source, original)
+            elif matrix != shown.matrix and shown.item is not None:
+                self._move(shown, instance, source, original)
+            shown.matrix = matrix
+
+    def _is_visible(self, instance) -> bool:
+        if self.sync.final:
+            if instance.object.hide_render:
+                return False
+            if instance.is_instance and instance.parent is not None and instance.parent.hide_render:
+                return False
+        return self.visible is None or self.visible(instance)
+
+    def _move(self, shown, instance, source, original) -> None:
+        if isinstance(shown.item, Placement):
+            self._place(shown, replace(shown.item, frame=self._frame(instance)))
+        else:
+            self._convert(shown, instance, source, original)
+
+    def _frame(self, instance) -> np.ndarray:
+        frame = np.array(instance.matrix_world, dtype=np.float64)
+        frame[:3] *= self.sync._scale
+        return frame
+
+    def _convert(self, shown, instance, source, original) -> None:
+        """Convert an instance that is new or touched."""
+        data = original.data
+        shown.data = data.session_uid if data is not None else 0
+        shown.report = None
+        kind = source.type
+        if kind not in {"MESH", "LIGHT"} and kind not in UNSUPPORTED:
+            self._place(shown, None)
+            return
+        self._name(shown, instance, original)
+        if kind == "MESH":
+            self._convert_mesh(shown, instance, source, original)
+        elif kind == "LIGHT":
+            self._convert_light(shown, instance, source, original)
+        else:
+            shown.report = ConversionReport()
+            shown.report.warn(shown.name, f"objects of type {kind} are not converted", "left out")
+            self._place(shown, None)
+
+    def _name(self, shown, instance, original) -> None:
+        shown.name, key = original.name_full, identity.identity_of(original)
+        if not shown.is_own:
+            parent = instance.parent
+            numbers = [number for number in instance.persistent_id if number != _NO_ID]
+            if parent is not None and parent.original == original and original.type != "MESH":
+                # What text, curves, surfaces and metaballs evaluate to comes as an instance of their own.
+                shown.is_own = numbers == [0]
+            if not shown.is_own:
+                number = ".".join(map(str, numbers))
+                owner = identity.identity_of(parent) if parent is not None else ""
+                owner_name = parent.name_full if parent is not None else ""
+                shown.name = f"{shown.name} ({owner_name} {number})"
+                key = f"{owner}/{number}/{key}"
+        kind = "light" if instance.object.type == "LIGHT" else "object"
+        if shown.key and shown.key != f"{kind}:{key}":
+            self._place(shown, None)
+        shown.key = f"{kind}:{key}"
+
+    def _convert_mesh(self, shown, instance, source, original) -> None:
+        geometry = self._geometry(instance, source, original)
+        if geometry is None:
+            self._place(shown, None)
+            return
+        use = self.sync._materials.use
+        materials = tuple(use(slot.material) for slot in source.material_slots) or (use(None),)
+        placement = Placement(
+            id=shown.key,
+            name=shown.name,
+            geometry=geometry,
+            frame=self._frame(instance),
+            materials=materials,
+            visible_to_camera=source.visible_camera,
+            index=source.pass_index,
+        )
+        self._place(shown, placement)
+
+    def _geometry(self, instance, source, original) -> str | None:
+        """Id of the geometry that an instance shows; objects that show the same data share it."""
+        take, owner = self.sync._geometries.take, original.session_uid
+        if original.type != "MESH" or (
+            instance.is_instance and source.data.as_pointer() != self._data_of(original)
+        ):
+            # Made by geometry nodes, or what a curve evaluates to: told apart by their order.
+            known = self._ordinals.setdefault(owner, {})
+            ordinal = known.setdefault(source.data.as_pointer(), len(known))
+            key = f"geometry:{identity.identity_of(original)}/{ordinal}"
+            return take(key, owner, False, source)
+        settings = "RENDER" if self.depsgraph.mode == "RENDER" else "PREVIEW"
+        if original.is_modified(self.scene.original, settings):
+            return take(f"geometry:{identity.identity_of(original)}", owner, False, source)
+        owner = original.data.session_uid
+        return take(f"geometry:data/{owner}", owner, True, source)
+
+    def _data_of(self, original) -> int:
+        """Address of the data that an object itself shows, within this walk."""
+        session_uid = original.session_uid
+        if session_uid not in self._own_data:
+            data = original.evaluated_get(self.depsgraph).data
+            self._own_data[session_uid] = data.as_pointer()
+        return self._own_data[session_uid]
+
+    def _place(self, shown, placement: Placement | None) -> None:
+        """Send a placement if it differs from what was sent; None takes away what was."""
+        before = shown.item
+        shown.item, shown.digest, shown.is_dark = placement, b"", False
+        if placement is None:
+            if before is not None:
+                self.removed.append(before.id)
+            return
+        if not isinstance(before, Placement):
+            self.counts["added"] += 1
+        else:
+            is_same = (
+                before.geometry == placement.geometry
+                and before.materials == placement.materials
+                and before.visible_to_camera == placement.visible_to_camera
+                and before.index == placement.index
+            )
+            if not np.array_equal(before.frame, placement.frame):
+                self.counts["moved"] += 1
+            elif is_same:
+                return
+            else:
+                self.counts["changed"] += 1
+        self.changed.append(placement)
+
+    def _convert_light(self, shown, instance, source, original) -> None:
+        sync, shown.report = self.sync, ConversionReport()
+        shown.shading = shading_dependencies(original.data)
+        light = convert_light(
+            source,
+            shown.key,
+            shown.name,
+            instance.matrix_world,
+            sync._scale,
+            sync._efficacy,
+            shown.report,
+        )
+        if light is None:
+            self._darken(shown)
+            return
+        shown.is_dark, digest = False, content_digest(light)
+        if digest != shown.digest:
+            shown.item, shown.digest = light, digest
+            self.changed.append(light)
+
+    def _darken(self, shown) -> None:
+        """Make a light that the engine has emit nothing: cheaper than taking it away, and it may come back."""
+        if not shown.is_dark and shown.item is not None:
+            light = shown.item
+            shown.item = replace(light, output=replace(light.output, value=0.0))
+            shown.digest = content_digest(shown.item)
+            self.changed.append(shown.item)
+        shown.is_dark = True
+
+    # ---- what is no longer there ----
+
+    def _sweep(self) -> None:
+        sync, number = self.sync, self.number
+        missing = [key for key, shown in sync._shown.items() if shown.walk != number]
+        alive = {b.session_uid for b in bpy.data.objects if b.users} if missing else set()
+        for key in missing:
+            shown = sync._shown[key]
+            is_light = shown.item is not None and bool(shown.digest)
+            if is_light and shown.is_own and shown.source in alive:
+                self._darken(shown)
+                continue
+            del sync._shown[key]
+            if shown.item is not None:
+                self.removed.append(shown.item.id)
+                self.counts["removed"] += isinstance(shown.item, Placement)
+        places = [s for s in sync._shown.values() if isinstance(s.item, Placement)]
+        used = {shown.item.geometry for shown in places}
+        sync._geometries.sweep(used, {shown.source for shown in places})
+
+    def _used_materials(self) -> set[str]:
+        return {
+            material
+            for shown in self.sync._shown.values()
+            if isinstance(shown.item, Placement)
+            for material in shown.item.materials
+        }
+
+    # ---- world ----
+
+    def _update_world(self) -> None:
+        sync, world = self.sync, self.scene.world
+        original = world.original if world is not None else None
+        source = original.session_uid if original is not None else 0
+        known, tagged = sync._world, self.tags.shading
+        is_current = known.source == source and not self.is_rerated
+        if is_current and source not in tagged and known.shading.isdisjoint(tagged):
+            return
+        report = ConversionReport()
+        key = identity.engine_id(original) if original is not None else ""
+        made = convert_world(original, key, sync._efficacy, report)
+        digest = content_digest(made) if made is not None else b""
+        trees = shading_dependencies(original) if original is not None else frozenset()
+        sync._world = _World(source, key, digest, trees, report)
+        if digest == known.digest and (not digest or key == known.key):
+            return
+        self.world_changed = True
+        if made is not None:
+            self.worlds.append(made)
+        if known.digest and (made is None or known.key != key):
+            self.removed.append(known.key)
+
+
+def _read_matrices(instances) -> bytes:
+    """World matrices of all instances, 64 bytes each: compared whole, because instances do not always signal moves."""
+    values = np.empty(16 * len(instances), np.float32)
+    instances.foreach_get("matrix_world", values)
+    return values.tobytes()
+
+
+def _describe(counts, reshaped, lights, materials, is_world) -> str:
+    """Say in a few words what a walk found."""
+    words = []
+    for what, verb in (("added", "added"), ("removed", "removed"), ("moved", "moved")):
+        if counts[what]:
+            words.append(f"{_number(counts[what], 'object')} {verb}")
+    if reshaped:
+        words.append(f"{_number(reshaped, 'mesh', 'meshes')} reshaped")
+    if counts["changed"]:
+        words.append(f"{_number(counts['changed'], 'object')} changed")
+    for items, kind in ((lights, "light"), (materials, "material")):
+        if len(items) == 1:
+            words.append(f"{kind} '{items[0].name}'")
+        elif items:
+            words.append(_number(len(items), kind))
+    if is_world:
+        words.append("world")
+    return ", ".join(words)
+
+
+def _number(count: int, one: str, many: str = "") -> str:
+    return f"{count} {one if count == 1 else many or one + 's'}"

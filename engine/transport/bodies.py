@@ -1,0 +1,224 @@
+"""Objects of the scene description as Mitsuba shapes: one for each material that an object shows."""
+
+from dataclasses import dataclass, field
+
+import mitsuba as mi
+import numpy as np
+
+from ..errors import SceneError
+from ..luminaires.portals import Portal, find_portals
+from ..scene.material import Material, ThinGlass
+from ..scene.mesh import Geometry, Mesh
+from . import emission
+from .arrays import pointer_id, upload
+from .finishes import Finishes
+from .lamps import surface_emitter
+from .lights import Source
+from .requirements import pictures
+from .surfaces import passes_straight
+
+
+@dataclass
+class Part:
+    """Triangles of one object that share a material. ``source``: its emission, None when it does not glow."""
+
+    shape: object
+    number: int
+    slot: int
+    material: str
+    triangles: int
+    is_veil: bool
+    source: Source | None
+
+
+@dataclass
+class Body:
+    """An object at work. ``low``, ``high`` (3,): its bounds in the world [m]; ``panes``: its flat panes, in the world."""
+
+    item: object
+    geometry: Geometry | None
+    low: np.ndarray
+    high: np.ndarray
+    parts: list[Part] = field(default_factory=list)
+    panes: list[Portal] = field(default_factory=list)
+
+    def is_moved(self, item, geometry) -> bool:
+        """Tell whether the triangles of the object's new state stand elsewhere or are others."""
+        old = self.item
+        if type(item) is not type(old):
+            return True
+        if isinstance(item, Mesh):
+            return item is not old
+        return geometry is not self.geometry or not np.array_equal(item.frame, old.frame)
+
+
+def check_mesh(mesh: Mesh, materials: dict[str, Material]) -> None:
+    """Refuse index errors before they reach native code, where they would end the process."""
+    for key in mesh.materials:
+        if key not in materials:
+            raise SceneError(
+                f"object '{mesh.name}' refers to a material that the scene does not hold ({key})"
+            )
+    if not np.all(np.isfinite(mesh.vertices)):
+        raise SceneError(f"object '{mesh.name}' has a vertex that is not a finite number")
+    if len(mesh.triangles) and (
+        mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices)
+    ):
+        raise SceneError(
+            f"object '{mesh.name}' has a triangle that names a vertex outside its list"
+        )
+    if len(mesh.material_index) and (
+        mesh.material_index.min() < 0 or mesh.material_index.max() >= len(mesh.materials)
+    ):
+        raise SceneError(
+            f"object '{mesh.name}' has a triangle in a material slot that does not exist"
+        )
+
+
+def needs_new_shape(old: Material, new: Material) -> bool:
+    """Tell whether a change of material reaches further than the surface of a shape."""
+    return (
+        passes_straight(old.surface) != passes_straight(new.surface)
+        or isinstance(old.surface, ThinGlass) != isinstance(new.surface, ThinGlass)
+        or uv_map_of(old) != uv_map_of(new)
+        or not _glows_alike(old.emission, new.emission)
+    )
+
+
+def _glows_alike(old, new) -> bool:
+    if not is_glowing(old) or not is_glowing(new):
+        return is_glowing(old) == is_glowing(new)
+    return old.pattern is new.pattern and old.two_sided == new.two_sided
+
+
+def is_glowing(glow) -> bool:
+    """Tell whether an emission gives light."""
+    return glow is not None and glow.luminance > 0.0
+
+
+def reglow(part: Part, old: Material, new: Material) -> None:
+    """Change the light of a glowing part in place."""
+    if part.source is None:
+        return
+    made = emission.luminous(new.emission.luminance, new.emission.spectrum)
+    part.source.emitter.radiance = mi.load_dict(made.texture())
+    part.source.density = made.density
+    part.source.flux *= new.emission.luminance / old.emission.luminance
+
+
+def extent(item, geometry: Geometry | None) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of an object's bounds: of its triangles, or of its geometry's box where it stands. (3,), (3,) [m]"""
+    points = item.vertices if geometry is None and isinstance(item, Mesh) else None
+    if points is None:
+        if geometry is None or len(geometry.vertices) == 0:
+            return np.full(3, np.inf), np.full(3, -np.inf)
+        box = np.stack([geometry.vertices.min(axis=0), geometry.vertices.max(axis=0)])
+        corners = np.stack(np.meshgrid(*box.T.astype(np.float64)), axis=-1).reshape(-1, 3)
+        frame = np.asarray(item.frame, dtype=np.float64)
+        points = corners @ frame[:3, :3].T + frame[:3, 3]
+    elif len(points) == 0:
+        return np.full(3, np.inf), np.full(3, -np.inf)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def make_body(item, geometry, mesh: Mesh, origin: np.ndarray, finishes: Finishes, pool) -> Body:
+    """Build the shapes of an object and put their surfaces into the pool.
+
+    Parameters
+    ----------
+    item : Placement or Mesh    As the scene holds it.
+    geometry : Geometry or None    Of a placement.
+    mesh : Mesh    The object in the world.
+    origin : (3,) array    Of the compiled scene's frame. [m]
+    finishes : Finishes    Holds all materials of the object.
+    pool : SurfacePool
+    """
+    made = Body(item, geometry, *extent(item, geometry))
+    if len(mesh.triangles) == 0:
+        return made
+    only = len(mesh.materials) == 1
+    for slot, key in enumerate(mesh.materials):
+        triangles = None if only else np.flatnonzero(mesh.material_index == slot)
+        if not only and len(triangles) == 0:
+            continue
+        material = finishes.item(key)
+        made.parts.append(_make_part(mesh, slot, material, triangles, origin, finishes, pool))
+        if isinstance(material.surface, ThinGlass):
+            used = mesh.triangles if only else mesh.triangles[triangles]
+            made.panes += find_portals([(mesh.vertices, used)])
+    return made
+
+
+def _make_part(mesh, slot, material: Material, triangles, origin, finishes, pool) -> Part:
+    properties = mi.Properties()
+    # The surface is looked up in the pool; without one Mitsuba would make a new one for every shape.
+    properties["bsdf"] = finishes.palette
+    used = mesh.triangles if triangles is None else mesh.triangles[triangles]
+    source = None
+    if is_glowing(material.emission):
+        source = _make_source(mesh, used, material, origin, finishes)
+        if source is not None:
+            properties["emitter"] = source.emitter
+    positions = (mesh.vertices - origin).astype(np.float32)
+    faces = used
+    if triangles is not None:
+        kept, faces = np.unique(used, return_inverse=True)
+        positions, faces = positions[kept], faces.reshape(-1, 3)
+    uv = mesh.uv_maps.get(uv_map_of(material))
+    if uv is None and mesh.uv_maps:
+        uv = next(iter(mesh.uv_maps.values()))
+    if uv is not None and triangles is not None:
+        uv = uv[triangles]
+    normals = mesh.corner_normals
+    if normals is not None and triangles is not None:
+        normals = normals[triangles]
+    # Only sampling of a glowing pattern asks the shape itself for coordinates, which then need corners of their own.
+    pattern = source is not None and material.emission.pattern is not None and uv is not None
+    if pattern:
+        shape = _make_shape(
+            mesh.name, positions[faces].reshape(-1, 3), np.arange(faces.size), properties, uv
+        )
+    else:
+        shape = _make_shape(mesh.name, positions, faces, properties)
+    number = pointer_id(shape)
+    pool.add_mesh(number, positions, faces, normals, uv)
+    veil = passes_straight(material.surface)
+    return Part(shape, number, slot, material.id, len(used), veil, source)
+
+
+def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> Source | None:
+    corners = mesh.vertices[used]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = float(0.5 * np.linalg.norm(normal, axis=1).sum())
+    if area <= 0.0:
+        return None
+    glow = material.emission
+    made = emission.luminous(glow.luminance, glow.spectrum)
+    pattern = None if glow.pattern is None else finishes.make.picture(glow.pattern, largest=1.0)
+    emitter = surface_emitter(made, glow.two_sided, pattern)
+    corners = corners.reshape(-1, 3)
+    centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    radius = float(np.linalg.norm(corners.max(axis=0) - centre))
+    sides = 2 if glow.two_sided else 1
+    flux = glow.luminance * np.pi * area * sides
+    return Source(emitter, flux, made.density, centre - origin, radius)
+
+
+def _make_shape(name: str, positions, faces, properties, uv=None):
+    """Mitsuba mesh for the search tree and for sampling points on it."""
+    properties["face_normals"] = True
+    shape = mi.Mesh(name, len(positions), faces.size // 3, properties, False, uv is not None)
+    values = mi.traverse(shape)
+    values["vertex_positions"] = upload(mi.Float, positions)
+    values["faces"] = upload(mi.UInt32, faces)
+    if uv is not None:
+        values["vertex_texcoords"] = upload(mi.Float, uv)
+    values.update()
+    return shape
+
+
+def uv_map_of(material: Material) -> str:
+    """Name of the UV map that a material's pictures use; the converter sees to it that there is one at most."""
+    for picture in pictures(material):
+        return picture.uv_map
+    return ""

@@ -1,0 +1,139 @@
+"""The live view: one camera, refined slice by slice, coarse at first."""
+
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+
+from ..accuracy.stopping import StopRule
+from ..errors import SceneError
+from ..scene.camera import Camera
+from .compile import CompiledScene
+from .picture import GROUPS, MAXIMUM_PIXELS, Film, PictureJob, learn_lights, relative_error
+
+FIRST_PIXELS = 6000
+"""Most pixels of the first image."""
+
+SLICE_SECONDS = 0.1
+"""Duration that slices of work are cut to. [s]"""
+
+SMALLEST_SLICE, LARGEST_SLICE = 1 << 10, 1 << 18
+"""Paths in a slice."""
+
+
+class LiveView:
+    """Progressive picture of a camera: a ladder of coarse images, then samples upon samples.
+
+    Every step traces an even and an odd path for a range of pixels. Pixels that a finer image does not have yet show the
+    coarser one.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    camera : Camera    Of the whole view.
+    settings : LiveSettings
+    """
+
+    def __init__(self, scene: CompiledScene, camera: Camera, settings):
+        pixels = camera.width * camera.height
+        if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
+            raise SceneError(f"a view of {camera.width} x {camera.height} pixels cannot be shown")
+        self.scene, self.camera, self.settings = scene, camera, settings
+        self.factor = 1
+        while pixels / self.factor**2 > FIRST_PIXELS:
+            self.factor *= 2
+        scene.lights.reset()
+        self._has_learned = False
+        self._passes_done = 0
+        self._slice = SMALLEST_SLICE * 8
+        self._shown: np.ndarray | None = None
+        self.error = float("inf")
+        self._begin_level()
+
+    @property
+    def samples(self) -> int:
+        """Samples of every pixel of the finest image, 0 while it is coarse."""
+        return int(self._passes * GROUPS) if self.factor == 1 else 0
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all samples were taken."""
+        return self.factor == 1 and self.samples >= self.settings.samples
+
+    def refine(self) -> bool:
+        """Take one slice of samples; true when a pass over the image was finished."""
+        if self._passes_done and not self._has_learned:
+            learn_lights(self.scene, self._film)
+            self._has_learned = True
+            return False
+        start = time.perf_counter()
+        count = min(self._slice // GROUPS, self._pixels - self._cursor)
+        new = self._job.launch(self._cursor, count, 1, self._passes)
+        part = slice(self._cursor, self._cursor + count)
+        self._sums[:, part] += new
+        self._counts[part] += 1
+        self._cursor += count
+        self._adapt(count * GROUPS, time.perf_counter() - start)
+        if self._cursor < self._pixels:
+            return False
+        self._finish_pass()
+        return True
+
+    def image(self) -> np.ndarray:
+        """Return what is known: X, Y, Z and, if wanted, illuminance. (h, w, c) float32 [cd/m2, lx]"""
+        known = self._counts > 0
+        flat = self._shown.copy() if self._shown is not None else np.zeros_like(self._sums[0])
+        total = self._sums[:, known].sum(axis=0)
+        flat[known] = total / (GROUPS * self._counts[known][:, None])
+        return flat.reshape(self._camera.height, self._camera.width, -1).astype(np.float32)
+
+    # ---- private ----
+
+    def _adapt(self, paths: int, seconds: float) -> None:
+        """Let the next slice take about as long as slices should."""
+        wanted = paths * SLICE_SECONDS / max(seconds, 1e-4)
+        bounded = np.clip(wanted, 0.25 * self._slice, 4.0 * self._slice)
+        self._slice = int(np.clip(bounded, SMALLEST_SLICE, LARGEST_SLICE))
+
+    def _begin_level(self) -> None:
+        self._camera = replace(
+            self.camera,
+            width=max(-(-self.camera.width // self.factor), 1),
+            height=max(-(-self.camera.height // self.factor), 1),
+        )
+        self._pixels = self._camera.width * self._camera.height
+        self._film = Film(self._camera, self.scene.origin)
+        self._job = PictureJob(self.scene, self._film, _view_settings(self.settings))
+        self._sums = np.zeros((GROUPS, self._pixels, self._job.channels))
+        self._counts = np.zeros(self._pixels, dtype=np.int64)
+        self._cursor = self._passes = 0
+
+    def _finish_pass(self) -> None:
+        self._cursor = 0
+        self._passes += 1
+        self._passes_done += 1
+        if self.factor == 1:
+            means = self._sums[..., 1] / self._passes
+            self.error = relative_error(means.mean(axis=0), 0.5 * np.abs(means[0] - means[1]))
+            return
+        coarse = self.image()
+        self.factor //= 2
+        self._begin_level()
+        size = (self._camera.height, self._camera.width)
+        self._shown = _enlarge(coarse, size).reshape(self._pixels, -1).astype(np.float64)
+
+
+def _view_settings(settings):
+    """Settings of the picture job whose launches the view uses."""
+    return SimpleNamespace(
+        rule=StopRule(samples=settings.samples),
+        seed=settings.seed,
+        illuminance=settings.illuminance,
+        bands=0,
+    )
+
+
+def _enlarge(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Repeat pixels twice in both directions and cut to size."""
+    return image.repeat(2, axis=0).repeat(2, axis=1)[: size[0], : size[1]]

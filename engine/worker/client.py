@@ -1,0 +1,338 @@
+"""Blender's side: a worker is the engine in a process of its own, and its sessions are used like those in this process.
+
+Nothing that happens to the engine happens to Blender: a worker that crashed, hung or ran out of memory is told of in words
+(`EngineLost`), and a new one takes its place.
+"""
+
+import sys
+import threading
+import weakref
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..accuracy.stopping import Progress, StopRule
+from ..errors import EngineLost
+from ..scene.camera import Camera
+from ..scene.scene import SceneDelta
+from ..session import (
+    BakeOrder,
+    BakeResult,
+    Display,
+    Frame,
+    LiveSettings,
+    Measurement,
+    Picture,
+    ViewSettings,
+)
+from ..transport.backend import BackendStatus
+from . import faults
+from .link import CANCEL_PATIENCE, HUNG_AFTER, Link
+from .process import Process
+
+START_PATIENCE = 30.0
+"""How long the process may take to say its first word. [s]"""
+
+CLOSE_PATIENCE = 2.0
+"""How long it may take to end by itself. [s]"""
+
+PREVIEW_INTERVAL = 1.0
+"""Shortest time between two pictures of a render under way. [s]"""
+
+
+class RemoteSession:
+    """A session in a worker, used like `engine.session.Session` and from any thread.
+
+    `apply` and `watch` do not wait. What is wrong with a delta is raised by the next call that does.
+    """
+
+    def __init__(self, worker: "Worker", link: Link, name: str):
+        # A session keeps its worker alive.
+        self._worker = worker
+        self._link = link
+        self._is_closed = False
+        self.name = name
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the session's worker is gone, and its scene with it."""
+        return self._is_closed or self._link.lost is not None
+
+    @property
+    def revision(self) -> int:
+        """Number of the scene's state: how many deltas were sent and not refused."""
+        return self._link.view(self.name).applied
+
+    @property
+    def has_view_work(self) -> bool:
+        """Whether better frames of the live view can be expected."""
+        view = self._link.view(self.name)
+        return not self.is_lost and view.is_watched and not view.is_final and view.error is None
+
+    def apply(self, delta: SceneDelta) -> None:
+        """Change the scene.
+
+        Raises
+        ------
+        EngineLost    The worker is gone: start it again and send the whole scene.
+        """
+        self._check()
+        self._link.apply(self.name, delta)
+
+    def cancel(self) -> None:
+        """Ask the session's jobs to end; whoever waits for them gets `Cancelled`."""
+        self._link.cancel_session(self.name)
+
+    def render(
+        self,
+        camera: Camera,
+        settings: ViewSettings,
+        progress: Callable | None = None,
+        preview_interval: float | None = PREVIEW_INTERVAL,
+        idle: Callable[[], None] | None = None,
+    ) -> Picture:
+        """Render a view.
+
+        Parameters
+        ----------
+        camera : Camera
+        settings : ViewSettings
+        progress : callable or None    ``progress(Progress, preview)`` on this thread, where ``preview`` is None or gives
+            the picture so far as (h, w, 3) X, Y, Z. [cd/m2]
+        preview_interval : float or None    Shortest time between two such pictures; None: none are made. [s]
+        idle : callable or None    Called on this thread at least ten times a second.
+
+        Raises
+        ------
+        Cancelled    After `cancel`.
+        EngineLost    The worker is gone: start it again and send the whole scene.
+        LumenrayError    The scene or the machine does not allow it; the text says what to do.
+        """
+        interval = None if progress is None else preview_interval
+        return self._wait("render", (camera, settings), {}, progress, idle, interval)
+
+    def measure(
+        self,
+        positions,
+        normals,
+        rule: StopRule,
+        seed: int = 0,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        idle: Callable[[], None] | None = None,
+    ) -> Measurement:
+        """Illuminance at points. ``positions``, ``normals``: (n, 3) world space. Raises as `render`. [m -> lx]"""
+        points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
+        options = {"seed": seed, "transport": transport}
+        return self._wait("measure", (*points, rule), options, _states_only(progress), idle)
+
+    def measure_sensors(
+        self,
+        key: str,
+        rule: StopRule,
+        seed: int = 0,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        idle: Callable[[], None] | None = None,
+    ) -> Measurement:
+        """Illuminance at the sensors of a set of the scene, by its id. Raises as `render`. [lx]"""
+        options = {"seed": seed, "transport": transport}
+        return self._wait("measure_sensors", (key, rule), options, _states_only(progress), idle)
+
+    def bake_objects(
+        self,
+        order: BakeOrder,
+        progress: Callable[[Progress], None] | None = None,
+        idle: Callable[[], None] | None = None,
+    ) -> BakeResult:
+        """Lux maps of objects of the scene. Raises as `render`."""
+        return self._wait("bake_objects", (order,), {}, _states_only(progress), idle)
+
+    def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
+        """Start or change the live view.
+
+        Raises
+        ------
+        EngineLost    The worker is gone: start it again and send the whole scene.
+        """
+        self._check()
+        self._link.watch(self.name, (camera, settings, display))
+
+    def unwatch(self) -> None:
+        """End the live view."""
+        self._link.unwatch(self.name)
+
+    def frame(self) -> Frame | None:
+        """Return the newest frame of the live view, once; None while there is no newer one."""
+        view = self._link.view(self.name)
+        frame, view.frame = view.frame, None
+        return frame
+
+    def view_error(self) -> str | None:
+        """Say why the live view does not go on; None while it does."""
+        return self._link.lost or self._link.view(self.name).error
+
+    def close(self) -> None:
+        """Let the worker forget the session; its jobs end."""
+        if not self.is_lost:
+            self.unwatch()
+            self.cancel()
+            self._link.post("close", self.name)
+        self._is_closed = True
+        self._worker.forget(self)
+
+    def _check(self) -> None:
+        self._link.check()
+        if self._is_closed:
+            raise EngineLost(f"the session '{self.name}' was closed; ask the worker for a new one")
+
+    def _wait(self, kind: str, arguments: tuple, options: dict, progress, idle, interval=None):
+        self._check()
+        body = (arguments, options)
+        call = self._link.call(kind, self.name, body, preview_interval=interval)
+        return self._link.wait(call, progress, idle)
+
+
+class Worker:
+    """The engine in a process of its own, to be started again as often as need be.
+
+    Parameters
+    ----------
+    root : Path    Folder of the package.
+    memory_limit : int or None    Most address space that the process may use. [byte]
+    search_path : list of str or None    Where it looks for modules; None: where this process does.
+    factory : str or None    ``module:callable`` that makes its sessions; None: the engine's own.
+    hung_after : float    Silence after which it counts as hung, unless it computes. [s]
+    cancel_patience : float    How long a job may take to obey a cancel. [s]
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        memory_limit: int | None = None,
+        search_path: list[str] | None = None,
+        *,
+        factory: str | None = None,
+        hung_after: float = HUNG_AFTER,
+        cancel_patience: float = CANCEL_PATIENCE,
+    ):
+        self.root = root
+        self.memory_limit = memory_limit
+        self.search_path = search_path
+        self._factory = factory
+        self._hung_after = hung_after
+        self._cancel_patience = cancel_patience
+        self._lock = threading.RLock()
+        self._link: Link | None = None
+        self._finalizer: weakref.finalize | None = None
+        self._sessions: dict[str, RemoteSession] = {}
+
+    def __enter__(self) -> "Worker":
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether there is a process that serves."""
+        link = self._link
+        return link is not None and link.lost is None
+
+    @property
+    def pid(self) -> int | None:
+        """Of the process; None without one."""
+        link = self._link
+        return link.pid if link is not None and link.lost is None else None
+
+    @property
+    def lost(self) -> str | None:
+        """Why the last process is gone; None while it serves, or before the first start."""
+        link = self._link
+        return None if link is None else link.lost
+
+    def start(self, timeout: float = START_PATIENCE) -> None:
+        """Start the process and wait for its first word; nothing happens while one serves. [s]
+
+        Raises
+        ------
+        EngineLost    It cannot be started; the text says why.
+        """
+        with self._lock:
+            if self.is_alive:
+                return
+            self._drop()
+            path = list(sys.path) if self.search_path is None else self.search_path
+            process = Process(self.root, path, self.memory_limit, self._factory)
+            self._link = Link(process, self._hung_after, self._cancel_patience)
+            # Nobody may wait inside a finalizer: the link's own thread reaps the process.
+            self._finalizer = weakref.finalize(self, process.kill)
+            self._link.wait_until_ready(timeout)
+
+    def status(self, timeout: float = 120.0) -> BackendStatus:
+        """Ask whether the engine can compute; the first answer takes seconds, since it loads libraries. [s]
+
+        Raises
+        ------
+        EngineLost    The process is gone or did not answer in time.
+        """
+        link = self._serving()
+        return link.wait(link.call("status", ""), seconds=timeout)
+
+    def session(self, name: str) -> RemoteSession:
+        """Return the session of a name; a new one has an empty scene.
+
+        Raises
+        ------
+        EngineLost    There is no process.
+        """
+        with self._lock:
+            link = self._serving()
+            session = self._sessions.get(name)
+            if session is None or session.is_lost:
+                session = self._sessions[name] = RemoteSession(self, link, name)
+            return session
+
+    def forget(self, session: RemoteSession) -> None:
+        """Drop a session that was closed."""
+        with self._lock:
+            if self._sessions.get(session.name) is session:
+                del self._sessions[session.name]
+
+    def log(self) -> tuple[str, ...]:
+        """Return the last lines that the process wrote."""
+        link = self._link
+        return () if link is None else link.log()
+
+    def restart(self, timeout: float = START_PATIENCE) -> None:
+        """End the process and start another; sessions are lost."""
+        with self._lock:
+            self.close()
+            self.start(timeout)
+
+    def close(self, timeout: float = CLOSE_PATIENCE) -> None:
+        """End the process, by force after so many seconds; nothing is left of it. [s]"""
+        with self._lock:
+            self._drop(timeout)
+
+    def _serving(self) -> Link:
+        link = self._link
+        if link is None:
+            raise EngineLost(f"the engine is not running; {faults.AGAIN}")
+        link.check()
+        return link
+
+    def _drop(self, timeout: float = CLOSE_PATIENCE) -> None:
+        self._sessions.clear()
+        if self._link is not None:
+            self._link.end(timeout)
+        if self._finalizer is not None:
+            self._finalizer.detach()
+            self._finalizer = None
+
+
+def _states_only(progress: Callable | None) -> Callable | None:
+    """Adapt what takes a state to what is given a state and a picture."""
+    return None if progress is None else lambda state, _: progress(state)
