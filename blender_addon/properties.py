@@ -26,6 +26,14 @@ def _identity():
     return StringProperty(name="Identity", options={"HIDDEN"})
 
 
+def _redraw(self, context):
+    """Draw the 3D views again: what they show depends on the property, the scene does not."""
+    for window in context.window_manager.windows if context.window_manager else ():
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 def _enum_from_names(names):
     return [(name, name, "", index) for index, name in enumerate(names)]
 
@@ -350,7 +358,12 @@ class LumenraySceneSettings(PropertyGroup):
         subtype="TIME_ABSOLUTE",
     )
     seed: IntProperty(
-        name="Seed", description="Same seed, same result", default=0, min=0, max=2**31 - 1
+        name="Seed",
+        description="Same seed, same result",
+        default=0,
+        min=0,
+        max=2**31 - 1,
+        update=_redraw,
     )
     transport: EnumProperty(
         name="Transport",
@@ -361,6 +374,7 @@ class LumenraySceneSettings(PropertyGroup):
             ("SPECTRAL", "Spectral", "Four wavelengths per path, 360 to 830 nm", 2),
         ],
         default="AUTO",
+        update=_redraw,
     )
     efficacy: FloatProperty(
         name="Lumens per Blender watt",
@@ -383,6 +397,7 @@ class LumenraySceneSettings(PropertyGroup):
             ("AUTO", "Automatic", "Set white from the picture itself; never use it to compare", 2),
         ],
         default="LUMINANCE",
+        update=_redraw,
     )
     white_luminance: FloatProperty(
         name="White luminance",
@@ -391,6 +406,7 @@ class LumenraySceneSettings(PropertyGroup):
         min=1e-6,
         max=1e9,
         soft_max=20000.0,
+        update=_redraw,
     )
     ev100: FloatProperty(
         name="EV100",
@@ -398,6 +414,60 @@ class LumenraySceneSettings(PropertyGroup):
         default=8.0,
         min=-20.0,
         max=30.0,
+        update=_redraw,
+    )
+    viewport_display: EnumProperty(
+        name="Viewport shows",
+        description="What the 3D view shows in rendered shading",
+        items=[
+            ("PICTURE", "Picture", "In colour, as in the render", 0),
+            ("LUMINANCE", "Luminance", "Without colour", 1),
+            ("FALSE_LUMINANCE", "False colours: luminance", "In cd/m², with a scale", 2),
+            (
+                "FALSE_ILLUMINANCE",
+                "False colours: illuminance",
+                "Of the visible surfaces in lx, with a scale; takes about twice the time",
+                3,
+            ),
+        ],
+        default="PICTURE",
+        update=_redraw,
+    )
+    viewport_samples: IntProperty(
+        name="Viewport samples",
+        description="Paths per pixel after which the view in rendered shading rests",
+        default=256,
+        min=2,
+        max=1 << 20,
+        update=_redraw,
+    )
+    viewport_automatic: BoolProperty(
+        name="Automatic scale",
+        description="Set the top of the scale from the view itself",
+        default=True,
+        update=_redraw,
+    )
+    viewport_low: FloatProperty(
+        name="From",
+        description="Lower end of the scale of false colours, in its unit",
+        default=0.0,
+        min=0.0,
+        max=1e9,
+        update=_redraw,
+    )
+    viewport_high: FloatProperty(
+        name="To",
+        description="Upper end of the scale of false colours, in its unit",
+        default=1000.0,
+        min=1e-6,
+        max=1e9,
+        update=_redraw,
+    )
+    viewport_logarithmic: BoolProperty(
+        name="Logarithmic",
+        description="Equal ratios take equal lengths of the scale",
+        default=False,
+        update=_redraw,
     )
     use_smoothing: BoolProperty(
         name="Smooth the picture",

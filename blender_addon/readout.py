@@ -208,6 +208,28 @@ def describe_result(row) -> tuple[tuple[str, str], ...]:
     )
 
 
+def describe_edit(status) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about the last edit that a view (`viewport.Status`) showed and the state of its picture."""
+    total = status.walk + status.transfer + status.commit + status.first_sample
+    error = f"{100.0 * status.error:.2g} %" if status.error < 1e6 else "–"
+    return (
+        ("Last edit", status.changed or "nothing"),
+        ("Sent", f"{status.sent} item{'' if status.sent == 1 else 's'}"),
+        ("Engine", status.action or "–"),
+        ("Scene walk", _milliseconds(status.walk)),
+        ("Transfer", _milliseconds(status.transfer)),
+        ("Commit", _milliseconds(status.commit)),
+        ("First sample", _milliseconds(status.first_sample)),
+        ("Together", _milliseconds(total)),
+        ("Samples", str(status.samples) if status.samples else "coarse"),
+        ("Picture error", error),
+    )
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{1e3 * seconds:.1f} ms" if seconds < 1.0 else f"{seconds:.2f} s"
+
+
 def describe_counts(rows) -> str:
     """Say how many rows of each severity a report holds."""
     counts = {"ERROR": 0, "WARNING": 0, "INFO": 0}

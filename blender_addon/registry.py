@@ -6,10 +6,20 @@ from . import properties, render_engine
 
 
 def _groups():
-    from . import feedback, identity
+    from . import engine_process, feedback, identity, preferences, view_drawing, viewport
     from .sync import live
 
-    return (properties, feedback, identity, live)
+    return (
+        properties,
+        preferences,
+        feedback,
+        identity,
+        live,
+        engine_process,
+        viewport,
+        view_drawing,
+        render_engine,
+    )
 
 
 def register(classes=()) -> None:
@@ -17,14 +27,12 @@ def register(classes=()) -> None:
     for group in _groups():
         _add(group.CLASSES)
         group.attach()
-    _add(render_engine.CLASSES)
     _add(classes)
 
 
 def unregister(classes=()) -> None:
     """Undo `register`, in reverse order."""
     _remove(classes)
-    _remove(render_engine.CLASSES)
     for group in reversed(_groups()):
         group.detach()
         _remove(group.CLASSES)

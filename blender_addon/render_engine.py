@@ -1,20 +1,23 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
-import time
 from pathlib import Path
 
 import bpy
+import gpu
 import numpy as np
+from bpy.app.handlers import persistent
 
 from ..engine.accuracy.stopping import StopRule
 from ..engine.analysis.noise_filter import smooth
 from ..engine.errors import Cancelled, LumenrayError
 from ..engine.photometry.colour import automatic_white, scene_linear
-from ..engine.session import Session, ViewSettings
+from ..engine.session import ViewSettings
+from . import engine_process, view_drawing
+from .feed import SceneFeed
 from .properties import white_luminance
 from .report import ConversionReport
 from .sync.camera import region
-from .sync.scene import convert_scene
+from .viewport import Viewport
 
 PASSES = (
     ("Combined", "RGBA", "COLOR"),
@@ -35,14 +38,15 @@ OWN_PASSES = ("Luminance", "Illuminance")
 """Passes that Blender does not know by itself; they are added to every result."""
 
 
-def view_settings(settings) -> ViewSettings:
-    """Read what the scene's settings ask of a picture."""
+def view_settings(settings, spectral_file: str | None = None) -> ViewSettings:
+    """Read what the scene's settings ask of a picture. ``spectral_file``: where its bands are written."""
     return ViewSettings(
         rule=stop_rule(settings.stop, settings.samples, settings.error, settings.time),
         seed=settings.seed,
         illuminance=settings.use_pass_illuminance,
         bands=settings.spectral_bands if settings.use_spectral_file else 0,
         transport=settings.transport.lower(),
+        spectral_file=spectral_file,
     )
 
 
@@ -94,14 +98,19 @@ def picture_layers(picture, white: float | None, smoothed: bool = False) -> dict
 
 
 class LumenrayRenderEngine(bpy.types.RenderEngine):
-    """Renders one frame at a time; lives as long as Blender keeps it, on the thread that Blender chooses."""
+    """Renders frames, on the thread that Blender chooses, and draws 3D views in rendered shading, on the main one.
+
+    Blender makes one for every render and for every such view.
+    """
 
     bl_idname = "LUMENRAY"
     bl_label = "Lumenray"
     bl_use_preview = False
     bl_use_postprocess = True
     bl_use_shading_nodes_custom = False
-    bl_use_eevee_viewport = True
+    bl_use_eevee_viewport = True  # of material preview
+
+    _view = None
 
     def update_render_passes(self, scene, view_layer):
         """Tell Blender which passes there will be, for the compositor."""
@@ -122,15 +131,17 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
 
     def _render(self, depsgraph):
         scene = depsgraph.scene
-        report = ConversionReport()
         self.update_stats("", "Converting the scene")
-        converted = convert_scene(depsgraph, report)
+        feed = _final_feed()
+        feed.update(depsgraph)
+        report = ConversionReport()
+        report.include(feed.report)
+        camera = feed.sync.camera(depsgraph, report)
         _show(report)
-        if converted.camera is None:
+        if camera is None:
             self.error_set("The scene has no camera: add one and make it active")
             return
-        session = Session()
-        session.apply(converted.delta)
+        session = feed.session
         self.update_stats("", "Preparing")
         white = white_luminance(scene.lumenray)
         wanted = wanted_passes(scene, depsgraph.view_layer_eval)
@@ -144,14 +155,18 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         finished = False
         try:
             picture = session.render(
-                converted.camera,
-                view_settings(scene.lumenray),
+                camera,
+                view_settings(scene.lumenray, _spectral_path(scene)),
                 self._follow(session, result, white),
+                preview_interval=PREVIEW_INTERVAL,
+                idle=lambda: self.test_break() and session.cancel(),
             )
             finished = True
         finally:
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
+            if not self.is_animation:
+                close_final_feed()
         layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
         self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
         self._write_beside(scene, picture, report)
@@ -160,16 +175,13 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
 
     def _follow(self, session, result, white):
         """Return the function that follows the engine's progress."""
-        shown_at = [0.0]
 
         def follow(progress, preview):
             if self.test_break():
                 session.cancel()
             self.update_progress(progress.done)
             self.update_stats("", progress.text())
-            now = time.monotonic()
-            if preview is not None and progress.done < 1.0 and now - shown_at[0] > PREVIEW_INTERVAL:
-                shown_at[0] = now
+            if preview is not None and progress.done < 1.0:
                 tristimulus = preview()
                 shown = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)
                 shown[..., :3] = scene_linear(
@@ -193,11 +205,9 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         self.end_result(result)
 
     def _write_beside(self, scene, picture, report):
-        """Write what the picture file itself cannot hold: spectral bands and the conversion report."""
+        """Write the conversion report, which the picture file itself cannot hold."""
         path = Path(scene.render.frame_path(frame=scene.frame_current)).with_suffix("")
         to_disk = bpy.app.background or self.is_animation
-        if picture.bands is not None:
-            write_spectral(path.with_name(path.name + "_spectral.exr"), picture)
         if to_disk and report.rows:
             from ..engine.formats.report import compose, write_json
 
@@ -210,15 +220,65 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             )
             write_json(path.with_name(path.name + "_report.json"), content)
 
+    # ---- 3D view ----
 
-def write_spectral(path, picture):
-    """Write a picture's bands as a spectral OpenEXR with a preview in R, G, B."""
-    from ..engine.formats import exr
+    def view_update(self, context, depsgraph):
+        """Send what changed; Blender calls it after every evaluation that concerns the view."""
+        self._viewport().update(context, depsgraph)
 
-    channels = exr.spectral_channels(picture.bands, picture.band_edges)
-    preview = scene_linear(picture.tristimulus, 1.0)
-    channels |= {name: preview[..., i] for i, name in enumerate("RGB")}
-    return exr.write_channels(path, channels, exr.SPECTRAL_ATTRIBUTES)
+    def view_draw(self, context, depsgraph):
+        """Draw the newest frame, and ask for others if the view has turned."""
+        view = self._viewport()
+        view.aim(context, depsgraph)
+        view.size = (context.region.width, context.region.height)
+        scene = depsgraph.scene
+        gpu.state.blend_set("ALPHA_PREMULT")
+        self.bind_display_space_shader(scene)
+        view_drawing.draw_frame(view)
+        self.unbind_display_space_shader()
+        gpu.state.blend_set("NONE")
+        self.update_stats("Lumenray", view.text())
+
+    def _viewport(self):
+        if self._view is None:
+            self._view = Viewport()
+        return self._view
+
+    def __del__(self):
+        """Leave the view; Blender drops the engine when shading or file change."""
+        if self._view is not None:
+            view_drawing.forget(self._view)
+            self._view.close()
+        delete = getattr(super(), "__del__", None)
+        if delete is not None:
+            delete()
+
+
+_final: SceneFeed | None = None
+
+
+def _final_feed() -> SceneFeed:
+    """Return the feed of renders; frames of an animation share one, so that each sends only what moves."""
+    global _final  # noqa: PLW0603 - one render runs at a time
+    if _final is None or _final.session.is_lost:
+        _final = SceneFeed(engine_process.open_session("render"), final=True)
+    return _final
+
+
+def close_final_feed(*_) -> None:
+    """Let the engine forget the scene of renders."""
+    global _final
+    feed, _final = _final, None
+    if feed is not None:
+        feed.session.close()
+
+
+def _spectral_path(scene) -> str | None:
+    """Where the bands of a picture go, None when none are wanted."""
+    if not scene.lumenray.use_spectral_file:
+        return None
+    path = Path(scene.render.frame_path(frame=scene.frame_current)).with_suffix("")
+    return str(path.with_name(path.name + "_spectral.exr"))
 
 
 def _fill(render_pass, values):
@@ -238,6 +298,26 @@ def _show(report):
     else:
         # Blender renders on a thread of its own; the window's data belong to the main thread.
         bpy.app.timers.register(show)
+
+
+@persistent
+def _rendered(*_):
+    close_final_feed()
+
+
+def attach():
+    """Listen for the ends of animations."""
+    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        if _rendered not in handlers:
+            handlers.append(_rendered)
+
+
+def detach():
+    """Listen no longer."""
+    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        if _rendered in handlers:
+            handlers.remove(_rendered)
+    close_final_feed()
 
 
 CLASSES = (LumenrayRenderEngine,)

@@ -148,7 +148,7 @@ class Frame:
     pixels : (h, w, 4) float32
         Scene-linear colour and 1 (pictures and luminance), or display colours in sRGB (false colours).
     is_display_referred : bool    Whether ``pixels`` are display colours that no view transform must touch.
-    low, high : float    Ends of the scale, in ``unit``.
+    low, high : float    Ends of the scale, in ``unit``; ``is_logarithmic``: whether equal ratios are equal lengths.
     revision : int    Number of the scene's state: how many deltas had been applied.
     samples : int    Per pixel.
     relative_error : float    As in `Picture`; infinite while unknown.
@@ -157,6 +157,7 @@ class Frame:
 
     pixels: np.ndarray
     is_display_referred: bool
+    is_logarithmic: bool
     low: float
     high: float
     unit: str

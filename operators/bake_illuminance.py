@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.props import FloatProperty, IntProperty, StringProperty
 
-from ..blender_addon import bake, feedback
+from ..blender_addon import bake, engine_process, feedback
 from ..blender_addon.render_engine import stop_rule
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
@@ -49,7 +49,11 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         """Bake at once and return when done; for scripts."""
         try:
             job = self._prepare(context)
-            job.run()
+            session = engine_process.open_session("bake")
+            try:
+                job.run(session)
+            finally:
+                session.close()
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -61,6 +65,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             return self.execute(context)
         try:
             self._job = self._prepare(context)
+            self._session = engine_process.open_session("bake")
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -137,13 +142,15 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
 
     def _work(self):
         try:
-            self._job.run(self._note)
+            self._job.run(self._session, self._note)
         except LumenrayError as error:
             self._error = error
         except Exception as error:
             # A fault of ours: the log tells where, the window that it happened.
             log.exception("the bake failed")
             self._error = error
+        finally:
+            self._session.close()
 
     def _note(self, progress):
         self._progress = progress

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon import readout
+from ..blender_addon import readout, viewport
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .parts import draw_description, draw_lines, draw_stop, draw_text
@@ -40,6 +40,46 @@ class LUMENRAY_PT_engine(SidebarPanel, bpy.types.Panel):
         if context.engine != ENGINE:
             draw_text(layout, context, "This scene is rendered by another engine", "INFO")
             layout.prop_enum(context.scene.render, "engine", ENGINE, text="Render with Lumenray")
+
+
+class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
+    """What the view in rendered shading shows, and what the last edit took."""
+
+    bl_label = "Rendered View"
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.lumenray
+        column = layout.column()
+        column.prop(settings, "viewport_display", text="Show")
+        if settings.viewport_display.startswith("FALSE"):
+            column.prop(settings, "viewport_automatic")
+            if not settings.viewport_automatic:
+                column.prop(settings, "viewport_low")
+                column.prop(settings, "viewport_high")
+            column.prop(settings, "viewport_logarithmic")
+        column.prop(settings, "viewport_samples", text="Samples")
+        if context.space_data.shading.type != "RENDERED":
+            layout.prop_enum(context.space_data.shading, "type", "RENDERED", text="Show Rendered")
+            return
+        self._draw_status(layout, context)
+
+    def _draw_status(self, layout, context):
+        status = viewport.newest_status()
+        if status is None:
+            return
+        box = layout.box()
+        if status.is_error:
+            draw_text(box, context, status.message, "ERROR")
+            box.operator("lumenray.restart_engine", icon="FILE_REFRESH")
+            return
+        draw_lines(box, readout.describe_edit(status))
 
 
 class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
@@ -190,6 +230,7 @@ CLASSES = (
     LUMENRAY_UL_results,
     LUMENRAY_UL_report,
     LUMENRAY_PT_engine,
+    LUMENRAY_PT_view,
     LUMENRAY_PT_active_light,
     LUMENRAY_PT_bake,
     LUMENRAY_PT_results,

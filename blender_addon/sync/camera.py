@@ -62,12 +62,12 @@ def convert_camera(source, scene, scale: float, report) -> Camera:
         extent_y=size[1] * height / full_height,
         shift_x=middle[0] + centre_x * size[0],
         shift_y=middle[1] + centre_y * size[1],
-        **_lens(source, data, scale),
+        **lens_of(source, data, scale),
         **common,
     )
 
 
-def _lens(source, data, scale) -> dict:
+def lens_of(source, data, scale) -> dict:
     """Aperture and focus, nothing when depth of field is off."""
     if not data.dof.use_dof or data.type != "PERSP":
         return {}

@@ -34,14 +34,21 @@ def show(image: np.ndarray, mode: str, display) -> dict:
             pixels[..., :3] = colours(share, 0.0, 1.0) / np.float32(255.0)
         else:
             pixels[..., :3] = colours(values, low, high) / np.float32(255.0)
-        return {
-            "pixels": pixels, "is_display_referred": True, "low": low, "high": high, "unit": unit
-        }  # fmt: skip
+        return _fields(pixels, True, display.logarithmic, low, high, unit)
     white = display.white if display.white else automatic_white(luminance)
     if mode == "luminance":
         pixels[..., :3] = (luminance / np.float32(white))[..., None]
     else:
         pixels[..., :3] = scene_linear(image[..., :3], white)
+    return _fields(pixels, False, False, 0.0, white, "cd/m²")
+
+
+def _fields(pixels, is_display_referred, is_logarithmic, low, high, unit) -> dict:
     return {
-        "pixels": pixels, "is_display_referred": False, "low": 0.0, "high": white, "unit": "cd/m²"
-    }  # fmt: skip
+        "pixels": pixels,
+        "is_display_referred": is_display_referred,
+        "is_logarithmic": is_logarithmic,
+        "low": float(low),
+        "high": float(high),
+        "unit": unit,
+    }

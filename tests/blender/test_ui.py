@@ -9,6 +9,7 @@ import pytest
 from lumenray import operators, ui
 from lumenray.blender_addon import feedback, probe, registry
 from lumenray.blender_addon.report import ConversionReport
+from lumenray.engine.session import Layout as MapLayout
 from lumenray.engine.session import LuxMap, Provenance
 from lumenray.engine.transport.backend import BackendStatus
 from lumenray.ui import compatibility, material, sidebar
@@ -285,7 +286,10 @@ def test_bake_panel_shows_a_button_or_progress():
 
 def lux_map(name="Floor", mean=500.0):
     values = np.full((2, 2), mean, np.float32)
+    uv = np.zeros((1, 3, 2), np.float32)
     return LuxMap(
+        id=f"object:{name}",
+        layout=MapLayout(uv, np.array([[0, 1, 2]], np.int32), None, 3),
         name=name,
         illuminance=values,
         standard_error=0.1 * values,

@@ -1,0 +1,151 @@
+"""Frames of the rendered view on the screen: pictures under Blender's view transform, false colours above it."""
+
+import blf
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from gpu_extras.presets import draw_texture_2d
+
+from ..engine.analysis.false_colour import STOPS
+from . import readout, viewport
+from .sync.images import decode_srgb
+
+SCALE_WIDTH, SCALE_MARGIN, SCALE_STEPS = 18, 24, 64
+"""Width of the scale of false colours, its distance from the region's edges, and its bands. [pixel]"""
+
+TEXT_SIZE = 13
+"""Height of the scale's numbers. [point]"""
+
+_textures: dict[int, tuple[int, object]] = {}
+
+
+def draw_frame(view) -> None:
+    """Draw a view's frame over its whole region, as scene-linear light or, below false colours, black."""
+    frame = view.frame
+    if frame is None:
+        return
+    texture = _texture(view)
+    region = view.size
+    if not frame.is_display_referred:
+        draw_texture_2d(texture, (0, 0), *region)
+
+
+def draw_overlay() -> None:
+    """Draw false colours and their scale; called by Blender for every 3D view, in display colours."""
+    import bpy
+
+    region = bpy.context.region
+    view = viewport.view_at(region)
+    if view is None or view.frame is None or not view.frame.is_display_referred:
+        return
+    if bpy.context.space_data.shading.type != "RENDERED":
+        return
+    _draw_display_colours(_texture(view), region.width, region.height)
+    _draw_scale(view.frame, region)
+
+
+def forget(view) -> None:
+    """Let go of a view's texture."""
+    _textures.pop(view.number, None)
+
+
+def _texture(view):
+    """Texture of the view's frame, made anew only for a new frame."""
+    known = _textures.get(view.number)
+    if known is not None and known[0] == view.frame_number:
+        return known[1]
+    pixels = view.frame.pixels
+    if view.frame.is_display_referred:
+        # The shader encodes what it draws for the screen.
+        pixels = decode_srgb(pixels)
+    pixels = np.ascontiguousarray(pixels, dtype=np.float32)
+    height, width = pixels.shape[:2]
+    buffer = gpu.types.Buffer("FLOAT", width * height * 4, pixels.reshape(-1))
+    texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)
+    _textures[view.number] = (view.frame_number, texture)
+    return texture
+
+
+def _draw_display_colours(texture, width: int, height: int) -> None:
+    """Draw a texture whose colours are what the screen shall show."""
+    shader = gpu.shader.from_builtin("IMAGE")
+    batch = batch_for_shader(
+        shader,
+        "TRI_FAN",
+        {
+            "pos": ((0, 0), (width, 0), (width, height), (0, height)),
+            "texCoord": ((0, 0), (1, 0), (1, 1), (0, 1)),
+        },
+    )
+    shader.uniform_sampler("image", texture)
+    gpu.state.blend_set("NONE")
+    batch.draw(shader)
+
+
+def _draw_scale(frame, region) -> None:
+    """Draw the scale with numbers and unit at the left edge."""
+    height = max(min(region.height - 4 * SCALE_MARGIN, 400), 60)
+    left, low = SCALE_MARGIN, 2 * SCALE_MARGIN
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    gpu.state.blend_set("ALPHA")
+    _fill(shader, left - 8, low - 12, SCALE_WIDTH + 90, height + 44, (0.0, 0.0, 0.0, 0.55))
+    for step in range(SCALE_STEPS):
+        share = (step + 0.5) / SCALE_STEPS
+        bottom, top = (low + height * (step + k) / SCALE_STEPS for k in (0, 1))
+        _fill(shader, left, bottom, SCALE_WIDTH, top - bottom + 0.5, (*_colour(share), 1.0))
+    gpu.state.blend_set("NONE")
+    blf.size(0, TEXT_SIZE)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
+        blf.position(0, left + SCALE_WIDTH + 8, low + height * share - 5, 0)
+        blf.draw(0, readout.format_amount(_value(frame, share), ""))
+    blf.position(0, left, low + height + 14, 0)
+    blf.draw(0, frame.unit)
+
+
+def _value(frame, share: float) -> float:
+    """Value at a place of the scale, the same as `analysis.display` puts there."""
+    if frame.is_logarithmic:
+        return frame.low * (frame.high / frame.low) ** share
+    return frame.low + share * (frame.high - frame.low)
+
+
+def _colour(share: float) -> tuple:
+    place = share * (len(STOPS) - 1)
+    below = min(int(place), len(STOPS) - 2)
+    part = place - below
+    return tuple(STOPS[below] * (1.0 - part) + STOPS[below + 1] * part)
+
+
+def _fill(shader, x, y, width, height, colour) -> None:
+    batch = batch_for_shader(
+        shader,
+        "TRI_FAN",
+        {"pos": ((x, y), (x + width, y), (x + width, y + height), (x, y + height))},
+    )
+    shader.uniform_float("color", colour)
+    batch.draw(shader)
+
+
+CLASSES = ()
+_handle = None
+
+
+def attach():
+    """Draw over every 3D view from now on."""
+    global _handle  # noqa: PLW0603 - Blender gives a handle to be given back
+    import bpy
+
+    if _handle is None and not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(draw_overlay, (), "WINDOW", "POST_PIXEL")
+
+
+def detach():
+    """Draw no more."""
+    global _handle  # noqa: PLW0603
+    import bpy
+
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
+    _textures.clear()

@@ -1,0 +1,25 @@
+"""Restart the engine: end its process, whatever it is doing."""
+
+import bpy
+
+from ..blender_addon import engine_process
+
+
+class LUMENRAY_OT_restart_engine(bpy.types.Operator):
+    """End the engine's process with all its work; the next render, bake or view starts another and sends the scene anew"""
+
+    bl_idname = "lumenray.restart_engine"
+    bl_label = "Restart Engine"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        engine_process.close()
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
+        self.report({"INFO"}, "The engine was ended; the next action starts it again")
+        return {"FINISHED"}
+
+
+CLASSES = (LUMENRAY_OT_restart_engine,)
