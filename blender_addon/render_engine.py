@@ -1,5 +1,6 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
+import weakref
 from pathlib import Path
 
 import bpy
@@ -242,16 +243,14 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def _viewport(self):
         if self._view is None:
             self._view = Viewport()
+            # Blender drops the engine when shading or file change; it cannot be asked for anything then.
+            weakref.finalize(self, _leave, self._view).atexit = False
         return self._view
 
-    def __del__(self):
-        """Leave the view; Blender drops the engine when shading or file change."""
-        if self._view is not None:
-            view_drawing.forget(self._view)
-            self._view.close()
-        delete = getattr(super(), "__del__", None)
-        if delete is not None:
-            delete()
+
+def _leave(view) -> None:
+    view_drawing.forget(view)
+    view.close()
 
 
 _final: SceneFeed | None = None
