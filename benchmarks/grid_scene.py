@@ -1,4 +1,4 @@
-"""A Blender scene of so many triangles in so many objects: bumpy patches in a grid, lamps above, a camera that looks down."""
+"""A Blender scene of so many triangles in so many objects: bumpy patches in a grid, lamps above, a camera."""
 
 import colorsys
 import math
@@ -50,9 +50,7 @@ def patch_location(number: int, objects: int) -> tuple[float, float, float]:
 def count_triangles() -> int:
     """Count the triangles of the open file's scene."""
     return sum(
-        2 * len(made.data.polygons)
-        for made in bpy.context.scene.objects
-        if made.type == "MESH"
+        2 * len(made.data.polygons) for made in bpy.context.scene.objects if made.type == "MESH"
     )
 
 
@@ -82,9 +80,7 @@ class _Patches:
         mesh.loops.add(corners.size)
         mesh.polygons.add(len(corners))
         mesh.loops.foreach_set("vertex_index", corners.ravel())
-        mesh.polygons.foreach_set(
-            "loop_start", np.arange(0, corners.size, 4, dtype=np.int32)
-        )
+        mesh.polygons.foreach_set("loop_start", np.arange(0, corners.size, 4, dtype=np.int32))
         mesh.polygons.foreach_set("use_smooth", np.full(len(corners), is_smooth))
         if is_smooth:
             layer = mesh.uv_layers.new(name="UVMap")

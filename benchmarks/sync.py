@@ -4,6 +4,7 @@ Blender's module and the engine's worker process run as they do behind the viewp
 """
 
 import gc
+import itertools
 import json
 import os
 import platform
@@ -36,7 +37,7 @@ OBJECTS = (100, 1000)
 ROUNDS = 5
 """How often each edit is made."""
 
-PATIENCE = 600.0
+PATIENCE = 180.0
 """Longest wait for a sample. [s]"""
 
 PAUSE = (0.15, 0.35)
@@ -44,6 +45,8 @@ PAUSE = (0.15, 0.35)
 
 PARTS = ("edit", "depsgraph", "walk", "transfer", "commit", "first sample", "rest")
 """Where the time goes: see `Timing`."""
+
+_numbers = itertools.count()
 
 LIVE = LiveSettings(samples=1 << 16)
 
@@ -82,10 +85,10 @@ def run(
 
     Returns
     -------
-    dict    Plain data, for JSON: ``machine``, ``edits``, ``full``.
+    dict    Plain data, for JSON: ``machine``, ``edits``, ``full``, ``scenes``.
     """
     registry.register()
-    result = {"machine": describe_machine(), "edits": [], "full": []}
+    result = {"machine": describe_machine(), "edits": [], "full": [], "scenes": []}
     for name in scenes:
         for count in objects:
             measured = measure_scene((triangles or SCENES)[name], count, rounds, say)
@@ -95,7 +98,7 @@ def run(
 
 
 def measure_scene(triangles: int, objects: int, rounds: int, say=None) -> dict:
-    """Measure one scene; rows of ``edits`` and ``full``."""
+    """Measure one scene; rows of ``edits``, ``full`` and ``scenes``."""
     say = say or (lambda _line: None)
     build_scene(triangles, objects)
     title = f"{count_triangles()} triangles, {objects} objects"
@@ -103,6 +106,7 @@ def measure_scene(triangles: int, objects: int, rounds: int, say=None) -> dict:
     with Worker(ROOT) as worker:
         # The first one loads libraries and compiles kernels.
         Bench(worker).close()
+        load = OtherLoad(worker.pid)
         for number, group in enumerate(GROUPS):
             bench = Bench(worker)
             full.append({"seconds": bench.full.seconds, "parts": bench.full.parts})
@@ -113,11 +117,13 @@ def measure_scene(triangles: int, objects: int, rounds: int, say=None) -> dict:
                     timing = bench.measure(edit, desk, nth)
                     edits.append({"edit": edit.name, "nth": nth, **vars(timing)})
             bench.close()
+        share = load.share()
     whole = median(row["seconds"] for row in full)
     for row in edits:
         row["ratio"] = row["seconds"] / whole
         say(f"{title}: {row['edit']} {row['nth']}: {1e3 * row['seconds']:.0f} ms")
-    return {"edits": edits, "full": full}
+    say(f"{title}: other processes took {100 * (share or 0.0):.0f} % of the processors")
+    return {"edits": edits, "full": full, "scenes": [{"other_load": share}]}
 
 
 def median(values) -> float:
@@ -135,7 +141,7 @@ class Bench:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         gc.collect()
         start = time.perf_counter()
-        self.session = worker.session("benchmark")
+        self.session = worker.session(f"benchmark {next(_numbers)}")
         self.feed = SceneFeed(self.session)
         made = self.feed.update(depsgraph)
         self.camera = self.feed.sync.camera(depsgraph, ConversionReport())
@@ -232,6 +238,33 @@ def _timing(start: float, parts: dict, made, commit) -> Timing:
 
 
 # ---- machine and files ----
+
+
+class OtherLoad:
+    """How busy other processes keep the machine from now on. ``pid``: of the worker, which does not count."""
+
+    def __init__(self, pid: int):
+        self._pid = pid
+        self._start = self._now()
+
+    def share(self) -> float | None:
+        """Processor time of others over all there was, 0 to 1; None where the system does not tell."""
+        if self._start is None:
+            return None
+        passed, busy, own = (b - a for a, b in zip(self._start, self._now(), strict=True))
+        return round(max(busy - own, 0.0) / max(passed, 1e-9), 3)
+
+    def _now(self) -> tuple[float, float, float] | None:
+        """Time of all cores, their busy time, and that of our two processes. [s]"""
+        whole, worker = Path("/proc/stat"), Path(f"/proc/{self._pid}/stat")
+        if not whole.exists() or not worker.exists():
+            return None
+        tick = os.sysconf("SC_CLK_TCK")
+        times = [int(word) / tick for word in whole.read_text().split("\n")[0].split()[1:9]]
+        fields = worker.read_text().rpartition(")")[2].split()
+        own = time.process_time() + (int(fields[11]) + int(fields[12])) / tick
+        # Idle, and waiting for disks.
+        return sum(times), sum(times) - times[3] - times[4], own
 
 
 def describe_machine() -> dict:

@@ -116,6 +116,25 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for the results (default: out)",
     )
+
+    benchmark = commands.add_parser("benchmark", help="measure the speed of this machine")
+    kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
+    sync = kinds.add_parser("sync", help="what edits cost, compared with sending the whole scene")
+    sync.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    sync.add_argument(
+        "--scenes", type=_words, metavar="A,B", help="triangles (default: 10k,100k,1M,3M)"
+    )
+    sync.add_argument(
+        "--objects", type=_numbers, metavar="N,M", help="numbers of objects (default: 100,1000)"
+    )
+    sync.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("docs/benchmarks"),
+        metavar="DIR",
+        help="folder for sync.md and its picture (default: docs/benchmarks)",
+    )
     return parser
 
 
@@ -147,15 +166,30 @@ def _size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    words = _words(text)
+    if not words or not all(word.isdigit() and int(word) for word in words):
+        raise argparse.ArgumentTypeError(f"expected numbers such as 100,1000, found '{text}'")
+    return tuple(int(word) for word in words)
+
+
 def main(arguments=None) -> int:
     """Run the command; 0 on success, 1 with one line on standard error on any failure."""
     options = build_parser().parse_args(arguments)
     from ..engine.errors import LumenrayError
 
     try:
-        return {"render": _render, "bake": _bake, "measure": _measure, "demo": _demo}[
-            options.command
-        ](options)
+        return {
+            "render": _render,
+            "bake": _bake,
+            "measure": _measure,
+            "demo": _demo,
+            "benchmark": _benchmark,
+        }[options.command](options)
     except LumenrayError as error:
         print(f"lumenray: {error}", file=sys.stderr)
     except KeyboardInterrupt:
@@ -516,6 +550,38 @@ def _demo(options) -> int:
     print(
         f"{seconds:.0f} s. Look at {options.output}/office.png and {options.output}/illuminance_atlas.png"
     )
+    return 0
+
+
+def _benchmark(options) -> int:
+    from ..engine.errors import LumenrayError
+
+    try:
+        from .. import benchmarks  # noqa: F401
+    except ImportError:
+        raise LumenrayError(
+            "this installation has no benchmarks; they come with Lumenray's source code"
+        ) from None
+    try:
+        import bpy  # noqa: F401
+    except ImportError as error:
+        raise LumenrayError(
+            f"Blender's Python module cannot be loaded ({error}); run 'make setup'"
+        ) from None
+    from ..benchmarks import sync
+    from ..benchmarks.bars import check_bars, tell_bars
+
+    scenes, objects = options.scenes or tuple(sync.SCENES), options.objects or sync.OBJECTS
+    unknown = [name for name in scenes if name not in sync.SCENES]
+    if unknown:
+        raise LumenrayError(
+            f"there is no scene {', '.join(unknown)}; choose from {', '.join(sync.SCENES)}"
+        )
+    with _quiet():
+        result = sync.run(scenes, objects, say=sync.report_progress)
+    sync.write_results(result, options.output, options.json)
+    print(tell_bars(check_bars(result)))
+    print(f"written to {options.output / 'sync.md'}")
     return 0
 
 

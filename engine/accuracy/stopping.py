@@ -43,7 +43,8 @@ class Progress:
     def text(self) -> str:
         """One line for a status bar."""
         parts = [self.stage] if self.stage else []
-        parts.append(f"{self.samples} samples")
+        if self.samples or not parts:
+            parts.append(f"{self.samples} samples")
         if self.relative_error < 1e6:
             parts.append(f"error {100.0 * self.relative_error:.2f} %")
         if self.seconds_left is not None:

@@ -10,7 +10,7 @@ import lumenray
 
 ROOT = Path(__file__).resolve().parents[2]
 
-ROOMS = ("blender_addon", "engine", "libraries", "operators", "ui")
+ROOMS = ("benchmarks", "blender_addon", "engine", "libraries", "operators", "ui")
 
 IMPORT_WITHOUT_BLENDER = """
 import importlib, sys

@@ -385,11 +385,14 @@ def test_two_live_views_take_turns(worker):
     watch(first, live(60))
     watch(second, live(60))
     counts = [0, 0]
-    while max(counts) < 50:
+
+    def one_is_nearly_done():
         for number, session in enumerate((first, second)):
             frame = session.frame()
             counts[number] = frame.samples if frame else counts[number]
-        time.sleep(0.005)
+        return max(counts) >= 50
+
+    wait_for(one_is_nearly_done)
     assert min(counts) > 40
 
 

@@ -92,7 +92,17 @@ class FakeSession:
         pixels = np.full((camera.height, camera.width, 4), self._shown, np.float32)
         final = self._shown == settings.samples
         return Frame(
-            pixels, False, 0.0, 1.0, "cd/m2", self.revision, self._shown, 0.1, final, Commit()
+            pixels,
+            False,
+            False,
+            0.0,
+            1.0,
+            "cd/m2",
+            self.revision,
+            self._shown,
+            0.1,
+            final,
+            Commit(),
         )
 
     def _work(self, name, steps, transport, progress, more=()):

@@ -39,8 +39,9 @@ enter() {
   local root="$1" project="$2" out="$3"; shift 3
   mount -t proc proc "$root/proc"
   mount --rbind /dev "$root/dev"
-  # shared memory, which the engine's worker process needs
-  mountpoint -q "$root/dev/shm" || { mkdir -p "$root/dev/shm"; mount -t tmpfs tmpfs "$root/dev/shm"; }
+  # Shared memory of its own, so that what is left there can be told from what others have.
+  mkdir -p "$root/dev/shm"
+  mount -t tmpfs tmpfs "$root/dev/shm"
   mount -t tmpfs tmpfs "$root/tmp"
   mount --bind "$project" "$root/project"
   mount -o remount,bind,ro "$root/project"
