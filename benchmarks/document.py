@@ -5,7 +5,7 @@ from pathlib import Path
 from .bars import FIRST_SHARE, GROWTH, OBJECT_SHARE, PARAMETER_SHARE, check_bars
 from .edits import NAMES
 from .grid_scene import VIEW
-from .sync import PARTS, median
+from .sync import PARTS, SCENES, median
 
 BEARABLE_LOAD = 0.1
 """Largest share of the processors that others may take."""
@@ -60,8 +60,9 @@ def write_document(result: dict, path: Path) -> None:
 
 
 def scenes_of(result: dict) -> list[tuple[str, int]]:
-    """Return names and numbers of objects of the scenes that were measured."""
-    return list(dict.fromkeys((row["scene"], row["objects"]) for row in result["full"]))
+    """Return names and numbers of objects of the scenes that were measured, small ones first."""
+    found = {(row["scene"], row["objects"]) for row in result["full"]}
+    return sorted(found, key=lambda scene: (SCENES.get(scene[0], 0), *scene))
 
 
 def _machine(machine: dict) -> str:

@@ -6,7 +6,7 @@ from . import properties, render_engine
 
 
 def _groups():
-    from . import engine_process, feedback, identity, preferences, view_drawing, viewport
+    from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
     from .sync import live
 
     return (
@@ -16,6 +16,7 @@ def _groups():
         identity,
         live,
         engine_process,
+        feed,
         viewport,
         view_drawing,
         render_engine,
