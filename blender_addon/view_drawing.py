@@ -8,10 +8,12 @@ from gpu_extras.presets import draw_texture_2d
 
 from ..engine.analysis.false_colour import STOPS
 from . import readout, viewport
-from .sync.images import decode_srgb
 
 SCALE_WIDTH, SCALE_MARGIN, SCALE_STEPS = 18, 24, 64
 """Width of the scale of false colours, its distance from the region's edges, and its bands. [pixel]"""
+
+OVERLAY_POWER = 2.2
+"""Power by which Blender encodes what is drawn above a 3D view, in place of the curve of sRGB."""
 
 TEXT_SIZE = 13
 """Height of the scale's numbers. [point]"""
@@ -56,8 +58,8 @@ def _texture(view):
         return known[1]
     pixels = view.frame.pixels
     if view.frame.is_display_referred:
-        # The shader encodes what it draws for the screen.
-        pixels = decode_srgb(pixels)
+        # Blender encodes what is drawn above the view.
+        pixels = pixels**OVERLAY_POWER
     pixels = np.ascontiguousarray(pixels, dtype=np.float32)
     height, width = pixels.shape[:2]
     buffer = gpu.types.Buffer("FLOAT", width * height * 4, pixels.reshape(-1))
@@ -114,7 +116,13 @@ def _colour(share: float) -> tuple:
     place = share * (len(STOPS) - 1)
     below = min(int(place), len(STOPS) - 2)
     part = place - below
-    return tuple(STOPS[below] * (1.0 - part) + STOPS[below + 1] * part)
+    return _for_shader(STOPS[below] * (1.0 - part) + STOPS[below + 1] * part)
+
+
+def _for_shader(colour) -> tuple:
+    """Colour to be given to Blender's shader so that the screen shows ``colour``: the shader takes sRGB for granted."""
+    linear = colour**OVERLAY_POWER
+    return tuple(np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055))
 
 
 def _fill(shader, x, y, width, height, colour) -> None:

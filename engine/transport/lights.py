@@ -226,7 +226,7 @@ class LightTable:
         return [share + rest * entry(i, "real") for i, share in enumerate(shares)]
 
 
-def learn(scene, points, normals, wavelengths) -> None:
+def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None:
     """Set the probabilities by the illuminance that each light gives at a job's points and one bounce further.
 
     The choice is made once from a fixed seed and does not depend on the job's own samples, so estimates stay unbiased.
@@ -236,6 +236,7 @@ def learn(scene, points, normals, wavelengths) -> None:
     scene : CompiledScene
     points, normals : (k, 3) float32 array    In the compiled scene's frame.
     wavelengths : Spectrum or None    Four wavelengths that stand for the visible range.
+    lanes : int    Shadow rays to be spent at most.
     """
     scene.lights.reset()
     if scene.lights.count < 2 or len(points) == 0:
@@ -253,7 +254,7 @@ def learn(scene, points, normals, wavelengths) -> None:
     far = _surface(hit.p, facing)
     logarithms, found, kernels = [], [], []
     for si, active in ((near, mi.Bool(True)), (far, hit.is_valid())):
-        arriving = _arriving(scene, si, active, wavelengths)
+        arriving = _arriving(scene, si, active, wavelengths, lanes)
         seen = arriving > 0.0
         logarithms.append(np.where(seen, np.log(np.where(seen, arriving, 1.0)), 0.0))
         found.append(seen)
@@ -277,12 +278,12 @@ def _surface(point, normal):
     return si
 
 
-def _arriving(scene, si, active, wavelengths) -> np.ndarray:
+def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     """Illuminance that each light gives at each point, shadows included, up to a factor. (points, lights)"""
     from .paths import transmittance
 
     count = scene.lights.count
-    repeats = int(np.clip(PILOT_LANES // (PILOT_POINTS * count), 1, 64))
+    repeats = int(np.clip(lanes // (PILOT_POINTS * count), 1, 64))
     lane = dr.arange(mi.UInt32, PILOT_POINTS * count * repeats)
     # Numbers of lights as data, so that one more needs no new kernel.
     many, times = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, repeats)

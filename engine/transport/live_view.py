@@ -15,8 +15,14 @@ from .picture import GROUPS, MAXIMUM_PIXELS, Film, PictureJob, learn_lights, rel
 FIRST_PIXELS = 6000
 """Most pixels of the first image."""
 
-SLICE_SECONDS = 0.1
-"""Duration that slices of work are cut to. [s]"""
+SHORT_SLICE, LONG_SLICE = 0.025, 0.1
+"""Duration that slices of work are cut to, at first and later: an edit is often followed by the next at once. [s]"""
+
+CALM = 1.0
+"""Time after which slices are long. [s]"""
+
+PILOT_LANES = 1 << 15
+"""Shadow rays for the comparison of the lights."""
 
 SMALLEST_SLICE, LARGEST_SLICE = 1 << 10, 1 << 18
 """Paths in a slice."""
@@ -45,7 +51,7 @@ class LiveView:
             self.factor *= 2
         scene.lights.reset()
         self._has_learned = False
-        self._passes_done = 0
+        self._begun = time.perf_counter()
         self._slice = SMALLEST_SLICE * 8
         self._shown: np.ndarray | None = None
         self.error = float("inf")
@@ -63,8 +69,10 @@ class LiveView:
 
     def refine(self) -> bool:
         """Take one slice of samples; true when a pass over the image was finished."""
-        if self._passes_done and not self._has_learned:
-            learn_lights(self.scene, self._film)
+        has_image = self._shown is not None or self._passes > 0
+        if self.factor == 1 and has_image and not self._has_learned:
+            # Only the finest image is worth the time that it takes.
+            learn_lights(self.scene, self._film, PILOT_LANES)
             self._has_learned = True
             return False
         start = time.perf_counter()
@@ -92,7 +100,9 @@ class LiveView:
 
     def _adapt(self, paths: int, seconds: float) -> None:
         """Let the next slice take about as long as slices should."""
-        wanted = paths * SLICE_SECONDS / max(seconds, 1e-4)
+        share = min((time.perf_counter() - self._begun) / CALM, 1.0)
+        goal = SHORT_SLICE + (LONG_SLICE - SHORT_SLICE) * share
+        wanted = paths * goal / max(seconds, 1e-4)
         bounded = np.clip(wanted, 0.25 * self._slice, 4.0 * self._slice)
         self._slice = int(np.clip(bounded, SMALLEST_SLICE, LARGEST_SLICE))
 
@@ -112,7 +122,6 @@ class LiveView:
     def _finish_pass(self) -> None:
         self._cursor = 0
         self._passes += 1
-        self._passes_done += 1
         if self.factor == 1:
             means = self._sums[..., 1] / self._passes
             self.error = relative_error(means.mean(axis=0), 0.5 * np.abs(means[0] - means[1]))

@@ -10,7 +10,7 @@ from ..errors import Cancelled, SceneError
 from ..scene.camera import Camera, Projection
 from . import gather, paths
 from .compile import CompiledScene
-from .lights import PILOT_POINTS, learn
+from .lights import PILOT_LANES, PILOT_POINTS, learn
 from .sampler import hash_words, random_stream, sobol_pair
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -147,7 +147,7 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
             return _result(camera, job, estimate, error, layers), estimate.samples
 
 
-def learn_lights(scene: CompiledScene, film: Film) -> None:
+def learn_lights(scene: CompiledScene, film: Film, lanes: int = PILOT_LANES) -> None:
     """Compare the lights where the camera looks."""
     stream = mi.PCG32(size=4 * PILOT_POINTS, initstate=3)
     ray = film.ray(
@@ -160,7 +160,7 @@ def learn_lights(scene: CompiledScene, film: Film) -> None:
     seen = np.array(si.is_valid())
     points = np.stack([np.array(c) for c in si.p], axis=1)[seen]
     normals = np.stack([np.array(c) for c in normal], axis=1)[seen]
-    learn(scene, points, normals, gather.typical_wavelengths())
+    learn(scene, points, normals, gather.typical_wavelengths(), lanes)
 
 
 def _snapshot(camera: Camera, sums: np.ndarray, batch: int):

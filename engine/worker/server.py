@@ -257,6 +257,8 @@ class Server:
                 self._desks[desk.name] = fresh
             else:
                 del self._desks[desk.name]
+        desk.session = None
+        _free_memory()
 
     def _session(self, desk: Desk):
         if desk.session is None:
@@ -401,7 +403,7 @@ class Server:
 
 
 def _free_memory() -> None:
-    """Give back what libraries keep for later, so that the next job finds room."""
+    """Give back what libraries keep for later, so that the next job, or another program, finds room."""
     gc.collect()
     if "drjit" in sys.modules:
         import drjit

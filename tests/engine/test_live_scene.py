@@ -460,6 +460,14 @@ def test_display_follows_without_new_samples():
     assert finish(session)[-1].unit == "lx"
 
 
+def test_the_first_frame_is_an_image():
+    session = session_of(box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9))
+    for width in (32, 300):
+        session.watch(camera_at(2, 2, 2.0, width, 24), LiveSettings(samples=4), Display())
+        first = next(frame for frame in iter(session.refine, 0) if frame is not None)
+        assert (first.pixels[..., 1] > 0.0).mean() > 0.5
+
+
 def test_a_fault_in_a_scene_is_said_and_the_next_edit_is_right():
     session = session_of(box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9))
     camera = camera_at(2, 2, 2.0, 32, 24)

@@ -60,6 +60,8 @@ def build():
     staging.set_render(640, 400, WHITE, samples=64)
     scene = bpy.context.scene
     scene.render.engine = "LUMENRAY"
+    # Blender's dither lifts a file's 8-bit values by half a step on the average; the window has none.
+    scene.render.dither_intensity = 0.0
     scene.lumenray.viewport_samples = 64
 
 

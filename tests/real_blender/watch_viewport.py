@@ -14,7 +14,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-WIDTH, HEIGHT = 1000, 700
+WIDTH, HEIGHT = 800, 560
 """Of the screen and the window. [pixel]"""
 
 ENGINE = b"lumenray.engine.worker"
@@ -133,6 +133,12 @@ def wait_until(condition, seconds):
     return True
 
 
+def screen_answers():
+    """Tell whether the X server is up."""
+    order = ["xdotool", "getdisplaygeometry"]
+    return subprocess.run(order, check=False, capture_output=True).returncode == 0
+
+
 def close(folder):
     """Close Blender in the middle of its work, in several ways."""
     use(folder, "save", 60)
@@ -140,7 +146,7 @@ def close(folder):
     for name in ("render", "rendered_view"):
         print(f"\n{name}, killed", flush=True)
         window = Window(folder, name)
-        ready = wait_until(lambda: window.content()["complete"], 90)
+        ready = wait_until(lambda window=window: window.content()["complete"], 90)
         note(ready, f"{name}: under way")
         window.report()
         note(len(engines()) == 1, "the engine runs")
@@ -175,12 +181,7 @@ def main():
         stderr=subprocess.DEVNULL,
     )
     os.environ["DISPLAY"] = ":77"
-    wait_until(
-        lambda: (
-            subprocess.run(["xdotool", "getdisplaygeometry"], capture_output=True).returncode == 0
-        ),
-        20,
-    )
+    wait_until(screen_answers, 20)
     try:
         for part in sys.argv[2:] or ("look", "faults", "memory", "close"):
             PARTS[part](folder)
