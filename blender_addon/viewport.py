@@ -168,13 +168,17 @@ class Viewport:
         """Return a feed for the scene that is shown, with the engine running."""
         key = _scene_key(context, depsgraph)
         if self._feed is not None and (self._feed.session.is_lost or key != self._scene_key):
+            # Looked for first: what is released now may take the place of what is wanted.
+            wanted = _take_idle(key)
             self._release()
+            self._feed = wanted
+            self._asked = None
         if self._feed is None:
-            self._scene_key = key
             self._feed = _take_idle(key) or SceneFeed(
                 engine_process.open_session(f"view {self.number} {key}")
             )
             self._asked = None
+        self._scene_key = key
         return self._feed
 
     def _release(self) -> None:

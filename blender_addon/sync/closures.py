@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...engine.scene.material import Black, Diffuse, Mix, Surface
+from ...engine.scene.memo import recall
 from ...engine.scene.spectrum import Spectrum
 from .fields import Field, as_colour, as_scalar, constant, from_colour
 
@@ -34,10 +35,11 @@ def emitting(radiance: Field, spectrum: Spectrum | None = None) -> Closure:
 
 def reflectance_of(at, field: Field) -> Field:
     """Hold a colour within 0..1, with a report if that changes it."""
-    if float(field.values.min()) >= 0 and float(field.values.max()) <= 1 + 1e-5:
+    low, high = field.limits()
+    if low >= 0 and high <= 1 + 1e-5:
         return field
     at.note("A colour lies outside 0..1 and would create light", "it is held within 0..1")
-    return Field(np.clip(field.values, 0, 1), field.layout)
+    return field.clipped()
 
 
 def diffuse(at, reflectance: Field, transmittance: Field | None = None) -> Diffuse:
@@ -45,7 +47,7 @@ def diffuse(at, reflectance: Field, transmittance: Field | None = None) -> Diffu
     if transmittance is None or transmittance.is_everywhere(0):
         return Diffuse(as_colour(reflectance))
     total = at.map(lambda r, t: r + t, reflectance, transmittance)
-    if float(total.values.max()) > 1 + 1e-5:
+    if total.limits()[1] > 1 + 1e-5:
         at.note(
             "Diffuse reflectance and transmittance add up to more than 1",
             "both are reduced in proportion",
@@ -59,12 +61,12 @@ def diffuse(at, reflectance: Field, transmittance: Field | None = None) -> Diffu
 
 def mix(at, first: Closure, second: Closure, factor: Field) -> Closure:
     """Return the mixture that a Mix Shader node makes; factor 0 gives `first`."""
-    factor = Field(np.clip(factor.values, 0, 1), factor.layout)
+    factor = factor.clipped()
     if factor.is_everywhere(0):
         return first
     if factor.is_everywhere(1):
         return second
-    rest = Field(1 - factor.values, factor.layout)
+    rest = Field(recall(factor.values, "rest", lambda v: 1 - v), factor.layout)
     return _joined(
         at,
         Closure(None, scaled(at, first.radiance, rest), first.spectrum, first.two_sided),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...engine.scene.material import Colour, Scalar
+from ...engine.scene.memo import recall
 from ...engine.scene.spectrum import Constant, Rgb
 from ...engine.scene.texture import ImageTexture
 
@@ -58,9 +59,18 @@ class Field:
 
     def mean(self) -> np.ndarray:
         """Return the mean over the picture, (1,) or (3,)."""
-        if self.is_constant:
-            return self.values
-        return self.values.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
+        return self.values if self.is_constant else mean_of_picture(self.values)
+
+    def limits(self) -> tuple[float, float]:
+        """Return the smallest and the largest number."""
+        return recall(self.values, "limits", lambda v: (float(v.min()), float(v.max())))
+
+    def clipped(self) -> "Field":
+        """Return the field with its numbers held within 0..1."""
+        low, high = self.limits()
+        if low >= 0 and high <= 1:
+            return self
+        return Field(recall(self.values, "clipped", lambda v: np.clip(v, 0, 1)), self.layout)
 
     def is_everywhere(self, value) -> bool:
         """Whether the field is constant and equal to a number."""
@@ -76,7 +86,14 @@ def luminance(values) -> np.ndarray:
     """Return the Rec. 709 luminance of an array of colours, last axis kept with length 1."""
     if values.shape[-1] == 1:
         return values
-    return (values @ LUMINANCE)[..., None]
+    return recall(values, "luminance", lambda v: (v @ LUMINANCE)[..., None])
+
+
+def mean_of_picture(pixels) -> np.ndarray:
+    """Return the mean over a picture, (channels,)."""
+    return recall(
+        pixels, "mean", lambda v: v.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
+    )
 
 
 def rgb(values) -> np.ndarray:
@@ -117,6 +134,7 @@ def map_fields(function, *fields, note: Callable[[str, str], None]) -> Field:
         for field in fields
     ]
     values = _finite(function(*arrays))
+    values.flags.writeable = False
     return Field(np.broadcast_to(values, (*shape, values.shape[-1])), layout)
 
 
@@ -257,8 +275,15 @@ def as_scalar(field: Field) -> Scalar:
 def as_texture(field: Field) -> ImageTexture:
     """Return a field that is not constant as the engine's picture."""
     layout = field.layout
+    pixels = field.values
+    if pixels.dtype != np.float32 or not pixels.flags.c_contiguous:
+        pixels = recall(pixels, "contiguous", lambda v: np.ascontiguousarray(v, np.float32))
+    if pixels.flags.writeable:
+        # What was made for this picture alone changes no more, and read-only arrays need be digested only once.
+        pixels = pixels.view()
+        pixels.flags.writeable = False
     return ImageTexture(
-        np.ascontiguousarray(field.values, np.float32),
+        pixels,
         layout.uv_map,
         np.array(layout.transform, np.float64),
         layout.interpolation,

@@ -127,14 +127,14 @@ def _node_emission(data, name: str, report: ConversionReport) -> tuple[np.ndarra
 def mean_of(value, channels: int) -> np.ndarray:
     """Numbers of a constant, or the mean of a picture."""
     if hasattr(value, "pixels"):
-        return (
-            np.asarray(value.pixels, dtype=np.float64)
-            .reshape(-1, value.pixels.shape[2])
-            .mean(axis=0)[:channels]
-        )
+        return recall(value.pixels, "exact mean", _mean)[:channels]
     if hasattr(value, "red"):
         return np.array([value.red, value.green, value.blue])
     return np.full(channels, float(getattr(value, "value", value)))
+
+
+def _mean(pixels) -> np.ndarray:
+    return np.asarray(pixels, dtype=np.float64).reshape(-1, pixels.shape[2]).mean(axis=0)
 
 
 def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:

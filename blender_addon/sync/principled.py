@@ -12,6 +12,7 @@ from ...engine.scene.material import (
     Glossy,
     Transparent,
 )
+from ...engine.scene.memo import recall
 from .closures import Closure, mix_surfaces, reflectance_of, scaled
 from .fields import Field, as_colour, as_scalar
 from .graph import find_socket, trace
@@ -39,9 +40,9 @@ def convert_principled(at) -> Closure:
     _report_unsupported(at)
     base = reflectance_of(at, at("Base Color"))
     roughness = at("Roughness")
-    metallic = _share(at("Metallic"))
-    transmission = _share(at("Transmission Weight"))
-    alpha = _share(at("Alpha"))
+    metallic = at("Metallic").clipped()
+    transmission = at("Transmission Weight").clipped()
+    alpha = at("Alpha").clipped()
 
     surface = None
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
@@ -57,10 +58,6 @@ def convert_principled(at) -> Closure:
     return Closure(surface, radiance)
 
 
-def _share(field):
-    return Field(np.clip(field.values, 0, 1), field.layout)
-
-
 def _coated(at, base):
     """Return the base; Cycles reads ``Specular IOR Level`` as a factor on F0, 0.5 being 1."""
     ior = at.plain("IOR")
@@ -74,7 +71,7 @@ def _coated(at, base):
 
 def _glass(at, base):
     # Cycles takes the root because light crosses the boundary twice.
-    tint = Field(np.sqrt(base.values), base.layout)
+    tint = Field(recall(base.values, "root", np.sqrt), base.layout)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
     return Dielectric(Cauchy(at.plain("IOR"), 0.0), roughness, as_colour(tint))
 

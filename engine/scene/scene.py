@@ -9,10 +9,15 @@ import numpy as np
 from ..errors import SceneError
 from .light import ImageWorld, Light, UniformWorld, World
 from .material import Material
+from .memo import recall
 from .mesh import Geometry, Mesh, Placement, place
 from .sensor import SensorSet
+from .texture import Pixels, replace_pixels
 
-Item = Geometry | Placement | Mesh | Material | Light | World | SensorSet
+Item = Geometry | Placement | Mesh | Material | Light | World | SensorSet | Pixels
+
+LARGE = 1 << 16
+"""Arrays from this size on have a digest of their own, which is kept with them. [byte]"""
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,8 @@ class SceneDelta:
 class Scene:
     """All items by id. Objects refer to geometries and materials by id; a missing one is an error at compile time.
 
-    ``given`` holds items with attachments as the host sent them; the tables hold them as they count.
+    ``given`` holds items with attachments as the host sent them; the tables hold them as they count. ``pixels`` holds
+    what later pictures may name by its id; the pictures in the tables have the arrays themselves.
     """
 
     geometries: dict[str, Geometry] = field(default_factory=dict)
@@ -62,6 +68,7 @@ class Scene:
     lights: dict[str, Light] = field(default_factory=dict)
     sensors: dict[str, SensorSet] = field(default_factory=dict)
     world: World | None = None
+    pixels: dict[str, Pixels] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     given: dict[str, Item] = field(default_factory=dict)
     _digests: dict[str, tuple[object, bytes]] = field(default_factory=dict, repr=False)
@@ -71,15 +78,25 @@ class Scene:
 
         Raises
         ------
-        SceneError    An attachment names a field that the item does not have; the scene is as before.
+        SceneError    An attachment names a field that the item does not have, or a picture names pixels that are not
+            there; the scene is as before.
         """
-        changed = list(delta.changed)
+        pixels = dict(self.pixels)
+        for item in delta.changed:
+            if isinstance(item, Pixels):
+                # Equal ids have equal values, and everything that was made of the first ones stays of use.
+                pixels.setdefault(item.id, item)
+        changed = [
+            _with_pixels(item, item.id, pixels)
+            for item in delta.changed
+            if not isinstance(item, Pixels)
+        ]
         attachments = dict(self.attachments)
         for new, original in delta.copies:
             if original in attachments and new not in attachments:
                 attachments[new] = replace(attachments[original], id=new)
         for attachment in delta.attached:
-            attachments[attachment.id] = attachment
+            attachments[attachment.id] = _with_pixels(attachment, attachment.id, pixels)
         # What is attached to changes with its attachment, although the host has not sent it.
         sent = {item.id for item in changed}
         for key in {a.id for a in delta.attached} - sent:
@@ -87,8 +104,12 @@ class Scene:
             if item is not None:
                 changed.append(item)
         counted = [_with_attachment(item, attachments.get(item.id)) for item in changed]
+        renewed = {item.id for item in delta.changed}
         for gone in delta.removed:
             self._drop(gone)
+            if gone not in renewed:
+                pixels.pop(gone, None)
+        self.pixels = pixels
         for item, given in zip(counted, changed, strict=True):
             self._put(item)
             if item is not given:
@@ -164,6 +185,10 @@ class Scene:
             self.world = None
 
     def _put(self, item) -> None:
+        known = self._digests.get(item.id)
+        if known is not None and known[0] is not item:
+            # It would keep the old item's arrays alive.
+            del self._digests[item.id]
         match item:
             case Geometry():
                 self.geometries[item.id] = item
@@ -192,6 +217,21 @@ def _with_attachment(item, attachment: Attachment | None):
     return replace(item, **attachment.values)
 
 
+def _with_pixels(item, owner: str, table: dict[str, Pixels]):
+    """Return an item whose pictures have their pixels themselves."""
+
+    def find(pixels):
+        if not isinstance(pixels, str):
+            return pixels
+        if pixels not in table:
+            raise SceneError(
+                f"a picture of {owner} refers to pixels that the scene does not hold ({pixels})"
+            )
+        return table[pixels].values
+
+    return replace_pixels(item, find)
+
+
 def content_digest(item) -> bytes:
     """SHA-256 of what an item says, without its identity: ids, names and references by id are left out."""
     digest = hashlib.sha256(type(item).__name__.encode())
@@ -202,9 +242,23 @@ def content_digest(item) -> bytes:
     return digest.digest()
 
 
+def array_digest(array: np.ndarray) -> bytes:
+    """SHA-256 of an array's numbers, their kind and the shape."""
+    return recall(array, "digest", _digest_of)
+
+
+def _digest_of(array: np.ndarray) -> bytes:
+    digest = hashlib.sha256(f"array{array.shape}{array.dtype.str}".encode())
+    digest.update(np.ascontiguousarray(array).data)
+    return digest.digest()
+
+
 def _feed(digest, value) -> None:
     """Feed a value into the digest, tagged by type and shape so that neighbours cannot run together."""
     if isinstance(value, np.ndarray):
+        if value.nbytes >= LARGE:
+            digest.update(b"digest" + array_digest(value))
+            return
         digest.update(f"array{value.shape}{value.dtype.str}".encode())
         digest.update(np.ascontiguousarray(value).data)
     elif is_dataclass(value):

@@ -1,6 +1,7 @@
 """Image textures as pure data."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 
 import numpy as np
 
@@ -10,13 +11,34 @@ def _identity() -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class Pixels:
+    """Numbers of a picture, sent once for all materials and worlds that show it.
+
+    Parameters
+    ----------
+    id : str    Names the content: equal ids have equal values. `ImageTexture.pixels` may hold it in their place.
+    values : (height, width, 3) or (height, width, 1) float32 array    As in `ImageTexture`; they must not change.
+    """
+
+    id: str
+    values: np.ndarray
+
+    def __post_init__(self):
+        if self.values.flags.writeable:
+            values = self.values.view()
+            values.flags.writeable = False
+            object.__setattr__(self, "values", values)
+
+
+@dataclass(frozen=True, eq=False)
 class ImageTexture:
     """A picture laid over a surface by one of its UV maps.
 
     Parameters
     ----------
-    pixels : (height, width, 3) or (height, width, 1) float32 array
-        Linear Rec. 709 values (three channels) or plain numbers (one channel). Row 0 is the *bottom* row (v = 0).
+    pixels : (height, width, 3) or (height, width, 1) float32 array, or str
+        Linear Rec. 709 values (three channels) or plain numbers (one channel). Row 0 is the *bottom* row (v = 0). On the
+        way to a scene it may be the id of a `Pixels`; in a scene it is always the array.
     uv_map : str    Name of the mesh's UV map; empty for the mesh's default map.
     transform : (3, 3) float64 array    Homogeneous matrix applied to (u, v, 1) before the look-up.
     interpolation : str    ``linear`` or ``closest``.
@@ -24,9 +46,39 @@ class ImageTexture:
     name : str    For reports.
     """
 
-    pixels: np.ndarray
+    pixels: np.ndarray | str
     uv_map: str = ""
     transform: np.ndarray = field(default_factory=_identity)
     interpolation: str = "linear"
     extension: str = "repeat"
     name: str = ""
+
+    def is_same(self, other) -> bool:
+        """Tell whether another picture shows the very same array, which cannot change, in the same way."""
+        return self is other or (
+            isinstance(other, ImageTexture)
+            and self.pixels is other.pixels
+            and not self.pixels.flags.writeable
+            and np.array_equal(self.transform, other.transform)
+            and (self.uv_map, self.interpolation, self.extension)
+            == (other.uv_map, other.interpolation, other.extension)
+        )
+
+
+def replace_pixels(value, change: Callable):
+    """Return an item with ``change(pixels)`` in place of the pixels of all its pictures; itself if nothing changes."""
+    if isinstance(value, ImageTexture):
+        pixels = change(value.pixels)
+        return value if pixels is value.pixels else replace(value, pixels=pixels)
+    if isinstance(value, dict):
+        made = {key: replace_pixels(entry, change) for key, entry in value.items()}
+        return made if any(made[key] is not value[key] for key in made) else value
+    if not is_dataclass(value):
+        return value
+    made = {}
+    for entry in fields(value):
+        old = getattr(value, entry.name)
+        new = replace_pixels(old, change)
+        if new is not old:
+            made[entry.name] = new
+    return replace(value, **made) if made else value

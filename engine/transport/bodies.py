@@ -88,7 +88,11 @@ def needs_new_shape(old: Material, new: Material) -> bool:
 def _glows_alike(old, new) -> bool:
     if not is_glowing(old) or not is_glowing(new):
         return is_glowing(old) == is_glowing(new)
-    return old.pattern is new.pattern and old.two_sided == new.two_sided
+    if old.two_sided != new.two_sided:
+        return False
+    return old.pattern is new.pattern or (
+        old.pattern is not None and old.pattern.is_same(new.pattern)
+    )
 
 
 def is_glowing(glow) -> bool:

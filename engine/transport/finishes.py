@@ -6,6 +6,7 @@ import numpy as np
 from ..scene.material import Diffuse, Material
 from ..scene.spectrum import Constant
 from .arrays import pointer_id
+from .bitmaps import key_of
 from .requirements import is_coloured
 from .surfaces import approximations, bsdf, is_plain, palette
 from .textures import TextureMaker, is_spectral
@@ -27,11 +28,13 @@ class Finishes:
         self._columns: list[dict] = []
         self._plugins: dict[str, tuple[object, int]] = {}
         self._items: dict[str, Material] = {}
+        self._pictures: dict[str, frozenset[tuple]] = {}
+        self._has_unused = False
         self._changed = True
 
     def set_light(self, light: np.ndarray) -> None:
         """Weigh reflectances by another light."""
-        self.make = TextureMaker(light)
+        self.make = TextureMaker(light, self.make.bitmaps)
         if not is_spectral():
             for item in [item for item in self._items.values() if is_coloured(item.surface)]:
                 self.put(item)
@@ -41,6 +44,7 @@ class Finishes:
         was_plain = material.id in self._rows
         self._items[material.id] = material
         if is_plain(material.surface):
+            self._note_pictures(material, frozenset())
             if not was_plain:
                 self._rows[material.id] = self._free_row()
             self._columns[self._rows[material.id]] = palette([material.surface], self.make)
@@ -49,8 +53,10 @@ class Finishes:
             return
         if was_plain:
             self._rows.pop(material.id)
+        self.make.bitmaps.asked.clear()
         made = bsdf(material.surface, self.make)
         plugin = mi.load_dict(made) if isinstance(made, dict) else made
+        self._note_pictures(material, frozenset(self.make.bitmaps.asked))
         old = self._plugins.get(material.id)
         if old is None or not _transplant(plugin, old[0]):
             self._plugins[material.id] = (plugin, pointer_id(plugin))
@@ -60,6 +66,7 @@ class Finishes:
         self._items.pop(material_id, None)
         self._rows.pop(material_id, None)
         self._plugins.pop(material_id, None)
+        self._has_unused |= bool(self._pictures.pop(material_id, None))
 
     def item(self, material_id: str) -> Material | None:
         """Return a material as it was taken in."""
@@ -91,6 +98,21 @@ class Finishes:
             )
             self._changed = False
         self.palette.set_rows(rows_by_shape)
+        if self._has_unused:
+            self.make.bitmaps.keep(set().union(*self._pictures.values()))
+            self._has_unused = False
+
+    def _note_pictures(self, material: Material, keys: frozenset[tuple]) -> None:
+        """Note which textures a material uses, that of its emission included."""
+        glow = material.emission
+        if glow is not None and glow.pattern is not None:
+            keys = keys | {key_of(glow.pattern)}
+        old = self._pictures.get(material.id, frozenset())
+        self._has_unused |= bool(old - keys)
+        if keys:
+            self._pictures[material.id] = keys
+        else:
+            self._pictures.pop(material.id, None)
 
     def _free_row(self) -> int:
         taken = set(self._rows.values())
@@ -116,9 +138,21 @@ def _transplant(new, old) -> bool:
         or str(old).split("[")[0] != str(new).split("[")[0]
     ):
         return False
+    changed = []
     for key in given.keys():  # noqa: SIM118 - not a dictionary
         if type(values[key]) is not type(given[key]):
             return False
+        if _owner(values, key) is not _owner(given, key):
+            if key.endswith(".to_uv"):
+                # Other materials may use the same texture, and what else it has does not show here.
+                return False
+            changed.append(key)
+    for key in changed:
         values[key] = given[key]
     values.update()
     return True
+
+
+def _owner(values, key: str):
+    """Return the object that a parameter belongs to."""
+    return values.properties[key][2]

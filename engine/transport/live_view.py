@@ -12,8 +12,8 @@ from ..scene.camera import Camera
 from .compile import CompiledScene
 from .picture import GROUPS, MAXIMUM_PIXELS, Film, PictureJob, learn_lights, relative_error
 
-FIRST_PIXELS = 6000
-"""Most pixels of the first image."""
+FIRST_PIXELS = 4096
+"""Most pixels of the first image, which is made in one slice."""
 
 SHORT_SLICE, LONG_SLICE = 0.025, 0.1
 """Duration that slices of work are cut to, at first and later: an edit is often followed by the next at once. [s]"""
@@ -52,7 +52,7 @@ class LiveView:
         scene.lights.reset()
         self._has_learned = False
         self._begun = time.perf_counter()
-        self._slice = SMALLEST_SLICE * 8
+        self._slice = FIRST_PIXELS * GROUPS
         self._shown: np.ndarray | None = None
         self.error = float("inf")
         self._begin_level()

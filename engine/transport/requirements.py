@@ -19,6 +19,7 @@ from ..scene.material import (
     ThinGlass,
     Transparent,
 )
+from ..scene.memo import recall
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant, Rgb
 from ..scene.texture import ImageTexture
@@ -119,11 +120,22 @@ def _is_coloured(value) -> bool:
         case Rgb():
             return not (value.red == value.green == value.blue)
         case ImageTexture():
-            pixels = value.pixels
-            return pixels.shape[2] == 3 and bool(np.ptp(pixels, axis=2).max() > 1e-4)
+            return value.pixels.shape[2] == 3 and recall(
+                value.pixels, "coloured", lambda pixels: spread(pixels) > 1e-4
+            )
         case Conductor():
             return True
     return True
+
+
+def spread(pixels: np.ndarray) -> float:
+    """Largest difference between the channels of a picture's pixel."""
+    largest, smallest = pixels[..., 0], pixels[..., 0]
+    for channel in range(1, pixels.shape[2]):
+        # Much faster than along the last axis, which is very short.
+        largest = np.maximum(largest, pixels[..., channel])
+        smallest = np.minimum(smallest, pixels[..., channel])
+    return float((largest - smallest).max())
 
 
 def is_coloured(surface) -> bool:

@@ -8,6 +8,7 @@ from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
 from ..scene.material import Cauchy, IorTable
 from ..scene.spectrum import Constant
 from ..scene.texture import ImageTexture
+from .bitmaps import Bitmaps
 
 
 def is_spectral() -> bool:
@@ -36,15 +37,17 @@ class TextureMaker:
     Parameters
     ----------
     light : (471,) array    Mean spectrum of the scene's lights; photometric variants weigh reflectances by it.
+    bitmaps : Bitmaps or None    Textures of pictures that are there already; pictures do not depend on the light.
     """
 
-    def __init__(self, light: np.ndarray):
+    def __init__(self, light: np.ndarray, bitmaps: Bitmaps | None = None):
+        self.bitmaps = Bitmaps() if bitmaps is None else bitmaps
         weight = light * luminous_efficiency()
         self._weight = (
             weight / weight.sum() if weight.sum() > 0.0 else np.full(len(GRID), 1.0 / len(GRID))
         )
 
-    def reflectance(self, colour) -> dict:
+    def reflectance(self, colour):
         """Texture of a reflectance or transmittance in [0, 1]."""
         if isinstance(colour, ImageTexture):
             return self.picture(colour)
@@ -65,35 +68,14 @@ class TextureMaker:
         full = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
         return np.array([float(full @ self._weight)])
 
-    def picture(self, texture: ImageTexture, largest: float = 1.0) -> dict:
-        """Texture of a picture; three channels are upsampled spectrally by Mitsuba (`srgb_model`)."""
-        pixels = np.clip(np.nan_to_num(texture.pixels), 0.0, largest).astype(np.float32)
-        if pixels.shape[2] == 3 and np.ptp(pixels, axis=2).max() <= 1e-6:
-            pixels = pixels[:, :, :1]
-        raw = pixels.shape[2] == 1
-        return {
-            "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(pixels)),
-            "raw": raw,
-            "format": "fp16" if pixels.size > 1 << 22 else "variant",
-            "filter_type": "nearest" if texture.interpolation == "closest" else "bilinear",
-            "wrap_mode": {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}[
-                texture.extension
-            ],
-            "to_uv": mi.ScalarTransform3f(
-                [list(row) for row in np.asarray(texture.transform, dtype=np.float64)]
-            ),
-        }
+    def picture(self, texture: ImageTexture, largest: float = 1.0):
+        """Texture of a picture."""
+        return self.bitmaps.texture(texture, largest)
 
-    def scalar(self, value, power: float = 1.0) -> dict:
+    def scalar(self, value, power: float = 1.0):
         """Texture of a plain number or one-channel picture, raised to ``power``."""
         if isinstance(value, ImageTexture):
-            pixels = np.clip(value.pixels.mean(axis=2, keepdims=True), 0.0, 1.0) ** power
-            return self.picture(
-                ImageTexture(
-                    pixels, value.uv_map, value.transform, value.interpolation, value.extension
-                )
-            )
+            return self.bitmaps.texture(value, power=power)
         return number(float(value) ** power)
 
     def refractive_index(self, ior) -> dict:

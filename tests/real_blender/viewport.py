@@ -290,16 +290,13 @@ def check_alignment(name):
 
 
 def lose_engine(number, seconds):
-    """Send the engine a signal while the view renders and wait until the view tells."""
-    bpy.context.scene.lumenray.viewport_samples = 4096
-    window.redraw()
-    yield 0.5
+    """Send the engine a signal while the view renders, as it does after an edit, and wait until the view tells."""
+    yield 0.7
     pid = window.engine_pid()
     record.check(view()._feed.session.has_view_work, "the view renders")
     os.kill(pid, number)
     taken = yield from wait_for(lambda: view().status.is_error, "the message", seconds)
     record.measure(f"{signal.Signals(number).name}: seconds to the message", round(taken, 1))
-    bpy.context.scene.lumenray.viewport_samples = 64
     return pid
 
 
@@ -329,21 +326,21 @@ def leave_camera():
 def killed():
     """Kill the engine, then turn the view; kill it, then edit."""
     leave_camera()
+    yield from window.show_tab()
     yield from settle()
     reference = take_picture(FOLDER / "killed_reference.png")
     turn(20.0)
     pid = yield from lose_engine(signal.SIGKILL, 15.0)
     check_words("killed")
-    yield from window.show_tab()
-    yield 0.5
-    take_picture(FOLDER / "killed_message.png")
-    space().show_region_ui = False
     yield 1.0
+    take_picture(FOLDER / "killed_message.png")
     record.check(window.engine_pid() is None, "no engine comes by itself")
     yield from check_return(lambda: turn(-20.0), pid, reference, "turned after a kill")
+    space().show_region_ui = False
     lamp = bpy.data.lights["Lamp"].lumenray
-    lamp.value = 500.0
     yield from settle()
+    reference = take_picture(FOLDER / "killed_reference.png")
+    lamp.value = 500.0
     pid = yield from lose_engine(signal.SIGKILL, 15.0)
 
     def edit():

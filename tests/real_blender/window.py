@@ -117,8 +117,9 @@ def window():
 
 
 def view_area():
-    """Return the first 3D view."""
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
+    """Return the largest 3D view."""
+    areas = [area for area in window().screen.areas if area.type == "VIEW_3D"]
+    return max(areas, key=lambda area: area.width * area.height)
 
 
 def region_of(area, kind="WINDOW"):
@@ -127,12 +128,12 @@ def region_of(area, kind="WINDOW"):
 
 
 def region():
-    """Return the region in which the first 3D view is drawn."""
+    """Return the region in which the largest 3D view is drawn."""
     return region_of(view_area())
 
 
 def space():
-    """Return what the first 3D view shows."""
+    """Return what the largest 3D view shows."""
     return view_area().spaces.active
 
 
