@@ -33,12 +33,13 @@ shows its first sample coarsely, as it always does.
   what changed; *transfer*: hand over to the worker; *commit*: change the engine's objects; *first sample*: trace it, a
   kernel that is new included; *rest*: the end of the slice of work the engine was in (0.1 s long), messages, making the
   image. Blender's window waits for the first four only (*blocked*). *Without Blender* leaves out the first two, which
-  pass with any render engine, or none.
+  are nearly all Blender's own.
 - *Camera* is a change of the view alone, which is not a change of the scene. *Undo* takes back a move. For *rename* and
   *select* nothing is sent, so the time ends with the walk.
 
 To repeat it: `lumenray benchmark sync --json out/sync.json`. Kernels that an edit needs for the first time on a machine are
-compiled then, and kept on disk: a second run is a little faster in the first rounds.
+compiled then, and kept on disk: the first rounds of the first run are slower. Other programs must rest meanwhile; what they
+took of the processors is told with each scene.
 
 ![Time from edit to sample against triangles](sync.png)
 """
@@ -74,15 +75,19 @@ def _machine(machine: dict) -> str:
 
 
 def _other_load(scenes: list[dict]) -> str:
-    shares = [row["other_load"] for row in scenes if row["other_load"] is not None]
-    if not shares:
+    """Name the scenes during which others kept the machine too busy."""
+    spoilt = [
+        f"{row['scene']} with {row['objects']} objects ({_percent(row['other_load'])})"
+        for row in scenes
+        if (row["other_load"] or 0.0) > BEARABLE_LOAD
+    ]
+    if not spoilt:
         return ""
-    told = (
-        f"Other processes took {100 * max(shares):.0f} % of the processors at most, scene by scene."
-    )
-    if max(shares) > BEARABLE_LOAD:
-        told += " **That is too much: the times below are not to be relied on.**"
-    return told + "\n"
+    return f"**Not to be relied on, because other processes kept the machine busy:** {', '.join(spoilt)}.\n"
+
+
+def _percent(share: float | None) -> str:
+    return "unknown" if share is None else f"{100 * share:.0f} %"
 
 
 def _bars(bars) -> str:
@@ -90,7 +95,7 @@ def _bars(bars) -> str:
         "## Bars\n",
         f"Edits of a parameter: at most {100 * PARAMETER_SHARE:.0f} % of a full sync of 3 M triangles (median of all "
         "repetitions), and independent of the number of triangles: from 10 k to 3 M not more than "
-        f"{GROWTH} times the time, *rest* left out since it is chance, and given beside it. Moving, adding or deleting "
+        f"{GROWTH} times the time, *rest* left out since it is mostly chance, and given beside it. Moving, adding or deleting "
         f"one object of 1000 in 3 M triangles: at most {100 * OBJECT_SHARE:.0f} % from the second time on (median), "
         f"{100 * FIRST_SHARE:.0f} % the first time. All with Blender's own work counted, as a user waits for it. In "
         "brackets: from the least to the most.\n",
@@ -120,9 +125,9 @@ def _shortfalls(result: dict) -> str:
             if rows:
                 lines.append(f"- {name}, {objects} objects: {_largest_parts(rows)}")
     lines.append(
-        "\n*Rest* is chance: an edit waits until the engine has ended the slice of samples it is in. *Depsgraph* is "
-        "Blender's own: it builds its dependency graph anew whenever an object comes or goes, at a cost that follows the "
-        "number of objects and is the same without Lumenray."
+        "\n*Rest* is mostly chance: an edit waits until the engine has ended the slice of samples it is in. *Depsgraph* is "
+        "nearly all Blender's own, which builds its dependency graph anew whenever an object comes or goes, at a cost that "
+        "follows the number of objects; on few cores it also shares them with the engine that refines the view."
     )
     return "\n".join(lines) + "\n"
 
@@ -138,12 +143,20 @@ def _scene(result: dict, scene: str, objects: int) -> str:
     full = [row for row in result["full"] if (row["scene"], row["objects"]) == (scene, objects)]
     edits = [row for row in result["edits"] if (row["scene"], row["objects"]) == (scene, objects)]
     whole = median(row["seconds"] for row in full)
+    load = _percent(
+        next(
+            row["other_load"]
+            for row in result["scenes"]
+            if (row["scene"], row["objects"]) == (scene, objects)
+        )
+    )
     times = ", ".join(
         f"{part} {1e3 * median(row['parts'][part] for row in full):.0f}" for part in PARTS[2:]
     )
     lines = [
         f"### {scene} triangles, {objects} objects\n",
-        f"Full sync {1e3 * whole:.0f} ms (median of {len(full)}; {times}).\n",
+        f"Full sync {1e3 * whole:.0f} ms (median of {len(full)}; {times}). Other processes took {load} of the "
+        "processors.\n",
         "| edit | first: % | ms | later: % | ms | most ms | without Blender % | sent | blocked ms | "
         + " | ".join(PARTS)
         + " |",

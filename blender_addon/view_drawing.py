@@ -1,10 +1,12 @@
 """Frames of the rendered view on the screen: pictures under Blender's view transform, false colours above it."""
 
 import blf
+import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 from gpu_extras.presets import draw_texture_2d
+from mathutils import Matrix
 
 from ..engine.analysis.false_colour import STOPS
 from . import readout, viewport
@@ -32,18 +34,33 @@ def draw_frame(view) -> None:
         draw_texture_2d(texture, (0, 0), *region)
 
 
-def draw_overlay() -> None:
-    """Draw false colours and their scale; called by Blender for every 3D view, in display colours."""
-    import bpy
+def draw_colours() -> None:
+    """Draw false colours above the view but below Blender's texts and handles; called by Blender for every 3D view."""
+    view = _view_in_false_colours()
+    if view is None:
+        return
+    test = gpu.state.depth_test_get()
+    gpu.state.depth_test_set("NONE")
+    with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+        gpu.matrix.load_identity()
+        gpu.matrix.load_projection_matrix(Matrix.Identity(4))
+        _draw_display_colours(_texture(view))
+    gpu.state.depth_test_set(test)
 
-    region = bpy.context.region
-    view = viewport.view_at(region)
+
+def draw_scale() -> None:
+    """Draw the scale of false colours; called by Blender for every 3D view, in pixels."""
+    view = _view_in_false_colours()
+    if view is not None:
+        _draw_scale(view.frame, bpy.context.region)
+
+
+def _view_in_false_colours():
+    """Return the view in the region that is drawn, None where it shows no false colours."""
+    view = viewport.view_at(bpy.context.region)
     if view is None or view.frame is None or not view.frame.is_display_referred:
-        return
-    if bpy.context.space_data.shading.type != "RENDERED":
-        return
-    _draw_display_colours(_texture(view), region.width, region.height)
-    _draw_scale(view.frame, region)
+        return None
+    return view if bpy.context.space_data.shading.type == "RENDERED" else None
 
 
 def forget(view) -> None:
@@ -68,14 +85,14 @@ def _texture(view):
     return texture
 
 
-def _draw_display_colours(texture, width: int, height: int) -> None:
-    """Draw a texture whose colours are what the screen shall show."""
+def _draw_display_colours(texture) -> None:
+    """Draw a texture whose colours are what the screen shall show over the whole region."""
     shader = gpu.shader.from_builtin("IMAGE")
     batch = batch_for_shader(
         shader,
         "TRI_FAN",
         {
-            "pos": ((0, 0), (width, 0), (width, height), (0, height)),
+            "pos": ((-1, -1), (1, -1), (1, 1), (-1, 1)),
             "texCoord": ((0, 0), (1, 0), (1, 1), (0, 1)),
         },
     )
@@ -136,24 +153,19 @@ def _fill(shader, x, y, width, height, colour) -> None:
 
 
 CLASSES = ()
-_handle = None
+_handles = []
 
 
 def attach():
     """Draw over every 3D view from now on."""
-    global _handle  # noqa: PLW0603 - Blender gives a handle to be given back
-    import bpy
-
-    if _handle is None and not bpy.app.background:
-        _handle = bpy.types.SpaceView3D.draw_handler_add(draw_overlay, (), "WINDOW", "POST_PIXEL")
+    if _handles or bpy.app.background:
+        return
+    for function, stage in ((draw_colours, "POST_VIEW"), (draw_scale, "POST_PIXEL")):
+        _handles.append(bpy.types.SpaceView3D.draw_handler_add(function, (), "WINDOW", stage))
 
 
 def detach():
     """Draw no more."""
-    global _handle  # noqa: PLW0603
-    import bpy
-
-    if _handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-        _handle = None
+    while _handles:
+        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     _textures.clear()

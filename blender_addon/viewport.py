@@ -244,7 +244,8 @@ def _visible(space):
 
     def visible(instance) -> bool:
         source = instance.parent if instance.is_instance else instance.object
-        return source is None or source.original.visible_in_viewport_get(space)
+        # The evaluated object: Blender does not tell the original in which local views it is.
+        return source is None or source.visible_in_viewport_get(space)
 
     return visible
 

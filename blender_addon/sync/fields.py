@@ -61,6 +61,14 @@ class Field:
         """Return the mean over the picture, (1,) or (3,)."""
         return self.values if self.is_constant else mean_of_picture(self.values)
 
+    def key(self) -> tuple:
+        """Return what the field is but for a picture's pixels, as values to compare."""
+        if self.is_constant:
+            return self.values.shape, self.values.tobytes()
+        layout = self.layout
+        how = (layout.uv_map, layout.interpolation, layout.extension, layout.name)
+        return self.values.shape, layout.transform.tobytes(), *how
+
     def limits(self) -> tuple[float, float]:
         """Return the smallest and the largest number."""
         return recall(self.values, "limits", lambda v: (float(v.min()), float(v.max())))

@@ -122,6 +122,36 @@ def _inner_output(node, identifier):
     return next((one for one in active.inputs if one.identifier == identifier), None)
 
 
+def settings_of(node) -> tuple:
+    """Return what a node itself is set to, its sockets aside, as values to compare."""
+    common = bpy.types.ShaderNode.bl_rna.properties
+    return (
+        node.bl_idname,
+        *(
+            (prop.identifier, _value_of(node, prop))
+            for prop in node.bl_rna.properties
+            if prop.identifier not in common
+        ),
+    )
+
+
+def _value_of(owner, prop):
+    value = getattr(owner, prop.identifier)
+    if prop.type == "COLLECTION":
+        return tuple(_values_of(each) for each in value)
+    if prop.type == "POINTER":
+        return value if value is None else _values_of(value)
+    return tuple(value) if getattr(prop, "is_array", False) else value
+
+
+def _values_of(thing):
+    """Return all values of a colour ramp, a curve mapping or the like; only the name of a data-block."""
+    if isinstance(thing, bpy.types.ID):
+        return thing.name_full
+    properties = (p for p in thing.bl_rna.properties if p.identifier != "rna_type")
+    return tuple(_value_of(thing, prop) for prop in properties)
+
+
 def node_key(node, groups) -> tuple:
     """Return a key of a node that is unique within one material."""
     return (*(group.name for group in groups), node.name)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
+from ...engine.scene.memo import recall
 from ..report import ConversionReport
 from .fields import luminance
 from .graph import find_socket, trace
@@ -18,7 +19,9 @@ PHYSICAL_QUANTITIES = {
 """Quantities that make sense for each kind of Blender light."""
 
 
-def convert_light(source, light_id: str, name: str, matrix, scale: float, efficacy: float, report):
+def convert_light(
+    source, light_id: str, name: str, matrix, scale: float, efficacy: float, report, images=None
+):
     """Convert a light object.
 
     Parameters
@@ -29,6 +32,7 @@ def convert_light(source, light_id: str, name: str, matrix, scale: float, effica
     scale : float    Metres per Blender unit.
     efficacy : float    Lumens per Blender watt. [lm/W]
     report : ConversionReport
+    images : ImageCache or None    What was read of images before.
 
     Returns
     -------
@@ -40,7 +44,7 @@ def convert_light(source, light_id: str, name: str, matrix, scale: float, effica
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     axes = matrix[:3, :3] / np.maximum(lengths, 1e-30)
     rgb = _colour(data)
-    tint, strength = _node_emission(data, name, report)
+    tint, strength = _node_emission(data, name, report, images)
     rgb = rgb * tint
     output = _output(data, name, rgb, strength, lengths, efficacy, report)
     if output is None:
@@ -95,7 +99,7 @@ def _colour(data) -> np.ndarray:
     return rgb
 
 
-def _node_emission(data, name: str, report: ConversionReport) -> tuple[np.ndarray, float]:
+def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[np.ndarray, float]:
     """Colour and strength of the light's own node tree, (1, 1, 1) and 1 without one."""
     white = np.ones(3)
     tree = data.node_tree if getattr(data, "use_nodes", False) else None
@@ -116,7 +120,7 @@ def _node_emission(data, name: str, report: ConversionReport) -> tuple[np.ndarra
         )
         return white, 1.0
     node = origin.socket.node
-    context = Context(name, report)
+    context = Context(name, report, images)
     colour = mean_of(evaluate_colour(find_socket(node.inputs, "Color"), context, origin.groups), 3)
     strength = mean_of(
         evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1

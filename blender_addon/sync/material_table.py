@@ -9,7 +9,9 @@ from ...engine.scene.scene import content_digest
 from ..identity import engine_id
 from ..report import ConversionReport
 from .dependencies import shading_dependencies
+from .image_cache import ImageCache
 from .materials import convert_material, default_material
+from .picture_table import PictureTable
 
 DEFAULT_MATERIAL = "material:"
 """Id of what surfaces without a material are made of."""
@@ -28,10 +30,17 @@ class _Entry:
 
 
 class MaterialTable:
-    """Materials by id; converted when they are first used and when something behind them changed."""
+    """Materials by id; converted when they are first used and when something behind them changed.
 
-    def __init__(self):
+    Parameters
+    ----------
+    images : ImageCache    What was read of images before.
+    pictures : PictureTable    What the engine has of them.
+    """
+
+    def __init__(self, images: ImageCache, pictures: PictureTable):
         self.efficacy = 0.0
+        self._images, self._pictures = images, pictures
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self._entries: dict[int, _Entry] = {}
@@ -77,7 +86,9 @@ class MaterialTable:
                 self._update(blocks[session_uid], self._entries[session_uid])
         for session_uid in unused:
             if session_uid not in blocks or not blocks[session_uid].users:
-                self.removed.append(self._entries.pop(session_uid).key)
+                key = self._entries.pop(session_uid).key
+                self._pictures.drop(key)
+                self.removed.append(key)
 
     def flush(self) -> tuple[list[Material], list[str]]:
         """Hand over what changed and what was removed since the last time."""
@@ -90,17 +101,21 @@ class MaterialTable:
         entries = [entry for entry in self._entries.values() if entry.key in used]
         return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
 
+    def dependencies(self) -> set[int]:
+        """Return session uids of all node trees and images that the materials read."""
+        return set().union(*(entry.dependencies for entry in self._entries.values()))
+
     def __iter__(self):
         """Ids of the materials that the engine has."""
         return (entry.key for entry in self._entries.values())
 
     def _update(self, block, entry) -> None:
         entry.report = ConversionReport()
-        made = convert_material(block, entry.key, entry.report, self.efficacy)
+        made = convert_material(block, entry.key, entry.report, self.efficacy, self._images)
         entry.is_stale = False
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest = digest
-            self.changed.append(made)
+            self.changed.append(self._pictures.put(made))

@@ -10,6 +10,7 @@ from ...engine.scene.spectrum import Constant, Illuminant
 from ..report import ConversionReport
 from .closures import Closure
 from .fields import Field, as_colour, as_texture, constant, luminance
+from .image_cache import ImageCache
 from .nodes import Context
 from .overrides import convert_override
 from .shaders import convert_shader
@@ -27,7 +28,11 @@ def default_material(material_id: str) -> Material:
 
 
 def convert_material(
-    material: bpy.types.Material, material_id: str, report: ConversionReport, efficacy: float
+    material: bpy.types.Material,
+    material_id: str,
+    report: ConversionReport,
+    efficacy: float,
+    images: ImageCache | None = None,
 ) -> Material:
     """Convert a Blender material.
 
@@ -37,6 +42,7 @@ def convert_material(
     material_id : str    Stable key of the result.
     report : ConversionReport    Gets a row for everything that is not taken over as it is.
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
+    images : ImageCache or None    What was read of images before.
 
     Returns
     -------
@@ -49,7 +55,7 @@ def convert_material(
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     try:
-        closure = _convert_tree(material, report)
+        closure = _convert_tree(material, report, images)
     except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
         _logger.exception("Material %s", material.name)
         report.error(
@@ -75,7 +81,7 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, report) -> Closure:
+def _convert_tree(material, report, images) -> Closure:
     if material.node_tree is None or not _uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
@@ -83,7 +89,7 @@ def _convert_tree(material, report) -> Closure:
     if output is None:
         report.warn(material.name, "The node tree has no material output", "black is used")
         return Closure(Black())
-    context = Context(material.name, report)
+    context = Context(material.name, report, images)
     is_volume = output.inputs["Volume"].is_linked
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)

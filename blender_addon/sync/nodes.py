@@ -3,10 +3,12 @@
 import numpy as np
 
 from ...engine.scene.material import Colour, Scalar
+from ...engine.scene.memo import recall_latest
 from ..report import ConversionReport, Severity
 from . import colour_nodes, stand_ins, texture_nodes
 from .fields import Field, as_colour, as_scalar, constant, luminance, map_fields, rgb
-from .graph import find_socket, node_key, trace
+from .graph import find_socket, node_key, settings_of, trace
+from .image_cache import SMALL, ImageCache
 
 _FUNCTIONS = colour_nodes.FUNCTIONS | texture_nodes.FUNCTIONS
 
@@ -21,12 +23,14 @@ class Context:
     ----------
     datablock : str    Name of the material or world, for the report.
     report : ConversionReport    Where departures go.
+    images : ImageCache or None    What was read before.
     """
 
-    def __init__(self, datablock: str, report: ConversionReport):
+    def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
         self.report = report
-        self.pixels: dict = {}
+        self.images = ImageCache() if images is None else images
+        self.readings: dict = {}
         self.known: dict = {}
         self.active: set = set()
 
@@ -54,8 +58,29 @@ class Inputs:
         return evaluate_field(socket, self.context, self.groups)
 
     def map(self, function, *fields) -> Field:
-        """Apply a function of arrays place by place."""
-        return map_fields(function, *fields, note=self.note)
+        """Apply a function of arrays place by place; it follows from the node's settings and its inputs alone.
+
+        The latest result of every node is kept for as long as the pictures that it was made of.
+        """
+        pictures = [field for field in fields if not field.is_constant]
+        if all(field.values.nbytes < SMALL for field in pictures):
+            return map_fields(function, *fields, note=self.note)
+        place = (self.context.datablock, *node_key(self.node, self.groups), self.output.identifier)
+        function_name = getattr(function, "__code__", function)
+
+        def make():
+            notes: list[tuple[str, str]] = []
+            made = map_fields(function, *fields, note=lambda *words: notes.append(words))
+            return made.values, made.layout, notes
+
+        first, *others = (field.values for field in pictures)
+        parameters = (settings_of(self.node), [field.key() for field in fields])
+        values, layout, notes = recall_latest(
+            first, (*place, function_name), others, parameters, make
+        )
+        for message, remedy in notes:
+            self.note(message, remedy)
+        return Field(values, layout)
 
     def plain(self, *identifiers) -> float:
         """Return an input as one number, the mean if it varies."""

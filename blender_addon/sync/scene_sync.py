@@ -17,8 +17,10 @@ from . import live
 from .camera import convert_camera
 from .dependencies import shading_dependencies
 from .geometry_table import GeometryTable
+from .image_cache import ImageCache
 from .lights import convert_light
 from .material_table import MaterialTable
+from .picture_table import PictureTable
 from .step import SyncStats, SyncStep
 from .tags import Tags
 from .world import convert_world
@@ -102,7 +104,8 @@ class SceneSync:
         self._tags = Tags(scene=True)
         self._shown: dict[object, _Shown] = {}
         self._geometries = GeometryTable()
-        self._materials = MaterialTable()
+        self._images, self._pictures = ImageCache(), PictureTable()
+        self._materials = MaterialTable(self._images, self._pictures)
         self._world = _World()
         self._scale = self._efficacy = 0.0
         self._copies = 0
@@ -114,8 +117,9 @@ class SceneSync:
         self._tags.add(updates)
 
     def tag_scene(self) -> None:
-        """Note that what is shown may differ in a way that Blender does not report, such as local view."""
+        """Note that what is shown may differ in a way that Blender does not report, such as after an undo."""
         self._tags.scene = True
+        self._images.clear()
 
     @property
     def objects(self) -> dict[str, str]:
@@ -160,14 +164,17 @@ class SceneSync:
         reshaped = self._geometries.reshaped
         geometries, geometries_gone = self._geometries.flush()
         materials, materials_gone = self._materials.flush()
-        changed = (*geometries, *materials, *walk.changed, *walk.worlds)
-        gone = {*walk.removed, *geometries_gone, *materials_gone, *self._left}
+        pictures, pictures_gone = self._pictures.flush()
+        self._images.sweep(walk.images())
+        changed = (*pictures, *geometries, *materials, *walk.changed, *walk.worlds)
+        gone = {*walk.removed, *geometries_gone, *materials_gone, *pictures_gone, *self._left}
         gone -= {item.id for item in changed}
         self._left = set()
         delta = SceneDelta(changed, tuple(sorted(gone)), tuple(copies))
         self._report = walk.report()
         lights = [item for item in walk.changed if not isinstance(item, Placement)]
         sent = {
+            "picture": len(pictures),
             "geometry": geometries_made,
             "object": len(walk.changed) - len(lights),
             "material": len(materials),
@@ -185,7 +192,7 @@ class SceneSync:
     def _ids(self) -> set[str]:
         """Ids of all items that the engine has from us."""
         held = {shown.key for shown in self._shown.values() if shown.item is not None}
-        held |= {*self._geometries, *self._materials, *self._left}
+        held |= {*self._geometries, *self._materials, *self._pictures, *self._left}
         return held | ({self._world.key} if self._world.digest else set())
 
 
@@ -213,6 +220,7 @@ class _Walk:
         self.is_rerated = efficacy != sync._efficacy
         sync._scale, sync._efficacy, sync._materials.efficacy = scale, efficacy, efficacy
         sync._geometries.mark(tags.geometry)
+        sync._images.forget(tags.shading)
         sync._materials.mark(tags.shading)
         if self.is_rerated:
             sync._materials.mark_all()
@@ -221,6 +229,12 @@ class _Walk:
             self._sweep()
         sync._materials.refresh(self._used_materials())
         self._update_world()
+
+    def images(self) -> set[int]:
+        """Return session uids of the images, among others, that what is shown reads."""
+        sync = self.sync
+        lights = (shown.shading for shown in sync._shown.values() if shown.shading)
+        return sync._materials.dependencies() | sync._world.shading.union(*lights)
 
     def report(self) -> ConversionReport:
         """Return the rows of everything that is shown."""
@@ -424,6 +438,7 @@ class _Walk:
             sync._scale,
             sync._efficacy,
             shown.report,
+            sync._images,
         )
         if light is None:
             self._darken(shown)
@@ -482,15 +497,16 @@ class _Walk:
             return
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
-        made = convert_world(original, key, sync._efficacy, report)
+        made = convert_world(original, key, sync._efficacy, report, sync._images)
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
         sync._world = _World(source, key, digest, trees, report)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
+        sync._pictures.drop(known.key)
         if made is not None:
-            self.worlds.append(made)
+            self.worlds.append(sync._pictures.put(made))
         if known.digest and (made is None or known.key != key):
             self.removed.append(known.key)
 

@@ -8,6 +8,7 @@ import numpy as np
 from ...engine.scene.material import Material
 from ...engine.scene.mesh import Geometry, Mesh
 from ...engine.scene.scene import SceneDelta
+from ...engine.scene.texture import Pixels
 from ..report import ConversionReport
 
 PART_BYTES = 1 << 26
@@ -22,7 +23,7 @@ class SyncStats:
     ----------
     walk_seconds : float    Time of the walk, reading of changed data included.
     visited : int    Instances that were looked at.
-    sent : dict of str to int    Number of items by kind: geometry, object, material, light, world.
+    sent : dict of str to int    Number of items by kind: picture, geometry, object, material, light, world.
     removed : int    Number of items that are gone.
     changed : str    For people: what changed; empty if nothing did.
     """
@@ -50,8 +51,8 @@ class SyncStep:
 def split(delta: SceneDelta, limit: int) -> Iterator[SceneDelta]:
     """Yield pieces of a delta, to be applied in order.
 
-    Geometries come first, then materials, then what uses them; removals come with the last piece, so that nothing shown
-    lacks what it refers to.
+    Pictures come first, then geometries, then materials, then what uses them; removals come with the last piece, so that
+    nothing shown lacks what it refers to.
 
     Parameters
     ----------
@@ -82,4 +83,7 @@ def array_bytes(value) -> int:
 
 
 def _rank(item) -> int:
-    return 0 if isinstance(item, Geometry | Mesh) else 1 if isinstance(item, Material) else 2
+    for rank, kind in enumerate((Pixels, Geometry | Mesh, Material)):
+        if isinstance(item, kind):
+            return rank
+    return 3

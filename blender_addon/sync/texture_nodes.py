@@ -5,9 +5,10 @@ Every function takes the node's `Inputs` and returns the `Field` of the wanted o
 
 import numpy as np
 
+from ...engine.scene.memo import recall
 from . import patterns
-from .fields import Field, Layout, constant
-from .images import MISSING, read_pixels
+from .fields import Field, Layout, constant, mean_of_picture
+from .images import MISSING
 from .mapping import Placement, legacy_matrix, resolve_placement
 
 _BRICK_TILE = 1024
@@ -15,19 +16,19 @@ _BRICK_TILE = 1024
 
 def _image(at):
     node, image = at.node, at.node.image
-    key = (image.name_full if image else "", node.outputs["Alpha"].is_linked)
-    if key not in at.context.pixels:
-        at.context.pixels[key] = read_pixels(image, node.outputs["Alpha"].is_linked, at.note)
-    pixels = at.context.pixels[key]
-    if pixels is None:
+    context, is_straight = at.context, node.outputs["Alpha"].is_linked
+    key = (image.session_uid if image else 0, is_straight)
+    if key not in context.readings:
+        context.readings[key] = context.images.read(image, is_straight, at.note)
+    reading = context.readings[key]
+    if reading is None:
         place = f" ({image.filepath})" if image and image.filepath else ""
         name = f"Image {image.name!r}{place} cannot be read" if image else "No image is chosen"
         at.fail(name, f"grey {MISSING} is used")
         return constant(1.0 if at.output.identifier == "Alpha" else MISSING)
-    field = _laid(at, pixels)
     if at.output.identifier == "Alpha":
-        return Field(field.values[..., 3:], field.layout)
-    return _colour_mapped(at, Field(field.values[..., :3], field.layout))
+        return _laid(at, reading.alpha)
+    return _colour_mapped(at, _laid(at, reading.colour))
 
 
 def _laid(at, pixels):
@@ -36,11 +37,11 @@ def _laid(at, pixels):
         at.remark(f"{node.interpolation} interpolation", "linear interpolation is used")
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
-        return Field(_mean(pixels))
+        return Field(mean_of_picture(pixels))
     placement = _placement(at, is_uv_by_default=True)
     if placement is None:
         at.note("Texture coordinates other than a UV map", "the picture's mean is used")
-        return Field(_mean(pixels))
+        return Field(mean_of_picture(pixels))
     transform, extension = placement.transform, node.extension.lower()
     if extension == "clip":
         pixels, transform = _with_black_border(pixels, transform)
@@ -48,10 +49,6 @@ def _laid(at, pixels):
     interpolation = "closest" if node.interpolation == "Closest" else "linear"
     layout = Layout(placement.uv_map, transform, interpolation, extension, node.image.name)
     return Field(pixels, layout)
-
-
-def _mean(pixels):
-    return pixels.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
 
 
 def _with_black_border(pixels, transform):
@@ -64,7 +61,8 @@ def _with_black_border(pixels, transform):
             [0, 0, 1],
         ]
     )
-    return np.pad(pixels, ((1, 1), (1, 1), (0, 0))), shrink @ transform
+    bordered = recall(pixels, "bordered", lambda p: np.pad(p, ((1, 1), (1, 1), (0, 0))))
+    return bordered, shrink @ transform
 
 
 def _colour_mapped(at, field):
@@ -143,7 +141,7 @@ def _brick(at):
     )
     if placement is None:
         at.note("A brick pattern without a UV map", "its mean colour is used")
-        fields = [Field(_mean(mortar)), Field(_mean(tint))]
+        fields = [Field(mean_of_picture(mortar)), Field(mean_of_picture(tint))]
     else:
         at.remark("A brick pattern never repeats", "it is drawn for one UV tile and repeated")
         layout = Layout(placement.uv_map, np.eye(3), "linear", "repeat", node.name)

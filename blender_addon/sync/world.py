@@ -5,17 +5,24 @@ import math
 import numpy as np
 
 from ...engine.scene.light import ImageWorld, UniformWorld
+from ...engine.scene.memo import recall
 from ...engine.scene.texture import ImageTexture
 from ..report import ConversionReport
 from .fields import luminance
 from .graph import find_socket, trace
-from .images import read_pixels
+from .image_cache import ImageCache
 from .lights import mean_of
 from .nodes import Context, evaluate_colour, evaluate_scalar
 from .spectra import light_spectrum
 
 
-def convert_world(world, world_id: str, efficacy: float, report: ConversionReport):
+def convert_world(
+    world,
+    world_id: str,
+    efficacy: float,
+    report: ConversionReport,
+    images: ImageCache | None = None,
+):
     """Convert the world.
 
     Parameters
@@ -23,6 +30,7 @@ def convert_world(world, world_id: str, efficacy: float, report: ConversionRepor
     world : bpy.types.World or None
     world_id : str    Stable key of the result.
     efficacy : float    Lumens per Blender watt. [lm/W]
+    images : ImageCache or None    What was read of images before.
 
     Returns
     -------
@@ -30,24 +38,30 @@ def convert_world(world, world_id: str, efficacy: float, report: ConversionRepor
     """
     if world is None:
         return None
-    background = _background(world, report)
+    images = ImageCache() if images is None else images
+    background = _background(world, report, images)
     if background is None:
         return None
     colour_socket, strength, groups = background
-    picture = _environment(colour_socket, groups, world.name, report)
+    picture = _environment(colour_socket, groups, world.name, report, images)
     settings = world.lumenray
     per_unit = strength * (efficacy if settings.unit == "BLENDER" else 1.0)
     if picture is None:
         rgb = np.array(world.color)
         if colour_socket is not None:
-            rgb = mean_of(evaluate_colour(colour_socket, Context(world.name, report), groups), 3)
+            context = Context(world.name, report, images)
+            rgb = mean_of(evaluate_colour(colour_socket, context, groups), 3)
         amount = float(np.ravel(luminance(rgb))[0]) * per_unit
         if settings.unit == "ILLUMINANCE":
             amount = settings.illuminance / math.pi
         return UniformWorld(amount, light_spectrum(rgb), world_id) if amount > 0.0 else None
     image, rotation = picture
     if settings.unit == "ILLUMINANCE":
-        given = horizontal_illuminance(image.pixels, rotation)
+        given = recall(
+            image.pixels,
+            ("illuminance", rotation.tobytes()),
+            lambda pixels: horizontal_illuminance(pixels, rotation),
+        )
         if given <= 0.0:
             report.error(
                 world.name, "the upper half of the environment is black", "it gives no light"
@@ -77,7 +91,7 @@ def horizontal_illuminance(pixels, rotation) -> float:
     return float((luma * up * solid).sum())
 
 
-def _background(world, report):
+def _background(world, report, images):
     """Colour socket, strength and groups of the Background node; None when nothing is there."""
     tree = world.node_tree if getattr(world, "use_nodes", True) else None
     if tree is None:
@@ -100,14 +114,14 @@ def _background(world, report):
             node.name,
         )
         return None
-    context = Context(world.name, report)
+    context = Context(world.name, report, images)
     strength = mean_of(
         evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
     )
     return find_socket(node.inputs, "Color"), float(strength[0]), origin.groups
 
 
-def _environment(socket, groups, name, report):
+def _environment(socket, groups, name, report, images):
     """Picture and rotation behind the colour socket, None when it is no environment texture."""
     if socket is None:
         return None
@@ -122,20 +136,18 @@ def _environment(socket, groups, name, report):
             "it is read as equirectangular",
             node.name,
         )
-    pixels = read_pixels(
+    reading = images.read(
         node.image, True, lambda message, remedy: report.warn(name, message, remedy, node.name)
     )
-    if pixels is None:
+    if reading is None:
         report.error(
             name,
             "the environment texture has no picture",
             "the world is uniform grey 0.5",
             node.name,
         )
-        pixels = np.full((2, 4, 4), 0.5, dtype=np.float32)
-    image = ImageTexture(
-        np.ascontiguousarray(pixels[..., :3]), name=node.image.name if node.image else ""
-    )
+    pixels = np.full((2, 4, 3), 0.5, dtype=np.float32) if reading is None else reading.colour
+    image = ImageTexture(pixels, name=node.image.name if node.image else "")
     return image, _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
 
 

@@ -151,7 +151,8 @@ class CompiledScene:
         self._drop_unused_materials()
         self._commit_lights(scene, named, changes)
         if scene.world is not self._world_item:
-            self._world_item, self._world = scene.world, make_world(scene.world)
+            self._world = make_world(scene.world, self._world_item, self._world)
+            self._world_item = scene.world
             changes.other.append("surroundings changed")
         self._commit_light_table(scene)
         self._commit_tables()

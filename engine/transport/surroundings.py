@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -27,16 +28,57 @@ class World:
     mean_luminance: float
 
 
-def make_world(world) -> World | None:
-    """Return the emitter of a world, None when it is black."""
+def make_world(world, old=None, made: World | None = None) -> World | None:
+    """Return the emitter of a world, None when it is black.
+
+    Parameters
+    ----------
+    world : UniformWorld, ImageWorld or None
+    old, made : World's description and emitter    Of before; the emitter is changed in place if it shows the same picture.
+    """
     if isinstance(world, UniformWorld) and world.luminance > 0.0:
         made = emission.luminous(world.luminance, world.spectrum)
         return World(
             mi.load_dict({"type": "constant", "radiance": made.texture()}), world.luminance
         )
     if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
+        if made is not None and isinstance(old, ImageWorld) and world.image.is_same(old.image):
+            return _changed(world, old, made)
         return _image_world(world)
     return None
+
+
+def _changed(world: ImageWorld, old: ImageWorld, made: World) -> World:
+    """Lay the same picture in another way; a new emitter would read all of it again."""
+    _lay(made.emitter, world)
+    ratio = world.luminance_per_unit / old.luminance_per_unit
+    return World(made.emitter, made.mean_luminance * ratio)
+
+
+def _lay(emitter, world: ImageWorld) -> None:
+    """Set scale and rotation; plain numbers would be a part of kernels, which every edit would then have to compile."""
+    values = mi.traverse(emitter)
+    scale = mi.Float(_scale(world))
+    place = type(values["to_world"])(mi.ScalarTransform4f(_frame(world)))
+    dr.make_opaque(scale, place)
+    values["scale"], values["to_world"] = scale, place
+    values.update()
+
+
+def _frame(world: ImageWorld) -> list:
+    # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with
+    # +z up: they agree when Mitsuba's (x, y, z) is our (y, z, x).
+    to_map = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]) @ world.rotation
+    to_world = np.eye(4)
+    to_world[:3, :3] = to_map.T
+    return [list(row) for row in to_world]
+
+
+def _scale(world: ImageWorld) -> float:
+    scale = world.luminance_per_unit
+    if is_spectral():
+        scale /= units.LUMINOUS_EFFICACY * luminous_efficiency().sum()
+    return float(scale)
 
 
 def _image_world(world: ImageWorld) -> World:
@@ -45,23 +87,15 @@ def _image_world(world: ImageWorld) -> World:
     luma = (pixels @ REC709_LUMINANCE.astype(np.float32))[..., None]
     if not is_spectral():
         pixels = np.repeat(luma, 3, axis=2)
-    # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with
-    # +z up: they agree when Mitsuba's (x, y, z) is our (y, z, x).
-    to_map = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]) @ world.rotation
-    to_world = np.eye(4)
-    to_world[:3, :3] = to_map.T
-    scale = world.luminance_per_unit
-    if is_spectral():
-        scale /= units.LUMINOUS_EFFICACY * luminous_efficiency().sum()
     plugin = {
         "type": "envmap",
         "bitmap": mi.Bitmap(np.ascontiguousarray(pixels[::-1])),
-        "scale": float(scale),
-        "to_world": mi.ScalarTransform4f([list(row) for row in to_world]),
     }
+    emitter = mi.load_dict(plugin)
+    _lay(emitter, world)
     rows = np.cos((np.arange(len(luma)) + 0.5) / len(luma) * np.pi - 0.5 * np.pi)
     mean = float((luma[..., 0].mean(axis=1) * rows).sum() / rows.sum())
-    return World(mi.load_dict(plugin), mean * world.luminance_per_unit)
+    return World(emitter, mean * world.luminance_per_unit)
 
 
 def make_surroundings(world: World | None, suns: list[SunLight], radius: float, portals):

