@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes test lint extension smoke docs-screenshots
+.PHONY: help setup demo scenes test lint extension smoke viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -36,6 +36,9 @@ extension: setup ## build the extension's zips for this platform into dist/
 
 smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time)
 	@tests/real_blender/run_smoke.sh
+
+viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
+	@tests/real_blender/run_viewport.sh
 
 docs-screenshots: setup ## take the guide's pictures of Blender's window into docs/pictures (root)
 	@tests/real_blender/screenshots.sh

@@ -95,10 +95,10 @@ def _bars(bars) -> str:
         "## Bars\n",
         f"Edits of a parameter: at most {100 * PARAMETER_SHARE:.0f} % of a full sync of 3 M triangles (median of all "
         "repetitions), and independent of the number of triangles: from 10 k to 3 M not more than "
-        f"{GROWTH} times the time, *rest* left out since it is mostly chance, and given beside it. Moving, adding or deleting "
-        f"one object of 1000 in 3 M triangles: at most {100 * OBJECT_SHARE:.0f} % from the second time on (median), "
-        f"{100 * FIRST_SHARE:.0f} % the first time. All with Blender's own work counted, as a user waits for it. In "
-        "brackets: from the least to the most.\n",
+        f"{GROWTH} times the time, *rest* left out since it is mostly chance, and given beside it. Moving, adding or "
+        f"deleting one object of 1000 in 3 M triangles: at most {100 * OBJECT_SHARE:.0f} % from the second time on "
+        f"(median), {100 * FIRST_SHARE:.0f} % the first time. All with Blender's own work counted, for which a "
+        "user waits too. In brackets: from the least to the most.\n",
         "| demand | edit | limit | measured | verdict |",
         "|---|---|---|---|---|",
     ]

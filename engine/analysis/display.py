@@ -9,6 +9,16 @@ DECADES = 3.0
 """Range of a logarithmic scale whose lower end is not stated."""
 
 
+def _make_scale() -> np.ndarray:
+    """Colours of the false-colour scale at even steps, with opacity. (4096, 4) float32"""
+    scale = np.ones((4096, 4), dtype=np.float32)
+    scale[:, :3] = colours(np.linspace(0.0, 1.0, len(scale)), 0.0, 1.0) / np.float32(255.0)
+    return scale
+
+
+SCALE = _make_scale()
+
+
 def show(image: np.ndarray, mode: str, display) -> dict:
     """Turn an image into pixels.
 
@@ -23,7 +33,6 @@ def show(image: np.ndarray, mode: str, display) -> dict:
     dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `session.Frame`.
     """
     luminance = image[..., 1]
-    pixels = np.ones((*luminance.shape, 4), dtype=np.float32)
     if mode.startswith("false"):
         values, unit = (luminance, "cd/m²") if mode == "false_luminance" else (image[..., 3], "lx")
         high = display.high if display.high > 0.0 else nice_maximum(values)
@@ -31,10 +40,13 @@ def show(image: np.ndarray, mode: str, display) -> dict:
         if display.logarithmic:
             low = low if low > 0.0 else high / 10.0**DECADES
             share = np.log10(np.maximum(values, low) / low) / max(np.log10(high / low), 1e-9)
-            pixels[..., :3] = colours(share, 0.0, 1.0) / np.float32(255.0)
         else:
-            pixels[..., :3] = colours(values, low, high) / np.float32(255.0)
+            share = (values - low) / max(high - low, 1e-30)
+        # A table of colours is an order of magnitude faster than mixing them for every pixel.
+        place = np.clip(np.nan_to_num(share) * (len(SCALE) - 1) + 0.5, 0, len(SCALE) - 1)
+        pixels = SCALE[place.astype(np.int32)]
         return _fields(pixels, True, display.logarithmic, low, high, unit)
+    pixels = np.ones((*luminance.shape, 4), dtype=np.float32)
     white = display.white if display.white else automatic_white(luminance)
     if mode == "luminance":
         pixels[..., :3] = (luminance / np.float32(white))[..., None]

@@ -30,7 +30,8 @@ def scene_linear(tristimulus, white_luminance):
     -------
     (..., 3) float32 array    Negative components of colours outside the gamut are kept. [-]
     """
-    return (np.asarray(tristimulus) @ XYZ_TO_REC709.T / white_luminance).astype(np.float32)
+    to_linear = (XYZ_TO_REC709.T / white_luminance).astype(np.float32)
+    return np.asarray(tristimulus, dtype=np.float32) @ to_linear
 
 
 def automatic_white(luminance) -> float:

@@ -53,7 +53,7 @@ class LiveView:
         self._has_learned = False
         self._begun = time.perf_counter()
         self._slice = FIRST_PIXELS * GROUPS
-        self._shown: np.ndarray | None = None
+        self._has_coarser = False
         self.error = float("inf")
         self._begin_level()
 
@@ -69,7 +69,7 @@ class LiveView:
 
     def refine(self) -> bool:
         """Take one slice of samples; true when a pass over the image was finished."""
-        has_image = self._shown is not None or self._passes > 0
+        has_image = self._has_coarser or self._passes > 0
         if self.factor == 1 and has_image and not self._has_learned:
             # Only the finest image is worth the time that it takes.
             learn_lights(self.scene, self._film, PILOT_LANES)
@@ -80,7 +80,8 @@ class LiveView:
         new = self._job.launch(self._cursor, count, 1, self._passes)
         part = slice(self._cursor, self._cursor + count)
         self._sums[:, part] += new
-        self._counts[part] += 1
+        # The image is kept up to date slice by slice: making it anew for every frame would hold up edits.
+        self._image[part] = self._sums[:, part].sum(axis=0) / (GROUPS * (self._passes + 1))
         self._cursor += count
         self._adapt(count * GROUPS, time.perf_counter() - start)
         if self._cursor < self._pixels:
@@ -89,12 +90,8 @@ class LiveView:
         return True
 
     def image(self) -> np.ndarray:
-        """Return what is known: X, Y, Z and, if wanted, illuminance. (h, w, c) float32 [cd/m2, lx]"""
-        known = self._counts > 0
-        flat = self._shown.copy() if self._shown is not None else np.zeros_like(self._sums[0])
-        total = self._sums[:, known].sum(axis=0)
-        flat[known] = total / (GROUPS * self._counts[known][:, None])
-        return flat.reshape(self._camera.height, self._camera.width, -1).astype(np.float32)
+        """Return what is known: X, Y, Z and, if wanted, illuminance; not to be kept. (h, w, c) float32 [cd/m2, lx]"""
+        return self._image.reshape(self._camera.height, self._camera.width, -1)
 
     # ---- private ----
 
@@ -116,7 +113,7 @@ class LiveView:
         self._film = Film(self._camera, self.scene.origin)
         self._job = PictureJob(self.scene, self._film, _view_settings(self.settings))
         self._sums = np.zeros((GROUPS, self._pixels, self._job.channels))
-        self._counts = np.zeros(self._pixels, dtype=np.int64)
+        self._image = np.zeros((self._pixels, self._job.channels), dtype=np.float32)
         self._cursor = self._passes = 0
 
     def _finish_pass(self) -> None:
@@ -130,7 +127,8 @@ class LiveView:
         self.factor //= 2
         self._begin_level()
         size = (self._camera.height, self._camera.width)
-        self._shown = _enlarge(coarse, size).reshape(self._pixels, -1).astype(np.float64)
+        self._image[:] = _enlarge(coarse, size).reshape(self._pixels, -1)
+        self._has_coarser = True
 
 
 def _view_settings(settings):

@@ -2,8 +2,9 @@
 
 The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes
 a luminaire active, ``material`` an object with a physical override, ``render`` starts F12, ``bake``
-runs the bake as a user would and writes into the log how long the window ever waited. The sidebar
-shows the tab of Lumenray.
+runs the bake as a user would and writes into the log how long the window ever waited; ``viewport``
+moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. The sidebar shows
+the tab of Lumenray.
 """
 
 import importlib
@@ -17,7 +18,7 @@ PACKAGE = "bl_ext.user_default.lumenray"
 
 VIEW = sys.argv[sys.argv.index("--") + 1] if "--" in sys.argv else "light"
 
-ACTIVE = {"light": "LED Panel 1", "material": "Window Panes", "bake": "Floor", "render": ""}
+ACTIVE = {"light": "LED Panel 1", "material": "Window Panes", "bake": "Floor"}
 """Object that is made active for each view."""
 
 CATEGORY = "Lumenray"
@@ -26,25 +27,16 @@ ATTEMPTS = 20
 """How often the sidebar is asked for its tab; it has none before it was drawn."""
 
 
-def shade(shading):
-    """Show the render, or plain surfaces where the engine draws no viewport.
-
-    Blender's own preview of materials would take minutes for its shaders without a graphics card.
-    """
-    try:
-        shading.type = "RENDERED"
-    except TypeError:
-        shading.type = "SOLID"
-
-
 def prepare_spaces(window):
     """Choose what the window's editors show."""
     context = {"light": "DATA", "material": "MATERIAL"}.get(VIEW, "RENDER")
     for area in window.screen.areas:
         for space in area.spaces:
             if space.type == "VIEW_3D":
-                shade(space.shading)
+                # A rendered view would take its share of the processor from F12 and the bake.
+                space.shading.type = "SOLID" if VIEW in {"render", "bake"} else "RENDERED"
                 space.region_3d.view_perspective = "CAMERA"
+                space.region_3d.view_camera_zoom = 20.0 if VIEW.startswith("viewport") else 0.0
                 space.show_region_ui = True
             elif space.type == "PROPERTIES":
                 space.context = context
@@ -90,7 +82,7 @@ def build():
     importlib.import_module(f"{PACKAGE}.libraries.scenes.office").build_office()
     for item in bpy.context.view_layer.objects:
         item.select_set(False)
-    wanted = ACTIVE[VIEW]
+    wanted = ACTIVE.get(VIEW, "")
     found = [o for o in bpy.context.view_layer.objects if wanted and o.name.startswith(wanted[:8])]
     item = bpy.data.objects.get(wanted) or next(iter(found), None)
     if item is not None:
@@ -134,6 +126,11 @@ def start_bake():
         )
 
 
+def move_basket():
+    """Move something, as it were by hand."""
+    bpy.data.objects["Waste Basket"].location.x += 0.15
+
+
 def start_render():
     """Press F12, as it were."""
     window = bpy.context.window_manager.windows[0]
@@ -153,3 +150,7 @@ if VIEW == "render":
 if VIEW == "bake":
     bpy.app.timers.register(Pulse(), first_interval=3.0)
     bpy.app.timers.register(start_bake, first_interval=4.0)
+if VIEW == "viewport":
+    bpy.app.timers.register(move_basket, first_interval=15.0)
+if VIEW == "viewport_lux":
+    bpy.context.scene.lumenray.viewport_display = "FALSE_ILLUMINANCE"

@@ -458,7 +458,7 @@ def local_view():
     )
     red = alone[bottom + 20 : top - 20, left + 20 : right - 20].mean(axis=(0, 1))
     record.check(red[0] > 3.0 * red[1], f"local view: the block is there, {np.round(red)}")
-    below = alone[: max(bottom - 20, 20)]
+    below = alone[BLOCK : bottom - BLOCK, BLOCK:-BLOCK]
     spread = below.std(axis=(0, 1)).max()
     record.check(spread < 2.0, f"local view: the floor is not there, spread {spread:.2f}")
     with window.override():
