@@ -104,7 +104,7 @@ def _draw_display_colours(texture) -> None:
 def _draw_scale(frame, region) -> None:
     """Draw the scale with numbers and unit at the left edge."""
     height = max(min(region.height - 4 * SCALE_MARGIN, 400), 60)
-    left, low = SCALE_MARGIN, 2 * SCALE_MARGIN
+    left, low = _free_edge(bpy.context.area, region) + SCALE_MARGIN, 2 * SCALE_MARGIN
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     gpu.state.blend_set("ALPHA")
     _fill(shader, left - 8, low - 12, SCALE_WIDTH + 90, height + 44, (0.0, 0.0, 0.0, 0.55))
@@ -120,6 +120,14 @@ def _draw_scale(frame, region) -> None:
         blf.draw(0, readout.format_amount(_value(frame, share), ""))
     blf.position(0, left, low + height + 14, 0)
     blf.draw(0, frame.unit)
+
+
+def _free_edge(area, region) -> int:
+    """Where the region's left part is not covered by the tools any more. [pixel]"""
+    tools = next((each for each in area.regions if each.type == "TOOLS"), None)
+    if tools is None or tools.width <= 1 or tools.x > region.x + region.width // 2:
+        return 0
+    return max(tools.x + tools.width - region.x, 0)
 
 
 def _value(frame, share: float) -> float:

@@ -15,10 +15,10 @@ from .picture import GROUPS, MAXIMUM_PIXELS, Film, PictureJob, learn_lights, rel
 FIRST_PIXELS = 4096
 """Most pixels of the first image, which is made in one slice."""
 
-SHORT_SLICE, LONG_SLICE = 0.025, 0.1
+SHORT_SLICE, LONG_SLICE = 0.015, 0.1
 """Duration that slices of work are cut to, at first and later: an edit is often followed by the next at once. [s]"""
 
-CALM = 1.0
+CALM = 2.0
 """Time after which slices are long. [s]"""
 
 PILOT_LANES = 1 << 15

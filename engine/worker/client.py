@@ -178,7 +178,7 @@ class RemoteSession:
         if not self.is_lost:
             self.unwatch()
             self.cancel()
-            self._link.post("close", self.name)
+            self._link.close_session(self.name)
         self._is_closed = True
         self._worker.forget(self)
 

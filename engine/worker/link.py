@@ -181,6 +181,12 @@ class Link:
             if self.lost is None:
                 view.first_number = self.post("unwatch", session)
 
+    def close_session(self, session: str) -> None:
+        """Let the worker forget a session, whose name may be given to another. Raises as `post`."""
+        with self._lock:
+            # What of the old one is still on its way is not for the new one.
+            self._views[session] = View(first_number=self.post("close", session))
+
     def post(self, kind: str, session: str, body=None) -> int:
         """Send an order that is not answered; returns its number.
 

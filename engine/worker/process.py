@@ -19,6 +19,9 @@ if sys.platform != "win32":
     import resource
     from multiprocessing.connection import Connection
 
+NICENESS = 5
+"""How much the engine stands back for other programs, Blender above all."""
+
 BOOTSTRAP = """
 import importlib.util, json, sys
 order = json.loads(sys.stdin.buffer.raw.readline())
@@ -168,6 +171,8 @@ def settle(order: dict):
         connection = Client(order["address"], family="AF_PIPE")
     else:
         end_with_parent()
+        # The engine takes all processors; the window goes first.
+        os.nice(NICENESS)
         if order["memory_limit"]:
             hard = resource.getrlimit(resource.RLIMIT_AS)[1]
             resource.setrlimit(resource.RLIMIT_AS, (order["memory_limit"], hard))

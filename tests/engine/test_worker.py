@@ -608,3 +608,19 @@ def test_a_job_of_the_engine_is_cancelled(engine):
     assert states
     assert time.monotonic() - start < 20.0
     session.close()
+
+
+def test_a_closed_session_leaves_nothing_to_another_of_its_name(worker):
+    session = worker.session("view")
+    for _ in range(3):
+        session.apply(SceneDelta())
+    watch(session, live(1000))
+    wait_for(session.frame)
+    session.close()
+    again = worker.session("view")
+    assert again.revision == 0
+    assert again.frame() is None
+    again.apply(SceneDelta())
+    watch(again, live(20))
+    frame = wait_for(again.frame)
+    assert frame.revision == again.revision == 1

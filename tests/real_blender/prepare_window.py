@@ -38,6 +38,8 @@ def prepare_spaces(window):
                 space.region_3d.view_perspective = "CAMERA"
                 space.region_3d.view_camera_zoom = 20.0 if VIEW.startswith("viewport") else 0.0
                 space.show_region_ui = True
+                # Lines below every lamp.
+                space.overlay.show_extras = not VIEW.startswith("viewport")
             elif space.type == "PROPERTIES":
                 space.context = context
 
@@ -126,6 +128,12 @@ def start_bake():
         )
 
 
+def turn_evening():
+    """Leave the light to the lamps: daylight through panes would take many minutes to become smooth."""
+    tree = bpy.context.scene.world.node_tree
+    tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+
+
 def move_basket():
     """Move something, as it were by hand."""
     bpy.data.objects["Waste Basket"].location.x += 0.15
@@ -150,7 +158,10 @@ if VIEW == "render":
 if VIEW == "bake":
     bpy.app.timers.register(Pulse(), first_interval=3.0)
     bpy.app.timers.register(start_bake, first_interval=4.0)
+if VIEW.startswith("viewport"):
+    turn_evening()
 if VIEW == "viewport":
     bpy.app.timers.register(move_basket, first_interval=15.0)
 if VIEW == "viewport_lux":
     bpy.context.scene.lumenray.viewport_display = "FALSE_ILLUMINANCE"
+    bpy.context.scene.lumenray.viewport_automatic = False

@@ -9,6 +9,9 @@ WHITE = 250.0
 PANEL = 1500.0
 """Luminance of the panel, far above all that the lamp lights. [cd/m2]"""
 
+SAMPLES = 24
+"""Paths per pixel, of the view and of F12."""
+
 SUN = 500.0
 """Illuminance by the sun, which stands overhead but is off at first. [lx]"""
 
@@ -57,12 +60,12 @@ def build():
     sun.data.angle = 0.001
     staging.set_sky((0.8, 0.9, 1.0), 30.0)
     staging.new_camera((0.0, -5.2, 1.9), (78.0, 0.0, 0.0), lens=32.0)
-    staging.set_render(640, 400, WHITE, samples=64)
+    staging.set_render(640, 400, WHITE, samples=SAMPLES)
     scene = bpy.context.scene
     scene.render.engine = "LUMENRAY"
     # Blender's dither lifts a file's 8-bit values by half a step on the average; the window has none.
     scene.render.dither_intensity = 0.0
-    scene.lumenray.viewport_samples = 64
+    scene.lumenray.viewport_samples = SAMPLES
 
 
 def leave_sun_only():

@@ -35,7 +35,7 @@ MODES = {"Standard": "standard", "AgX": "agx"}
 BLOCK = 16
 """Side of the squares that pictures are compared in. [pixel]"""
 
-NOISE = 4.0
+NOISE = 6.0
 """Most by which the same square may differ in two pictures of the same scene, of 255."""
 
 RED_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
@@ -54,7 +54,9 @@ def set_up():
     space().shading.type = "RENDERED"
     taken = yield from settle()
     record.measure("seconds to the first complete picture", round(taken, 1))
-    record.check(view().status.samples >= 64, f"the view has {view().status.samples} samples")
+    record.check(
+        view().status.samples >= stage.SAMPLES, f"the view has {view().status.samples} samples"
+    )
 
 
 def difference(first, second):
@@ -519,7 +521,7 @@ def extension_disabled():
     bpy.ops.preferences.addon_enable(module=window.PACKAGE)
     yield 0.5
     scene = bpy.context.scene
-    scene.lumenray.viewport_samples = 64
+    scene.lumenray.viewport_samples = stage.SAMPLES
     scene.render.engine = "LUMENRAY"
     space().shading.type = "RENDERED"
     yield from settle()
