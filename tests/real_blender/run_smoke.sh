@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the extension into a real Blender, uses it there, and compares what it measures with the
-# bpy wheel. Every step that does not succeed ends it with an error.
+# bpy wheel; then looks at the rendered view in a window. Every step that does not succeed ends it with an error.
 #
 #   VENV           the virtual environment (default: .venv in the repository)
 #   LUMENRAY_OUT   folder of all results (default: out/real-blender in the repository)
@@ -30,3 +30,6 @@ step "the same with the bpy wheel"
 
 step "comparison"
 "$VENV/bin/python" "$here/compare.py" "$LUMENRAY_OUT"/{real,wheel}/smoke.json
+
+step "the rendered view in a window"
+LUMENRAY_INSTALLED=1 "$here/run_viewport.sh" look close
