@@ -66,6 +66,3 @@ def detach():
         bpy.app.handlers.load_pre.remove(_end_with_file)
     atexit.unregister(close)
     close()
-
-
-CLASSES = ()

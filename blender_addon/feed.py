@@ -63,9 +63,6 @@ def detach():
     _additions.clear()
 
 
-CLASSES = ()
-
-
 class SceneFeed:
     """Keeps the scene of an engine's session equal to a Blender scene.
 

@@ -205,9 +205,6 @@ def _check_all(*_):
     ensure_ids()
 
 
-CLASSES = ()
-
-
 def attach():
     """Have identities written as data-blocks come."""
     handlers = bpy.app.handlers

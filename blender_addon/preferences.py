@@ -39,11 +39,3 @@ def memory_limit() -> int | None:
 
 
 CLASSES = (LumenrayPreferences,)
-
-
-def attach():
-    """Nothing to attach: Blender finds preferences by the extension's name."""
-
-
-def detach():
-    """Nothing to detach."""

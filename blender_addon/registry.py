@@ -6,6 +6,7 @@ from . import properties, render_engine
 
 
 def _groups():
+    """Modules with something to register: classes, and functions that tie them to Blender and off again."""
     from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
     from .sync import live
 
@@ -26,8 +27,9 @@ def _groups():
 def register(classes=()) -> None:
     """Register properties, the render engine and ``classes``; what is registered already stays."""
     for group in _groups():
-        _add(group.CLASSES)
-        group.attach()
+        _add(getattr(group, "CLASSES", ()))
+        if hasattr(group, "attach"):
+            group.attach()
     _add(classes)
 
 
@@ -35,8 +37,9 @@ def unregister(classes=()) -> None:
     """Undo `register`, in reverse order."""
     _remove(classes)
     for group in reversed(_groups()):
-        group.detach()
-        _remove(group.CLASSES)
+        if hasattr(group, "detach"):
+            group.detach()
+        _remove(getattr(group, "CLASSES", ()))
 
 
 def _add(classes) -> None:

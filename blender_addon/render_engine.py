@@ -129,6 +129,9 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             self.error_set(str(error))
+        finally:
+            if not self.is_animation:
+                close_final_feed()
 
     def _render(self, depsgraph):
         scene = depsgraph.scene
@@ -166,8 +169,6 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         finally:
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
-            if not self.is_animation:
-                close_final_feed()
         layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
         self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
         self._write_beside(scene, picture, report)

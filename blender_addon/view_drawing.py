@@ -160,7 +160,6 @@ def _fill(shader, x, y, width, height, colour) -> None:
     batch.draw(shader)
 
 
-CLASSES = ()
 _handles = []
 
 

@@ -14,7 +14,7 @@ from ..engine.session import Display, DisplayMode, Frame, LiveSettings
 from . import engine_process
 from .feed import SceneFeed
 from .properties import white_luminance
-from .sync.view import ViewFrame, view_camera
+from .sync.view import view_camera
 
 POLL_INTERVAL = 0.02
 """How often the timer looks for frames. [s]"""
@@ -24,7 +24,8 @@ KEPT_FEEDS = 1
 
 _numbers = itertools.count(1)
 _views: dict[int, "Viewport"] = {}
-_idle: list[SceneFeed] = []
+_idle: list[tuple[str, SceneFeed]] = []
+"""Feeds that no view uses, by the name of what they show."""
 
 
 @dataclass
@@ -74,7 +75,6 @@ class Viewport:
         self._feed: SceneFeed | None = None
         self._scene_key = None
         self._asked = None
-        self._edited_at = 0.0
         _views[self.number] = self
         _start_timer()
 
@@ -85,8 +85,7 @@ class Viewport:
 
     def update(self, context, depsgraph) -> None:
         """Send what changed in the scene."""
-        self._edited_at = time.perf_counter()
-        self.touched = self._edited_at
+        self.touched = time.perf_counter()
         try:
             feed = self._current_feed(context, depsgraph)
             edit = feed.update(depsgraph, _visible(context.space_data))
@@ -154,7 +153,7 @@ class Viewport:
         self.frame = frame
         self.frame_number += 1
         status = self.status
-        if not status.is_error or complaint is None:
+        if complaint is None:
             status.message, status.is_error = "", False
         status.samples, status.error = frame.samples, frame.relative_error
         status.commit, status.first_sample = (
@@ -187,10 +186,9 @@ class Viewport:
             return
         feed.session.unwatch()
         feed.session.frame()
-        feed.key = self._scene_key
-        _idle.append(feed)
+        _idle.append((self._scene_key, feed))
         while len(_idle) > KEPT_FEEDS:
-            _idle.pop(0).session.close()
+            _idle.pop(0)[1].session.close()
 
     def _fail(self, message: str) -> None:
         self.status.message, self.status.is_error = message, True
@@ -223,7 +221,7 @@ def close_all() -> None:
     for view in list(_views.values()):
         view.close()
     while _idle:
-        _idle.pop().session.close()
+        _idle.pop()[1].session.close()
     if bpy.app.timers.is_registered(_pump):
         bpy.app.timers.unregister(_pump)
 
@@ -251,12 +249,11 @@ def _visible(space):
 
 
 def _take_idle(key: str) -> SceneFeed | None:
-    for feed in list(_idle):
-        if feed.session.is_lost:
-            _idle.remove(feed)
-        elif feed.key == key:
-            _idle.remove(feed)
-            return feed
+    _idle[:] = [entry for entry in _idle if not entry[1].session.is_lost]
+    for entry in _idle:
+        if entry[0] == key:
+            _idle.remove(entry)
+            return entry[1]
     return None
 
 
@@ -291,14 +288,6 @@ def _pump():
     return POLL_INTERVAL
 
 
-def attach():
-    """Nothing to attach: views come with the render engine."""
-
-
 def detach():
     """Leave all views."""
     close_all()
-
-
-CLASSES = ()
-__all__ = ["Status", "ViewFrame", "Viewport", "close_all", "newest_status", "view_at"]

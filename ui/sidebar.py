@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon import readout, viewport
+from ..blender_addon import engine_process, readout, viewport
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .parts import draw_description, draw_lines, draw_stop, draw_text
@@ -29,6 +29,8 @@ class LUMENRAY_PT_engine(SidebarPanel, bpy.types.Panel):
         engine = context.window_manager.lumenray.engine
         if not engine.checked:
             layout.label(text="Looking for the engine…", icon="TIME")
+        elif engine.usable and engine_process.why_lost():
+            layout.label(text="Ended; the next action starts it", icon="INFO")
         elif engine.usable:
             layout.label(text="Ready", icon="CHECKMARK")
         else:

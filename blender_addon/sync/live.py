@@ -35,8 +35,6 @@ def _loaded(*_):
         sync.start_over()
 
 
-CLASSES = ()
-
 _HANDLERS = {
     "depsgraph_update_post": _tag,
     "frame_change_post": _tag,
