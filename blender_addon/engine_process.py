@@ -39,7 +39,7 @@ def pid() -> int | None:
 
 
 def why_lost() -> str | None:
-    """Say why the last process is gone; None while it serves or was ended on purpose."""
+    """Say why the last process is gone; None while one serves, and before the first."""
     return _worker.lost if not _worker.is_alive else None
 
 
