@@ -5,6 +5,7 @@ from enum import Enum
 
 import numpy as np
 
+from .distribution import IntensityDistribution, Opening
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
 
@@ -94,7 +95,31 @@ class AreaLight:
     visible_to_camera: bool = True
 
 
-Light = PointLight | SpotLight | SunLight | AreaLight
+@dataclass(frozen=True, eq=False)
+class Luminaire:
+    """Light with a measured or made intensity distribution, from a point or from its luminous opening.
+
+    Seen from afar it gives the distribution, scaled so that its flux is the output's; close by, every part of the opening
+    gives its share of it.
+
+    Parameters
+    ----------
+    output : Output    A luminous or radiant flux: the total emitted.
+    frame : (4, 4) float64 array    Rigid placement of the luminaire's axes. [m]
+    distribution : IntensityDistribution
+    opening : Opening    ``point`` is an ideal point, which no ray can meet.
+    """
+
+    id: str
+    name: str
+    output: Output
+    frame: np.ndarray
+    distribution: IntensityDistribution
+    opening: Opening = Opening()
+    visible_to_camera: bool = True
+
+
+Light = PointLight | SpotLight | SunLight | AreaLight | Luminaire
 
 
 @dataclass(frozen=True)

@@ -249,7 +249,7 @@ class Worker:
 
     @property
     def lost(self) -> str | None:
-        """Why the last process is gone; None while it serves, or before the first start."""
+        """Why the last process is gone; None while it serves, before a start and after `close`."""
         link = self._link
         return None if link is None else link.lost
 
@@ -327,7 +327,9 @@ class Worker:
     def _drop(self, timeout: float = CLOSE_PATIENCE) -> None:
         self._sessions.clear()
         if self._link is not None:
+            # What was ended on purpose is not lost.
             self._link.end(timeout)
+            self._link = None
         if self._finalizer is not None:
             self._finalizer.detach()
             self._finalizer = None

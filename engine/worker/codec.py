@@ -16,7 +16,7 @@ from .. import session
 from ..accuracy import stopping
 from ..atlas import unwrap
 from ..errors import CodecError, LumenrayError
-from ..scene import camera, light, material, mesh, scene, sensor, spectrum, texture
+from ..scene import camera, distribution, light, material, mesh, scene, sensor, spectrum, texture
 from ..transport import backend
 
 SMALL = 64
@@ -38,7 +38,7 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, light, material, mesh, scene, sensor, spectrum, texture, session, stopping, unwrap, backend,
+    camera, distribution, light, material, mesh, scene, sensor, spectrum, texture, session, stopping, unwrap, backend,
 )  # fmt: skip
 
 

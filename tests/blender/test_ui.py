@@ -254,7 +254,7 @@ def test_film_says_what_becomes_white():
         assert "exposure" in draw("LUMENRAY_PT_film", context())
 
 
-def test_engine_panel_names_cause_and_remedy():
+def test_engine_panel_names_cause_and_remedy(monkeypatch):
     manager = bpy.context.window_manager
     feedback.note_status(manager, BackendStatus(False, "LLVM was not found", "install it"))
     said = " ".join(draw("LUMENRAY_PT_engine", context()))
@@ -262,7 +262,10 @@ def test_engine_panel_names_cause_and_remedy():
     assert "install it" in said
     assert "lumenray.check_engine" in said
     feedback.note_status(manager, BackendStatus(True, "all there"))
+    monkeypatch.setattr(sidebar.engine_process, "why_lost", lambda: None)
     assert draw("LUMENRAY_PT_engine", context()) == ["Ready"]
+    monkeypatch.setattr(sidebar.engine_process, "why_lost", lambda: "out of memory")
+    assert draw("LUMENRAY_PT_engine", context()) == ["Ended; the next action starts it"]
 
 
 def test_engine_panel_offers_our_engine_where_another_is_chosen():
