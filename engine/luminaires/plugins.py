@@ -1,10 +1,12 @@
-"""Emitters that Mitsuba lacks, as its plug-ins: luminous surface, spot, and the surroundings with suns.
+"""Emitters that Mitsuba lacks, as its plug-ins: luminous surface, spot, surroundings with suns; luminaires are in `palette`.
 
 Emitters give spectral radiance in W/(m2 sr nm), or luminance in cd/m2 in photometric variants.
 """
 
 import drjit as dr
 import mitsuba as mi
+
+from .palette import luminaires_class
 
 
 def register() -> None:
@@ -13,6 +15,7 @@ def register() -> None:
         ("lumenray_surface", _surface_class),
         ("lumenray_spot", _spot_class),
         ("lumenray_surroundings", _surroundings_class),
+        ("lumenray_luminaires", luminaires_class),
     ):
         made = make()
         mi.register_emitter(name, lambda props, made=made: made(props))

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import pointer_id, upload
 from ..errors import SceneError
 from ..luminaires.portals import Portal, find_portals
 from ..scene.material import Material, ThinGlass
 from ..scene.mesh import Geometry, Mesh
 from . import emission
-from .arrays import pointer_id, upload
 from .finishes import Finishes
 from .lamps import surface_emitter
 from .lights import Source

@@ -11,17 +11,18 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import pointer_id, table_size, upload
 from ..errors import SceneError
 from ..luminaires import plugins as emitter_plugins
+from ..luminaires.palette import LuminairePalette
 from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
-from ..scene.light import AreaLight, ImageWorld, PointLight, SpotLight, SunLight
+from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLight, SunLight
 from ..scene.material import Dielectric
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from . import emission
-from .arrays import pointer_id, table_size, upload
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
 from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp
@@ -109,6 +110,7 @@ class CompiledScene:
         self.notes: list[str] = []
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
+        self._palette = LuminairePalette()
         self._finishes = Finishes(self.mean_light)
         self._users: dict[str, dict[str, None]] = {}
         self._world_item, self._world = None, None
@@ -299,7 +301,7 @@ class CompiledScene:
                 if lamp.body is not None:
                     self._veil.remove(lamp.body_id)
                     self._pool.remove(lamp.body_id)
-            made = None if light is None else make_lamp(light, self.origin)
+            made = None if light is None else make_lamp(light, self.origin, self._palette)
             if made is not None:
                 self._lamps[key] = made
                 if made.body is not None:
@@ -320,6 +322,8 @@ class CompiledScene:
         sources = [lamp.source for lamp in self._lamps.values()]
         sources += [p.source for body in self._bodies.values() for p in body.parts if p.source]
         sources.sort(key=Source.order)
+        rows = [source.luminaire for source in sources if source.luminaire is not None]
+        self._palette.commit(rows)
         suns = [
             light
             for light in scene.lights.values()
@@ -333,7 +337,8 @@ class CompiledScene:
         outside = self._commit_surroundings(suns)
         if outside is not None:
             sources.insert(0, outside)
-        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals)
+        palette = self._palette if rows else None
+        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals, palette)
 
     def _mean_light(self, scene: Scene, sources, suns) -> np.ndarray:
         """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1. (471,)
@@ -379,7 +384,7 @@ class CompiledScene:
         lamps = [lamp for lamp in self._lamps.values() if lamp.body is not None]
         numbers = [part.number for _, part in parts] + [lamp.body_id for lamp in lamps]
         size = table_size(max(numbers, default=0) + 1)
-        names = ("row", "object", "material", "hidden", "bsdf", "emitter")
+        names = ("row", "object", "material", "hidden", "bsdf", "emitter", "luminaire")
         columns = {name: np.zeros(size) for name in names}
         if parts:
             place = np.array([part.number for _, part in parts])
@@ -397,7 +402,10 @@ class CompiledScene:
             columns["hidden"][lamp.body_id] = not lamp.item.visible_to_camera
             columns["bsdf"][lamp.body_id] = pointer_id(self._nothing)
             columns["emitter"][lamp.body_id] = lamp.source.number
-        self._pool.commit(size, columns["bsdf"], columns["emitter"])
+            if lamp.source.luminaire is not None:
+                columns["luminaire"][lamp.body_id] = self.lights.row_of(lamp.source)
+        luminaires = columns["luminaire"] if self._palette.count else None
+        self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         self._finishes.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         hidden = columns["hidden"] > 0.0
@@ -416,6 +424,7 @@ class CompiledScene:
             for light in scene.lights.values()
             if isinstance(light, SpotLight)
             or (isinstance(light, PointLight) and light.radius < DELTA_RADIUS)
+            or (isinstance(light, Luminaire) and light.opening.shape == "point")
         )
         if glass and points:
             self.notes.append(
@@ -438,7 +447,8 @@ def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
         high += [body.high for body in bodies]
     for light in scene.lights.values():
         if not isinstance(light, SunLight) and light.output.value > 0.0:
-            place = light.frame[:3, 3] if isinstance(light, AreaLight) else light.position
+            has_frame = isinstance(light, AreaLight | Luminaire)
+            place = light.frame[:3, 3] if has_frame else light.position
             low.append(np.asarray(place, dtype=np.float64))
             high.append(low[-1])
     low, high = np.min(low, axis=0), np.max(high, axis=0)

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import SceneError
 from ..photometry import units
 from ..photometry.spectra import GRID, efficacy, evaluate_emission, photometric_density
-from ..scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
+from ..scene.light import AreaLight, Luminaire, Output, PointLight, Quantity, SpotLight, SunLight
 from ..scene.spectrum import Spectrum
 from .textures import is_spectral, number, table
 
@@ -87,6 +87,14 @@ def spot_intensity(light: SpotLight) -> Emitted:
         case Quantity.LUMINOUS_INTENSITY | Quantity.ILLUMINANCE:
             return given
     raise _unsupported(light, "a flux, an intensity or an illuminance at 1 m")
+
+
+def luminaire_flux(light: Luminaire) -> Emitted:
+    """Total flux. [lm]"""
+    given = _amount(light.output)
+    if light.output.quantity in {Quantity.LUMINOUS_FLUX, Quantity.RADIANT_FLUX}:
+        return given
+    raise _unsupported(light, "a flux")
 
 
 def sun_illuminance(light: SunLight) -> Emitted:

@@ -3,9 +3,9 @@
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import pointer_id
 from ..scene.material import Diffuse, Material
 from ..scene.spectrum import Constant
-from .arrays import pointer_id
 from .bitmaps import key_of
 from .requirements import is_coloured
 from .surfaces import approximations, bsdf, is_plain, palette

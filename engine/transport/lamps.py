@@ -6,12 +6,15 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import pointer_id
 from ..errors import SceneError
+from ..luminaires.palette import KINDS, LuminairePalette, Row, opening_frame
 from ..photometry import units
-from ..scene.light import AreaLight, PointLight, SpotLight
+from ..scene.light import AreaLight, Luminaire, PointLight, SpotLight
 from . import emission
-from .arrays import pointer_id
 from .lights import Source
+from .opening_bodies import OpeningBody, make_body
+from .textures import is_spectral
 
 DELTA_RADIUS = 1e-5
 """Point lights smaller than this are ideal points. [m]"""
@@ -25,26 +28,32 @@ class Lamp:
     source: Source
     body: object | None = None
     body_id: int = -1
+    opening: OpeningBody | None = None
 
     def put_into(self, pool) -> None:
         """Tell a `SurfacePool` about the body."""
-        if self.source.axis is None:
+        if self.opening is not None:
+            self.opening.put_into(pool, self.body_id)
+        elif self.source.axis is None:
             pool.add_sphere(self.body_id, self.source.centre)
         else:
             pool.add_flat(self.body_id, self.source.axis)
 
 
-def make_lamp(light, origin: np.ndarray) -> Lamp | None:
+def make_lamp(light, origin: np.ndarray, palette: LuminairePalette | None = None) -> Lamp | None:
     """Make the emitter of a light, None when it gives no light or shines from infinity.
 
     Parameters
     ----------
     light : Light
     origin : (3,) array    Of the compiled scene's frame. [m]
+    palette : LuminairePalette or None    That of the scene; only luminaires need it.
     """
     if light.output.value <= 0.0:
         return None
     match light:
+        case Luminaire():
+            return _make_luminaire(light, origin, palette)
         case PointLight():
             return _make_point(light, origin)
         case SpotLight():
@@ -64,6 +73,8 @@ def change_lamp(lamp: Lamp, light, origin: np.ndarray) -> bool | None:
     old = lamp.item
     if lamp.body is None or type(old) is not type(light) or light.output.value <= 0.0:
         return None
+    if isinstance(light, Luminaire):
+        return _change_luminaire(lamp, light, origin)
     new = make_lamp(light, origin)
     if new is None or new.body is None or new.body.shape_type() != lamp.body.shape_type():
         return None
@@ -152,6 +163,48 @@ def _make_area(light: AreaLight, origin) -> Lamp:
     radius = 0.5 * float(np.hypot(light.size_x, light.size_y))
     source = Source(emitter, flux, made.density, frame[:3, 3], radius, -frame[:3, 2])
     return _with_body(light, shape, source)
+
+
+def _make_luminaire(light: Luminaire, origin, palette) -> Lamp:
+    row = _row_of(light, origin)
+    made = emission.luminaire_flux(light)
+    source = Source(
+        palette.emitter, made.amount, made.density, row.centre, row.radius, luminaire=row
+    )
+    if light.opening.shape == "point":
+        return Lamp(light, source)
+    opening = make_body(light.opening.shape, row)
+    return Lamp(light, source, opening.shape, pointer_id(opening.shape), opening)
+
+
+def _row_of(light: Luminaire, origin) -> Row:
+    frame = np.asarray(light.frame, dtype=np.float64)
+    rotation = frame[:3, :3]
+    if not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-4):
+        raise SceneError(f"luminaire '{light.name}' is scaled or sheared; its frame must be rigid")
+    axes, half = opening_frame(light.opening, rotation)
+    made = emission.luminaire_flux(light)
+    return Row(
+        light.distribution,
+        rotation @ light.distribution.frame,
+        KINDS[light.opening.shape],
+        axes,
+        half,
+        frame[:3, 3] - origin,
+        made.amount if made.visible or is_spectral() else 0.0,
+        made.density,
+    )
+
+
+def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
+    """As `change_lamp`: all but place and size are numbers in the palette's table."""
+    old = lamp.item
+    if old.opening != light.opening or not np.array_equal(old.frame, light.frame):
+        return None
+    row, made = _row_of(light, origin), emission.luminaire_flux(light)
+    lamp.item = light
+    lamp.source.luminaire, lamp.source.flux, lamp.source.density = row, made.amount, made.density
+    return False
 
 
 def _with_body(light, shape: dict, source: Source) -> Lamp:

@@ -10,7 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from .arrays import table_size, upload
+from ..arrays import table_size, upload
 from .pool import SurfacePool
 
 SETTLE_SHARE = 0.25

@@ -6,7 +6,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from .arrays import pointer_id, table_size, upload
+from ..arrays import pointer_id, table_size, upload
+from ..luminaires.palette import LuminairePalette, Row
 
 PILOT_POINTS = 1024
 """Points at which the lights are compared before a job."""
@@ -37,6 +38,7 @@ class Source:
     centre : (3,) array or None    Roughly where it is, in the scene's frame [m]; None: light from infinity.
     radius : float    Of a sphere around it. [m]
     axis : (3,) array or None    Direction to which a flat one-sided emitter shines; nothing behind it is lit.
+    luminaire : Row or None    What the `LuminairePalette` holds of it; ``emitter`` is the palette's then.
     """
 
     emitter: object
@@ -45,6 +47,7 @@ class Source:
     centre: np.ndarray | None
     radius: float = 0.0
     axis: np.ndarray | None = None
+    luminaire: Row | None = None
     number: int = field(init=False)
 
     def __post_init__(self):
@@ -52,17 +55,19 @@ class Source:
         self.number = pointer_id(self.emitter)
 
     def order(self) -> tuple:
-        """Key that puts sources in an order that depends on the scene alone, not on ids: infinity first."""
+        """Key that puts sources in an order that depends on the scene alone, not on ids: infinity first, luminaires last."""
         if self.centre is None:
             return (0,)
         axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
-        return (1, *self.centre, self.radius, *axis, self.flux)
+        kind = 1 if self.luminaire is None else 2
+        return (kind, *self.centre, self.radius, *axis, self.flux)
 
 
 class LightTable:
     """Chooses one of the scene's emitters.
 
-    The probability at a point is proportional to strength / (distance^2 + radius^2); light from infinity counts by the
+    The probability at a point is proportional to strength / (distance^2 + radius^2), for luminaires also to the intensity
+    towards the point; light from infinity counts by the
     rough solid angle of the portals, or evenly without any. Next to a desk lamp the desk lamp counts, across the room the
     ceiling. Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
     included, so that a sky of enormous flux outside a small window does not draw the samples from the lamps inside.
@@ -75,10 +80,18 @@ class LightTable:
     sources : list of Source    In the order of `Source.order`.
     reach : float    Radius of the scene. [m]
     portals : PortalSet or None
+    palette : LuminairePalette or None    Holds the luminaires among the sources, in their order.
     """
 
-    def __init__(self, sources: list[Source], reach: float, portals=None):
+    def __init__(
+        self,
+        sources: list[Source],
+        reach: float,
+        portals=None,
+        palette: LuminairePalette | None = None,
+    ):
         self.count = len(sources)
+        self.palette = palette
         self.portals = portals
         self.sources = sources
         self.reach = reach
@@ -86,7 +99,12 @@ class LightTable:
             return
         ids = np.array([source.number for source in sources])
         number = np.zeros(table_size(int(ids.max()) + 1), dtype=np.uint32)
-        number[ids] = np.arange(self.count)
+        # Luminaires share a number, that of the first, and are told apart by their row.
+        number[ids[::-1]] = np.arange(self.count)[::-1]
+        self._plain = sum(source.luminaire is None for source in sources)
+        self._rows = {id(source): i for i, source in enumerate(sources[self._plain :])}
+        self._first_luminaire = dr.opaque(mi.UInt32, self._plain)
+        self._last_row = dr.opaque(mi.UInt32, max(self.count - self._plain, 1) - 1)
         self.is_local = self.count <= LOCAL_LIMIT
         self._slots = 1 << (self.count - 1).bit_length()
         padded = np.full(self._slots, ids[0], dtype=np.uint32)
@@ -155,14 +173,27 @@ class LightTable:
                     height = np.maximum(away @ source.axis, 1e-9)
                     rise = height + np.minimum(height, source.radius)
                     made[:, i] *= np.minimum(rise / np.sqrt(squared), 1.0)
+        if self.palette is not None:
+            made[:, self._plain :] *= self.palette.importances(points)
         return made
+
+    def row_of(self, source: Source) -> int:
+        """Row of a luminaire of this table in the palette."""
+        return self._rows[id(source)]
 
     def pointer(self, index):
         """Return the emitter with a number."""
         return dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._pointers, index))
 
+    def row(self, index):
+        """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
+        if self.palette is None:
+            return mi.Float(0.0)
+        first = self._first_luminaire
+        return mi.Float(dr.select(index >= first, index - first, 0))
+
     def sample(self, u, point):
-        """Return an emitter pointer, its probability at a point, and the stretched remainder of ``u``."""
+        """Return an emitter's number, its probability at a point, and the stretched remainder of ``u``."""
         if not self.is_local:
             index = dr.binary_search(
                 0, self._slots - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
@@ -178,14 +209,14 @@ class LightTable:
                 share = dr.select(chosen, value, share)
                 start = dr.select(chosen, running, start)
                 running = running + value
-        return self.pointer(index), share, dr.clip((u - start) / share, 0.0, 0.9999999)
+        return index, share, dr.clip((u - start) / share, 0.0, 0.9999999)
 
-    def probability(self, pointer, point, active):
-        """Probability of choosing an emitter at a point."""
+    def probability(self, pointer, point, active, row=0):
+        """Probability of choosing an emitter at a point. ``row``: which luminaire, if the pointer is the palette's."""
         if self.count == 0:
             return mi.Float(0.0)
         ids = dr.reinterpret_array(mi.UInt32, pointer)
-        index = dr.gather(mi.UInt32, self._number, ids, active)
+        index = dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
         if not self.is_local:
             return dr.gather(mi.Float, self._share, index, active)
         probability = mi.Float(0.0)
@@ -217,6 +248,12 @@ class LightTable:
                 rise = height + dr.minimum(height, entry(i, "radius"))
                 cosine = dr.minimum(rise * dr.rsqrt(squared), 1.0)
                 weight = weight / squared * dr.select(entry(i, "flat") > 0.0, cosine, 1.0)
+                if self.palette is not None:
+                    shines = mi.Bool(mi.UInt32(i) >= self._first_luminaire)
+                    row = dr.select(shines, mi.UInt32(i) - self._first_luminaire, 0)
+                    row = dr.minimum(row, self._last_row)
+                    value = self.palette.importance(row, mi.Vector3f(away), shines)
+                    weight *= dr.select(shines, value, 1.0)
             weights.append(weight)
         total = sum(weights[1:], weights[0])
         total = dr.maximum(total, 1e-30)
@@ -295,6 +332,7 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
         at.wavelengths = wavelengths
     stream = mi.PCG32(size=dr.width(lane), initstate=11)
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    at.time = scene.lights.row(light)
     ds, value = scene.lights.pointer(light).sample_direction(at, sample, active)
     cosine = dr.maximum(dr.dot(ds.d, at.n), 0.0)
     lit = active & (ds.pdf > 0.0) & (cosine > 0.0)

@@ -79,8 +79,12 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     -------
     (DirectionSample3f, Spectrum)    ``pdf`` includes the choice of the emitter; the value is radiance / pdf, unoccluded.
     """
-    pointer, share, remainder = scene.lights.sample(sample.x, si.p)
-    ds, value = pointer.sample_direction(si, mi.Point2f(remainder, sample.y), active)
+    index, share, remainder = scene.lights.sample(sample.x, si.p)
+    at = dr.zeros(mi.Interaction3f)
+    at.p, at.n, at.wavelengths = si.p, si.n, si.wavelengths
+    at.time = scene.lights.row(index)
+    pointer = scene.lights.pointer(index)
+    ds, value = pointer.sample_direction(at, mi.Point2f(remainder, sample.y), active)
     ds.pdf *= share
     return ds, value / share
 
@@ -92,8 +96,10 @@ def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     ds.d = si.p - reference.p
     ds.dist = dr.norm(ds.d)
     ds.d = dr.select(ds.dist > 0.0, ds.d / ds.dist, mi.Vector3f(0, 0, 1))
+    # Which luminaire it is, if it is one, travels as the time.
+    reference.time = si.time
     density = emitter.pdf_direction(reference, ds, active)
-    return density * scene.lights.probability(emitter, reference.p, active)
+    return density * scene.lights.probability(emitter, reference.p, active, si.time)
 
 
 def surroundings_density(scene: CompiledScene, reference, direction, active):

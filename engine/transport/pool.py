@@ -8,7 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from .arrays import upload
+from ..arrays import upload
 
 MESH, FLAT, SPHERE = 0, 1, 2
 """Kinds of surfaces: triangles, a plane shape (rectangle or disk), a sphere."""
@@ -120,13 +120,14 @@ class SurfacePool:
         for name, start, count in self._ranges.pop(number, ()):
             self._stores[name].give_back(start, count)
 
-    def commit(self, size: int, bsdfs: np.ndarray, emitters: np.ndarray) -> None:
+    def commit(self, size: int, bsdfs: np.ndarray, emitters: np.ndarray, luminaires) -> None:
         """Bring the tables up to date.
 
         Parameters
         ----------
         size : int    Of the tables.
         bsdfs, emitters : (size,) int array    Numbers of the plug-ins of every shape, 0: none.
+        luminaires : (size,) int array or None    Row of every shape in the palette of luminaires; None: there are none.
         """
         for store in self._stores.values():
             store.commit()
@@ -138,6 +139,7 @@ class SurfacePool:
             vectors[numbers] = [row[4] for row in self._rows.values()]
         table[:, 4], table[:, 5] = bsdfs, emitters
         self._table = upload(mi.UInt32, table)
+        self._luminaires = None if luminaires is None else upload(mi.Float, luminaires)
         self._vectors = upload(mi.Float, vectors)
 
     def _take(self, number: int, name: str, values) -> int:
@@ -210,7 +212,10 @@ class SurfacePool:
 
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.t = dr.select(valid, hit.t, dr.inf)
-        si.time, si.wavelengths = ray.time, ray.wavelengths
+        si.time, si.wavelengths = mi.Float(0.0), ray.wavelengths
+        if self._luminaires is not None:
+            # The emitter of all luminaires is told by the time which of them is meant.
+            si.time = dr.gather(mi.Float, self._luminaires, number, valid)
         si.p, si.n, si.uv = point, mi.Normal3f(normal), uv
         si.sh_frame = mi.Frame3f(mi.Vector3f(shading))
         si.wi = dr.select(valid, si.to_local(-ray.d), -ray.d)

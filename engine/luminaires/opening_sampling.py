@@ -1,0 +1,365 @@
+"""Luminous openings on the device: which point of one is seen along a direction, and points drawn on the side that is seen.
+
+In its own axes an opening is the image of a unit body (square, disk, cube, sphere, cylinder along z) under the half sizes
+(a, b, c). What a receiver at q sees is a function of q and the direction alone, so every density can be computed anew from
+these two. ``seen`` below is the area element of the drawn parameters, projected towards the receiver: the density over
+solid angle is density * distance^2 / seen.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+POINT, RECTANGLE, ELLIPSE, BOX, ELLIPSOID, CYLINDER = range(6)
+"""Kinds of openings, in the order of `scene.distribution.SHAPES`."""
+
+TINY = 1e-20
+
+
+def projected_area(kind, half, direction, kinds):
+    """Area that an opening shows towards a direction of unit length. [m2]
+
+    Parameters
+    ----------
+    kind : UInt32
+    half : Vector3f    Half sizes. [m]
+    direction : Vector3f    In the opening's axes.
+    kinds : set of int    Those that occur.
+    """
+    d = direction
+    area = mi.Float(1.0)
+    if RECTANGLE in kinds:
+        area = dr.select(kind == RECTANGLE, 4.0 * half.x * half.y * dr.abs(d.z), area)
+    if ELLIPSE in kinds:
+        area = dr.select(kind == ELLIPSE, dr.pi * half.x * half.y * dr.abs(d.z), area)
+    if BOX in kinds:
+        faces = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y)
+        area = dr.select(kind == BOX, 4.0 * dr.dot(faces, dr.abs(d)), area)
+    if ELLIPSOID in kinds:
+        disks = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y)
+        area = dr.select(kind == ELLIPSOID, dr.pi * dr.norm(disks * d), area)
+    if CYLINDER in kinds:
+        wide = dr.sqrt(dr.square(half.x * d.y) + dr.square(half.y * d.x))
+        cap = dr.pi * half.x * half.y * dr.abs(d.z)
+        area = dr.select(kind == CYLINDER, cap + 4.0 * half.z * wide, area)
+    return dr.maximum(area, TINY)
+
+
+class _Drawn:
+    """Collects point, density of its parameters and their area element, by kind."""
+
+    def __init__(self):
+        self.point = mi.Point3f(0.0)
+        self.density = mi.Float(0.0)
+        self.normal = mi.Vector3f(0.0)
+
+    def put(self, mask, point, density, normal):
+        self.point = dr.select(mask, point, self.point)
+        self.density = dr.select(mask, density, self.density)
+        self.normal = dr.select(mask, normal, self.normal)
+
+
+def draw_point(kind, half, q, sample, kinds):
+    """Draw a point of the side of an opening that a receiver sees.
+
+    Parameters
+    ----------
+    q : Point3f    The receiver, in the opening's axes. [m]
+    sample : Point2f
+
+    Returns
+    -------
+    Point3f, Float, Vector3f    The point, the density of its parameters, and their area element as a vector along the
+        outward normal; the density is 0 where nothing is seen.
+    """
+    made = _Drawn()
+    if RECTANGLE in kinds or ELLIPSE in kinds:
+        up = mi.Vector3f(0.0, 0.0, dr.sign(q.z))
+    if RECTANGLE in kinds:
+        point = mi.Point3f(half.x * (2.0 * sample.x - 1.0), half.y * (2.0 * sample.y - 1.0), 0.0)
+        made.put(kind == RECTANGLE, point, mi.Float(1.0), up * (4.0 * half.x * half.y))
+    if ELLIPSE in kinds:
+        disk = mi.warp.square_to_uniform_disk_concentric(sample)
+        point = mi.Point3f(half.x * disk.x, half.y * disk.y, 0.0)
+        made.put(kind == ELLIPSE, point, mi.Float(1.0), up * (dr.pi * half.x * half.y))
+    if BOX in kinds:
+        made.put(kind == BOX, *_draw_on_box(half, q, sample))
+    if ELLIPSOID in kinds:
+        made.put(kind == ELLIPSOID, *_draw_on_ellipsoid(half, q, sample))
+    if CYLINDER in kinds:
+        made.put(kind == CYLINDER, *_draw_on_cylinder(half, q, sample))
+    return made.point, made.density, made.normal
+
+
+def density_of(kind, half, q, direction, kinds):
+    """Density with which `draw_point` finds the point that a receiver sees along a direction.
+
+    Parameters
+    ----------
+    direction : Vector3f    Of unit length, from the receiver, in the opening's axes.
+
+    Returns
+    -------
+    Float    Over solid angle [1/sr]; 0 where the ray passes by.
+    """
+    density = mi.Float(0.0)
+    if RECTANGLE in kinds or ELLIPSE in kinds:
+        t = -q.z / dr.select(dr.abs(direction.z) > TINY, direction.z, TINY)
+        x, y = (q.x + t * direction.x) / half.x, (q.y + t * direction.y) / half.y
+        over = dr.square(t) / dr.maximum(4.0 * half.x * half.y * dr.abs(direction.z), TINY)
+        if RECTANGLE in kinds:
+            inside = (t > 0.0) & (dr.abs(x) <= 1.0) & (dr.abs(y) <= 1.0)
+            density = dr.select((kind == RECTANGLE) & inside, over, density)
+        if ELLIPSE in kinds:
+            inside = (t > 0.0) & (dr.square(x) + dr.square(y) <= 1.0)
+            density = dr.select((kind == ELLIPSE) & inside, over * (4.0 / dr.pi), density)
+    if BOX in kinds:
+        density = dr.select(kind == BOX, _density_on_box(half, q, direction), density)
+    if ELLIPSOID in kinds:
+        density = dr.select(kind == ELLIPSOID, _density_on_ellipsoid(half, q, direction), density)
+    if CYLINDER in kinds:
+        density = dr.select(kind == CYLINDER, _density_on_cylinder(half, q, direction), density)
+    return density
+
+
+# ---- box ----
+
+
+def _box_shares(half, q):
+    """Probabilities of the three faces that may be seen, by their rough solid angles."""
+    height = dr.maximum(dr.abs(q) - half, 0.0)
+    faces = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y)
+    squared = dr.squared_norm(dr.maximum(dr.abs(q) - half, 0.0)) + dr.squared_norm(half) * 0.05
+    weights = faces * height / squared
+    # A face that is seen at all must be found.
+    weights = dr.select(height > 0.0, weights + 0.02 * dr.sum(weights), 0.0)
+    return weights / dr.maximum(dr.sum(weights), TINY)
+
+
+def _draw_on_box(half, q, sample):
+    share = _box_shares(half, q)
+    seen = dr.sum(share) > 0.0
+    second = sample.x >= share.x
+    third = sample.x >= share.x + share.y
+    # Rounding must not choose a face that is not seen.
+    third = (third & (share.z > 0.0)) | (second & (share.y <= 0.0) & (share.z > 0.0))
+    second = second & ~third & (share.y > 0.0)
+    first = ~second & ~third
+    start = dr.select(third, share.x + share.y, dr.select(second, share.x, 0.0))
+    chosen = dr.select(third, share.z, dr.select(second, share.y, share.x))
+    u = dr.clip((sample.x - start) / dr.maximum(chosen, TINY), 0.0, 1.0) * 2.0 - 1.0
+    v = sample.y * 2.0 - 1.0
+    side = dr.sign(q)
+    unit = dr.select(
+        third,
+        mi.Vector3f(u, v, side.z),
+        dr.select(second, mi.Vector3f(u, side.y, v), mi.Vector3f(side.x, u, v)),
+    )
+    normal = dr.select(
+        third,
+        mi.Vector3f(0.0, 0.0, 4.0 * half.x * half.y * side.z),
+        dr.select(
+            second,
+            mi.Vector3f(0.0, 4.0 * half.x * half.z * side.y, 0.0),
+            mi.Vector3f(4.0 * half.y * half.z * side.x, 0.0, 0.0),
+        ),
+    )
+    density = dr.select(seen & (chosen > 0.0) & (first | second | third), chosen, 0.0)
+    return mi.Point3f(unit * half), density, normal
+
+
+def _density_on_box(half, q, d):
+    """By the face where the ray enters."""
+    safe = dr.select(dr.abs(d) > TINY, d, TINY)
+    enter = (-dr.sign(safe) * half - q) / safe
+    leave = (dr.sign(safe) * half - q) / safe
+    t = dr.max(enter)
+    hit = (t > 0.0) & (t <= dr.min(leave))
+    share = _box_shares(half, q)
+    areas = 4.0 * mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y) * dr.abs(d)
+    is_x = enter.x >= dr.maximum(enter.y, enter.z)
+    is_y = ~is_x & (enter.y >= enter.z)
+    chosen = dr.select(is_x, share.x, dr.select(is_y, share.y, share.z))
+    area = dr.select(is_x, areas.x, dr.select(is_y, areas.y, areas.z))
+    return dr.select(hit, chosen * dr.square(t) / dr.maximum(area, TINY), 0.0)
+
+
+# ---- ellipsoid: in the space where it is the unit sphere, uniformly over the cap that is seen ----
+
+
+def _draw_on_ellipsoid(half, q, sample):
+    towards = mi.Vector3f(q) / half
+    distance = dr.norm(towards)
+    height = 1.0 - 1.0 / dr.maximum(distance, 1.0)
+    z = 1.0 - height * sample.x
+    flat = dr.safe_sqrt(1.0 - dr.square(z))
+    sine, cosine = dr.sincos(dr.two_pi * sample.y)
+    frame = mi.Frame3f(towards / dr.maximum(distance, TINY))
+    unit = frame.to_world(mi.Vector3f(flat * cosine, flat * sine, z))
+    normal = unit / half * (half.x * half.y * half.z)
+    density = dr.select(height > 0.0, dr.inv_two_pi / dr.maximum(height, TINY), 0.0)
+    return mi.Point3f(unit * half), density, normal
+
+
+def _density_on_ellipsoid(half, q, d):
+    start, ray = mi.Vector3f(q) / half, d / half
+    a, b = dr.squared_norm(ray), dr.dot(start, ray)
+    c = dr.squared_norm(start) - 1.0
+    inside = dr.square(b) - a * c
+    t = (-b - dr.safe_sqrt(inside)) / a
+    hit = (inside > 0.0) & (t > 0.0) & (c > 0.0)
+    unit = start + ray * t
+    seen = dr.abs(dr.dot(unit / half, d)) * (half.x * half.y * half.z)
+    height = 1.0 - 1.0 / dr.maximum(dr.norm(start), 1.0)
+    density = dr.inv_two_pi / dr.maximum(height, TINY)
+    return dr.select(hit, density * dr.square(t) / dr.maximum(seen, TINY), 0.0)
+
+
+# ---- cylinder: the wall as an arc that is seen, or the cap that is seen ----
+
+
+def _cylinder_parts(half, q):
+    """Probability of the wall, half of the arc of it that is seen [rad], and whether a cap is seen."""
+    far = dr.sqrt(dr.square(q.x / half.x) + dr.square(q.y / half.y))
+    arc = dr.safe_acos(1.0 / dr.maximum(far, 1.0))
+    above = dr.maximum(dr.abs(q.z) - half.z, 0.0)
+    # Rough projected areas towards the receiver.
+    aside = dr.sqrt(dr.square(q.x) + dr.square(q.y))
+    wall = dr.select(far > 1.0, 4.0 * half.z * dr.maximum(half.x, half.y) * aside, 0.0)
+    cap = dr.pi * half.x * half.y * above
+    share = wall / dr.maximum(wall + cap, TINY)
+    both = (wall > 0.0) & (cap > 0.0)
+    return dr.select(both, dr.clip(share, 0.02, 0.98), share), arc, above > 0.0
+
+
+def _draw_on_cylinder(half, q, sample):
+    share, arc, has_cap = _cylinder_parts(half, q)
+    on_wall = sample.x < share
+    u = dr.select(
+        on_wall,
+        sample.x / dr.maximum(share, TINY),
+        (sample.x - share) / dr.maximum(1.0 - share, TINY),
+    )
+    u = dr.clip(u, 0.0, 0.9999999)
+    angle = dr.atan2(q.y / half.y, q.x / half.x) + arc * (2.0 * u - 1.0)
+    sine, cosine = dr.sincos(angle)
+    wall = mi.Point3f(half.x * cosine, half.y * sine, half.z * (2.0 * sample.y - 1.0))
+    wall_normal = mi.Vector3f(half.y * cosine, half.x * sine, 0.0) * (2.0 * half.z)
+    disk = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, sample.y))
+    side = dr.sign(q.z)
+    cap = mi.Point3f(half.x * disk.x, half.y * disk.y, half.z * side)
+    cap_normal = mi.Vector3f(0.0, 0.0, dr.pi * half.x * half.y * side)
+    density = dr.select(
+        on_wall,
+        dr.select(arc > 0.0, 0.5 * share / dr.maximum(arc, TINY), 0.0),
+        dr.select(has_cap, 1.0 - share, 0.0),
+    )
+    return dr.select(on_wall, wall, cap), density, dr.select(on_wall, wall_normal, cap_normal)
+
+
+def _density_on_cylinder(half, q, d):
+    share, arc, has_cap = _cylinder_parts(half, q)
+    x, y, dx, dy = q.x / half.x, q.y / half.y, d.x / half.x, d.y / half.y
+    a, b = dr.square(dx) + dr.square(dy), x * dx + y * dy
+    c = dr.square(x) + dr.square(y) - 1.0
+    inside = dr.square(b) - a * c
+    t = (-b - dr.safe_sqrt(inside)) / dr.maximum(a, TINY)
+    on_wall = (inside > 0.0) & (a > TINY) & (t > 0.0) & (c > 0.0)
+    on_wall &= dr.abs(q.z + t * d.z) <= half.z
+    # Over the angle, and along the axis over its whole length.
+    px, py = x + t * dx, y + t * dy
+    seen = dr.abs(px * half.y * d.x + py * half.x * d.y) * (2.0 * half.z)
+    wall = 0.5 * share / dr.maximum(arc, TINY) * dr.square(t) / dr.maximum(seen, TINY)
+    safe = dr.select(dr.abs(d.z) > TINY, d.z, TINY)
+    s = (dr.sign(q.z) * half.z - q.z) / safe
+    on_cap = has_cap & (s > 0.0) & (dr.square(x + s * dx) + dr.square(y + s * dy) <= 1.0)
+    area = dr.pi * half.x * half.y * dr.abs(d.z)
+    cap = (1.0 - share) * dr.square(s) / dr.maximum(area, TINY)
+    return dr.select(on_wall, wall, dr.select(on_cap, cap, 0.0))
+
+
+# ---- for light tracing: where the light of a direction leaves ----
+
+
+def draw_departure(kind, half, direction, sample, kinds):
+    """Draw the point where light of a direction leaves, evenly over what the opening shows towards it.
+
+    Parameters
+    ----------
+    direction : Vector3f    The way light travels, of unit length, in the opening's axes.
+
+    Returns
+    -------
+    Point3f, Vector3f    The point and the outward normal there.
+    """
+    d = direction
+    point, normal = mi.Point3f(0.0), d
+    up = mi.Vector3f(0.0, 0.0, dr.select(d.z < 0.0, -1.0, 1.0))
+    if RECTANGLE in kinds:
+        place = mi.Point3f(half.x * (2.0 * sample.x - 1.0), half.y * (2.0 * sample.y - 1.0), 0.0)
+        point, normal = _choose(kind == RECTANGLE, place, up, point, normal)
+    disk = mi.warp.square_to_uniform_disk_concentric(sample)
+    if ELLIPSE in kinds:
+        place = mi.Point3f(half.x * disk.x, half.y * disk.y, 0.0)
+        point, normal = _choose(kind == ELLIPSE, place, up, point, normal)
+    if BOX in kinds:
+        faces = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y) * dr.abs(d)
+        # As seen from very far along the direction, each face's share is its projected area.
+        share = faces / dr.maximum(dr.sum(faces), TINY)
+        third = sample.x >= share.x + share.y
+        second = (sample.x >= share.x) & ~third
+        start = dr.select(third, share.x + share.y, dr.select(second, share.x, 0.0))
+        chosen = dr.select(third, share.z, dr.select(second, share.y, share.x))
+        u = dr.clip((sample.x - start) / dr.maximum(chosen, TINY), 0.0, 1.0) * 2.0 - 1.0
+        v = sample.y * 2.0 - 1.0
+        side = dr.select(d < 0.0, mi.Vector3f(-1.0), mi.Vector3f(1.0))
+        unit = dr.select(
+            third,
+            mi.Vector3f(u, v, side.z),
+            dr.select(second, mi.Vector3f(u, side.y, v), mi.Vector3f(side.x, u, v)),
+        )
+        axis = dr.select(
+            third,
+            mi.Vector3f(0.0, 0.0, side.z),
+            dr.select(second, mi.Vector3f(0.0, side.y, 0.0), mi.Vector3f(side.x, 0.0, 0.0)),
+        )
+        point, normal = _choose(kind == BOX, mi.Point3f(unit * half), axis, point, normal)
+    if ELLIPSOID in kinds:
+        # Parallel projections stay parallel under the affine map, so the unit sphere's disk serves.
+        axis = dr.normalize(d / half)
+        unit = mi.Frame3f(axis).to_world(
+            mi.Vector3f(disk.x, disk.y, dr.safe_sqrt(1.0 - dr.squared_norm(disk)))
+        )
+        outwards = dr.normalize(unit / half)
+        point, normal = _choose(kind == ELLIPSOID, mi.Point3f(unit * half), outwards, point, normal)
+    if CYLINDER in kinds:
+        cap = dr.pi * half.x * half.y * dr.abs(d.z)
+        wall = 4.0 * half.z * dr.sqrt(dr.square(half.x * d.y) + dr.square(half.y * d.x))
+        share = wall / dr.maximum(wall + cap, TINY)
+        on_wall = sample.x < share
+        u = dr.select(
+            on_wall, sample.x / dr.maximum(share, TINY), (sample.x - share) / (1.0 - share)
+        )
+        u = dr.clip(u, 0.0, 1.0)
+        # Evenly across the silhouette of the unit circle.
+        across = 2.0 * u - 1.0
+        along = dr.safe_sqrt(1.0 - dr.square(across))
+        to_x, to_y = d.x / half.x, d.y / half.y
+        scale = dr.rsqrt(dr.maximum(dr.square(to_x) + dr.square(to_y), TINY))
+        to_x, to_y = to_x * scale, to_y * scale
+        px, py = along * to_x - across * to_y, along * to_y + across * to_x
+        wall_point = mi.Point3f(half.x * px, half.y * py, half.z * (2.0 * sample.y - 1.0))
+        wall_normal = dr.normalize(mi.Vector3f(px / half.x, py / half.y, 0.0))
+        disk = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, sample.y))
+        cap_point = mi.Point3f(half.x * disk.x, half.y * disk.y, half.z * up.z)
+        point, normal = _choose(
+            kind == CYLINDER,
+            dr.select(on_wall, wall_point, cap_point),
+            dr.select(on_wall, wall_normal, up),
+            point,
+            normal,
+        )
+    return point, normal
+
+
+def _choose(mask, point, normal, other_point, other_normal):
+    return dr.select(mask, point, other_point), dr.select(mask, normal, other_normal)

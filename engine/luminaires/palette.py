@@ -1,0 +1,346 @@
+"""All luminaires of a scene as one emitter of Mitsuba, so that a thousand of them cost no more to trace than one.
+
+Mitsuba visits every emitter that it can ask when it makes a kernel. Here it finds one: which luminaire is meant is a row of
+a table, and the row travels as the `time` of the interaction or ray that the emitter is asked about, since Mitsuba hands an
+emitter nothing else and time has no other use in a scene that stands still.
+
+A luminaire gives the intensity I(direction) of its distribution. From an extended opening, a point of it sends the
+luminance I(direction) / projected area(direction): then all of it together gives I from afar, whatever the shape, and a
+ray from anywhere meets what stands in the data.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import upload
+from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
+from ..scene.distribution import SHAPES, IntensityDistribution, Opening
+from .opening_sampling import (
+    ELLIPSE,
+    POINT,
+    RECTANGLE,
+    density_of,
+    draw_departure,
+    draw_point,
+    projected_area,
+)
+from .tables import DistributionTables
+
+AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
+"""The luminaire's axes in the order of the opening's own, whose z is the normal or the cylinder's axis."""
+
+CANDIDATES = 8
+"""Points of an opening that are compared at a next event where beams are narrow."""
+
+NARROW = 10.0
+"""Peak over mean intensity of half the sphere from which a beam counts as narrow: about 40 degrees wide."""
+
+NEAR = 4.0
+"""Within this many radii the direction from the centre says little, and importance fades to that of all directions."""
+
+VECTORS = 8
+"""Vectors of a row: three of the grid's axes, three of the opening's, half sizes and centre."""
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A luminaire as the table holds it.
+
+    Parameters
+    ----------
+    distribution : IntensityDistribution
+    grid : (3, 3) array    Axes of the distribution's grid in the scene's frame, as columns.
+    kind : int    Of the opening.
+    axes : (3, 3) array    Of the opening, likewise.
+    half : (3,) array    Half sizes along them. [m]
+    centre : (3,) array    In the scene's frame. [m]
+    amount : float    Flux [lm], 0 in photometric variants for light without a visible part.
+    density : (471,) array    Spectral density per unit of it. [1/nm]
+    """
+
+    distribution: IntensityDistribution
+    grid: np.ndarray
+    kind: int
+    axes: np.ndarray
+    half: np.ndarray
+    centre: np.ndarray
+    amount: float
+    density: np.ndarray
+
+    @property
+    def radius(self) -> float:
+        """Of a sphere around the opening. [m]"""
+        return float(np.linalg.norm(self.half))
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether the beam needs several candidates at a next event from an extended opening."""
+        values = self.distribution.intensity
+        middle = float(values.mean())
+        return self.kind != POINT and float(values.max()) > NARROW * max(middle, 1e-30)
+
+
+def opening_frame(opening: Opening, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Axes of an opening in the scene's frame (3, 3, columns) and half sizes along them (3,). [m]"""
+    order = list(AXES[opening.axis])
+    return rotation[:, order], 0.5 * np.asarray(opening.size, dtype=np.float64)[order]
+
+
+class LuminairePalette:
+    """The rows and their tables; ``emitter`` is the plug-in that stands for all of them."""
+
+    def __init__(self):
+        self.emitter = mi.load_dict({"type": "lumenray_luminaires"})
+        self.emitter.palette = self
+        self.tables = DistributionTables()
+        self.count = 0
+
+    def commit(self, rows: list[Row]) -> None:
+        """Take these luminaires, in this order.
+
+        Raises
+        ------
+        SceneError    A distribution has no flux.
+        """
+        self.count = len(rows)
+        distributions = self.tables.commit([row.distribution for row in rows])
+        vectors = np.zeros((max(len(rows), 1), VECTORS, 3))
+        for line, row in zip(vectors, rows, strict=False):
+            line[0:3], line[3:6] = row.grid.T, row.axes.T
+            line[6], line[7] = row.half, row.centre
+        self._vectors = upload(mi.Float, vectors)
+        spectra: dict[bytes, int] = {}
+        numbers = np.zeros((max(len(rows), 1), 4), dtype=np.int64)
+        tables = []
+        for line, row, distribution in zip(numbers, rows, distributions, strict=False):
+            key = row.density.tobytes()
+            if key not in spectra:
+                spectra[key] = len(spectra)
+                tables.append(row.density)
+            line[:] = row.kind, distribution, spectra[key], 0
+        self._numbers = upload(mi.UInt32, numbers)
+        self._amounts = upload(mi.Float, [row.amount for row in rows] or [0.0])
+        self._spectra = upload(mi.Float, np.concatenate(tables) if tables else np.zeros(4))
+        self.kinds = {row.kind for row in rows}
+        self.candidates = CANDIDATES if any(row.is_narrow for row in rows) else 1
+
+    # ---- inside kernels ----
+
+    def _vector(self, row, place: int, active):
+        return dr.gather(mi.Vector3f, self._vectors, row * VECTORS + place, active)
+
+    def _number(self, row, place: int, active):
+        return dr.gather(mi.UInt32, self._numbers, row * 4 + place, active)
+
+    def _to_local(self, row, first: int, v, active):
+        """Coordinates of a vector in the axes of the grid (0) or the opening (3)."""
+        return mi.Vector3f(*(dr.dot(self._vector(row, first + k, active), v) for k in range(3)))
+
+    def _to_world(self, row, first: int, v, active):
+        x, y, z = (self._vector(row, first + k, active) for k in range(3))
+        return x * v.x + y * v.y + z * v.z
+
+    def spectrum(self, row, wavelengths, active):
+        """Flux by wavelength [W/nm], or the flux itself in photometric variants [lm]."""
+        amount = dr.gather(mi.Float, self._amounts, row, active)
+        if "spectral" not in mi.variant():
+            return mi.Spectrum(amount)
+        count = MAXIMUM_WAVELENGTH - MINIMUM_WAVELENGTH + 1
+        base = self._number(row, 2, active) * mi.UInt32(count)
+        place = dr.clip(wavelengths - float(MINIMUM_WAVELENGTH), 0.0, count - 1.001)
+        values = []
+        for position in place:
+            low = mi.UInt32(position)
+            first = dr.gather(mi.Float, self._spectra, base + low, active)
+            second = dr.gather(mi.Float, self._spectra, base + low + 1, active)
+            values.append(dr.lerp(first, second, position - mi.Float(low)))
+        return mi.Spectrum(*values) * amount
+
+    def density(self, row, direction, active=True):
+        """Intensity over flux in a direction of the scene's frame, the way light travels. [1/sr]"""
+        local = self._to_local(row, 0, direction, active)
+        return self.tables.density(self._number(row, 1, active), local, active)
+
+    def importance(self, row, away, active=True):
+        """Coarse intensity towards a place, relative to the mean. ``away``: from the luminaire's centre to it. [m]"""
+        local = self._to_local(row, 0, away, active)
+        value = self.tables.importance(self._number(row, 1, active), local, active)
+        squared = dr.squared_norm(self._vector(row, 6, active))
+        near = dr.clip(NEAR * squared / dr.maximum(dr.squared_norm(away), 1e-12), 0.0, 1.0)
+        return dr.lerp(value, 1.0, near)
+
+    def importances(self, points: np.ndarray) -> np.ndarray:
+        """As `importance`, of every luminaire at points (k, 3) of the host. (k, count)"""
+        lane = dr.arange(mi.UInt32, len(points) * self.count)
+        many = dr.opaque(mi.UInt32, self.count)
+        point = dr.gather(mi.Vector3f, upload(mi.Float, points), lane // many)
+        row = lane % many
+        value = self.importance(row, point - self._vector(row, 7, True))
+        return np.array(value, dtype=np.float64).reshape(len(points), self.count)
+
+    def radiance(self, row, direction, wavelengths, active):
+        """Radiance that the opening sends along a direction of the scene's frame."""
+        local = self._to_local(row, 3, direction, active)
+        area = projected_area(
+            self._number(row, 0, active), self._vector(row, 6, active), local, self.kinds
+        )
+        value = self.density(row, direction, active) / area
+        return self.spectrum(row, wavelengths, active) * value
+
+    def receive(self, row, it, sample, active):
+        """Draw a point of a luminaire for a receiver.
+
+        Where beams are narrow, several points are drawn and one of them is kept in proportion to what it gives (resampled
+        importance sampling, J. Talbot, 2005), so that the estimate hardly depends on which it was. The density in the
+        result is that of one drawn point: both strategies of the paths weigh by it, so the weights sum to 1.
+
+        Returns
+        -------
+        (DirectionSample3f, Spectrum)
+        """
+        number, half = self._number(row, 0, active), self._vector(row, 6, active)
+        centre = self._vector(row, 7, active)
+        q = mi.Point3f(self._to_local(row, 3, it.p - mi.Point3f(centre), active))
+        is_point = active & (number == POINT)
+        kept = {"x": mi.Point3f(0.0), "n": mi.Vector3f(0.0, 0.0, 1.0), "pdf": mi.Float(0.0)}
+        total = mi.Float(0.0)
+        if self.kinds - {POINT}:
+            extended = active & ~is_point
+            choice = sample.x * 8192.0
+            choice -= dr.floor(choice)
+            for k in range(self.candidates):
+                shifted = sample
+                if k:
+                    # Points of a lattice, each of them uniform by itself.
+                    shifted = sample + mi.Point2f(0.7548776662 * k, 0.5698402910 * k)
+                    shifted -= dr.floor(shifted)
+                x, density, normal = draw_point(number, half, q, shifted, self.kinds)
+                away = q - x
+                distance = dr.norm(away)
+                local = away / dr.maximum(distance, 1e-12)
+                seen = dr.dot(normal, local)
+                usable = extended & (density > 0.0) & (seen > 0.0)
+                pdf = density * dr.square(distance) / dr.maximum(seen, 1e-20)
+                outwards = self._to_world(row, 3, local, active)
+                area = projected_area(number, half, local, self.kinds)
+                value = self.density(row, outwards, usable) / (area * pdf)
+                value = dr.select(usable & dr.isfinite(value), value, 0.0)
+                total += value
+                share = value / dr.maximum(total, 1e-30)
+                # The first stays where nothing gives light, so that the density is known all the same.
+                picks = (choice < share) | (k == 0)
+                choice = dr.select(
+                    choice < share,
+                    choice / dr.maximum(share, 1e-20),
+                    (choice - share) / (1.0 - share),
+                )
+                kept["x"] = dr.select(picks, x, kept["x"])
+                kept["n"] = dr.select(picks, normal, kept["n"])
+                kept["pdf"] = dr.select(picks, dr.select(usable, pdf, 0.0), kept["pdf"])
+            total /= float(self.candidates)
+        ds = dr.zeros(mi.DirectionSample3f)
+        ds.p = mi.Point3f(self._to_world(row, 3, mi.Vector3f(kept["x"]), active) + centre)
+        ds.d = ds.p - it.p
+        ds.dist = dr.norm(ds.d)
+        ds.d /= dr.maximum(ds.dist, 1e-12)
+        ds.n = mi.Normal3f(dr.normalize(self._to_world(row, 3, kept["n"], active)))
+        ds.delta = is_point
+        ds.pdf = dr.select(is_point, 1.0, kept["pdf"])
+        ds.emitter = mi.EmitterPtr(self.emitter)
+        if POINT in self.kinds:
+            alone = self.density(row, -ds.d, is_point) / dr.maximum(dr.square(ds.dist), 1e-20)
+            total = dr.select(is_point, alone, total)
+        value = self.spectrum(row, it.wavelengths, active) * total
+        return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
+
+    def density_at(self, row, point, direction, active):
+        """Density with which one point drawn for a receiver lies in a direction from it. [1/sr]"""
+        centre = mi.Point3f(self._vector(row, 7, active))
+        q = mi.Point3f(self._to_local(row, 3, point - centre, active))
+        local = self._to_local(row, 3, direction, active)
+        number, half = self._number(row, 0, active), self._vector(row, 6, active)
+        return dr.select(active, density_of(number, half, q, local, self.kinds), 0.0)
+
+    def is_outside(self, row, si, active):
+        """Whether a surface point of an opening is met from where it shines to."""
+        number = self._number(row, 0, active)
+        flat = (number == RECTANGLE) | (number == ELLIPSE)
+        return flat | (mi.Frame3f.cos_theta(si.wi) > 0.0)
+
+    def emit(self, row, place, angle, active):
+        """Draw where and whereto light leaves a luminaire, in proportion to what it emits.
+
+        Parameters
+        ----------
+        place, angle : Point2f    Two numbers in [0, 1) each.
+
+        Returns
+        -------
+        (Point3f, Vector3f, Normal3f)    Point, direction and outward normal, in the scene's frame.
+        """
+        drawn = self.tables.draw(self._number(row, 1, active), angle, active)
+        direction = self._to_world(row, 0, drawn, active)
+        local = self._to_local(row, 3, direction, active)
+        number, half = self._number(row, 0, active), self._vector(row, 6, active)
+        point, normal = draw_departure(number, half, local, place, self.kinds)
+        centre = self._vector(row, 7, active)
+        start = mi.Point3f(self._to_world(row, 3, mi.Vector3f(point), active) + centre)
+        return start, direction, mi.Normal3f(self._to_world(row, 3, normal, active))
+
+
+def luminaires_class():
+    """Make the emitter's class for the active variant."""
+
+    class Luminaires(mi.Emitter):
+        """Every luminaire of a `LuminairePalette`, told apart by the time of what it is asked with."""
+
+        palette: LuminairePalette | None = None
+
+        def __init__(self, props):
+            mi.Emitter.__init__(self, props)
+            self.m_flags = +mi.EmitterFlags.Surface
+
+        def traverse(self, callback):
+            """Nothing here is a parameter of Mitsuba's."""
+
+        def eval(self, si, active=True):
+            row, active = mi.UInt32(si.time), mi.Bool(active)
+            lit = active & self.palette.is_outside(row, si, active)
+            value = self.palette.radiance(row, si.to_world(si.wi), si.wavelengths, lit)
+            return mi.Spectrum(value & lit)
+
+        def sample_direction(self, it, sample, active=True):
+            return self.palette.receive(mi.UInt32(it.time), it, sample, mi.Bool(active))
+
+        def pdf_direction(self, it, ds, active=True):
+            return self.palette.density_at(mi.UInt32(it.time), it.p, ds.d, mi.Bool(active))
+
+        def eval_direction(self, it, ds, active=True):
+            value = self.palette.radiance(mi.UInt32(it.time), -ds.d, it.wavelengths, active)
+            return mi.Spectrum(value & active)
+
+        def sample_ray(self, time, sample1, sample2, sample3, active=True):
+            row, active = mi.UInt32(time), mi.Bool(active)
+            start, direction, _ = self.palette.emit(row, sample2, sample3, active)
+            ray = mi.Ray3f(start, direction, time, mi.Color0f())
+            if "spectral" not in mi.variant():
+                return ray, mi.Spectrum(self.palette.spectrum(row, None, active) & active)
+            width = float(MAXIMUM_WAVELENGTH - MINIMUM_WAVELENGTH)
+            ray.wavelengths = MINIMUM_WAVELENGTH + width * mi.sample_shifted(sample1)
+            value = self.palette.spectrum(row, ray.wavelengths, active) * width
+            return ray, mi.Spectrum(value & active)
+
+        def bbox(self):
+            return mi.BoundingBox3f()
+
+        def to_string(self):
+            return "Luminaires[]"
+
+    return Luminaires
+
+
+KINDS = {name: number for number, name in enumerate(SHAPES)}
+"""Numbers of the shapes of openings."""
