@@ -1,7 +1,7 @@
 """Photometric coordinate systems as polar grids: all three types are one grid about different polar axes.
 
-The luminaire's own axes are x, y, z; it shines along -z, and +y is up when it is aimed at a wall. With beam f = -z, up u = +y
-and right r = +x (IES LM-75, CIE 121):
+The luminaire's own axes are x, y, z; it shines along -z, and +y is up when it is aimed at a wall. With beam f = -z,
+up u = +y and right r = +x (IES LM-75, CIE 121):
 
 - type C: d = (sin V cos H, sin V sin H, -cos V); polar axis -z.
 - type A: d = cos V cos H f + cos V sin H r + sin V u; polar axis vertical, gamma = 90 deg + V, C = H.

@@ -96,7 +96,7 @@ class LuminairePalette:
         self.emitter = mi.load_dict({"type": "lumenray_luminaires"})
         self.emitter.palette = self
         self.tables = DistributionTables()
-        self.count = 0
+        self.commit([])
 
     def commit(self, rows: list[Row]) -> None:
         """Take these luminaires, in this order.

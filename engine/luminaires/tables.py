@@ -175,6 +175,7 @@ class DistributionTables:
         self._prepared: dict[bytes, _Prepared] = {}
         self._numbers: dict[bytes, int] = {}
         self._kept: dict[int, tuple[IntensityDistribution, bytes]] = {}
+        self._upload()
 
     def commit(self, distributions: list[IntensityDistribution]) -> list[int]:
         """Hold these distributions and return their numbers; equal ones are held once.

@@ -110,7 +110,8 @@ class CompiledScene:
         self.notes: list[str] = []
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
-        self._palette = LuminairePalette()
+        # Mitsuba visits every emitter that lives, so there is none without luminaires.
+        self._palette: LuminairePalette | None = None
         self._finishes = Finishes(self.mean_light)
         self._users: dict[str, dict[str, None]] = {}
         self._world_item, self._world = None, None
@@ -301,6 +302,8 @@ class CompiledScene:
                 if lamp.body is not None:
                     self._veil.remove(lamp.body_id)
                     self._pool.remove(lamp.body_id)
+            if isinstance(light, Luminaire) and self._palette is None:
+                self._palette = LuminairePalette()
             made = None if light is None else make_lamp(light, self.origin, self._palette)
             if made is not None:
                 self._lamps[key] = made
@@ -323,7 +326,10 @@ class CompiledScene:
         sources += [p.source for body in self._bodies.values() for p in body.parts if p.source]
         sources.sort(key=Source.order)
         rows = [source.luminaire for source in sources if source.luminaire is not None]
-        self._palette.commit(rows)
+        if rows:
+            self._palette.commit(rows)
+        else:
+            self._palette = None
         suns = [
             light
             for light in scene.lights.values()
@@ -337,8 +343,7 @@ class CompiledScene:
         outside = self._commit_surroundings(suns)
         if outside is not None:
             sources.insert(0, outside)
-        palette = self._palette if rows else None
-        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals, palette)
+        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals, self._palette)
 
     def _mean_light(self, scene: Scene, sources, suns) -> np.ndarray:
         """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1. (471,)
@@ -404,7 +409,7 @@ class CompiledScene:
             columns["emitter"][lamp.body_id] = lamp.source.number
             if lamp.source.luminaire is not None:
                 columns["luminaire"][lamp.body_id] = self.lights.row_of(lamp.source)
-        luminaires = columns["luminaire"] if self._palette.count else None
+        luminaires = columns["luminaire"] if self._palette is not None else None
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         self._finishes.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
