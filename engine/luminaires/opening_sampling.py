@@ -2,8 +2,8 @@
 
 In its own axes an opening is the image of a unit body (square, disk, cube, sphere, cylinder along z) under the half sizes
 (a, b, c). What a receiver at q sees is a function of q and the direction alone, so every density can be computed anew from
-these two. ``seen`` below is the area element of the drawn parameters, projected towards the receiver: the density over
-solid angle is density * distance^2 / seen.
+these two. With an area element of the drawn parameters that is ``seen`` by the receiver, the density over solid angle is
+density * distance^2 / seen.
 """
 
 import drjit as dr
@@ -90,8 +90,8 @@ def draw_point(kind, half, q, sample, kinds):
     return made.point, made.density, made.normal
 
 
-def density_of(kind, half, q, direction, kinds):
-    """Density with which `draw_point` finds the point that a receiver sees along a direction.
+def meet(kind, half, q, direction, kinds):
+    """Find the point of an opening that a receiver sees along a direction.
 
     Parameters
     ----------
@@ -99,9 +99,10 @@ def density_of(kind, half, q, direction, kinds):
 
     Returns
     -------
-    Float    Over solid angle [1/sr]; 0 where the ray passes by.
+    Float, Float    Distance [m], and the density over solid angle [1/sr] with which `draw_point` finds it; the density is 0
+        where the ray passes by.
     """
-    density = mi.Float(0.0)
+    density, distance = mi.Float(0.0), mi.Float(0.0)
     if RECTANGLE in kinds or ELLIPSE in kinds:
         t = -q.z / dr.select(dr.abs(direction.z) > TINY, direction.z, TINY)
         x, y = (q.x + t * direction.x) / half.x, (q.y + t * direction.y) / half.y
@@ -109,16 +110,17 @@ def density_of(kind, half, q, direction, kinds):
         if RECTANGLE in kinds:
             inside = (t > 0.0) & (dr.abs(x) <= 1.0) & (dr.abs(y) <= 1.0)
             density = dr.select((kind == RECTANGLE) & inside, over, density)
+            distance = dr.select(kind == RECTANGLE, t, distance)
         if ELLIPSE in kinds:
             inside = (t > 0.0) & (dr.square(x) + dr.square(y) <= 1.0)
             density = dr.select((kind == ELLIPSE) & inside, over * (4.0 / dr.pi), density)
-    if BOX in kinds:
-        density = dr.select(kind == BOX, _density_on_box(half, q, direction), density)
-    if ELLIPSOID in kinds:
-        density = dr.select(kind == ELLIPSOID, _density_on_ellipsoid(half, q, direction), density)
-    if CYLINDER in kinds:
-        density = dr.select(kind == CYLINDER, _density_on_cylinder(half, q, direction), density)
-    return density
+            distance = dr.select(kind == ELLIPSE, t, distance)
+    for other, find in ((BOX, _meet_box), (ELLIPSOID, _meet_ellipsoid), (CYLINDER, _meet_cylinder)):
+        if other in kinds:
+            t, found = find(half, q, direction)
+            density = dr.select(kind == other, found, density)
+            distance = dr.select(kind == other, t, distance)
+    return distance, density
 
 
 # ---- box ----
@@ -167,7 +169,7 @@ def _draw_on_box(half, q, sample):
     return mi.Point3f(unit * half), density, normal
 
 
-def _density_on_box(half, q, d):
+def _meet_box(half, q, d):
     """By the face where the ray enters."""
     safe = dr.select(dr.abs(d) > TINY, d, TINY)
     enter = (-dr.sign(safe) * half - q) / safe
@@ -180,7 +182,7 @@ def _density_on_box(half, q, d):
     is_y = ~is_x & (enter.y >= enter.z)
     chosen = dr.select(is_x, share.x, dr.select(is_y, share.y, share.z))
     area = dr.select(is_x, areas.x, dr.select(is_y, areas.y, areas.z))
-    return dr.select(hit, chosen * dr.square(t) / dr.maximum(area, TINY), 0.0)
+    return t, dr.select(hit, chosen * dr.square(t) / dr.maximum(area, TINY), 0.0)
 
 
 # ---- ellipsoid: in the space where it is the unit sphere, uniformly over the cap that is seen ----
@@ -200,7 +202,7 @@ def _draw_on_ellipsoid(half, q, sample):
     return mi.Point3f(unit * half), density, normal
 
 
-def _density_on_ellipsoid(half, q, d):
+def _meet_ellipsoid(half, q, d):
     start, ray = mi.Vector3f(q) / half, d / half
     a, b = dr.squared_norm(ray), dr.dot(start, ray)
     c = dr.squared_norm(start) - 1.0
@@ -211,7 +213,7 @@ def _density_on_ellipsoid(half, q, d):
     seen = dr.abs(dr.dot(unit / half, d)) * (half.x * half.y * half.z)
     height = 1.0 - 1.0 / dr.maximum(dr.norm(start), 1.0)
     density = dr.inv_two_pi / dr.maximum(height, TINY)
-    return dr.select(hit, density * dr.square(t) / dr.maximum(seen, TINY), 0.0)
+    return t, dr.select(hit, density * dr.square(t) / dr.maximum(seen, TINY), 0.0)
 
 
 # ---- cylinder: the wall as an arc that is seen, or the cap that is seen ----
@@ -256,7 +258,7 @@ def _draw_on_cylinder(half, q, sample):
     return dr.select(on_wall, wall, cap), density, dr.select(on_wall, wall_normal, cap_normal)
 
 
-def _density_on_cylinder(half, q, d):
+def _meet_cylinder(half, q, d):
     share, arc, has_cap = _cylinder_parts(half, q)
     x, y, dx, dy = q.x / half.x, q.y / half.y, d.x / half.x, d.y / half.y
     a, b = dr.square(dx) + dr.square(dy), x * dx + y * dy
@@ -274,7 +276,7 @@ def _density_on_cylinder(half, q, d):
     on_cap = has_cap & (s > 0.0) & (dr.square(x + s * dx) + dr.square(y + s * dy) <= 1.0)
     area = dr.pi * half.x * half.y * dr.abs(d.z)
     cap = (1.0 - share) * dr.square(s) / dr.maximum(area, TINY)
-    return dr.select(on_wall, wall, dr.select(on_cap, cap, 0.0))
+    return dr.select(on_wall, t, s), dr.select(on_wall, wall, dr.select(on_cap, cap, 0.0))
 
 
 # ---- for light tracing: where the light of a direction leaves ----

@@ -22,9 +22,9 @@ from .opening_sampling import (
     ELLIPSE,
     POINT,
     RECTANGLE,
-    density_of,
     draw_departure,
     draw_point,
+    meet,
     projected_area,
 )
 from .tables import DistributionTables
@@ -33,10 +33,10 @@ AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """The luminaire's axes in the order of the opening's own, whose z is the normal or the cylinder's axis."""
 
 CANDIDATES = 8
-"""Points of an opening that are compared at a next event where beams are narrow."""
+"""Points of an opening that are compared at a next event where beams are narrow; an even number."""
 
-NARROW = 10.0
-"""Peak over mean intensity of half the sphere from which a beam counts as narrow: about 40 degrees wide."""
+NARROW = 25.0
+"""Peak over mean intensity from which a beam counts as narrow: about 40 degrees between its half values."""
 
 NEAR = 4.0
 """Within this many radii the direction from the centre says little, and importance fades to that of all directions."""
@@ -74,13 +74,6 @@ class Row:
     def radius(self) -> float:
         """Of a sphere around the opening. [m]"""
         return float(np.linalg.norm(self.half))
-
-    @property
-    def is_narrow(self) -> bool:
-        """Whether the beam needs several candidates at a next event from an extended opening."""
-        values = self.distribution.intensity
-        middle = float(values.mean())
-        return self.kind != POINT and float(values.max()) > NARROW * max(middle, 1e-30)
 
 
 def opening_frame(opening: Opening, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -125,7 +118,11 @@ class LuminairePalette:
         self._amounts = upload(mi.Float, [row.amount for row in rows] or [0.0])
         self._spectra = upload(mi.Float, np.concatenate(tables) if tables else np.zeros(4))
         self.kinds = {row.kind for row in rows}
-        self.candidates = CANDIDATES if any(row.is_narrow for row in rows) else 1
+        beams = {
+            number for row, number in zip(rows, distributions, strict=True) if row.kind != POINT
+        }
+        is_narrow = any(self.tables.sharpness(number) > NARROW for number in beams)
+        self.candidates = CANDIDATES if is_narrow else 1
 
     # ---- inside kernels ----
 
@@ -193,9 +190,11 @@ class LuminairePalette:
     def receive(self, row, it, sample, active):
         """Draw a point of a luminaire for a receiver.
 
-        Where beams are narrow, several points are drawn and one of them is kept in proportion to what it gives (resampled
-        importance sampling, J. Talbot, 2005), so that the estimate hardly depends on which it was. The density in the
-        result is that of one drawn point: both strategies of the paths weigh by it, so the weights sum to 1.
+        Where beams are narrow, half of several candidates are points of the opening and half are directions of the beam
+        that are followed back to it, weighed by the balance heuristic, and one is kept in proportion to what it gives
+        (resampled importance sampling, J. Talbot, 2005): the first serve receivers far away, the second those that a
+        collimated beam reaches from a small part of the opening. The density in the result is the mean of the two kinds':
+        both strategies of the paths weigh by it, so their weights sum to 1.
 
         Returns
         -------
@@ -205,29 +204,22 @@ class LuminairePalette:
         centre = self._vector(row, 7, active)
         q = mi.Point3f(self._to_local(row, 3, it.p - mi.Point3f(centre), active))
         is_point = active & (number == POINT)
-        kept = {"x": mi.Point3f(0.0), "n": mi.Vector3f(0.0, 0.0, 1.0), "pdf": mi.Float(0.0)}
+        extended = active & ~is_point
+        kept_at, kept_pdf = mi.Point3f(0.0), mi.Float(0.0)
         total = mi.Float(0.0)
         if self.kinds - {POINT}:
-            extended = active & ~is_point
             choice = sample.x * 8192.0
             choice -= dr.floor(choice)
             for k in range(self.candidates):
-                shifted = sample
-                if k:
-                    # Points of a lattice, each of them uniform by itself.
-                    shifted = sample + mi.Point2f(0.7548776662 * k, 0.5698402910 * k)
-                    shifted -= dr.floor(shifted)
-                x, density, normal = draw_point(number, half, q, shifted, self.kinds)
-                away = q - x
-                distance = dr.norm(away)
-                local = away / dr.maximum(distance, 1e-12)
-                seen = dr.dot(normal, local)
-                usable = extended & (density > 0.0) & (seen > 0.0)
-                pdf = density * dr.square(distance) / dr.maximum(seen, 1e-20)
-                outwards = self._to_world(row, 3, local, active)
-                area = projected_area(number, half, local, self.kinds)
-                value = self.density(row, outwards, usable) / (area * pdf)
-                value = dr.select(usable & dr.isfinite(value), value, 0.0)
+                # Points of a lattice for either kind of candidate, each of them uniform by itself.
+                nth = k // 2
+                shifted = sample + mi.Point2f(0.7548776662 * nth, 0.5698402910 * nth)
+                shifted -= dr.floor(shifted)
+                if k % 2:
+                    at, pdf, value = self._follow_back(row, number, half, q, shifted, extended)
+                else:
+                    at, pdf, value = self._pick_point(row, number, half, q, shifted, extended)
+                value = dr.select((pdf > 0.0) & dr.isfinite(value), value, 0.0)
                 total += value
                 share = value / dr.maximum(total, 1e-30)
                 # The first stays where nothing gives light, so that the density is known all the same.
@@ -237,18 +229,17 @@ class LuminairePalette:
                     choice / dr.maximum(share, 1e-20),
                     (choice - share) / (1.0 - share),
                 )
-                kept["x"] = dr.select(picks, x, kept["x"])
-                kept["n"] = dr.select(picks, normal, kept["n"])
-                kept["pdf"] = dr.select(picks, dr.select(usable, pdf, 0.0), kept["pdf"])
+                kept_at = dr.select(picks, at, kept_at)
+                kept_pdf = dr.select(picks, pdf, kept_pdf)
             total /= float(self.candidates)
         ds = dr.zeros(mi.DirectionSample3f)
-        ds.p = mi.Point3f(self._to_world(row, 3, mi.Vector3f(kept["x"]), active) + centre)
+        ds.p = mi.Point3f(self._to_world(row, 3, mi.Vector3f(kept_at), active) + centre)
         ds.d = ds.p - it.p
         ds.dist = dr.norm(ds.d)
         ds.d /= dr.maximum(ds.dist, 1e-12)
-        ds.n = mi.Normal3f(dr.normalize(self._to_world(row, 3, kept["n"], active)))
+        ds.n = mi.Normal3f(-ds.d)
         ds.delta = is_point
-        ds.pdf = dr.select(is_point, 1.0, kept["pdf"])
+        ds.pdf = dr.select(is_point, 1.0, kept_pdf)
         ds.emitter = mi.EmitterPtr(self.emitter)
         if POINT in self.kinds:
             alone = self.density(row, -ds.d, is_point) / dr.maximum(dr.square(ds.dist), 1e-20)
@@ -256,13 +247,48 @@ class LuminairePalette:
         value = self.spectrum(row, it.wavelengths, active) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
+    def _pick_point(self, row, number, half, q, sample, active):
+        """Candidate on the opening: the point, its density, and what it gives over that density."""
+        x, density, normal = draw_point(number, half, q, sample, self.kinds)
+        away = q - x
+        distance = dr.norm(away)
+        local = away / dr.maximum(distance, 1e-12)
+        seen = dr.dot(normal, local)
+        usable = active & (density > 0.0) & (seen > 0.0)
+        pdf = density * dr.square(distance) / dr.maximum(seen, 1e-20)
+        pdf, value = self._weigh(row, number, half, local, pdf, usable)
+        return x, pdf, value
+
+    def _follow_back(self, row, number, half, q, sample, active):
+        """Candidate in the beam: a direction of it, followed from the receiver back to the opening."""
+        drawn = self.tables.draw(self._number(row, 1, active), sample, active)
+        local = self._to_local(row, 3, self._to_world(row, 0, drawn, active), active)
+        distance, pdf = meet(number, half, q, -local, self.kinds)
+        pdf, value = self._weigh(row, number, half, local, pdf, active & (pdf > 0.0))
+        return q - local * distance, pdf, value
+
+    def _weigh(self, row, number, half, local, pdf, active):
+        """Density of a candidate whatever way it was found, and what it gives over that. ``pdf``: that of a point."""
+        density = self.density(row, self._to_world(row, 3, local, active), active)
+        pdf = self._mixed(pdf, density)
+        area = projected_area(number, half, local, self.kinds)
+        return dr.select(active, pdf, 0.0), density / (area * dr.maximum(pdf, 1e-20))
+
+    def _mixed(self, pdf, density):
+        """Mean density of the kinds of candidates that are drawn."""
+        return pdf if self.candidates == 1 else 0.5 * (pdf + density)
+
     def density_at(self, row, point, direction, active):
-        """Density with which one point drawn for a receiver lies in a direction from it. [1/sr]"""
+        """Mean density with which the candidates for a receiver lie in a direction from it. [1/sr]"""
         centre = mi.Point3f(self._vector(row, 7, active))
         q = mi.Point3f(self._to_local(row, 3, point - centre, active))
         local = self._to_local(row, 3, direction, active)
         number, half = self._number(row, 0, active), self._vector(row, 6, active)
-        return dr.select(active, density_of(number, half, q, local, self.kinds), 0.0)
+        _, pdf = meet(number, half, q, local, self.kinds)
+        hit = active & (pdf > 0.0)
+        if self.candidates > 1:
+            pdf = self._mixed(pdf, self.density(row, -direction, hit))
+        return dr.select(hit, pdf, 0.0)
 
     def is_outside(self, row, si, active):
         """Whether a surface point of an opening is met from where it shines to."""

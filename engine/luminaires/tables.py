@@ -55,6 +55,7 @@ class _Prepared:
     columns: np.ndarray
     importance: np.ndarray
     crowding: int
+    sharpness: float
 
 
 def distribution_digest(distribution: IntensityDistribution) -> bytes:
@@ -139,6 +140,7 @@ def _prepare(distribution: IntensityDistribution) -> _Prepared:
         np.concatenate([_running(row) for row in fluxes.T]),
         importance,
         max(crowding, other),
+        float(table.max()) * 4.0 * np.pi,
     )
 
 
@@ -228,6 +230,10 @@ class DistributionTables:
         counts = [max(p.header["polar_cells"], p.header["azimuth_cells"]) for p in parts]
         # A power of two, so that kernels seldom change.
         self._steps = max(int(max(counts, default=1)).bit_length(), 8)
+
+    def sharpness(self, number: int) -> float:
+        """Peak of a distribution relative to its mean over the sphere; 4 for a Lambertian one."""
+        return list(self._prepared.values())[number].sharpness
 
     # ---- inside kernels ----
 
