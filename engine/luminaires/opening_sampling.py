@@ -204,12 +204,15 @@ def _draw_on_ellipsoid(half, q, sample):
 
 def _meet_ellipsoid(half, q, d):
     start, ray = mi.Vector3f(q) / half, d / half
-    a, b = dr.squared_norm(ray), dr.dot(start, ray)
-    c = dr.squared_norm(start) - 1.0
-    inside = dr.square(b) - a * c
-    t = (-b - dr.safe_sqrt(inside)) / a
-    hit = (inside > 0.0) & (t > 0.0) & (c > 0.0)
-    unit = start + ray * t
+    squared = dr.squared_norm(ray)
+    # From the point of the ray that is nearest to the centre: far away, the quadratic formula would lose its digits.
+    middle = -dr.dot(start, ray) / squared
+    nearest = start + ray * middle
+    depth = 1.0 - dr.squared_norm(nearest)
+    back = dr.safe_sqrt(depth / squared)
+    t = middle - back
+    hit = (depth > 0.0) & (t > 0.0) & (dr.squared_norm(start) > 1.0)
+    unit = nearest - ray * back
     seen = dr.abs(dr.dot(unit / half, d)) * (half.x * half.y * half.z)
     height = 1.0 - 1.0 / dr.maximum(dr.norm(start), 1.0)
     density = dr.inv_two_pi / dr.maximum(height, TINY)
@@ -261,14 +264,16 @@ def _draw_on_cylinder(half, q, sample):
 def _meet_cylinder(half, q, d):
     share, arc, has_cap = _cylinder_parts(half, q)
     x, y, dx, dy = q.x / half.x, q.y / half.y, d.x / half.x, d.y / half.y
-    a, b = dr.square(dx) + dr.square(dy), x * dx + y * dy
-    c = dr.square(x) + dr.square(y) - 1.0
-    inside = dr.square(b) - a * c
-    t = (-b - dr.safe_sqrt(inside)) / dr.maximum(a, TINY)
-    on_wall = (inside > 0.0) & (a > TINY) & (t > 0.0) & (c > 0.0)
+    squared = dr.maximum(dr.square(dx) + dr.square(dy), TINY)
+    middle = -(x * dx + y * dy) / squared
+    near_x, near_y = x + middle * dx, y + middle * dy
+    depth = 1.0 - dr.square(near_x) - dr.square(near_y)
+    back = dr.safe_sqrt(depth / squared)
+    t = middle - back
+    on_wall = (depth > 0.0) & (squared > TINY) & (t > 0.0) & (arc > 0.0)
     on_wall &= dr.abs(q.z + t * d.z) <= half.z
     # Over the angle, and along the axis over its whole length.
-    px, py = x + t * dx, y + t * dy
+    px, py = near_x - back * dx, near_y - back * dy
     seen = dr.abs(px * half.y * d.x + py * half.x * d.y) * (2.0 * half.z)
     wall = 0.5 * share / dr.maximum(arc, TINY) * dr.square(t) / dr.maximum(seen, TINY)
     safe = dr.select(dr.abs(d.z) > TINY, d.z, TINY)

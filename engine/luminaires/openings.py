@@ -1,10 +1,42 @@
-"""How large a luminous opening looks from a direction."""
+"""How large a luminous opening looks from a direction, and whether it can be one."""
 
 import numpy as np
 
-from ..scene.distribution import Opening
+from ..errors import SceneError
+from ..scene.distribution import SHAPES, Opening
 
 AXES = "xyz"
+
+FLAT = frozenset({"rectangle", "ellipse"})
+"""Shapes without an extent along their axis."""
+
+SMALLEST, LARGEST = 1e-5, 1e4
+"""Sizes that are luminous openings. [m]"""
+
+
+def check_opening(opening: Opening, owner: str) -> None:
+    """See that an opening has the extents that its shape asks for. ``owner``: whose, for the message.
+
+    Raises
+    ------
+    SceneError    It says what was found and expected.
+    """
+    if opening.shape not in SHAPES or opening.axis not in AXES:
+        raise SceneError(
+            f"{owner} has an opening of shape '{opening.shape}' about '{opening.axis}', expected one of"
+            f" {', '.join(SHAPES)} about x, y or z"
+        )
+    if opening.shape == "point":
+        return
+    axis = AXES.index(opening.axis)
+    for i, size in enumerate(opening.size):
+        is_none = opening.shape in FLAT and i == axis
+        if not (size == 0.0 if is_none else SMALLEST <= size <= LARGEST):
+            expected = "0 m" if is_none else f"{SMALLEST:g} to {LARGEST:g} m"
+            raise SceneError(
+                f"{owner} has an opening ({opening.shape}) with a size of {size:g} m along {AXES[i]}, expected"
+                f" {expected}"
+            )
 
 
 def projected_area(opening: Opening, direction) -> np.ndarray:

@@ -52,6 +52,7 @@ class Row:
     Parameters
     ----------
     distribution : IntensityDistribution
+    digest : bytes    Of it, see `tables.distribution_digest`.
     grid : (3, 3) array    Axes of the distribution's grid in the scene's frame, as columns.
     kind : int    Of the opening.
     axes : (3, 3) array    Of the opening, likewise.
@@ -62,6 +63,7 @@ class Row:
     """
 
     distribution: IntensityDistribution
+    digest: bytes
     grid: np.ndarray
     kind: int
     axes: np.ndarray
@@ -75,6 +77,10 @@ class Row:
         """Of a sphere around the opening. [m]"""
         return float(np.linalg.norm(self.half))
 
+    def order(self) -> tuple:
+        """Key that tells apart luminaires of equal flux at one place."""
+        return (self.kind, *self.grid.ravel(), *self.half, self.digest, self.density.tobytes())
+
 
 def opening_frame(opening: Opening, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Axes of an opening in the scene's frame (3, 3, columns) and half sizes along them (3,). [m]"""
@@ -83,11 +89,9 @@ def opening_frame(opening: Opening, rotation: np.ndarray) -> tuple[np.ndarray, n
 
 
 class LuminairePalette:
-    """The rows and their tables; ``emitter`` is the plug-in that stands for all of them."""
+    """The rows and their tables. The plug-in that stands for all of them holds it, see `make_emitter`."""
 
     def __init__(self):
-        self.emitter = mi.load_dict({"type": "lumenray_luminaires"})
-        self.emitter.palette = self
         self.tables = DistributionTables()
         self.commit([])
 
@@ -99,7 +103,9 @@ class LuminairePalette:
         SceneError    A distribution has no flux.
         """
         self.count = len(rows)
-        distributions = self.tables.commit([row.distribution for row in rows])
+        distributions = self.tables.commit(
+            [row.distribution for row in rows], [row.digest for row in rows]
+        )
         vectors = np.zeros((max(len(rows), 1), VECTORS, 3))
         for line, row in zip(vectors, rows, strict=False):
             line[0:3], line[3:6] = row.grid.T, row.axes.T
@@ -240,7 +246,6 @@ class LuminairePalette:
         ds.n = mi.Normal3f(-ds.d)
         ds.delta = is_point
         ds.pdf = dr.select(is_point, 1.0, kept_pdf)
-        ds.emitter = mi.EmitterPtr(self.emitter)
         if POINT in self.kinds:
             alone = self.density(row, -ds.d, is_point) / dr.maximum(dr.square(ds.dist), 1e-20)
             total = dr.select(is_point, alone, total)
@@ -317,13 +322,24 @@ class LuminairePalette:
         return start, direction, mi.Normal3f(self._to_world(row, 3, normal, active))
 
 
+def make_emitter(palette: LuminairePalette):
+    """Make the emitter of a palette.
+
+    It holds the palette and not the other way round: in a cycle Python would free it at a moment of its own, perhaps while
+    a kernel is being made.
+    """
+    emitter = mi.load_dict({"type": "lumenray_luminaires"})
+    emitter.palette = palette
+    return emitter
+
+
 def luminaires_class():
     """Make the emitter's class for the active variant."""
 
     class Luminaires(mi.Emitter):
         """Every luminaire of a `LuminairePalette`, told apart by the time of what it is asked with."""
 
-        palette: LuminairePalette | None = None
+        palette: LuminairePalette
 
         def __init__(self, props):
             mi.Emitter.__init__(self, props)
@@ -339,7 +355,9 @@ def luminaires_class():
             return mi.Spectrum(value & lit)
 
         def sample_direction(self, it, sample, active=True):
-            return self.palette.receive(mi.UInt32(it.time), it, sample, mi.Bool(active))
+            ds, value = self.palette.receive(mi.UInt32(it.time), it, sample, mi.Bool(active))
+            ds.emitter = mi.EmitterPtr(self)
+            return ds, value
 
         def pdf_direction(self, it, ds, active=True):
             return self.palette.density_at(mi.UInt32(it.time), it.p, ds.d, mi.Bool(active))

@@ -176,18 +176,23 @@ class DistributionTables:
     def __init__(self):
         self._prepared: dict[bytes, _Prepared] = {}
         self._numbers: dict[bytes, int] = {}
-        self._kept: dict[int, tuple[IntensityDistribution, bytes]] = {}
         self._upload()
 
-    def commit(self, distributions: list[IntensityDistribution]) -> list[int]:
+    def commit(
+        self, distributions: list[IntensityDistribution], digests: list[bytes] | None = None
+    ) -> list[int]:
         """Hold these distributions and return their numbers; equal ones are held once.
+
+        Parameters
+        ----------
+        digests : list of bytes or None    Their `distribution_digest`, if known.
 
         Raises
         ------
         SceneError    One has no flux.
         """
-        digests = [self._digest(distribution) for distribution in distributions]
-        self._kept = {id(d): (d, digest) for d, digest in zip(distributions, digests, strict=True)}
+        if digests is None:
+            digests = [distribution_digest(distribution) for distribution in distributions]
         wanted = dict(zip(digests, distributions, strict=True))
         order = sorted(wanted)
         if order != list(self._numbers):
@@ -196,10 +201,6 @@ class DistributionTables:
             self._numbers = {key: number for number, key in enumerate(order)}
             self._upload()
         return [self._numbers[digest] for digest in digests]
-
-    def _digest(self, distribution) -> bytes:
-        known = self._kept.get(id(distribution))
-        return known[1] if known is not None else distribution_digest(distribution)
 
     def _upload(self) -> None:
         parts = list(self._prepared.values())

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import pointer_id, table_size, upload
 from ..errors import SceneError
 from ..luminaires import plugins as emitter_plugins
-from ..luminaires.palette import LuminairePalette
+from ..luminaires.palette import LuminairePalette, make_emitter
 from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
@@ -111,7 +111,7 @@ class CompiledScene:
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
         # Mitsuba visits every emitter that lives, so there is none without luminaires.
-        self._palette: LuminairePalette | None = None
+        self._luminaires = None
         self._finishes = Finishes(self.mean_light)
         self._users: dict[str, dict[str, None]] = {}
         self._world_item, self._world = None, None
@@ -302,9 +302,9 @@ class CompiledScene:
                 if lamp.body is not None:
                     self._veil.remove(lamp.body_id)
                     self._pool.remove(lamp.body_id)
-            if isinstance(light, Luminaire) and self._palette is None:
-                self._palette = LuminairePalette()
-            made = None if light is None else make_lamp(light, self.origin, self._palette)
+            if isinstance(light, Luminaire) and self._luminaires is None:
+                self._luminaires = make_emitter(LuminairePalette())
+            made = None if light is None else make_lamp(light, self.origin, self._luminaires)
             if made is not None:
                 self._lamps[key] = made
                 if made.body is not None:
@@ -327,9 +327,9 @@ class CompiledScene:
         sources.sort(key=Source.order)
         rows = [source.luminaire for source in sources if source.luminaire is not None]
         if rows:
-            self._palette.commit(rows)
+            self._luminaires.palette.commit(rows)
         else:
-            self._palette = None
+            self._luminaires = None
         suns = [
             light
             for light in scene.lights.values()
@@ -343,7 +343,8 @@ class CompiledScene:
         outside = self._commit_surroundings(suns)
         if outside is not None:
             sources.insert(0, outside)
-        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals, self._palette)
+        palette = self._luminaires.palette if rows else None
+        self.lights = LightTable(sources, max(self.radius, 1.0), self._portals, palette)
 
     def _mean_light(self, scene: Scene, sources, suns) -> np.ndarray:
         """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1. (471,)
@@ -409,7 +410,7 @@ class CompiledScene:
             columns["emitter"][lamp.body_id] = lamp.source.number
             if lamp.source.luminaire is not None:
                 columns["luminaire"][lamp.body_id] = self.lights.row_of(lamp.source)
-        luminaires = columns["luminaire"] if self._palette is not None else None
+        luminaires = columns["luminaire"] if self._luminaires is not None else None
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         self._finishes.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}

@@ -8,7 +8,9 @@ import numpy as np
 
 from ..arrays import pointer_id
 from ..errors import SceneError
-from ..luminaires.palette import KINDS, LuminairePalette, Row, opening_frame
+from ..luminaires.openings import check_opening
+from ..luminaires.palette import KINDS, Row, opening_frame
+from ..luminaires.tables import distribution_digest
 from ..photometry import units
 from ..scene.light import AreaLight, Luminaire, PointLight, SpotLight
 from . import emission
@@ -40,20 +42,20 @@ class Lamp:
             pool.add_flat(self.body_id, self.source.axis)
 
 
-def make_lamp(light, origin: np.ndarray, palette: LuminairePalette | None = None) -> Lamp | None:
+def make_lamp(light, origin: np.ndarray, luminaires=None) -> Lamp | None:
     """Make the emitter of a light, None when it gives no light or shines from infinity.
 
     Parameters
     ----------
     light : Light
     origin : (3,) array    Of the compiled scene's frame. [m]
-    palette : LuminairePalette or None    That of the scene; only luminaires need it.
+    luminaires : mi.Emitter or None    That of all luminaires of the scene; no other light needs it.
     """
     if light.output.value <= 0.0:
         return None
     match light:
         case Luminaire():
-            return _make_luminaire(light, origin, palette)
+            return _make_luminaire(light, origin, luminaires)
         case PointLight():
             return _make_point(light, origin)
         case SpotLight():
@@ -165,19 +167,18 @@ def _make_area(light: AreaLight, origin) -> Lamp:
     return _with_body(light, shape, source)
 
 
-def _make_luminaire(light: Luminaire, origin, palette) -> Lamp:
-    row = _row_of(light, origin)
+def _make_luminaire(light: Luminaire, origin, emitter) -> Lamp:
+    row = _row_of(light, origin, distribution_digest(light.distribution))
     made = emission.luminaire_flux(light)
-    source = Source(
-        palette.emitter, made.amount, made.density, row.centre, row.radius, luminaire=row
-    )
+    source = Source(emitter, made.amount, made.density, row.centre, row.radius, luminaire=row)
     if light.opening.shape == "point":
         return Lamp(light, source)
     opening = make_body(light.opening.shape, row)
     return Lamp(light, source, opening.shape, pointer_id(opening.shape), opening)
 
 
-def _row_of(light: Luminaire, origin) -> Row:
+def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
+    check_opening(light.opening, f"luminaire '{light.name}'")
     frame = np.asarray(light.frame, dtype=np.float64)
     rotation = frame[:3, :3]
     if not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-4):
@@ -186,6 +187,7 @@ def _row_of(light: Luminaire, origin) -> Row:
     made = emission.luminaire_flux(light)
     return Row(
         light.distribution,
+        digest,
         rotation @ light.distribution.frame,
         KINDS[light.opening.shape],
         axes,
@@ -201,7 +203,9 @@ def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
     old = lamp.item
     if old.opening != light.opening or not np.array_equal(old.frame, light.frame):
         return None
-    row, made = _row_of(light, origin), emission.luminaire_flux(light)
+    is_same = old.distribution is light.distribution
+    digest = lamp.source.luminaire.digest if is_same else distribution_digest(light.distribution)
+    row, made = _row_of(light, origin, digest), emission.luminaire_flux(light)
     lamp.item = light
     lamp.source.luminaire, lamp.source.flux, lamp.source.density = row, made.amount, made.density
     return False

@@ -59,8 +59,8 @@ class Source:
         if self.centre is None:
             return (0,)
         axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
-        kind = 1 if self.luminaire is None else 2
-        return (kind, *self.centre, self.radius, *axis, self.flux)
+        kind, more = (1, ()) if self.luminaire is None else (2, self.luminaire.order())
+        return (kind, *self.centre, self.radius, *axis, self.flux, *more)
 
 
 class LightTable:
