@@ -38,6 +38,10 @@ CANDIDATES = 8
 NARROW = 25.0
 """Peak over mean intensity from which a beam counts as narrow: about 40 degrees between its half values."""
 
+NEAR_BEAM = 5.0
+"""Candidates are compared where the opening's solid angle is more than a twentieth of the beam's, so within the distance
+whose square is this number times the squared radius times peak over mean."""
+
 NEAR = 4.0
 """Within this many radii the direction from the centre says little, and importance fades to that of all directions."""
 
@@ -124,11 +128,18 @@ class LuminairePalette:
         self._amounts = upload(mi.Float, [row.amount for row in rows] or [0.0])
         self._spectra = upload(mi.Float, np.concatenate(tables) if tables else np.zeros(4))
         self.kinds = {row.kind for row in rows}
-        beams = {
-            number for row, number in zip(rows, distributions, strict=True) if row.kind != POINT
-        }
-        is_narrow = any(self.tables.sharpness(number) > NARROW for number in beams)
-        self.candidates = CANDIDATES if is_narrow else 1
+        reach = np.array(
+            [
+                0.0 if row.kind == POINT else NEAR_BEAM * row.radius**2 * self._narrowness(number)
+                for row, number in zip(rows, distributions, strict=True)
+            ]
+        )
+        self._reach = upload(mi.Float, reach if len(rows) else [0.0])
+        self.has_narrow = bool(reach.any())
+
+    def _narrowness(self, distribution: int) -> float:
+        sharpness = self.tables.sharpness(distribution)
+        return sharpness if sharpness > NARROW else 0.0
 
     # ---- inside kernels ----
 
@@ -196,11 +207,11 @@ class LuminairePalette:
     def receive(self, row, it, sample, active):
         """Draw a point of a luminaire for a receiver.
 
-        Where beams are narrow, half of several candidates are points of the opening and half are directions of the beam
-        that are followed back to it, weighed by the balance heuristic, and one is kept in proportion to what it gives
-        (resampled importance sampling, J. Talbot, 2005): the first serve receivers far away, the second those that a
-        collimated beam reaches from a small part of the opening. The density in the result is the mean of the two kinds':
-        both strategies of the paths weigh by it, so their weights sum to 1.
+        Where beams are narrow and the receiver is near, half of several candidates are points of the opening and half are
+        directions of the beam that are followed back to it, weighed by the balance heuristic, and one is kept in proportion
+        to what it gives (resampled importance sampling, J. Talbot, 2005): the first serve receivers far away, the second
+        those that a collimated beam reaches from a small part of the opening. The density in the result is the mean of the
+        two kinds': both strategies of the paths weigh by it, so their weights sum to 1.
 
         Returns
         -------
@@ -211,33 +222,16 @@ class LuminairePalette:
         q = mi.Point3f(self._to_local(row, 3, it.p - mi.Point3f(centre), active))
         is_point = active & (number == POINT)
         extended = active & ~is_point
-        kept_at, kept_pdf = mi.Point3f(0.0), mi.Float(0.0)
-        total = mi.Float(0.0)
+        kept_at, kept_pdf, total = mi.Point3f(0.0), mi.Float(0.0), mi.Float(0.0)
         if self.kinds - {POINT}:
-            choice = sample.x * 8192.0
-            choice -= dr.floor(choice)
-            for k in range(self.candidates):
-                # Points of a lattice for either kind of candidate, each of them uniform by itself.
-                nth = k // 2
-                shifted = sample + mi.Point2f(0.7548776662 * nth, 0.5698402910 * nth)
-                shifted -= dr.floor(shifted)
-                if k % 2:
-                    at, pdf, value = self._follow_back(row, number, half, q, shifted, extended)
-                else:
-                    at, pdf, value = self._pick_point(row, number, half, q, shifted, extended)
-                value = dr.select((pdf > 0.0) & dr.isfinite(value), value, 0.0)
-                total += value
-                share = value / dr.maximum(total, 1e-30)
-                # The first stays where nothing gives light, so that the density is known all the same.
-                picks = (choice < share) | (k == 0)
-                choice = dr.select(
-                    choice < share,
-                    choice / dr.maximum(share, 1e-20),
-                    (choice - share) / (1.0 - share),
+            is_near = extended & self._is_near(row, q, extended)
+            kept_at, kept_pdf, total = self._pick_point(
+                row, number, half, q, sample, is_near, extended
+            )
+            if self.has_narrow:
+                kept_at, kept_pdf, total = self._compare(
+                    row, number, half, q, sample, is_near, (kept_at, kept_pdf, total)
                 )
-                kept_at = dr.select(picks, at, kept_at)
-                kept_pdf = dr.select(picks, pdf, kept_pdf)
-            total /= float(self.candidates)
         ds = dr.zeros(mi.DirectionSample3f)
         ds.p = mi.Point3f(self._to_world(row, 3, mi.Vector3f(kept_at), active) + centre)
         ds.d = ds.p - it.p
@@ -252,7 +246,52 @@ class LuminairePalette:
         value = self.spectrum(row, it.wavelengths, active) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
-    def _pick_point(self, row, number, half, q, sample, active):
+    def _compare(self, row, number, half, q, sample, active, first):
+        """Draw the rest of the candidates of near receivers and keep one. ``first``: place, density, value of the first."""
+        choice = sample.x * 8192.0
+        choice -= dr.floor(choice)
+
+        def pick(found, kept_at, kept_pdf, total, choice):
+            at, pdf, value = found
+            total = total + value
+            share = value / dr.maximum(total, 1e-30)
+            picks = choice < share
+            rest = dr.select(
+                picks, choice / dr.maximum(share, 1e-20), (choice - share) / (1.0 - share)
+            )
+            kept_at, kept_pdf = dr.select(picks, at, kept_at), dr.select(picks, pdf, kept_pdf)
+            return kept_at, kept_pdf, total, dr.clip(rest, 0.0, 1.0)
+
+        def step(nth, kept_at, kept_pdf, total, choice):
+            # Points of a lattice for either kind of candidate, each of them uniform by itself.
+            shift = mi.Vector2f(0.7548776662, 0.5698402910)
+            shifted = sample + shift * mi.Float(nth)
+            shifted -= dr.floor(shifted)
+            found = self._follow_back(row, number, half, q, mi.Point2f(shifted), active)
+            kept_at, kept_pdf, total, choice = pick(found, kept_at, kept_pdf, total, choice)
+            nth = nth + 1
+            shifted = sample + shift * mi.Float(nth)
+            shifted -= dr.floor(shifted)
+            more = active & (nth < CANDIDATES // 2)
+            found = self._pick_point(row, number, half, q, mi.Point2f(shifted), more, more)
+            kept_at, kept_pdf, total, choice = pick(found, kept_at, kept_pdf, total, choice)
+            return nth, kept_at, kept_pdf, total, choice
+
+        _, kept_at, kept_pdf, total, _ = dr.while_loop(
+            state=(mi.UInt32(0), *first, choice),
+            cond=lambda nth, *_: active & (nth < CANDIDATES // 2),
+            body=step,
+            labels=("nth", "at", "pdf", "total", "choice"),
+        )
+        return kept_at, kept_pdf, dr.select(active, total / float(CANDIDATES), total)
+
+    def _is_near(self, row, q, active):
+        """Whether an opening is so large from a receiver, measured by the beam's width, that candidates pay."""
+        if not self.has_narrow:
+            return mi.Bool(False)
+        return dr.squared_norm(q) < dr.gather(mi.Float, self._reach, row, active)
+
+    def _pick_point(self, row, number, half, q, sample, is_near, active):
         """Candidate on the opening: the point, its density, and what it gives over that density."""
         x, density, normal = draw_point(number, half, q, sample, self.kinds)
         away = q - x
@@ -261,7 +300,7 @@ class LuminairePalette:
         seen = dr.dot(normal, local)
         usable = active & (density > 0.0) & (seen > 0.0)
         pdf = density * dr.square(distance) / dr.maximum(seen, 1e-20)
-        pdf, value = self._weigh(row, number, half, local, pdf, usable)
+        pdf, value = self._weigh(row, number, half, local, pdf, is_near, usable)
         return x, pdf, value
 
     def _follow_back(self, row, number, half, q, sample, active):
@@ -269,19 +308,17 @@ class LuminairePalette:
         drawn = self.tables.draw(self._number(row, 1, active), sample, active)
         local = self._to_local(row, 3, self._to_world(row, 0, drawn, active), active)
         distance, pdf = meet(number, half, q, -local, self.kinds)
-        pdf, value = self._weigh(row, number, half, local, pdf, active & (pdf > 0.0))
+        pdf, value = self._weigh(row, number, half, local, pdf, active, active & (pdf > 0.0))
         return q - local * distance, pdf, value
 
-    def _weigh(self, row, number, half, local, pdf, active):
+    def _weigh(self, row, number, half, local, pdf, is_near, active):
         """Density of a candidate whatever way it was found, and what it gives over that. ``pdf``: that of a point."""
         density = self.density(row, self._to_world(row, 3, local, active), active)
-        pdf = self._mixed(pdf, density)
+        pdf = dr.select(is_near, 0.5 * (pdf + density), pdf)
         area = projected_area(number, half, local, self.kinds)
-        return dr.select(active, pdf, 0.0), density / (area * dr.maximum(pdf, 1e-20))
-
-    def _mixed(self, pdf, density):
-        """Mean density of the kinds of candidates that are drawn."""
-        return pdf if self.candidates == 1 else 0.5 * (pdf + density)
+        value = density / (area * dr.maximum(pdf, 1e-20))
+        active &= dr.isfinite(value)
+        return dr.select(active, pdf, 0.0), dr.select(active, value, 0.0)
 
     def density_at(self, row, point, direction, active):
         """Mean density with which the candidates for a receiver lie in a direction from it. [1/sr]"""
@@ -291,8 +328,9 @@ class LuminairePalette:
         number, half = self._number(row, 0, active), self._vector(row, 6, active)
         _, pdf = meet(number, half, q, local, self.kinds)
         hit = active & (pdf > 0.0)
-        if self.candidates > 1:
-            pdf = self._mixed(pdf, self.density(row, -direction, hit))
+        if self.has_narrow:
+            is_near = hit & self._is_near(row, q, hit)
+            pdf = dr.select(is_near, 0.5 * (pdf + self.density(row, -direction, is_near)), pdf)
         return dr.select(hit, pdf, 0.0)
 
     def is_outside(self, row, si, active):
