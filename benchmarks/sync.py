@@ -6,13 +6,10 @@ Blender's module and the engine's worker process run as they do behind the viewp
 import gc
 import itertools
 import json
-import os
-import platform
 import random
 import sys
 import time
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 
 import bpy
@@ -20,12 +17,12 @@ import bpy
 from ..blender_addon import registry
 from ..blender_addon.feed import SceneFeed
 from ..blender_addon.report import ConversionReport
-from ..engine import VERSION
 from ..engine.errors import LumenrayError
 from ..engine.session import Display, LiveSettings
 from ..engine.worker.client import Worker
 from .edits import GROUPS, Answer, Desk, turned
 from .grid_scene import build_scene, count_triangles
+from .machine import OtherLoad, describe_machine
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -88,7 +85,8 @@ def run(
     dict    Plain data, for JSON: ``machine``, ``edits``, ``full``, ``scenes``.
     """
     registry.register()
-    result = {"machine": describe_machine(), "edits": [], "full": [], "scenes": []}
+    machine = describe_machine() | {"blender": bpy.app.version_string}
+    result = {"machine": machine, "edits": [], "full": [], "scenes": []}
     for name in scenes:
         for count in objects:
             measured = measure_scene((triangles or SCENES)[name], count, rounds, say)
@@ -237,62 +235,7 @@ def _timing(start: float, parts: dict, made, commit) -> Timing:
     return Timing(round(seconds, 6), whole, sent)
 
 
-# ---- machine and files ----
-
-
-class OtherLoad:
-    """How busy other processes keep the machine from now on. ``pid``: of the worker, which does not count."""
-
-    def __init__(self, pid: int):
-        self._pid = pid
-        self._start = self._now()
-
-    def share(self) -> float | None:
-        """Processor time of others over all there was, 0 to 1; None where the system does not tell."""
-        if self._start is None:
-            return None
-        passed, busy, own = (b - a for a, b in zip(self._start, self._now(), strict=True))
-        return round(max(busy - own, 0.0) / max(passed, 1e-9), 3)
-
-    def _now(self) -> tuple[float, float, float] | None:
-        """Time of all cores, their busy time, and that of our two processes. [s]"""
-        whole, worker = Path("/proc/stat"), Path(f"/proc/{self._pid}/stat")
-        if not whole.exists() or not worker.exists():
-            return None
-        tick = os.sysconf("SC_CLK_TCK")
-        times = [int(word) / tick for word in whole.read_text().split("\n")[0].split()[1:9]]
-        fields = worker.read_text().rpartition(")")[2].split()
-        own = time.process_time() + (int(fields[11]) + int(fields[12])) / tick
-        # Idle, and waiting for disks.
-        return sum(times), sum(times) - times[3] - times[4], own
-
-
-def describe_machine() -> dict:
-    """What the times depend on."""
-    return {
-        "cpu": _cpu_model(),
-        "cores": os.cpu_count(),
-        "memory_gib": round(_memory() / 2**30, 1),
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-        "blender": bpy.app.version_string,
-        "mitsuba": metadata.version("mitsuba"),
-        "lumenray": VERSION,
-    }
-
-
-def _cpu_model() -> str:
-    path = Path("/proc/cpuinfo")
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or "unknown"
-
-
-def _memory() -> int:
-    """Main memory. [byte]"""
-    if not hasattr(os, "sysconf"):
-        return 0
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+# ---- files ----
 
 
 def write_results(result: dict, folder: Path, path: Path | None) -> None:

@@ -1,4 +1,4 @@
-"""The command ``lumenray``: pictures, lux maps and sensor readings of a .blend file, without a window."""
+"""The command ``lumenray``: pictures, lux maps and sensor readings of a .blend file, and photometric files; no window."""
 
 import argparse
 import os
@@ -7,10 +7,13 @@ import sys
 import time
 from pathlib import Path
 
+from . import luminaire_commands
+
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --density 20 --error 0.01
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.005
+  lumenray luminaire info downlight.ies
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -107,6 +110,8 @@ def build_parser() -> argparse.ArgumentParser:
     )
     _add_rule(measure, "sensor")
 
+    luminaire_commands.add_commands(commands, _size)
+
     demo = commands.add_parser("demo", help="render and bake the bundled office")
     demo.add_argument(
         "-o",
@@ -134,6 +139,23 @@ def build_parser() -> argparse.ArgumentParser:
         default=Path("docs/benchmarks"),
         metavar="DIR",
         help="folder for sync.md and its picture (default: docs/benchmarks)",
+    )
+    luminaires = kinds.add_parser(
+        "luminaires", help="agreement with Radiance, speed of look-up and noise of luminaires"
+    )
+    luminaires.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    luminaires.add_argument(
+        "--files",
+        type=Path,
+        metavar="FOLDER",
+        help="photometric files to compare (default: those of the library)",
+    )
+    luminaires.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for luminaires.md and its pictures (default: docs/benchmarks, with --files out)",
     )
     return parser
 
@@ -187,6 +209,7 @@ def main(arguments=None) -> int:
             "render": _render,
             "bake": _bake,
             "measure": _measure,
+            "luminaire": luminaire_commands.run,
             "demo": _demo,
             "benchmark": _benchmark,
         }[options.command](options)
@@ -562,6 +585,8 @@ def _benchmark(options) -> int:
         raise LumenrayError(
             "this installation has no benchmarks; they come with Lumenray's source code"
         ) from None
+    if options.kind == "luminaires":
+        return _benchmark_luminaires(options)
     try:
         import bpy  # noqa: F401
     except ImportError as error:
@@ -582,6 +607,22 @@ def _benchmark(options) -> int:
     sync.write_results(result, options.output, options.json)
     print(tell_bars(check_bars(result)))
     print(f"written to {options.output / 'sync.md'}")
+    return 0
+
+
+def _benchmark_luminaires(options) -> int:
+    from ..engine.transport import backend
+
+    # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
+    backend.start(spectral=False)
+    from ..benchmarks import luminaires
+    from ..benchmarks.luminaire_bars import check_bars, tell_bars
+
+    folder = options.output or Path("out" if options.files else "docs/benchmarks")
+    result = luminaires.run(options.files, say=luminaires.report_progress)
+    luminaires.write_results(result, folder, options.json)
+    print(tell_bars(check_bars(result)))
+    print(f"written to {folder / 'luminaires.md'}")
     return 0
 
 

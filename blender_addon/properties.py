@@ -14,11 +14,8 @@ from bpy.types import PropertyGroup
 
 from ..engine.photometry import units
 from ..libraries import spectra
-
-
-def _tag(self, context):
-    """Tell the dependency graph: properties of add-ons do not do it by themselves (Blender #138071)."""
-    self.id_data.update_tag()
+from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
+from .shared_settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
 
 
 def _identity():
@@ -32,10 +29,6 @@ def _redraw(self, context):
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
-
-
-def _enum_from_names(names):
-    return [(name, name, "", index) for index, name in enumerate(names)]
 
 
 QUANTITIES = [
@@ -56,49 +49,6 @@ QUANTITIES = [
     ),
 ]
 
-SPECTRA = [
-    ("RGB", "Colour", "The colour of the light itself; it never changes the amount of light", 0),
-    ("ILLUMINANT", "CIE illuminant", "A standard illuminant by name", 1),
-    ("BLACKBODY", "Blackbody", "Planck radiator of a colour temperature (incandescent)", 2),
-    ("DAYLIGHT", "Daylight", "CIE daylight phase of a colour temperature", 3),
-    ("FILE", "File", "Spectral power from a text file (wavelength in nm, value) or .spdx", 4),
-]
-
-
-class SpectrumSettings:
-    """Mix-in of the properties that choose the spectrum of something luminous."""
-
-    spectrum: EnumProperty(
-        name="Spectrum",
-        description="How the light is distributed over the wavelengths",
-        items=SPECTRA,
-        default="RGB",
-        update=_tag,
-    )
-    illuminant: EnumProperty(
-        name="Illuminant",
-        description="CIE standard illuminant",
-        items=_enum_from_names(spectra.illuminant_names()),
-        default="D65",
-        update=_tag,
-    )
-    colour_temperature: FloatProperty(
-        name="Colour temperature",
-        description="In kelvins; daylight is defined from 4000 K to 25000 K",
-        default=4000.0,
-        min=500.0,
-        max=40000.0,
-        soft_min=1800.0,
-        soft_max=12000.0,
-        update=_tag,
-    )
-    spectrum_file: StringProperty(
-        name="Spectrum file",
-        description="Text or CSV with wavelength [nm] and relative power, or an IES TM-27 .spdx file",
-        subtype="FILE_PATH",
-        update=_tag,
-    )
-
 
 class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
     """Physical parameters of a light; ignored while `use_physical` is off."""
@@ -109,14 +59,14 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         name="Physical parameters",
         description="State this light in photometric units instead of Blender's watts",
         default=False,
-        update=_tag,
+        update=tag_owner,
     )
     quantity: EnumProperty(
         name="Quantity",
         description="What the value means",
         items=QUANTITIES,
         default="LUMINOUS_FLUX",
-        update=_tag,
+        update=tag_owner,
     )
     value: FloatProperty(
         name="Value",
@@ -125,8 +75,9 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=1e12,
         soft_max=100000.0,
-        update=_tag,
+        update=tag_owner,
     )
+    luminaire: PointerProperty(type=LumenrayLuminaireSettings)
 
 
 class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
@@ -138,7 +89,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         name="Physical override",
         description="Use these measurable parameters in place of the node tree",
         default=False,
-        update=_tag,
+        update=tag_owner,
     )
     model: EnumProperty(
         name="Model",
@@ -152,7 +103,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("EMITTER", "Emitter", "Luminous surface, black by itself", 5),
         ],
         default="DIFFUSE",
-        update=_tag,
+        update=tag_owner,
     )
     reflectance_source: EnumProperty(
         name="Reflectance from",
@@ -163,7 +114,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("FILE", "File", "Spectral reflectance from a file", 2),
         ],
         default="VALUE",
-        update=_tag,
+        update=tag_owner,
     )
     reflectance: FloatProperty(
         name="Reflectance",
@@ -172,7 +123,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_tag,
+        update=tag_owner,
     )
     reflectance_color: FloatVectorProperty(
         name="Colour",
@@ -182,13 +133,14 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         default=(0.5, 0.5, 0.5),
         min=0.0,
         max=1.0,
-        update=_tag,
+        update=tag_owner,
     )
     reflectance_file: StringProperty(
         name="Reflectance file",
         description="Text or CSV with wavelength [nm] and reflectance 0..1, or .spdx",
         subtype="FILE_PATH",
-        update=_tag,
+        options=PATH_OPTIONS,
+        update=tag_owner,
     )
     transmittance: FloatProperty(
         name="Transmittance",
@@ -197,7 +149,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_tag,
+        update=tag_owner,
     )
     roughness: FloatProperty(
         name="Roughness",
@@ -206,7 +158,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_tag,
+        update=tag_owner,
     )
     ior_source: EnumProperty(
         name="Refractive index from",
@@ -217,7 +169,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("FILE", "File", "Table of wavelength [nm] and index", 2),
         ],
         default="CONSTANT",
-        update=_tag,
+        update=tag_owner,
     )
     ior: FloatProperty(
         name="Refractive index",
@@ -226,7 +178,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=1.0,
         max=4.0,
         precision=4,
-        update=_tag,
+        update=tag_owner,
     )
     cauchy_b: FloatProperty(
         name="Cauchy B",
@@ -235,19 +187,20 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=0.1,
         precision=5,
-        update=_tag,
+        update=tag_owner,
     )
     ior_file: StringProperty(
         name="Index file",
         description="Text or CSV with wavelength [nm] and refractive index",
         subtype="FILE_PATH",
-        update=_tag,
+        options=PATH_OPTIONS,
+        update=tag_owner,
     )
     metal: EnumProperty(
         name="Metal",
         description="Complex refractive index by name",
-        items=_enum_from_names(spectra.conductor_names()),
-        update=_tag,
+        items=enum_from_names(spectra.conductor_names()),
+        update=tag_owner,
     )
     luminance: FloatProperty(
         name="Luminance",
@@ -256,13 +209,13 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         min=0.0,
         max=1e10,
         soft_max=50000.0,
-        update=_tag,
+        update=tag_owner,
     )
     two_sided: BoolProperty(
         name="Both sides emit",
         description="Off: only the side that the normal points to",
         default=True,
-        update=_tag,
+        update=tag_owner,
     )
 
 
@@ -285,7 +238,7 @@ class LumenrayWorldSettings(PropertyGroup):
             ),
         ],
         default="BLENDER",
-        update=_tag,
+        update=tag_owner,
     )
     illuminance: FloatProperty(
         name="Horizontal illuminance",
@@ -293,12 +246,12 @@ class LumenrayWorldSettings(PropertyGroup):
         default=10000.0,
         min=0.0,
         max=1e6,
-        update=_tag,
+        update=tag_owner,
     )
 
 
 class LumenrayObjectSettings(PropertyGroup):
-    """Per-object settings of the bake."""
+    """Per-object settings of the bake, and the luminaire that an empty is."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
@@ -308,7 +261,31 @@ class LumenrayObjectSettings(PropertyGroup):
         default=0.0,
         min=0.0,
         max=1000.0,
-        update=_tag,
+        update=tag_owner,
+    )
+    luminaire: PointerProperty(type=LumenrayEmptySettings)
+    is_luminaire_body: BoolProperty(
+        name="Luminaire body",
+        description="Shows where a luminaire is; no part of the light calculation, so that it cannot block its own light",
+        default=False,
+        update=tag_owner,
+    )
+
+
+class LumenrayTextSettings(PropertyGroup):
+    """What a text data-block remembers of the photometric file that it was made of."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    digest: StringProperty(
+        name="Content hash",
+        description="SHA-256 of the bytes of the photometric file; empty if the text is none",
+        options={"HIDDEN"},
+    )
+    encoding: StringProperty(
+        name="Encoding",
+        description="How the file's bytes stand for its text",
+        default="utf-8",
+        options={"HIDDEN"},
     )
 
 
@@ -386,7 +363,7 @@ class LumenraySceneSettings(PropertyGroup):
         min=1e-3,
         max=units.LUMINOUS_EFFICACY,
         precision=2,
-        update=_tag,
+        update=tag_owner,
     )
     exposure: EnumProperty(
         name="Exposure",
@@ -553,6 +530,7 @@ class LumenraySceneSettings(PropertyGroup):
         description="Where lux maps are written as EXR",
         default="//lux",
         subtype="DIR_PATH",
+        options=PATH_OPTIONS,
     )
 
 
@@ -566,6 +544,9 @@ def white_luminance(settings) -> float | None:
 
 
 CLASSES = (
+    LumenrayLuminaireSettings,
+    LumenrayEmptySettings,
+    LumenrayTextSettings,
     LumenrayLightSettings,
     LumenrayMaterialSettings,
     LumenrayWorldSettings,
@@ -580,6 +561,7 @@ POINTERS = (
     (bpy.types.World, LumenrayWorldSettings),
     (bpy.types.Object, LumenrayObjectSettings),
     (bpy.types.Camera, LumenrayCameraSettings),
+    (bpy.types.Text, LumenrayTextSettings),
     (bpy.types.Scene, LumenraySceneSettings),
 )
 

@@ -8,11 +8,13 @@ from . import properties, render_engine
 def _groups():
     """Modules with something to register: classes, and functions that tie them to Blender and off again."""
     from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
+    from .asset_library import registration as asset_libraries
     from .sync import live
 
     return (
         properties,
         preferences,
+        asset_libraries,
         feedback,
         identity,
         live,

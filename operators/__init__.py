@@ -1,10 +1,19 @@
 """What a user can do: thin operators that gather input, call the add-on or the engine, and report."""
 
-from . import bake_illuminance, check_engine, copy_report, restart_engine
+from . import (
+    add_luminaire,
+    bake_illuminance,
+    check_engine,
+    copy_report,
+    luminaire_files,
+    restart_engine,
+)
 
 CLASSES = (
+    *add_luminaire.CLASSES,
     *bake_illuminance.CLASSES,
     *check_engine.CLASSES,
     *copy_report.CLASSES,
+    *luminaire_files.CLASSES,
     *restart_engine.CLASSES,
 )

@@ -1,9 +1,21 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
-from . import compatibility, light, material, render, sidebar, world
+from ..blender_addon import luminaire_pictures
+from . import (
+    add_menu,
+    compatibility,
+    light,
+    luminaire,
+    luminaire_overlay,
+    material,
+    render,
+    sidebar,
+    world,
+)
 
 CLASSES = (
     *light.CLASSES,
+    *luminaire.CLASSES,
     *material.CLASSES,
     *world.CLASSES,
     *render.CLASSES,
@@ -12,10 +24,15 @@ CLASSES = (
 
 
 def attach():
-    """Let Blender's own panels appear for our engine."""
+    """Let Blender's own panels appear for our engine, and draw luminaires in the 3D views."""
     compatibility.attach()
+    luminaire_overlay.attach()
+    add_menu.attach()
 
 
 def detach():
-    """Take our engine off Blender's own panels."""
+    """Undo `attach`, and let go of all pictures."""
+    add_menu.detach()
+    luminaire_overlay.detach()
+    luminaire_pictures.close()
     compatibility.detach()

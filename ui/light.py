@@ -2,30 +2,40 @@
 
 import bpy
 
-from ..blender_addon import readout
+from ..blender_addon import luminaire_readout, readout
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
 
 
 def draw_shape(layout, light) -> None:
-    """Draw what Blender knows about a light's size and beam."""
+    """Draw what Blender knows about a light's size and beam, as far as it counts."""
+    luminaire = luminaire_readout.settings_used(light)
+    if luminaire is not None:
+        if luminaire.emission == "LIGHT":
+            _draw_size(layout, light)
+        return
     if light.type == "SUN":
         layout.prop(light, "angle")
         return
-    if light.type != "AREA":
-        layout.prop(light, "shadow_soft_size", text="Radius")
+    _draw_size(layout, light)
     if light.type == "SPOT":
         layout.prop(light, "spot_size", text="Beam angle")
         layout.prop(light, "spot_blend", text="Soft edge", slider=True)
         layout.prop(light, "show_cone")
     if light.type == "AREA":
-        layout.prop(light, "shape")
-        column = layout.column(align=True)
-        if light.shape in {"RECTANGLE", "ELLIPSE"}:
-            column.prop(light, "size", text="Size X")
-            column.prop(light, "size_y", text="Y")
-        else:
-            column.prop(light, "size")
         layout.prop(light, "spread")
+
+
+def _draw_size(layout, light) -> None:
+    if light.type != "AREA":
+        layout.prop(light, "shadow_soft_size", text="Radius")
+        return
+    layout.prop(light, "shape")
+    column = layout.column(align=True)
+    if light.shape in {"RECTANGLE", "ELLIPSE"}:
+        column.prop(light, "size", text="Size X")
+        column.prop(light, "size_y", text="Y")
+    else:
+        column.prop(light, "size")
 
 
 def draw_amount(layout, light) -> None:
@@ -73,9 +83,13 @@ class LUMENRAY_PT_light(LightPanel, bpy.types.Panel):
 
 
 class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
-    """Amount and spectrum."""
+    """Amount and spectrum, where no photometric file states them."""
 
     bl_label = "Amount of Light"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and luminaire_readout.settings_used(context.light) is None
 
     def draw(self, context):
         layout = self.layout

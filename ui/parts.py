@@ -16,11 +16,11 @@ class PropertiesPanel:
         return context.engine in cls.COMPAT_ENGINES
 
 
-def draw_lines(layout, lines) -> None:
-    """Draw (label, value) pairs in two columns."""
+def draw_lines(layout, lines, share=0.55) -> None:
+    """Draw (label, value) pairs in two columns; the labels take their ``share`` of the width."""
     column = layout.column(align=True)
     for label, value in lines:
-        split = column.split(factor=0.55)
+        split = column.split(factor=share)
         name = split.row()
         name.active = False
         name.label(text=label)

@@ -2,9 +2,11 @@
 
 import bpy
 
-from ..blender_addon import engine_process, readout, viewport
+from ..blender_addon import engine_process, luminaire_readout, readout, viewport
+from ..blender_addon.luminaires.settings import settings_of
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
+from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
 from .parts import draw_description, draw_lines, draw_stop, draw_text
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
@@ -85,13 +87,16 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
 
 
 class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
-    """Quick settings of the active light."""
+    """Quick settings of the active light that has no photometric file."""
 
     bl_label = "Active Light"
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "LIGHT"
+        source = context.object
+        if source is None or source.type != "LIGHT":
+            return False
+        return luminaire_readout.settings_used(source.data) is None
 
     def draw(self, context):
         layout = self.layout
@@ -107,6 +112,40 @@ class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
         box = layout.box()
         box.use_property_split = False
         draw_description(box, context, readout.describe_lamp(source, context.scene))
+
+
+class LUMENRAY_PT_active_luminaire(SidebarPanel, bpy.types.Panel):
+    """Photometric file of the active light or empty."""
+
+    bl_label = "Luminaire"
+
+    @classmethod
+    def poll(cls, context):
+        return settings_of(context.object) is not None
+
+    def draw_header(self, context):
+        self.layout.prop(settings_of(context.object), "use_file", text="")
+
+    def draw(self, context):
+        layout = self.layout
+        source = context.object
+        settings = settings_of(source)
+        state = luminaire_readout.state_of(settings)
+        layout.active = settings.use_file or not state.name
+        layout.label(text=source.name, icon=f"{source.type}_DATA")
+        draw_file(layout, context, settings, state)
+        if state.reading is None:
+            return
+        draw_picture(layout, context, state.reading)
+        draw_lines(layout, luminaire_readout.describe_briefly(state.reading), LABELS)
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        draw_flux(layout, settings)
+        draw_mounting(layout, settings, state.reading.file)
+        if source.type == "LIGHT":
+            draw_shape(layout.column(), source.data)
+        output = luminaire_readout.describe_output(settings, state.reading, source)
+        draw_description(layout.box(), context, output)
 
 
 class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
@@ -234,6 +273,7 @@ CLASSES = (
     LUMENRAY_PT_engine,
     LUMENRAY_PT_view,
     LUMENRAY_PT_active_light,
+    LUMENRAY_PT_active_luminaire,
     LUMENRAY_PT_bake,
     LUMENRAY_PT_results,
     LUMENRAY_PT_report,

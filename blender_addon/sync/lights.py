@@ -2,12 +2,16 @@
 
 import numpy as np
 
+from ...engine.errors import LumenrayError
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
-from ...engine.scene.memo import recall
+from ...engine.scene.spectrum import Spectrum
+from ..luminaires.convert import LEFT_OUT, convert_luminaire
+from ..luminaires.ies_nodes import convert_ies_light, find_ies_emission
+from ..luminaires.settings import is_luminaire, settings_of
 from ..report import ConversionReport
 from .fields import luminance
-from .graph import find_socket, trace
-from .nodes import Context, evaluate_colour, evaluate_scalar
+from .light_nodes import evaluate_emission, find_emission, is_emission
+from .nodes import Context
 from .spectra import convert_spectrum, light_spectrum
 
 PHYSICAL_QUANTITIES = {
@@ -22,11 +26,11 @@ PHYSICAL_QUANTITIES = {
 def convert_light(
     source, light_id: str, name: str, matrix, scale: float, efficacy: float, report, images=None
 ):
-    """Convert a light object.
+    """Convert a light object, or an empty that is a luminaire.
 
     Parameters
     ----------
-    source : bpy.types.Object    Evaluated light object.
+    source : bpy.types.Object    Evaluated light or empty.
     light_id, name : str
     matrix : (4, 4) array    World matrix, in Blender units.
     scale : float    Metres per Blender unit.
@@ -39,6 +43,26 @@ def convert_light(
     Light or None    None when it emits nothing.
     """
     data = source.data
+    if is_luminaire(source):
+        return convert_luminaire(
+            source,
+            settings_of(source),
+            light_id,
+            name,
+            matrix,
+            scale,
+            report,
+            lambda: _own_spectrum(source, name, report, images),
+        )
+    try:
+        shaped = find_ies_emission(data, name, report, images)
+    except LumenrayError as error:
+        report.error(name, str(error), LEFT_OUT)
+        return None
+    if shaped is not None:
+        return convert_ies_light(
+            source, shaped, _colour(data), light_id, name, matrix, scale, efficacy, report
+        )
     matrix = np.array(matrix, dtype=np.float64)
     position = matrix[:3, 3] * scale
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
@@ -99,46 +123,32 @@ def _colour(data) -> np.ndarray:
     return rgb
 
 
+def _own_spectrum(source, name, report, images) -> Spectrum:
+    """Return the spectrum that is chosen for a luminaire in Blender."""
+    if source.type == "EMPTY":
+        settings = source.lumenray.luminaire
+        return convert_spectrum(settings, settings.color, report, name)
+    data = source.data
+    rgb = _colour(data) * _node_emission(data, name, report, images)[0]
+    if data.lumenray.use_physical:
+        return convert_spectrum(data.lumenray, rgb, report, name)
+    return light_spectrum(rgb)
+
+
 def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[np.ndarray, float]:
     """Colour and strength of the light's own node tree, (1, 1, 1) and 1 without one."""
     white = np.ones(3)
-    tree = data.node_tree if getattr(data, "use_nodes", False) else None
-    if tree is None:
+    origin = find_emission(data)
+    if origin is None:
         return white, 1.0
-    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-    surface = find_socket(output.inputs, "Surface") if output else None
-    origin = trace(surface) if surface else None
-    if (
-        origin is None
-        or not origin.is_output
-        or origin.socket.node.bl_idname != "ShaderNodeEmission"
-    ):
+    if not is_emission(origin):
         report.warn(
             name,
             "the light's nodes do not end in an Emission node",
             "colour and power of the light are used",
         )
         return white, 1.0
-    node = origin.socket.node
-    context = Context(name, report, images)
-    colour = mean_of(evaluate_colour(find_socket(node.inputs, "Color"), context, origin.groups), 3)
-    strength = mean_of(
-        evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
-    )
-    return colour, float(strength[0])
-
-
-def mean_of(value, channels: int) -> np.ndarray:
-    """Numbers of a constant, or the mean of a picture."""
-    if hasattr(value, "pixels"):
-        return recall(value.pixels, "exact mean", _mean)[:channels]
-    if hasattr(value, "red"):
-        return np.array([value.red, value.green, value.blue])
-    return np.full(channels, float(getattr(value, "value", value)))
-
-
-def _mean(pixels) -> np.ndarray:
-    return np.asarray(pixels, dtype=np.float64).reshape(-1, pixels.shape[2]).mean(axis=0)
+    return evaluate_emission(origin, Context(name, report, images))
 
 
 def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:

@@ -38,6 +38,10 @@ class Context:
         """Note one departure of a node."""
         self.report.add(severity, self.datablock, node, message, remedy)
 
+    def take_profile(self, node) -> float | None:
+        """Return the number that an IES texture stands for; None: it cannot be taken over here."""
+        return None
+
 
 class Inputs:
     """What a node's function sees: the node, the wanted output and the fields of its inputs."""

@@ -12,6 +12,7 @@ from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import SceneDelta, content_digest
 from .. import identity
+from ..luminaires.settings import is_luminaire
 from ..report import ConversionReport
 from . import live
 from .camera import convert_camera
@@ -23,18 +24,13 @@ from .material_table import MaterialTable
 from .picture_table import PictureTable
 from .step import SyncStats, SyncStep
 from .tags import Tags
+from .units import metres_per_unit
 from .world import convert_world
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
 
 _NO_ID = 0x7FFFFFFF
-
-
-def metres_per_unit(scene) -> float:
-    """Length of a Blender unit. [m]"""
-    settings = scene.unit_settings
-    return settings.scale_length if settings.system != "NONE" else 1.0
 
 
 @dataclass
@@ -327,7 +323,12 @@ class _Walk:
         shown.data = data.session_uid if data is not None else 0
         shown.report = None
         kind = source.type
+        if kind == "EMPTY" and is_luminaire(source):
+            kind = "LIGHT"
         if kind not in {"MESH", "LIGHT"} and kind not in UNSUPPORTED:
+            self._place(shown, None)
+            return
+        if kind == "MESH" and original.lumenray.is_luminaire_body:
             self._place(shown, None)
             return
         self._name(shown, instance, original)
@@ -429,7 +430,9 @@ class _Walk:
 
     def _convert_light(self, shown, instance, source, original) -> None:
         sync, shown.report = self.sync, ConversionReport()
-        shown.shading = shading_dependencies(original.data)
+        shown.shading = (
+            shading_dependencies(original.data) if original.type == "LIGHT" else frozenset()
+        )
         light = convert_light(
             source,
             shown.key,

@@ -8,7 +8,7 @@ _HALF = "the middle of its range, 0.5, is used"
 
 _PROCEDURAL = (
     *("Noise", "Voronoi", "Wave", "Musgrave", "Magic", "Gradient", "WhiteNoise", "Gabor"),
-    *("Environment", "Sky", "PointDensity", "IES"),
+    *("Environment", "Sky", "PointDensity"),
 )
 
 _ZERO = {

@@ -155,9 +155,23 @@ def _brick(at):
     return at.map(paint, *fields, at("Color1"), at("Color2"), at("Mortar"))
 
 
+def _ies(at):
+    factor = at.context.take_profile(at.node)
+    if factor is None:
+        at.fail(
+            "An IES texture shapes the light of lamps only; a glowing surface shines alike in all directions",
+            "0 is used; use a luminaire",
+        )
+        return constant(0.0)
+    if any(not link.is_muted for link in at.node.inputs["Vector"].links):
+        at.note("Nodes turn the directions of an IES texture", "the light's own axes are used")
+    return at.map(lambda strength: strength * factor, at("Strength"))
+
+
 FUNCTIONS = {
     "ShaderNodeTexImage": _image,
     "ShaderNodeTexChecker": _checker,
     "ShaderNodeTexBrick": _brick,
+    "ShaderNodeTexIES": _ies,
 }
 """What each node does, by its ``bl_idname``."""

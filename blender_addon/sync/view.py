@@ -6,7 +6,7 @@ import numpy as np
 
 from ...engine.scene.camera import Camera, Projection
 from .camera import convert_camera, lens_of
-from .scene_sync import metres_per_unit
+from .units import metres_per_unit
 
 
 @dataclass(frozen=True, eq=False)

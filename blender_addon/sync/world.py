@@ -11,7 +11,7 @@ from ..report import ConversionReport
 from .fields import luminance
 from .graph import find_socket, trace
 from .image_cache import ImageCache
-from .lights import mean_of
+from .light_nodes import mean_of
 from .nodes import Context, evaluate_colour, evaluate_scalar
 from .spectra import light_spectrum
 

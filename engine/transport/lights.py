@@ -8,12 +8,16 @@ import numpy as np
 
 from ..arrays import pointer_id, table_size, upload
 from ..luminaires.palette import LuminairePalette, Row
+from ..luminaires.tables import FLOOR
 
 PILOT_POINTS = 1024
 """Points at which the lights are compared before a job."""
 
 PILOT_LANES = 1 << 18
 """Shadow rays spent on the comparison, so that each point is asked several times about each light."""
+
+FEWEST_POINTS = 4
+"""With fewer points in its beam, a luminaire's strength follows from its flux."""
 
 EVEN_SHARE = 0.1
 """Share of choices made evenly, so that no light is forgotten where only it counts."""
@@ -138,16 +142,23 @@ class LightTable:
                 1.0 if s.centre is None else 1.0 / (self.reach**2 + s.radius**2)
                 for s in self.sources
             ]
-            self.set_strengths(fluxes / self.reach**2, kernels)
+            arriving = fluxes / self.reach**2
+            self.set_strengths(arriving, arriving / np.array(kernels))
 
-    def set_strengths(self, arriving: np.ndarray, kernels) -> None:
-        """Set strengths from light that arrives (n,) where the distance kernels have the values ``kernels`` (n,)."""
+    def set_strengths(self, arriving: np.ndarray, strengths: np.ndarray) -> None:
+        """Set what the choice goes by, each up to a factor.
+
+        Parameters
+        ----------
+        arriving : (n,) array    Light that arrives on the whole, for one choice at all points.
+        strengths : (n,) array    What the kernels of the lights are multiplied by, for a choice at every point.
+        """
         arriving = np.asarray(arriving, dtype=np.float64)
-        if not arriving.sum() > 0.0:
-            arriving = np.ones(self.count)
-        arriving = arriving / arriving.sum()
+        if not (arriving.sum() > 0.0 and strengths.sum() > 0.0):
+            arriving, strengths = np.ones(self.count), np.ones(self.count)
+        arriving, wanted = arriving / arriving.sum(), strengths / strengths.sum()
         strengths = np.zeros(self._slots)
-        strengths[: self.count] = arriving / np.maximum(kernels, 1e-30)
+        strengths[: self.count] = wanted
         shares = np.zeros(self._slots)
         shares[: self.count] = EVEN_SHARE / self.count + (1.0 - EVEN_SHARE) * arriving
         cdf = np.cumsum(shares)
@@ -173,8 +184,13 @@ class LightTable:
                     height = np.maximum(away @ source.axis, 1e-9)
                     rise = height + np.minimum(height, source.radius)
                     made[:, i] *= np.minimum(rise / np.sqrt(squared), 1.0)
+        return made * self.importances(points)
+
+    def importances(self, points: np.ndarray) -> np.ndarray:
+        """Coarse intensity of the luminaires towards points (k, 3) relative to their mean, 1 for other lights. (k, n)"""
+        made = np.ones((len(points), self.count))
         if self.palette is not None:
-            made[:, self._plain :] *= self.palette.importances(points)
+            made[:, self._plain :] = self.palette.importances(points)
         return made
 
     def row_of(self, source: Source) -> int:
@@ -289,20 +305,30 @@ def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None
     hit = scene.solid.ray_intersect(near.spawn_ray(away))
     facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
     far = _surface(hit.p, facing)
-    logarithms, found, kernels = [], [], []
+    logarithms, found, kernels, eligible = [], [], [], []
     for si, active in ((near, mi.Bool(True)), (far, hit.is_valid())):
         arriving = _arriving(scene, si, active, wavelengths, lanes)
-        seen = arriving > 0.0
+        place = np.stack([np.array(c) for c in si.p], axis=1)
+        place = np.nan_to_num(place, posinf=0.0, neginf=0.0)
+        # Beside its beam a luminaire's kernel is only a floor and says nothing about its strength.
+        lit = scene.lights.importances(place) > 2.0 * FLOOR
+        seen = (arriving > 0.0) & lit
         logarithms.append(np.where(seen, np.log(np.where(seen, arriving, 1.0)), 0.0))
         found.append(seen)
-        place = np.stack([np.array(c) for c in si.p], axis=1)
-        kernels.append(np.log(scene.lights.kernels(np.nan_to_num(place, posinf=0.0, neginf=0.0))))
-    found = np.concatenate(found)
+        eligible.append(lit)
+        kernels.append(np.log(scene.lights.kernels(place)))
+    found, eligible = np.concatenate(found), np.concatenate(eligible)
     times = np.maximum(found.sum(axis=0), 1)
     # Geometric means over the points that a light reaches: a few bright places must not stand for all.
-    level = np.exp((np.concatenate(logarithms) * found).sum(axis=0) / times) * found.mean(axis=0)
+    mean = np.exp((np.concatenate(logarithms) * found).sum(axis=0) / times)
     kernel = np.exp((np.concatenate(kernels) * found).sum(axis=0) / times)
-    scene.lights.set_strengths(level, kernel)
+    strengths = mean / kernel * found.sum(axis=0) / np.maximum(eligible.sum(axis=0), 1)
+    # Of a beam that no point of the pilot run lies in nothing is known but its flux.
+    fluxes = np.array([source.flux for source in scene.lights.sources])
+    known, missed = strengths > 0.0, eligible.sum(axis=0) < FEWEST_POINTS
+    if known.any():
+        strengths[missed] = fluxes[missed] * np.median(strengths[known] / fluxes[known])
+    scene.lights.set_strengths(mean * found.mean(axis=0), strengths)
 
 
 def _columns(array):

@@ -3,13 +3,16 @@
 The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes
 a luminaire active, ``material`` an object with a physical override, ``render`` starts F12, ``bake``
 runs the bake as a user would and writes into the log how long the window ever waited; ``viewport``
-moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. The sidebar shows
-the tab of Lumenray.
+moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. ``luminaire`` has
+a scene of its own: luminaires from the library before a wall, with their polar solids and one's
+panel. In the others the sidebar shows the tab of Lumenray.
 """
 
 import importlib
+import math
 import sys
 import time
+from pathlib import Path
 
 import bpy
 
@@ -21,6 +24,19 @@ VIEW = sys.argv[sys.argv.index("--") + 1] if "--" in sys.argv else "light"
 ACTIVE = {"light": "LED Panel 1", "material": "Window Panes", "bake": "Floor"}
 """Object that is made active for each view."""
 
+LUMINAIRES = (
+    ("flood_asymmetric.ldt", (-1.1, 0.0, 2.4), 90.0),
+    ("batwing_office.ldt", (0.0, 0.0, 2.4), 0.0),
+    ("downlight_40.ies", (1.1, 0.0, 2.4), 0.0),
+)
+"""File, place [m] and turn about the vertical [degree] of the luminaires, the active one in the middle."""
+
+SOLID = {"render", "bake", "luminaire"}
+"""Pictures in which the view is not rendered."""
+
+ZOOM = {"viewport": 20.0, "viewport_lux": 20.0, "luminaire": 29.0}
+"""Blender's zoom of the camera's frame in the view; 0 leaves room around it."""
+
 CATEGORY = "Lumenray"
 
 ATTEMPTS = 20
@@ -29,15 +45,15 @@ ATTEMPTS = 20
 
 def prepare_spaces(window):
     """Choose what the window's editors show."""
-    context = {"light": "DATA", "material": "MATERIAL"}.get(VIEW, "RENDER")
+    context = {"light": "DATA", "luminaire": "DATA", "material": "MATERIAL"}.get(VIEW, "RENDER")
     for area in window.screen.areas:
         for space in area.spaces:
             if space.type == "VIEW_3D":
-                # A rendered view would take its share of the processor from F12 and the bake.
-                space.shading.type = "SOLID" if VIEW in {"render", "bake"} else "RENDERED"
+                # A rendered view would take its share of the processor from F12 and the bake, and its noise fills files.
+                space.shading.type = "SOLID" if VIEW in SOLID else "RENDERED"
                 space.region_3d.view_perspective = "CAMERA"
-                space.region_3d.view_camera_zoom = 20.0 if VIEW.startswith("viewport") else 0.0
-                space.show_region_ui = True
+                space.region_3d.view_camera_zoom = ZOOM.get(VIEW, 0.0)
+                space.show_region_ui = VIEW != "luminaire"
                 # Lines below every lamp.
                 space.overlay.show_extras = not VIEW.startswith("viewport")
             elif space.type == "PROPERTIES":
@@ -90,6 +106,71 @@ def build():
     if item is not None:
         item.select_set(True)
         bpy.context.view_layer.objects.active = item
+
+
+def build_luminaires():
+    """Hang luminaires before a wall, the second one active."""
+    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
+    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
+    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    folder = Path(importlib.import_module(f"{PACKAGE}.libraries.luminaires").__file__).parent
+    collection = staging.new_collection("Room")
+    paint = staging.new_material(
+        "Paint", "ShaderNodeBsdfPrincipled", {"Base Color": (0.6, 0.6, 0.6), "Roughness": 1.0}
+    )
+    floor = shapes.quad((-3.0, -2.0, 0.0), (6.0, 0.0, 0.0), (0.0, 3.0, 0.0))
+    wall = shapes.quad((-3.0, 1.0, 0.0), (6.0, 0.0, 0.0), (0.0, 0.0, 3.2))
+    assembly().add(paint, floor).build("Floor", collection)
+    assembly().add(paint, wall).build("Wall", collection)
+    made = []
+    for name, place, turn in LUMINAIRES:
+        bpy.context.scene.cursor.location = place
+        bpy.ops.lumenray.add_luminaire(filepath=str(folder / "photometry" / name))
+        made.append(bpy.context.object)
+        made[-1].rotation_euler.z = math.radians(turn)
+    for item in made:
+        item.select_set(item is made[1])
+    bpy.context.view_layer.objects.active = made[1]
+    bpy.context.scene.cursor.location = (0.0, 0.0, -10.0)
+    made[1].lumenray.luminaire.dimming = 0.8
+    made[1].lumenray.luminaire.maintenance_factor = 0.9
+    staging.new_camera((1.0, -2.7, 2.35), (88.0, 0.0, 19.0), lens=32.0)
+    staging.set_render(1248, 940, 500.0)
+
+
+def enlarge_properties():
+    """Return a timer function that gives the properties editor the whole right side of the window, in a good width."""
+
+    def close():
+        window = bpy.context.window_manager.windows[0]
+        for kind in ("OUTLINER", "DOPESHEET_EDITOR", "PROPERTIES"):
+            area = next(a for a in window.screen.areas if a.type == kind)
+            with bpy.context.temp_override(window=window, area=area):
+                bpy.ops.screen.area_close()
+        view = next(a for a in window.screen.areas if a.type == "VIEW_3D")
+        with bpy.context.temp_override(window=window, area=view):
+            bpy.ops.screen.area_split(direction="VERTICAL", factor=0.78)
+
+    def change():
+        # Where areas lie is known after they were drawn.
+        areas = bpy.context.window_manager.windows[0].screen.areas
+        views = [area for area in areas if area.type == "VIEW_3D"]
+        max(views, key=lambda area: area.x).type = "PROPERTIES"
+
+    def choose():
+        # So are the tabs of the properties editor.
+        prepare_spaces(bpy.context.window_manager.windows[0])
+
+    steps = iter((close, change, choose))
+
+    def step():
+        done = next(steps, None)
+        if done is None:
+            return None
+        done()
+        return 0.5
+
+    return step
 
 
 class Pulse:
@@ -147,7 +228,13 @@ def start_render():
 
 
 bpy.context.preferences.view.show_splash = False
-build()
+if VIEW == "luminaire":
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    build_luminaires()
+    bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
+else:
+    build()
 bpy.context.scene.render.engine = "LUMENRAY"
 for shown in bpy.context.window_manager.windows:
     prepare_spaces(shown)

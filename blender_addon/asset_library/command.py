@@ -1,0 +1,91 @@
+"""The command that makes a Blender asset library of a folder of photometric files; it needs Blender's Python module."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from ...engine.errors import LumenrayError
+from ...libraries.luminaires import Library, Problem, read_library
+
+
+def add_options(parser, folder: Path | None = None) -> None:
+    """Describe the command to argparse; ``folder`` is what it works on if none is given."""
+    parser.add_argument(
+        "folder",
+        type=Path,
+        metavar="FOLDER",
+        nargs="?" if folder is not None else None,
+        default=folder,
+        help="folder of IES, EULUMDAT and TM-33 files; folders in it are categories",
+    )
+    parser.add_argument(
+        "--pictures",
+        choices=("missing", "all", "none"),
+        default="missing",
+        help="which pictures of the light to render first (default: those that are not there)",
+    )
+    parser.add_argument(
+        "--only", metavar="A,B", default="", help="render pictures of these models by name only"
+    )
+
+
+def main(program: str, folder: Path, arguments=None) -> int:
+    """Run the command alone, on a folder if none is given; 1 with a line on standard error on any failure."""
+    parser = argparse.ArgumentParser(prog=program, description=__doc__)
+    add_options(parser, folder)
+    try:
+        return run(parser.parse_args(arguments))
+    except LumenrayError as error:
+        sys.stderr.write(f"{error}\n")
+        return 1
+
+
+def run(options) -> int:
+    """Render pictures and write the assets; 1 if something of the folder was left out.
+
+    Raises
+    ------
+    LumenrayError    Nothing can be written, or there is nothing to write.
+    """
+    library = read_library(options.folder)
+    problems = _render(library, options)
+    try:
+        from .. import registry
+        from .build import build_assets
+    except ImportError as error:
+        raise LumenrayError(
+            f"Blender's Python module cannot be loaded ({error}); run 'make setup'"
+        ) from None
+    registry.register()
+    built = build_assets(library)
+    _say(f"{built.path}: {len(built.names)} assets, {built.path.stat().st_size / 1e6:.1f} MB")
+    # A refused file has no picture either, and is told once.
+    told = {problem.path for problem in built.problems}
+    left_out = [*built.problems, *(problem for problem in problems if problem.path not in told)]
+    for problem in left_out:
+        sys.stderr.write(f"{problem}\n")
+    return int(bool(left_out))
+
+
+def _render(library: Library, options) -> list[Problem]:
+    """Render pictures; a model whose file is refused has none."""
+    if options.pictures == "none":
+        return []
+    from .thumbnails import write_thumbnail
+
+    problems = []
+    only = {name.strip() for name in options.only.split(",") if name.strip()}
+    for model in library.models:
+        is_there = options.pictures == "missing" and model.thumbnail.is_file()
+        if is_there or (only and model.name not in only):
+            continue
+        try:
+            _say(f"{write_thumbnail(model)}")
+        except LumenrayError as error:
+            problems.append(Problem(model.file, str(error)))
+    return problems
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()

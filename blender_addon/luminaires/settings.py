@@ -1,0 +1,213 @@
+"""What the user sets about a luminaire: its photometric file, how it is read, and how much light it gives."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import PropertyGroup
+
+from ..shared_settings import PATH_OPTIONS, SpectrumSettings, tag_owner
+
+LIGHT_TYPES = ("POINT", "SPOT", "AREA")
+"""Kinds of Blender's lights that can take a photometric file."""
+
+EMISSIONS = [
+    ("OPENING", "Luminous opening", "From the luminous opening that the file states", 0),
+    ("LIGHT", "Size of the light", "From the light's own radius or size; an empty is a point", 1),
+    ("POINT", "Point", "From one point: exact far away, without soft shadows", 2),
+]
+
+AMOUNTS = [
+    ("FILE", "File", "The flux that the file's intensities sum up to", 0),
+    ("LUMENS", "Lumens", "State the flux; the file gives the shape of the light only", 1),
+]
+
+SPECTRUM_SOURCES = [
+    ("FILE", "File", "Spectrum, colour temperature or lamp that the file states", 0),
+    ("LIGHT", "Own", "The spectrum or colour that is chosen here", 1),
+]
+
+
+def _unload(self, context):
+    """Another path names another file than the one that is embedded."""
+    if self.text is not None:
+        self.text = None
+    self.digest = ""
+    tag_owner(self, context)
+
+
+class LuminaireSettings:
+    """Mix-in of what lights and empties have in common."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    use_file: BoolProperty(
+        name="Photometric file",
+        description="Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts",
+        default=False,
+        update=tag_owner,
+    )
+    filepath: StringProperty(
+        name="File",
+        description=(
+            "Photometric file (.ies, .ldt, .xml). While the file is embedded: where it was read from; "
+            "another path takes the embedded one's place"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=_unload,
+    )
+    text: PointerProperty(
+        name="Embedded file",
+        description="Text data-block with the content of the file; without one it is read from its path",
+        type=bpy.types.Text,
+        update=tag_owner,
+    )
+    digest: StringProperty(
+        name="Content hash",
+        description="SHA-256 of the file's bytes when it was loaded, to tell when a linked file has changed",
+        options={"HIDDEN"},
+    )
+    emission: EnumProperty(
+        name="Shines from",
+        description="What emits the light; seen from afar all of them give the file's distribution",
+        items=EMISSIONS,
+        default="OPENING",
+        update=tag_owner,
+    )
+    rotation: FloatProperty(
+        name="Turn C0",
+        description=(
+            "Direction of the C0 plane, turned about the beam from the local X axis, counter-clockwise seen from behind "
+            "the beam. The opening stays: IES files usually put C0 along the luminaire, EULUMDAT files across it"
+        ),
+        default=0.0,
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    mirror: BoolProperty(
+        name="C clockwise",
+        description="Count the C planes of a type C file the other way, as some laboratories do",
+        default=False,
+        update=tag_owner,
+    )
+    flip_h: BoolProperty(
+        name="Flip H",
+        description="Take the horizontal angles of a type B file in opposite order, left for right",
+        default=False,
+        update=tag_owner,
+    )
+    amount: EnumProperty(
+        name="Flux from",
+        description="What states the amount of light before dimming",
+        items=AMOUNTS,
+        default="FILE",
+        update=tag_owner,
+    )
+    luminous_flux: FloatProperty(
+        name="Luminous flux",
+        description="Flux that leaves the luminaire, before dimming and the other factors, in lumens",
+        default=1000.0,
+        min=0.0,
+        max=1e9,
+        soft_max=100000.0,
+        update=tag_owner,
+    )
+    dimming: FloatProperty(
+        name="Dimming",
+        description="Share of the full flux that the luminaire is set to",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag_owner,
+    )
+    maintenance_factor: FloatProperty(
+        name="Maintenance factor",
+        description="Share of the flux that is left by ageing and dirt before the next service (CIE 97)",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag_owner,
+    )
+    lamp_factor: FloatProperty(
+        name="Lamp factor",
+        description="Flux of the lamps in use over that of the lamps that the file was measured with",
+        default=1.0,
+        min=0.0,
+        max=1000.0,
+        soft_max=2.0,
+        update=tag_owner,
+    )
+    spectrum_source: EnumProperty(
+        name="Spectrum from",
+        description="What states how the light is distributed over the wavelengths",
+        items=SPECTRUM_SOURCES,
+        default="FILE",
+        update=tag_owner,
+    )
+    show_solid: BoolProperty(
+        name="Show distribution",
+        description="Draw the file's intensity distribution as a solid in the 3D view",
+        default=True,
+        update=tag_owner,
+    )
+
+
+class LumenrayLuminaireSettings(LuminaireSettings, PropertyGroup):
+    """Photometric file of a point, spot or area light; ``light.lumenray`` chooses its own spectrum."""
+
+
+class LumenrayEmptySettings(LuminaireSettings, SpectrumSettings, PropertyGroup):
+    """The luminaire that an empty is; it has no light's data, so its own spectrum is chosen here."""
+
+    color: FloatVectorProperty(
+        name="Colour",
+        description="Linear colour of the light; it never changes the amount of light",
+        subtype="COLOR",
+        size=3,
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        update=tag_owner,
+    )
+
+
+def settings_of(thing):
+    """Return the luminaire settings of an object, the evaluated ones of an evaluated object.
+
+    Parameters
+    ----------
+    thing : bpy.types.Object or None
+
+    Returns
+    -------
+    LuminaireSettings or None    None where no photometric file can be: it takes a point, spot or area light, or an empty.
+    """
+    if thing is None:
+        return None
+    if thing.type == "EMPTY":
+        return thing.lumenray.luminaire
+    if thing.type == "LIGHT" and thing.data.type in LIGHT_TYPES:
+        return thing.data.lumenray.luminaire
+    return None
+
+
+def active_settings(context):
+    """Return the luminaire settings of the light or empty that a panel or an operator is about, None if there is none."""
+    light = getattr(context, "light", None)
+    if light is not None:
+        return light.lumenray.luminaire if light.type in LIGHT_TYPES else None
+    return settings_of(getattr(context, "object", None))
+
+
+def is_luminaire(thing) -> bool:
+    """Whether an object shines as a photometric file says."""
+    settings = settings_of(thing)
+    return settings is not None and settings.use_file

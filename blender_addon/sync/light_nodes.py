@@ -1,0 +1,43 @@
+"""The node tree of a light: its Emission node, and what colour and strength arrive there."""
+
+import numpy as np
+
+from ...engine.scene.memo import recall
+from .graph import Origin, find_socket, trace
+from .nodes import Context, evaluate_colour, evaluate_scalar
+
+
+def find_emission(data) -> Origin | None:
+    """Return where a light's surface comes from, None if it has no nodes."""
+    tree = data.node_tree if getattr(data, "use_nodes", False) else None
+    if tree is None:
+        return None
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    surface = find_socket(output.inputs, "Surface") if output else None
+    return trace(surface) if surface else Origin(None, (), ())
+
+
+def is_emission(origin: Origin) -> bool:
+    """Whether that is an Emission node, the only one that is taken over."""
+    return origin.is_output and origin.socket.node.bl_idname == "ShaderNodeEmission"
+
+
+def evaluate_emission(origin: Origin, context: Context) -> tuple[np.ndarray, float]:
+    """Return colour (3,) and strength of an Emission node; pictures count with their mean."""
+    inputs, groups = origin.socket.node.inputs, origin.groups
+    colour = mean_of(evaluate_colour(find_socket(inputs, "Color"), context, groups), 3)
+    strength = mean_of(evaluate_scalar(find_socket(inputs, "Strength"), context, groups), 1)
+    return colour, float(strength[0])
+
+
+def mean_of(value, channels: int) -> np.ndarray:
+    """Numbers of a constant, or the mean of a picture."""
+    if hasattr(value, "pixels"):
+        return recall(value.pixels, "exact mean", _mean)[:channels]
+    if hasattr(value, "red"):
+        return np.array([value.red, value.green, value.blue])
+    return np.full(channels, float(getattr(value, "value", value)))
+
+
+def _mean(pixels) -> np.ndarray:
+    return np.asarray(pixels, dtype=np.float64).reshape(-1, pixels.shape[2]).mean(axis=0)

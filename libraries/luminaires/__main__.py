@@ -1,0 +1,9 @@
+"""Command ``python -m lumenray.libraries.luminaires [FOLDER]``: pictures and Blender assets of a library (ours)."""
+
+import sys
+
+from ...blender_addon.asset_library.command import main
+from . import FOLDER
+
+if __name__ == "__main__":
+    sys.exit(main("lumenray.libraries.luminaires", FOLDER))

@@ -1,0 +1,197 @@
+"""Luminaires: the photometric file of a light or an empty, what it says, and how much of it shines and which way."""
+
+import bpy
+
+from ..blender_addon import luminaire_readout as readout
+from ..blender_addon.luminaire_pictures import has_dark_theme, pictures, side_of
+from ..blender_addon.luminaires.settings import active_settings
+from .parts import PropertiesPanel, draw_description, draw_lines, draw_spectrum, draw_text
+
+ICON_UNIT, ICON_BORDER = 20.0, 6.0
+"""Width of an icon of scale 1, and what of an icon is left free around its picture. [pixel]"""
+
+MARGIN = 40.0
+"""What a panel's borders take of the region's width. [pixel]"""
+
+LABELS = 0.42
+"""Share of the width that the labels of a file's figures take."""
+
+
+def draw_file(layout, context, settings, state) -> None:
+    """Draw which file it is, what can be done with it, and why it cannot be used."""
+    if not state.name:
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("lumenray.load_luminaire_file", text="Open IES, EULUMDAT or TM-33")
+        return
+    row = layout.row(align=True)
+    row.operator("lumenray.load_luminaire_file", text="", icon="FILEBROWSER")
+    if settings.text is None:
+        row.prop(settings, "filepath", text="")
+        row.operator("lumenray.pack_luminaire_file", text="", icon="UGLYPACKAGE")
+    else:
+        row.prop(settings, "text", text="")
+        row.operator("lumenray.unpack_luminaire_file", text="", icon="PACKAGE")
+    row.operator("lumenray.reload_luminaire_file", text="", icon="FILE_REFRESH")
+    if state.problem:
+        box = layout.box()
+        box.alert = True
+        draw_text(box, context, state.problem, "ERROR")
+        draw_text(box, context, readout.REMEDY)
+    else:
+        draw_text(layout, context, state.notice, "INFO")
+
+
+def draw_picture(layout, context, reading) -> None:
+    """Draw the polar diagram about as wide as the panel, point by point as it was made."""
+    scale = context.preferences.system.ui_scale
+    side = side_of(context.region.width - MARGIN * scale)
+    icon = pictures.icon(reading, side, has_dark_theme(context.preferences))
+    if icon == 0:
+        layout.label(text="Drawing the diagram…", icon="TIME")
+        return
+    layout.template_icon(icon, scale=(side / scale + ICON_BORDER) / ICON_UNIT)
+
+
+def draw_remarks(layout, context, remarks) -> None:
+    """Draw the warnings of the reader, folded if they are many."""
+    if not remarks:
+        return
+    text = "1 warning" if len(remarks) == 1 else f"{len(remarks)} warnings"
+    is_folded = len(remarks) > readout.FEW_REMARKS
+    header, body = layout.panel("lumenray_luminaire_remarks", default_closed=is_folded)
+    header.label(text=f"{text} about the file", icon="ERROR")
+    if body:
+        for remark in remarks:
+            draw_text(body, context, str(remark), "DOT")
+
+
+def draw_flux(layout, settings) -> None:
+    """Draw what sets the amount of light."""
+    column = layout.column()
+    column.prop(settings, "amount")
+    if settings.amount == "LUMENS":
+        column.prop(settings, "luminous_flux", text="Flux [lm]")
+    column = layout.column()
+    column.prop(settings, "dimming")
+    column.prop(settings, "maintenance_factor", text="Maintenance")
+    column.prop(settings, "lamp_factor")
+
+
+def draw_mounting(layout, settings, file) -> None:
+    """Draw which way the distribution is turned, and what it shines from."""
+    column = layout.column()
+    column.prop(settings, "rotation")
+    if file.photometric_type == "C":
+        column.prop(settings, "mirror")
+    if file.photometric_type == "B":
+        column.prop(settings, "flip_h")
+    column.prop(settings, "emission")
+    column.prop(settings, "show_solid")
+
+
+class LuminairePanel(PropertiesPanel):
+    """Panel of the data tab of a light or an empty."""
+
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return active_settings(context) is not None and super().poll(context)
+
+
+class LuminaireChild(LuminairePanel):
+    """Panel of a luminaire whose file can be used."""
+
+    bl_parent_id = "LUMENRAY_PT_luminaire"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and readout.reading_used(active_settings(context)) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = active_settings(context)
+        self.draw_part(layout, context, settings, readout.reading_used(settings))
+
+
+class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
+    """File and polar diagram."""
+
+    bl_label = "Luminaire"
+
+    def draw_header(self, context):
+        self.layout.prop(active_settings(context), "use_file", text="")
+
+    def draw(self, context):
+        layout = self.layout
+        settings = active_settings(context)
+        state = readout.state_of(settings)
+        layout.active = settings.use_file or not state.name
+        draw_file(layout, context, settings, state)
+        if state.reading is None:
+            return
+        draw_picture(layout, context, state.reading)
+        draw_lines(layout, readout.describe_file(state.reading), LABELS)
+        draw_remarks(layout, context, state.reading.file.remarks)
+
+
+class LUMENRAY_PT_luminaire_amount(LuminaireChild, bpy.types.Panel):
+    """Flux, and the way to it."""
+
+    bl_label = "Amount of Light"
+
+    def draw_part(self, layout, context, settings, reading):
+        """Draw the factors and their effect."""
+        draw_flux(layout, settings)
+        draw_description(
+            layout.box(), context, readout.describe_output(settings, reading, context.object)
+        )
+
+
+class LUMENRAY_PT_luminaire_mounting(LuminaireChild, bpy.types.Panel):
+    """Orientation and source."""
+
+    bl_label = "Mounting"
+
+    def draw_part(self, layout, context, settings, reading):
+        """Draw how the luminaire is mounted."""
+        draw_mounting(layout, settings, reading.file)
+
+
+class LUMENRAY_PT_luminaire_spectrum(LuminaireChild, bpy.types.Panel):
+    """Spectrum, and why it is this one."""
+
+    bl_label = "Spectrum"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_part(self, layout, context, settings, reading):
+        """Draw the file's reason or the user's choice."""
+        layout.prop(settings, "spectrum_source", expand=True)
+        if settings.spectrum_source == "FILE":
+            draw_text(layout, context, reading.lamp_spectrum.reason, "INFO")
+        elif context.light is not None:
+            draw_spectrum(layout, context.light.lumenray, context.light)
+        else:
+            draw_spectrum(layout, settings, settings)
+
+
+class LUMENRAY_PT_luminaire_words(LuminaireChild, bpy.types.Panel):
+    """Maker, names, lamps."""
+
+    bl_label = "Written in the File"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_part(self, layout, context, settings, reading):
+        """Draw what the file tells in words."""
+        draw_lines(layout, readout.describe_words(reading.file), LABELS)
+
+
+CLASSES = (
+    LUMENRAY_PT_luminaire,
+    LUMENRAY_PT_luminaire_amount,
+    LUMENRAY_PT_luminaire_mounting,
+    LUMENRAY_PT_luminaire_spectrum,
+    LUMENRAY_PT_luminaire_words,
+)
