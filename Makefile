@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes test lint extension smoke viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires test lint extension smoke viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -22,6 +22,10 @@ demo: setup ## render and bake a bundled scene into out/
 
 scenes: setup ## build the bundled scenes anew
 	$(PYTHON_IN_VENV) -m lumenray.libraries.scenes
+
+luminaires: setup ## render the library's luminaires anew and write their assets with a real Blender (root)
+	$(PYTHON_IN_VENV) -m lumenray.libraries.luminaires
+	@tests/real_blender/write_assets.sh
 
 test: setup ## run the tests, all but those that need a real Blender
 	$(PYTHON_IN_VENV) -m pytest

@@ -186,9 +186,8 @@ def _reasons(files: list[dict]) -> str:
     ]
     if present:
         lines.append(
-            "\nWhere Radiance differs. The last column has the largest deviation once the reason is taken away, that is, with "
-            "the file as our writer writes it (planes all around, poles made one) and, of type B, our table at Radiance's "
-            "angles.\n"
+            "\nWhere Radiance differs. The last column has the largest deviation once the reason is taken away: with the "
+            "file as our writer writes it (planes all around, poles made one), of type B our table at Radiance's angles.\n"
         )
     for reason in present:
         names = ", ".join(f"`{Path(row['file']).name}`" for row in files if row["reason"] == reason)

@@ -63,7 +63,7 @@ def run(say=None) -> list[dict]:
     say = say or (lambda _line: None)
     rows = []
     for case in cases():
-        ratio, error, ideal = measure(case.lights(), case.side)
+        ratio, error, ideal = measure(case.lights(), case.side, LANES, GROUPS)
         rows.append(
             {
                 "title": case.title,
@@ -104,7 +104,7 @@ def _one(title, distribution, name, patch, side) -> Case:
     return Case(title, name, patch, float(side), lights)
 
 
-def measure(lights: list[Luminaire], side: float, lanes: int = LANES, groups: int = GROUPS):
+def measure(lights: list[Luminaire], side: float, lanes: int, groups: int):
     """Variance of one-sample next events at random receivers of a patch, relative to the ideal.
 
     Returns

@@ -1,4 +1,7 @@
-"""The commands ``lumenray luminaire``: photometric files told, drawn and converted, without Blender and Mitsuba."""
+"""The commands ``lumenray luminaire``: photometric files told, drawn and converted, without Blender and Mitsuba.
+
+Only the making of asset libraries needs both.
+"""
 
 import argparse
 import glob
@@ -8,6 +11,7 @@ import sys
 from pathlib import Path
 
 from ..engine.errors import FileFormatError, LumenrayError
+from .asset_library import command as library_command
 
 SUFFIXES = (".ies", ".ldt", ".xml")
 """Ends of the names that are taken from a folder."""
@@ -20,6 +24,7 @@ EPILOG = """examples:
   lumenray luminaire info --json catalogue/ "more/*.ldt" > luminaires.json
   lumenray luminaire plot downlight.ies -o downlight.png
   lumenray luminaire convert street.ldt street.ies
+  lumenray luminaire library ~/luminaires
 
 Angles are the luminaire's own: gamma from its downward axis, C counter-clockwise seen from above.
 """
@@ -74,6 +79,11 @@ def add_commands(commands, read_size) -> None:
     )
     convert.add_argument("--force", action="store_true", help="replace OUT if it is there")
 
+    library = tasks.add_parser(
+        "library", help="make a Blender asset library of a folder of photometric files"
+    )
+    library_command.add_options(library)
+
 
 def run(options) -> int:
     """Run the chosen command; 1 if a file was refused.
@@ -82,7 +92,8 @@ def run(options) -> int:
     ------
     LumenrayError    The one file of the command cannot be read or written.
     """
-    return {"info": _info, "plot": _plot, "convert": _convert}[options.task](options)
+    tasks = {"info": _info, "plot": _plot, "convert": _convert, "library": library_command.run}
+    return tasks[options.task](options)
 
 
 def _info(options) -> int:

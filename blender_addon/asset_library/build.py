@@ -1,11 +1,9 @@
 """Makes Blender assets of a folder of luminaires: one file with all of them, and the catalogues they are sorted into.
 
 A luminaire becomes a light with its photometric file embedded; a lamp of several emitters becomes a collection of lights.
-The file that is open stays as it is.
 """
 
 import uuid
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -70,7 +68,7 @@ class Built:
 
 
 def build_assets(library: Library, folder: Path | None = None) -> Built:
-    """Write the assets of a library and its catalogues.
+    """Write the assets of a library and its catalogues; the open Blender file makes room for an empty one.
 
     Parameters
     ----------
@@ -83,24 +81,33 @@ def build_assets(library: Library, folder: Path | None = None) -> Built:
     """
     folder = library.folder if folder is None else folder
     built = Built(folder / ASSETS, problems=list(library.problems))
-    with _own_data() as made:
-        assets = set()
-        for model in library.models:
-            try:
-                assets.add(_asset(model, made))
-            except FileFormatError as error:
-                built.problems.append(Problem(model.file, _without_path(error)))
-            else:
-                built.names.append(model.name)
-        if not assets:
-            raise LumenrayError(f"{library.folder}: there is no photometric file that can be used")
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    for model in library.models:
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            bpy.data.libraries.write(str(built.path.resolve()), assets, compress=True)
-            write_catalogues(folder / CATALOGUES, {model.category for model in library.models})
-        except (OSError, RuntimeError) as error:
-            raise LumenrayError(f"{built.path}: cannot be written ({error})") from None
+            _make_asset(model)
+        except FileFormatError as error:
+            built.problems.append(Problem(model.file, _without_path(error)))
+        else:
+            built.names.append(model.name)
+    if not built.names:
+        raise LumenrayError(f"{library.folder}: there is no photometric file that can be used")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _save(built.path)
+        write_catalogues(folder / CATALOGUES, {model.category for model in library.models})
+    except (OSError, RuntimeError) as error:
+        raise LumenrayError(f"{built.path}: cannot be written ({error})") from None
     return built
+
+
+def _save(path: Path) -> None:
+    """Save the open file without a backup beside it. Writing single data-blocks would lose the pictures of collections."""
+    settings = bpy.context.preferences.filepaths
+    kept, settings.save_version = settings.save_version, 0
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True, copy=True)
+    finally:
+        settings.save_version = kept
 
 
 # ---- catalogues ----
@@ -136,43 +143,28 @@ def write_catalogues(path: Path, categories) -> None:
 # ---- assets ----
 
 
-@contextmanager
-def _own_data():
-    """Collects data-blocks and takes them out of the open file at the end."""
-    made = []
-    known = {text.as_pointer() for text in bpy.data.texts}
-    try:
-        yield made
-    finally:
-        texts = [text for text in bpy.data.texts if text.as_pointer() not in known]
-        bpy.data.batch_remove([*made, *texts])
-
-
-def _asset(model: Model, made: list):
-    """Make the data-block of a model that is dragged from the Asset Browser."""
+def _make_asset(model: Model) -> None:
+    """Make what is dragged from the Asset Browser."""
     data = read_bytes(model.file)
     file = parse_luminaire(data, model.file, model.file.parent)
     if model.parts:
         asset = bpy.data.collections.new(model.title)
-        made.append(asset)
         for number, part in enumerate(model.parts, 1):
-            asset.objects.link(_part(model, file, data, number, part, made))
+            asset.objects.link(_part(model, file, data, number, part))
     else:
-        asset = _light(model.title, model, file, flux(file.distribution), made)
+        asset = _light(model.title, model, file, flux(file.distribution))
         _embed(asset.data.lumenray.luminaire, data, model.file.name)
     asset.asset_mark()
     _describe(asset.asset_data, model, file)
     _set_preview(asset, model.thumbnail)
-    return asset
 
 
-def _light(name: str, model: Model, file: LuminaireFile, amount: float, made: list):
+def _light(name: str, model: Model, file: LuminaireFile, amount: float):
     """Make a light object of the kind and size of the opening, for whoever draws it without our engine too."""
     opening = file.opening
     is_flat = opening.shape in {"rectangle", "ellipse"} and opening.axis == "z"
     kind = "AREA" if is_flat and _shines_ahead(file.distribution) else "POINT"
     light = bpy.data.lights.new(name, kind)
-    made.append(light)
     if kind == "AREA":
         light.shape = "ELLIPSE" if opening.shape == "ellipse" else "RECTANGLE"
         light.size, light.size_y = opening.size[:2]
@@ -193,7 +185,6 @@ def _light(name: str, model: Model, file: LuminaireFile, amount: float, made: li
             physical.colour_temperature = model.light.temperature
     item = bpy.data.objects.new(name, light)
     item.visible_camera = True
-    made.append(item)
     return item
 
 
@@ -205,11 +196,11 @@ def _shines_ahead(distribution) -> bool:
     return bool(intensity(distribution, behind).max() < 0.02 * peak(distribution)[0])
 
 
-def _part(model: Model, file: LuminaireFile, data: bytes, number: int, part, made: list):
+def _part(model: Model, file: LuminaireFile, data: bytes, number: int, part):
     """Make the light of one emitter: the lamp's distribution from the emitter's own opening."""
     amount = part.share * flux(file.distribution)
     own = replace(file, opening=part_opening(part))
-    item = _light(f"{model.title} {number}", model, own, amount, made)
+    item = _light(f"{model.title} {number}", model, own, amount)
     settings = item.data.lumenray.luminaire
     if own.opening.shape == "point":
         settings.emission = "POINT"

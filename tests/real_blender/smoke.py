@@ -10,7 +10,8 @@ and with the bpy wheel, in which the package is called ``lumenray``::
 
     python smoke.py use FOLDER
 
-``use`` registers, renders and bakes a closed box, registers anew and renders again, and writes
+``use`` registers, looks for the luminaires' asset library, renders and bakes a closed box, bakes it with a luminaire that is
+dropped as a file, registers anew and renders again, and writes
 ``FOLDER/smoke.json``; ``read`` adds what the render from the command line shows.
 """
 
@@ -24,6 +25,9 @@ import numpy as np
 
 SIZE = 64
 """Width and height of the render. [pixel]"""
+
+LUMINAIRE = "downlight_60.ies"
+"""Luminaire of the library that is dropped."""
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 red, green and blue in the relative luminance (ITU-R BT.709)."""
@@ -127,6 +131,32 @@ def bake(folder):
     return {"mean": row["mean"], "standard_error": row["mean_standard_error"]}
 
 
+def bake_luminaire(package, folder):
+    """Put a luminaire of the library where the lamp is, as a file dropped onto the window does, and bake."""
+    lamp = next(o for o in bpy.data.objects if o.type == "LIGHT")
+    bpy.context.scene.cursor.location = lamp.location
+    bpy.data.objects.remove(lamp)
+    file = Path(package.__file__).parent / "libraries" / "luminaires" / "photometry" / LUMINAIRE
+    result = bpy.ops.lumenray.drop_luminaire(filepath=str(file))
+    require(result == {"FINISHED"}, f"dropping {LUMINAIRE} ended with {result}")
+    require(any(o.type == "EMPTY" for o in bpy.data.objects), "no luminaire was made")
+    return bake(folder)
+
+
+def check_library():
+    """Require that the luminaires are offered in the Asset Browser."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    found = next((entry for entry in libraries if entry.name == "Lumenray"), None)
+    require(found is not None, "there is no asset library 'Lumenray'")
+    assets = Path(found.path) / "luminaires.blend"
+    require(assets.exists(), f"the asset library has no {assets.name}")
+    with bpy.data.libraries.load(str(assets), assets_only=True) as (offered, _):
+        count = len(offered.objects) + len(offered.collections)
+    require(
+        count >= 20, f"{assets.name} offers {count} assets to this Blender, expected 20 or more"
+    )
+
+
 def register_again(package):
     """Unregister and register, and check that nothing stays behind or goes missing."""
     package.unregister()
@@ -143,7 +173,9 @@ def use(folder):
     package = load_package()
     build_scene(package)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
+    check_library()
     measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
+    measured["illuminance by a luminaire"] = bake_luminaire(package, folder / "luminaire")
     register_again(package)
     build_scene(package)
     measured["luminance after registering again"] = render(folder, "second")
