@@ -47,10 +47,11 @@ OPENINGS = """## Luminous openings, compared with Radiance
 The same files with the opening that they state, at only {distance:g} diagonals of it, where a point would be off by
 what the last column says. Every part of an opening gives its share of the intensity, in our engine and in Radiance
 (`rtrace -ds {ds:g}`). The arbiter between the two is a plain sum over some {parts} small parts of each face in double
-precision, which shares nothing with the sampling of either; on very narrow beams its own error shows, up to 1 %.
-Radiance differs from it for reasons of its own: it cuts a flat source into at most 64 parts, which is little for a
-narrow beam nearby; it samples a disk as a square that is squeezed to a circle; the rays to the axis of a cylinder are
-stopped by its end caps, so that short cylinders lose light. A dash: Radiance builds another body, for instance a box
+precision, which shares nothing with the sampling of either; with very narrow beams, and where a table ends with a
+step, its own error shows, up to about 1 %. Radiance differs from it for reasons of its own: it cuts a flat source into
+at most 64 parts, which is little for a narrow beam nearby; it samples a disk as a square that is squeezed to a circle,
+and a sphere at its middle only; the rays to the axis of a cylinder are stopped by its end caps, so that short cylinders
+lose light; and its angles of type B are others, as said above. A dash: Radiance builds another body, for instance a box
 for a lying cylinder, only the lower face of a body that shines downwards, or a box for an ellipsoid.
 """
 

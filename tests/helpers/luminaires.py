@@ -259,8 +259,13 @@ def opening_axes(opening):
     return np.eye(3)[:, order], 0.5 * np.asarray(opening.size, dtype=np.float64)[order]
 
 
-def opening_pieces(opening, count):
+def opening_pieces(opening, count, is_scattered=False):
     """Surface of an opening by pieces: points and area elements [m2] along the outward normals, in the luminaire's axes.
+
+    Parameters
+    ----------
+    count : int    Points along each side.
+    is_scattered : bool    Whether they lie evenly without rows, which would line up with the edges of bins.
 
     Returns
     -------
@@ -269,6 +274,10 @@ def opening_pieces(opening, count):
     axes, h = opening_axes(opening)
     place = (np.arange(count) + 0.5) / count
     u, v = (values.ravel() for values in np.meshgrid(place, place))
+    if is_scattered:
+        # The additive sequence of the plastic number.
+        nth = np.arange(count * count) + 0.5
+        u, v = np.mod(0.7548776662466927 * nth, 1.0), np.mod(0.5698402909980532 * nth, 1.0)
     full = 2.0 * np.pi * v
     none = np.zeros_like(u)
     root = np.sqrt(u)

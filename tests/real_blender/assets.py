@@ -13,7 +13,9 @@ PACKAGE = "bl_ext.user_default.lumenray"
 
 library = importlib.import_module(f"{PACKAGE}.libraries.luminaires")
 build = importlib.import_module(f"{PACKAGE}.blender_addon.asset_library.build")
-made = build.build_assets(library.read_library(library.FOLDER), Path(sys.argv[sys.argv.index("--") + 1]))
+made = build.build_assets(
+    library.read_library(library.FOLDER), Path(sys.argv[sys.argv.index("--") + 1])
+)
 for problem in made.problems:
     print(f"left out: {problem}", file=sys.stderr)
 print(f"{len(made.names)} assets in {made.path}")

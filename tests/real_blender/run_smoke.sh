@@ -31,5 +31,8 @@ step "the same with the bpy wheel"
 step "comparison"
 "$VENV/bin/python" "$here/compare.py" "$LUMENRAY_OUT"/{real,wheel}/smoke.json
 
+step "luminaires dropped in a window"
+LUMENRAY_INSTALLED=1 "$here/run_drop.sh"
+
 step "the rendered view in a window"
 LUMENRAY_INSTALLED=1 "$here/run_viewport.sh" look close
