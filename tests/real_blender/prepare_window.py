@@ -5,7 +5,7 @@ a luminaire active, ``material`` an object with a physical override, ``render`` 
 runs the bake as a user would and writes into the log how long the window ever waited; ``viewport``
 moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. ``luminaire`` has
 a scene of its own: luminaires from the library before a wall, with their polar solids and one's
-panel. In the others the sidebar shows the tab of Lumenray.
+panel. ``library`` shows the luminaires in the Asset Browser. In the others the sidebar shows the tab of Lumenray.
 """
 
 import importlib
@@ -173,6 +173,19 @@ def enlarge_properties():
     return step
 
 
+def browse_library():
+    """Turn the 3D view into an Asset Browser of our luminaires."""
+    areas = bpy.context.window_manager.windows[0].screen.areas
+    area = max(areas, key=lambda a: a.width * a.height)
+    area.ui_type = "ASSETS"
+
+    def choose():
+        # The editor has its parameters after it was drawn.
+        area.spaces.active.params.asset_library_reference = "Lumenray"
+
+    bpy.app.timers.register(choose, first_interval=2.0)
+
+
 class Pulse:
     """Timer that notes the longest time for which the window did not answer."""
 
@@ -233,6 +246,8 @@ if VIEW == "luminaire":
         bpy.data.objects.remove(item)
     build_luminaires()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
+elif VIEW == "library":
+    bpy.app.timers.register(browse_library, first_interval=2.0)
 else:
     build()
 bpy.context.scene.render.engine = "LUMENRAY"

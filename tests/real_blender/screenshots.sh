@@ -3,7 +3,7 @@
 # with the extension installed.
 #
 #   screenshots.sh [SECONDS [VIEW...]]   how long the window may take before the picture (default: 60), and which
-#                                        pictures: light, luminaire, material, render, bake, viewport, viewport_lux (default: all)
+#                                        pictures: light, luminaire, library, material, render, bake, viewport, viewport_lux (default: all)
 #   VENV, LUMENRAY_OUT                   as for run_smoke.sh
 set -euo pipefail
 
@@ -11,13 +11,14 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 project="$(cd "$here/../.." && pwd)"
 seconds="${1:-60}"
 views=("${@:2}")
-[ "${#views[@]}" -gt 0 ] || views=(light luminaire material render bake viewport viewport_lux)
+[ "${#views[@]}" -gt 0 ] || views=(light luminaire library material render bake viewport viewport_lux)
 export LUMENRAY_PROFILE=screenshots-profile
 
 "$here/install.sh"
 for view in "${views[@]}"; do
   picture="window_$view.png"
   [ "$view" != luminaire ] || picture=luminaire_panel.png
+  [ "$view" != library ] || picture=luminaire_library.png
   "$here/blender.sh" shot "$seconds" "$project/docs/pictures/$picture" \
     --python-exit-code 1 --python /project/tests/real_blender/prepare_window.py -- "$view"
   grep -h "longest wait" "${LUMENRAY_OUT:-$project/out/real-blender}/shot.log" || true
