@@ -36,11 +36,11 @@ CANDIDATES = 8
 """Points of an opening that are compared at a next event where beams are narrow; an even number."""
 
 NARROW = 25.0
-"""Peak over mean intensity from which a beam counts as narrow: about 40 degrees between its half values."""
+"""Sharpness (`DistributionTables.sharpness`) from which a beam counts as narrow: about 40 degrees between half values."""
 
 NEAR_BEAM = 5.0
 """Candidates are compared where the opening's solid angle is more than a twentieth of the beam's, so within the distance
-whose square is this number times the squared radius times peak over mean."""
+whose square is this number times the squared radius times the sharpness."""
 
 NEAR = 4.0
 """Within this many radii the direction from the centre says little, and importance fades to that of all directions."""

@@ -29,6 +29,12 @@ IMPORTANCE = 64
 FLOOR = 0.1
 """Share of the mean below which no direction's importance falls: from parts of an opening the direction is another one."""
 
+MOST_CELLS = 1 << 16
+"""Cells that an uneven grid may be cut into, at least, to become an even one."""
+
+FINEST = 1000
+"""Steps of even grids are whole numbers of 1/1000 degree."""
+
 HEADER = (
     "azimuth_bins", "azimuth_cells", "polar_bins", "polar_cells",
     "azimuth_guide", "polar_guide", "azimuth_nodes", "polar_nodes",
@@ -56,6 +62,7 @@ class _Prepared:
     importance: np.ndarray
     crowding: int
     sharpness: float
+    is_even: bool
 
 
 def distribution_digest(distribution: IntensityDistribution) -> bytes:
@@ -102,22 +109,72 @@ def _nodes(grid: np.ndarray) -> np.ndarray:
     return np.stack([grid[:-1], 1.0 / np.diff(grid)], axis=1)
 
 
+def _even(grid: np.ndarray, widest: float) -> np.ndarray | None:
+    """Even grid that has all nodes of this one, None if its angles have no common step."""
+    steps = np.rad2deg(grid) * FINEST
+    whole = np.round(steps).astype(np.int64)
+    if np.abs(steps - whole).max() > 1e-3:
+        return None
+    step = int(np.gcd.reduce(np.diff(whole)))
+    count = (whole[-1] - whole[0]) // max(step, 1)
+    if step == 0 or count > MOST_CELLS:
+        return None
+    count *= int(np.ceil((grid[-1] - grid[0]) / count / widest - 1e-9))
+    return np.linspace(grid[0], grid[-1], count + 1)
+
+
+def _cut(azimuth, polar) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Grid with more nodes, at which a bilinear function stays the same: even where that does not take too many."""
+    even = _even(azimuth, TURN), _even(polar, WIDEST_CELL)
+    limit = max(MOST_CELLS, 4 * len(azimuth) * len(polar))
+    if even[0] is not None and even[1] is not None and len(even[0]) * len(even[1]) <= limit:
+        return *even, True
+    return azimuth, _refined(polar, WIDEST_CELL), False
+
+
+def _interpolated(values: np.ndarray, grid: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Rows of a table at other nodes, linearly."""
+    if len(grid) == len(nodes):
+        return values
+    cell = np.clip(np.searchsorted(grid, nodes, side="right") - 1, 0, len(grid) - 2)
+    share = ((nodes - grid[cell]) / (grid[cell + 1] - grid[cell])).clip(0.0, 1.0)[:, None]
+    return values[cell] * (1.0 - share) + values[cell + 1] * share
+
+
+def _sharpness(azimuth, polar, table) -> float:
+    """How sharp the features of a distribution are: twice the mean squared gradient over the mean square.
+
+    A Gaussian beam has its peak over its mean, as has a Lambertian distribution (4); several beams have the value of one.
+    """
+    sines = np.sin(0.5 * (polar[:-1] + polar[1:]))
+    heights, widths = np.diff(polar), np.diff(azimuth)
+    down = np.diff(table, axis=1) / heights
+    down = 0.5 * (down[:-1] + down[1:])
+    across = np.diff(table, axis=0) / widths[:, None]
+    across = 0.5 * (across[:, :-1] + across[:, 1:]) / sines
+    middle = 0.25 * (table[:-1, :-1] + table[1:, :-1] + table[:-1, 1:] + table[1:, 1:])
+    areas = widths[:, None] * heights * sines
+    squared = float((middle**2 * areas).sum())
+    return 2.0 * float(((down**2 + across**2) * areas).sum()) / max(squared, 1e-300)
+
+
 def _prepare(distribution: IntensityDistribution) -> _Prepared:
     total = flux(distribution)
     if not (np.isfinite(total) and total > 0.0):
         raise SceneError(
             f"a luminaire's distribution has a flux of {total:g} lm, expected more than 0"
         )
-    azimuth, table = distribution.azimuth, distribution.intensity / total
-    if len(azimuth) == 1:
-        azimuth, table = np.array([0.0, TURN]), np.repeat(table, 2, axis=0)
-    polar = _refined(distribution.polar, WIDEST_CELL)
-    table = np.stack([np.interp(polar, distribution.polar, plane) for plane in table])
+    old, table = distribution.azimuth, distribution.intensity / total
+    if len(old) == 1:
+        old, table = np.array([0.0, TURN]), np.repeat(table, 2, axis=0)
+    sharpness = _sharpness(old, distribution.polar, table)
+    azimuth, polar, is_even = _cut(old, distribution.polar)
+    table = _interpolated(table, old, azimuth)
+    table = _interpolated(table.T, distribution.polar, polar).T
     quads = np.stack([table[:-1, :-1], table[:-1, 1:], table[1:, :-1], table[1:, 1:]], axis=-1)
     # Flux of every cell: exact, since the polar weights of a cell are those of its two nodes alone.
-    low = np.array([polar_weights(pair)[0] for pair in np.stack([polar[:-1], polar[1:]], axis=1)])
-    high = np.array([polar_weights(pair)[1] for pair in np.stack([polar[:-1], polar[1:]], axis=1)])
-    planes = table[:, :-1] * low + table[:, 1:] * high
+    pairs = np.array([polar_weights(pair) for pair in np.stack([polar[:-1], polar[1:]], axis=1)])
+    planes = table[:, :-1] * pairs[:, 0] + table[:, 1:] * pairs[:, 1]
     fluxes = 0.5 * (planes[:-1] + planes[1:]) * np.diff(azimuth)[:, None]
     azimuth_guide, crowding = _guide(azimuth)
     polar_guide, other = _guide(polar)
@@ -140,7 +197,8 @@ def _prepare(distribution: IntensityDistribution) -> _Prepared:
         np.concatenate([_running(row) for row in fluxes.T]),
         importance,
         max(crowding, other),
-        float(table.max()) * 4.0 * np.pi,
+        sharpness,
+        is_even,
     )
 
 
@@ -227,22 +285,45 @@ class DistributionTables:
         self._header = upload(mi.UInt32, header)
         ranges = np.concatenate([part.ranges for part in parts]) if parts else np.zeros(4)
         self._ranges = upload(mi.Float, ranges)
+        # Scalars are read once for all lanes; what is gathered is read lane by lane.
+        self._single = None
+        if len(parts) == 1:
+            numbers = {
+                n: dr.opaque(mi.UInt32, int(v)) for n, v in zip(HEADER, header[0], strict=True)
+            }
+            span = [dr.opaque(mi.Float, float(value)) for value in parts[0].ranges]
+            self._single = numbers, mi.Vector4f(*span)
+        self._is_even = all(part.is_even for part in parts)
         self._crowding = max((part.crowding for part in parts), default=1)
         counts = [max(p.header["polar_cells"], p.header["azimuth_cells"]) for p in parts]
         # A power of two, so that kernels seldom change.
         self._steps = max(int(max(counts, default=1)).bit_length(), 8)
 
     def sharpness(self, number: int) -> float:
-        """Peak of a distribution relative to its mean over the sphere; 4 for a Lambertian one."""
+        """How sharp a distribution is: peak over mean of a single beam, 4 if it is Lambertian, see `_sharpness`."""
         return list(self._prepared.values())[number].sharpness
 
     # ---- inside kernels ----
 
     def _entry(self, number, name: str, active):
+        if self._single is not None:
+            return self._single[0][name]
         return dr.gather(mi.UInt32, self._header, number * len(HEADER) + HEADER.index(name), active)
+
+    def _range(self, number, active):
+        if self._single is not None:
+            return self._single[1]
+        return dr.gather(mi.Vector4f, self._ranges, number, active)
 
     def _locate(self, number, axis: str, value, start, end, active):
         """Cell of a value and the place in it, 0..1."""
+        if self._is_even:
+            count = self._entry(number, f"{axis}_cells", active)
+            place = dr.maximum((value - start) / dr.maximum(end - start, 1e-12), 0.0) * mi.Float(
+                count
+            )
+            cell = dr.minimum(mi.UInt32(place), count - 1)
+            return cell, dr.clip(place - mi.Float(cell), 0.0, 1.0)
         bins = self._entry(number, f"{axis}_bins", active)
         share = (value - start) / dr.maximum(end - start, 1e-12)
         bin_ = dr.minimum(mi.UInt32(dr.maximum(share, 0.0) * mi.Float(bins)), bins - 1)
@@ -279,7 +360,7 @@ class DistributionTables:
     def density(self, number, direction, active=True):
         """Intensity over flux in a direction of the grid's own axes, which need not be of unit length. [1/sr]"""
         active = mi.Bool(active)
-        ranges = dr.gather(mi.Vector4f, self._ranges, number, active)
+        ranges = self._range(number, active)
         azimuth = dr.atan2(direction.y, direction.x)
         azimuth = dr.select(azimuth < 0.0, azimuth + TURN, azimuth)
         # Grids may begin below 0 or end beyond a turn.
@@ -298,9 +379,8 @@ class DistributionTables:
         column, u = self._locate(number, "azimuth", azimuth, ranges.x, ranges.y, inside)
         row, v = self._locate(number, "polar", polar, ranges.z, ranges.w, inside)
         cell = column * self._entry(number, "polar_cells", inside) + row
-        quad = dr.gather(
-            mi.Vector4f, self._cells, self._entry(number, "cells", inside) + cell, inside
-        )
+        place = (self._entry(number, "cells", inside) + cell) * 4
+        quad = mi.Vector4f(*(dr.gather(mi.Float, self._cells, place + k, inside) for k in range(4)))
         low = dr.fma(quad.y - quad.x, v, quad.x)
         high = dr.fma(quad.w - quad.z, v, quad.z)
         return dr.select(inside, dr.fma(high - low, u, low), 0.0)
@@ -314,7 +394,7 @@ class DistributionTables:
         sample : Point2f    Two numbers in [0, 1).
         """
         active = mi.Bool(active)
-        ranges = dr.gather(mi.Vector4f, self._ranges, number, active)
+        ranges = self._range(number, active)
         polar_cells = self._entry(number, "polar_cells", active)
         azimuth_cells = self._entry(number, "azimuth_cells", active)
         row, first = self._pick(self._entry(number, "rows", active), polar_cells, sample.x, active)

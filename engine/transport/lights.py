@@ -19,7 +19,7 @@ PILOT_LANES = 1 << 18
 FEWEST_POINTS = 4
 """With fewer points in its beam, a luminaire's strength follows from its flux."""
 
-EVEN_SHARE = 0.1
+EVEN_SHARE = 0.04
 """Share of choices made evenly, so that no light is forgotten where only it counts."""
 
 LOCAL_LIMIT = 32
