@@ -32,7 +32,7 @@ from .tables import DistributionTables
 AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """The luminaire's axes in the order of the opening's own, whose z is the normal or the cylinder's axis."""
 
-CANDIDATES = 8
+CANDIDATES = 10
 """Points of an opening that are compared at a next event where beams are narrow; an even number."""
 
 NARROW = 25.0
