@@ -42,6 +42,9 @@ NEAR_BEAM = 5.0
 """Candidates are compared where the opening's solid angle is more than a twentieth of the beam's, so within the distance
 whose square is this number times the squared radius times the sharpness."""
 
+LEAST_SHARE = 1e-3
+"""Share of the flux below which the directions from an opening to a receiver are not searched for beams."""
+
 NEAR = 4.0
 """Within this many radii the direction from the centre says little, and importance fades to that of all directions."""
 
@@ -224,13 +227,13 @@ class LuminairePalette:
         extended = active & ~is_point
         kept_at, kept_pdf, total = mi.Point3f(0.0), mi.Float(0.0), mi.Float(0.0)
         if self.kinds - {POINT}:
-            is_near = extended & self._is_near(row, q, extended)
+            beam, is_near = self._beam(row, it.p, extended)
             kept_at, kept_pdf, total = self._pick_point(
-                row, number, half, q, sample, is_near, extended
+                row, number, half, q, sample, beam, is_near, extended
             )
             if self.has_narrow:
                 kept_at, kept_pdf, total = self._compare(
-                    row, number, half, q, sample, is_near, (kept_at, kept_pdf, total)
+                    row, number, half, q, sample, beam, is_near, (kept_at, kept_pdf, total)
                 )
         ds = dr.zeros(mi.DirectionSample3f)
         ds.p = mi.Point3f(self._to_world(row, 3, mi.Vector3f(kept_at), active) + centre)
@@ -246,7 +249,7 @@ class LuminairePalette:
         value = self.spectrum(row, it.wavelengths, active) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
-    def _compare(self, row, number, half, q, sample, active, first):
+    def _compare(self, row, number, half, q, sample, beam, active, first):
         """Draw the rest of the candidates of near receivers and keep one. ``first``: place, density, value of the first."""
         choice = sample.x * 8192.0
         choice -= dr.floor(choice)
@@ -267,13 +270,13 @@ class LuminairePalette:
             shift = mi.Vector2f(0.7548776662, 0.5698402910)
             shifted = sample + shift * mi.Float(nth)
             shifted -= dr.floor(shifted)
-            found = self._follow_back(row, number, half, q, mi.Point2f(shifted), active)
+            found = self._follow_back(row, number, half, q, mi.Point2f(shifted), beam, active)
             kept_at, kept_pdf, total, choice = pick(found, kept_at, kept_pdf, total, choice)
             nth = nth + 1
             shifted = sample + shift * mi.Float(nth)
             shifted -= dr.floor(shifted)
             more = active & (nth < CANDIDATES // 2)
-            found = self._pick_point(row, number, half, q, mi.Point2f(shifted), more, more)
+            found = self._pick_point(row, number, half, q, mi.Point2f(shifted), beam, more, more)
             kept_at, kept_pdf, total, choice = pick(found, kept_at, kept_pdf, total, choice)
             return nth, kept_at, kept_pdf, total, choice
 
@@ -285,13 +288,26 @@ class LuminairePalette:
         )
         return kept_at, kept_pdf, dr.select(active, total / float(CANDIDATES), total)
 
-    def _is_near(self, row, q, active):
-        """Whether an opening is so large from a receiver, measured by the beam's width, that candidates pay."""
-        if not self.has_narrow:
-            return mi.Bool(False)
-        return dr.squared_norm(q) < dr.gather(mi.Float, self._reach, row, active)
+    def _beam(self, row, point, active):
+        """Part of the distribution that can reach a place from the opening, and whether candidates pay there.
 
-    def _pick_point(self, row, number, half, q, sample, is_near, active):
+        They do where the opening is large, measured by the beam's width, and enough of the light goes that way.
+
+        Returns
+        -------
+        Part or None, Bool
+        """
+        if not self.has_narrow:
+            return None, mi.Bool(False)
+        away = point - mi.Point3f(self._vector(row, 7, active))
+        squared = dr.squared_norm(away)
+        near = active & (squared < dr.gather(mi.Float, self._reach, row, active))
+        axis = self._to_local(row, 0, away, near)
+        sine = dr.norm(self._vector(row, 6, near)) * dr.rsqrt(dr.maximum(squared, 1e-12))
+        part = self.tables.surround(self._number(row, 1, near), axis, sine, near)
+        return part, near & (part.share > LEAST_SHARE)
+
+    def _pick_point(self, row, number, half, q, sample, beam, is_near, active):
         """Candidate on the opening: the point, its density, and what it gives over that density."""
         x, density, normal = draw_point(number, half, q, sample, self.kinds)
         away = q - x
@@ -300,21 +316,24 @@ class LuminairePalette:
         seen = dr.dot(normal, local)
         usable = active & (density > 0.0) & (seen > 0.0)
         pdf = density * dr.square(distance) / dr.maximum(seen, 1e-20)
-        pdf, value = self._weigh(row, number, half, local, pdf, is_near, usable)
+        pdf, value = self._weigh(row, number, half, local, pdf, beam, is_near, usable)
         return x, pdf, value
 
-    def _follow_back(self, row, number, half, q, sample, active):
+    def _follow_back(self, row, number, half, q, sample, beam, active):
         """Candidate in the beam: a direction of it, followed from the receiver back to the opening."""
-        drawn = self.tables.draw(self._number(row, 1, active), sample, active)
+        drawn = self.tables.draw_in(beam, sample, active)
         local = self._to_local(row, 3, self._to_world(row, 0, drawn, active), active)
         distance, pdf = meet(number, half, q, -local, self.kinds)
-        pdf, value = self._weigh(row, number, half, local, pdf, active, active & (pdf > 0.0))
+        pdf, value = self._weigh(row, number, half, local, pdf, beam, active, active & (pdf > 0.0))
         return q - local * distance, pdf, value
 
-    def _weigh(self, row, number, half, local, pdf, is_near, active):
+    def _weigh(self, row, number, half, local, pdf, beam, is_near, active):
         """Density of a candidate whatever way it was found, and what it gives over that. ``pdf``: that of a point."""
         density = self.density(row, self._to_world(row, 3, local, active), active)
-        pdf = dr.select(is_near, 0.5 * (pdf + density), pdf)
+        if beam is not None:
+            pdf = dr.select(
+                is_near, 0.5 * (pdf + density / dr.maximum(beam.share, LEAST_SHARE)), pdf
+            )
         area = projected_area(number, half, local, self.kinds)
         value = density / (area * dr.maximum(pdf, 1e-20))
         active &= dr.isfinite(value)
@@ -329,8 +348,9 @@ class LuminairePalette:
         _, pdf = meet(number, half, q, local, self.kinds)
         hit = active & (pdf > 0.0)
         if self.has_narrow:
-            is_near = hit & self._is_near(row, q, hit)
-            pdf = dr.select(is_near, 0.5 * (pdf + self.density(row, -direction, is_near)), pdf)
+            beam, is_near = self._beam(row, point, hit)
+            density = self.density(row, -direction, is_near) / dr.maximum(beam.share, LEAST_SHARE)
+            pdf = dr.select(is_near, 0.5 * (pdf + density), pdf)
         return dr.select(hit, pdf, 0.0)
 
     def is_outside(self, row, si, active):

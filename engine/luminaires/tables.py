@@ -38,7 +38,7 @@ FINEST = 1000
 HEADER = (
     "azimuth_bins", "azimuth_cells", "polar_bins", "polar_cells",
     "azimuth_guide", "polar_guide", "azimuth_nodes", "polar_nodes",
-    "cells", "rows", "columns", "importance",
+    "cells", "rows", "columns", "sums", "importance",
 )  # fmt: skip
 """Whole numbers known of each distribution: lengths, and where its parts begin."""
 
@@ -59,10 +59,23 @@ class _Prepared:
     cells: np.ndarray
     rows: np.ndarray
     columns: np.ndarray
+    sums: np.ndarray
     importance: np.ndarray
     crowding: int
     sharpness: float
     is_even: bool
+
+
+@dataclass
+class Part:
+    """Cells of a distribution, from ``column`` and ``row`` up to before the ends, and their ``share`` of its flux."""
+
+    number: object
+    column: object
+    column_end: object
+    row: object
+    row_end: object
+    share: object
 
 
 def distribution_digest(distribution: IntensityDistribution) -> bytes:
@@ -195,6 +208,7 @@ def _prepare(distribution: IntensityDistribution) -> _Prepared:
         quads.reshape(-1, 4),
         _running(fluxes.sum(axis=0)),
         np.concatenate([_running(row) for row in fluxes.T]),
+        _sums(fluxes).ravel(),
         importance,
         max(crowding, other),
         sharpness,
@@ -208,6 +222,13 @@ def _running(amounts: np.ndarray) -> np.ndarray:
     if total <= 0.0:
         return np.linspace(0.0, 1.0, len(amounts) + 1)
     return np.concatenate([[0.0], np.minimum(np.cumsum(amounts) / total, 1.0)])
+
+
+def _sums(fluxes: np.ndarray) -> np.ndarray:
+    """Share of the flux in the cells before each corner of the grid. (a cells + 1, p cells + 1)"""
+    sums = np.zeros((fluxes.shape[0] + 1, fluxes.shape[1] + 1))
+    sums[1:, 1:] = fluxes.cumsum(axis=0).cumsum(axis=1)
+    return sums / sums[-1, -1]
 
 
 def _importance(distribution: IntensityDistribution, total: float) -> np.ndarray:
@@ -267,7 +288,7 @@ class DistributionTables:
             "azimuth_guide": "_guides", "polar_guide": "_guides",
             "azimuth_nodes": "_nodes", "polar_nodes": "_nodes",
             "cells": "_cells", "rows": "_running", "columns": "_running",
-            "importance": "_importance",
+            "sums": "_sums", "importance": "_importance",
         }  # fmt: skip
         pieces: dict[str, list[np.ndarray]] = {name: [] for name in stores.values()}
         lengths = dict.fromkeys(pieces, 0)
@@ -357,17 +378,22 @@ class DistributionTables:
             size = dr.select(goes, size - half, dr.select(half > 0, half, size))
         return low
 
-    def density(self, number, direction, active=True):
-        """Intensity over flux in a direction of the grid's own axes, which need not be of unit length. [1/sr]"""
-        active = mi.Bool(active)
-        ranges = self._range(number, active)
+    @staticmethod
+    def _angles(direction, ranges):
+        """Azimuth within the grid's range, where that can be, and polar angle. [rad]"""
         azimuth = dr.atan2(direction.y, direction.x)
         azimuth = dr.select(azimuth < 0.0, azimuth + TURN, azimuth)
         # Grids may begin below 0 or end beyond a turn.
         azimuth = dr.select(azimuth > ranges.y + 1e-5, azimuth - TURN, azimuth)
         azimuth = dr.select(azimuth < ranges.x - 1e-5, azimuth + TURN, azimuth)
         flat = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
-        polar = dr.atan2(flat, -direction.z)
+        return azimuth, dr.atan2(flat, -direction.z)
+
+    def density(self, number, direction, active=True):
+        """Intensity over flux in a direction of the grid's own axes, which need not be of unit length. [1/sr]"""
+        active = mi.Bool(active)
+        ranges = self._range(number, active)
+        azimuth, polar = self._angles(direction, ranges)
         slack = 1e-5
         inside = (
             active
@@ -394,12 +420,84 @@ class DistributionTables:
         sample : Point2f    Two numbers in [0, 1).
         """
         active = mi.Bool(active)
-        ranges = self._range(number, active)
         polar_cells = self._entry(number, "polar_cells", active)
         azimuth_cells = self._entry(number, "azimuth_cells", active)
         row, first = self._pick(self._entry(number, "rows", active), polar_cells, sample.x, active)
         base = self._entry(number, "columns", active) + row * (azimuth_cells + 1)
         column, second = self._pick(base, azimuth_cells, sample.y, active)
+        return self._draw_in_cell(number, column, row, first, second, active)
+
+    def surround(self, number, direction, sine, active=True):
+        """Find the part of a distribution that holds a cone of directions.
+
+        Parameters
+        ----------
+        direction : Vector3f    The cone's axis in the grid's own axes, of any length.
+        sine : Float    Of half the cone's angle; 1 or more: every direction.
+
+        Returns
+        -------
+        Part
+        """
+        active = mi.Bool(active)
+        ranges = self._range(number, active)
+        azimuth, polar = self._angles(direction, ranges)
+        half = dr.safe_asin(dr.minimum(sine, 1.0))
+        # A little more, so that rounding leaves nothing out.
+        half += 1e-4
+        low, high = polar - half, polar + half
+        aside = dr.safe_asin(dr.minimum(dr.sin(half) / dr.maximum(dr.sin(polar), 1e-6), 1.0)) + 1e-4
+        left, right = azimuth - aside, azimuth + aside
+        is_whole = (low <= 0.0) | (high >= dr.pi) | (sine >= 1.0)
+        is_whole |= (left < ranges.x) | (right > ranges.y)
+        low = dr.select(sine >= 1.0, ranges.z, dr.clip(low, ranges.z, ranges.w))
+        high = dr.select(sine >= 1.0, ranges.w, dr.clip(high, ranges.z, ranges.w))
+        left = dr.select(is_whole, ranges.x, left)
+        right = dr.select(is_whole, ranges.y, right)
+        first_row, _ = self._locate(number, "polar", low, ranges.z, ranges.w, active)
+        last_row, _ = self._locate(number, "polar", high, ranges.z, ranges.w, active)
+        first_column, _ = self._locate(number, "azimuth", left, ranges.x, ranges.y, active)
+        last_column, _ = self._locate(number, "azimuth", right, ranges.x, ranges.y, active)
+        part = Part(number, first_column, last_column + 1, first_row, last_row + 1, mi.Float(0.0))
+        part.share = self._before(part, part.row_end, active) - self._before(part, part.row, active)
+        return part
+
+    def draw_in(self, part, sample, active=True):
+        """Draw a direction as `draw` does, but in a part: its density is that of all directions over the part's share."""
+        active = mi.Bool(active)
+        start = self._before(part, part.row, active)
+        wanted = start + sample.x * part.share
+        count = part.row_end - part.row
+        chosen = self._search(lambda i: self._before(part, part.row + i, active) <= wanted, count)
+        row = part.row + chosen
+        low, high = self._before(part, row, active), self._before(part, row + 1, active)
+        first = dr.clip((wanted - low) / dr.maximum(high - low, 1e-12), 0.0, 0.9999999)
+        cells = self._entry(part.number, "azimuth_cells", active)
+        base = self._entry(part.number, "columns", active) + row * (cells + 1)
+
+        def running(column):
+            return dr.gather(mi.Float, self._running, base + column, active)
+
+        start, end = running(part.column), running(part.column_end)
+        wanted = start + sample.y * (end - start)
+        count = part.column_end - part.column
+        chosen = self._search(lambda i: running(part.column + i) <= wanted, count)
+        column = part.column + chosen
+        low, high = running(column), running(column + 1)
+        second = dr.clip((wanted - low) / dr.maximum(high - low, 1e-12), 0.0, 0.9999999)
+        return self._draw_in_cell(part.number, column, row, first, second, active)
+
+    def _before(self, part, row, active):
+        """Share of the flux in a part's columns and in the rows before one."""
+        rows = self._entry(part.number, "polar_cells", active) + 1
+        base = self._entry(part.number, "sums", active) + row
+        end = dr.gather(mi.Float, self._sums, base + part.column_end * rows, active)
+        return end - dr.gather(mi.Float, self._sums, base + part.column * rows, active)
+
+    def _draw_in_cell(self, number, column, row, first, second, active):
+        """Draw a direction in a cell, polar angle by ``first``, azimuth by ``second``."""
+        ranges = self._range(number, active)
+        polar_cells = self._entry(number, "polar_cells", active)
         cell = self._entry(number, "cells", active) + column * polar_cells + row
         quad = dr.gather(mi.Vector4f, self._cells, cell, active)
         nodes = self._entry(number, "polar_nodes", active)
