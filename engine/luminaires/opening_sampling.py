@@ -185,21 +185,26 @@ def _meet_box(half, q, d):
     return t, dr.select(hit, chosen * dr.square(t) / dr.maximum(area, TINY), 0.0)
 
 
-# ---- ellipsoid: in the space where it is the unit sphere, uniformly over the cap that is seen ----
+# ---- ellipsoid: in the space where it is the unit sphere, by the area that the cap shows towards the receiver ----
 
 
 def _draw_on_ellipsoid(half, q, sample):
     towards = mi.Vector3f(q) / half
     distance = dr.norm(towards)
-    height = 1.0 - 1.0 / dr.maximum(distance, 1.0)
-    z = 1.0 - height * sample.x
-    flat = dr.safe_sqrt(1.0 - dr.square(z))
+    shown = _shown(distance)
+    z = dr.safe_sqrt(1.0 - shown * sample.x)
+    flat = dr.safe_sqrt(shown * sample.x)
     sine, cosine = dr.sincos(dr.two_pi * sample.y)
     frame = mi.Frame3f(towards / dr.maximum(distance, TINY))
     unit = frame.to_world(mi.Vector3f(flat * cosine, flat * sine, z))
     normal = unit / half * (half.x * half.y * half.z)
-    density = dr.select(height > 0.0, dr.inv_two_pi / dr.maximum(height, TINY), 0.0)
+    density = dr.select(shown > 0.0, z * dr.inv_pi / dr.maximum(shown, TINY), 0.0)
     return mi.Point3f(unit * half), density, normal
+
+
+def _shown(distance):
+    """Squared sine of the arc that is seen of a unit circle or sphere from so many radii, 0 inside."""
+    return 1.0 - 1.0 / dr.square(dr.maximum(distance, 1.0))
 
 
 def _meet_ellipsoid(half, q, d):
@@ -214,18 +219,18 @@ def _meet_ellipsoid(half, q, d):
     hit = (depth > 0.0) & (t > 0.0) & (dr.squared_norm(start) > 1.0)
     unit = nearest - ray * back
     seen = dr.abs(dr.dot(unit / half, d)) * (half.x * half.y * half.z)
-    height = 1.0 - 1.0 / dr.maximum(dr.norm(start), 1.0)
-    density = dr.inv_two_pi / dr.maximum(height, TINY)
+    distance = dr.norm(start)
+    height = dr.dot(unit, start) / dr.maximum(distance, TINY)
+    density = dr.maximum(height, 0.0) * dr.inv_pi / dr.maximum(_shown(distance), TINY)
     return t, dr.select(hit, density * dr.square(t) / dr.maximum(seen, TINY), 0.0)
 
 
-# ---- cylinder: the wall as an arc that is seen, or the cap that is seen ----
+# ---- cylinder: the arc of the wall that is seen, by the width that it shows, or the cap that is seen ----
 
 
 def _cylinder_parts(half, q):
-    """Probability of the wall, half of the arc of it that is seen [rad], and whether a cap is seen."""
+    """Probability of the wall, distance from the axis where the wall is the unit circle, and whether a cap is seen."""
     far = dr.sqrt(dr.square(q.x / half.x) + dr.square(q.y / half.y))
-    arc = dr.safe_acos(1.0 / dr.maximum(far, 1.0))
     above = dr.maximum(dr.abs(q.z) - half.z, 0.0)
     # Rough projected areas towards the receiver.
     aside = dr.sqrt(dr.square(q.x) + dr.square(q.y))
@@ -233,11 +238,12 @@ def _cylinder_parts(half, q):
     cap = dr.pi * half.x * half.y * above
     share = wall / dr.maximum(wall + cap, TINY)
     both = (wall > 0.0) & (cap > 0.0)
-    return dr.select(both, dr.clip(share, 0.02, 0.98), share), arc, above > 0.0
+    return dr.select(both, dr.clip(share, 0.02, 0.98), share), far, above > 0.0
 
 
 def _draw_on_cylinder(half, q, sample):
-    share, arc, has_cap = _cylinder_parts(half, q)
+    share, far, has_cap = _cylinder_parts(half, q)
+    arc = dr.sqrt(_shown(far))
     on_wall = sample.x < share
     u = dr.select(
         on_wall,
@@ -245,8 +251,10 @@ def _draw_on_cylinder(half, q, sample):
         (sample.x - share) / dr.maximum(1.0 - share, TINY),
     )
     u = dr.clip(u, 0.0, 0.9999999)
-    angle = dr.atan2(q.y / half.y, q.x / half.x) + arc * (2.0 * u - 1.0)
-    sine, cosine = dr.sincos(angle)
+    across = arc * (2.0 * u - 1.0)
+    towards = dr.safe_sqrt(1.0 - dr.square(across))
+    to_x, to_y = q.x / half.x / dr.maximum(far, TINY), q.y / half.y / dr.maximum(far, TINY)
+    cosine, sine = towards * to_x - across * to_y, towards * to_y + across * to_x
     wall = mi.Point3f(half.x * cosine, half.y * sine, half.z * (2.0 * sample.y - 1.0))
     wall_normal = mi.Vector3f(half.y * cosine, half.x * sine, 0.0) * (2.0 * half.z)
     disk = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, sample.y))
@@ -255,14 +263,15 @@ def _draw_on_cylinder(half, q, sample):
     cap_normal = mi.Vector3f(0.0, 0.0, dr.pi * half.x * half.y * side)
     density = dr.select(
         on_wall,
-        dr.select(arc > 0.0, 0.5 * share / dr.maximum(arc, TINY), 0.0),
+        dr.select(arc > 0.0, 0.5 * share * towards / dr.maximum(arc, TINY), 0.0),
         dr.select(has_cap, 1.0 - share, 0.0),
     )
     return dr.select(on_wall, wall, cap), density, dr.select(on_wall, wall_normal, cap_normal)
 
 
 def _meet_cylinder(half, q, d):
-    share, arc, has_cap = _cylinder_parts(half, q)
+    share, far, has_cap = _cylinder_parts(half, q)
+    arc = dr.sqrt(_shown(far))
     x, y, dx, dy = q.x / half.x, q.y / half.y, d.x / half.x, d.y / half.y
     squared = dr.maximum(dr.square(dx) + dr.square(dy), TINY)
     middle = -(x * dx + y * dy) / squared
@@ -275,7 +284,8 @@ def _meet_cylinder(half, q, d):
     # Over the angle, and along the axis over its whole length.
     px, py = near_x - back * dx, near_y - back * dy
     seen = dr.abs(px * half.y * d.x + py * half.x * d.y) * (2.0 * half.z)
-    wall = 0.5 * share / dr.maximum(arc, TINY) * dr.square(t) / dr.maximum(seen, TINY)
+    towards = dr.maximum((px * x + py * y) / dr.maximum(far, TINY), 0.0)
+    wall = 0.5 * share * towards / dr.maximum(arc, TINY) * dr.square(t) / dr.maximum(seen, TINY)
     safe = dr.select(dr.abs(d.z) > TINY, d.z, TINY)
     s = (dr.sign(q.z) * half.z - q.z) / safe
     on_cap = has_cap & (s > 0.0) & (dr.square(x + s * dx) + dr.square(y + s * dy) <= 1.0)

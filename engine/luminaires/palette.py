@@ -36,7 +36,7 @@ CANDIDATES = 10
 """Points of an opening that are compared at a next event where beams are narrow; an even number."""
 
 NARROW = 25.0
-"""Sharpness (`DistributionTables.sharpness`) from which a beam counts as narrow: about 40 degrees between half values."""
+"""Peak over mean intensity from which a distribution has narrow beams: one of about 40 degrees between half values."""
 
 NEAR_BEAM = 5.0
 """Candidates are compared where the opening's solid angle is more than a twentieth of the beam's, so within the distance
@@ -141,8 +141,10 @@ class LuminairePalette:
         self.has_narrow = bool(reach.any())
 
     def _narrowness(self, distribution: int) -> float:
-        sharpness = self.tables.sharpness(distribution)
-        return sharpness if sharpness > NARROW else 0.0
+        """Sharpness of a distribution that has narrow beams, 0 for others: unevenness alone needs no candidates."""
+        if self.tables.contrast(distribution) < NARROW:
+            return 0.0
+        return self.tables.sharpness(distribution)
 
     # ---- inside kernels ----
 

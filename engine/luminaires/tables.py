@@ -62,6 +62,7 @@ class _Prepared:
     sums: np.ndarray
     importance: np.ndarray
     crowding: int
+    contrast: float
     sharpness: float
     is_even: bool
 
@@ -211,6 +212,7 @@ def _prepare(distribution: IntensityDistribution) -> _Prepared:
         _sums(fluxes).ravel(),
         importance,
         max(crowding, other),
+        float(table.max()) * 4.0 * np.pi,
         sharpness,
         is_even,
     )
@@ -320,8 +322,12 @@ class DistributionTables:
         # A power of two, so that kernels seldom change.
         self._steps = max(int(max(counts, default=1)).bit_length(), 8)
 
+    def contrast(self, number: int) -> float:
+        """Peak of a distribution over its mean over the sphere; 4 if it is Lambertian."""
+        return list(self._prepared.values())[number].contrast
+
     def sharpness(self, number: int) -> float:
-        """How sharp a distribution is: peak over mean of a single beam, 4 if it is Lambertian, see `_sharpness`."""
+        """How sharp the features of a distribution are, see `_sharpness`."""
         return list(self._prepared.values())[number].sharpness
 
     # ---- inside kernels ----
