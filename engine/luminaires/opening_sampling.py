@@ -185,26 +185,38 @@ def _meet_box(half, q, d):
     return t, dr.select(hit, chosen * dr.square(t) / dr.maximum(area, TINY), 0.0)
 
 
-# ---- ellipsoid: in the space where it is the unit sphere, by the area that the cap shows towards the receiver ----
+# ---- ellipsoid: directions that are even over the cone around it in the space where it is the unit sphere ----
 
 
 def _draw_on_ellipsoid(half, q, sample):
-    towards = mi.Vector3f(q) / half
-    distance = dr.norm(towards)
-    shown = _shown(distance)
-    z = dr.safe_sqrt(1.0 - shown * sample.x)
-    flat = dr.safe_sqrt(shown * sample.x)
-    sine, cosine = dr.sincos(dr.two_pi * sample.y)
-    frame = mi.Frame3f(towards / dr.maximum(distance, TINY))
-    unit = frame.to_world(mi.Vector3f(flat * cosine, flat * sine, z))
-    normal = unit / half * (half.x * half.y * half.z)
-    density = dr.select(shown > 0.0, z * dr.inv_pi / dr.maximum(shown, TINY), 0.0)
-    return mi.Point3f(unit * half), density, normal
+    start = mi.Vector3f(q) / half
+    distance = dr.norm(start)
+    lift = sample.x * _cone(distance)
+    cosine = 1.0 - lift
+    sine = dr.safe_sqrt(lift * (1.0 + cosine))
+    sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
+    frame = mi.Frame3f(-start / dr.maximum(distance, TINY))
+    ray = frame.to_world(mi.Vector3f(sine * cos_phi, sine * sin_phi, cosine))
+    along = distance * cosine
+    back = dr.safe_sqrt(1.0 - dr.square(distance * sine))
+    point = mi.Point3f((start + ray * (along - back)) * half)
+    away = q - point
+    density = _density_of_cone(half, -dr.normalize(away), distance)
+    # As if it were an area element: the density is one of directions already.
+    return point, dr.select(distance > 1.0, density, 0.0), mi.Vector3f(away * dr.norm(away))
 
 
-def _shown(distance):
-    """Squared sine of the arc that is seen of a unit circle or sphere from so many radii, 0 inside."""
-    return 1.0 - 1.0 / dr.square(dr.maximum(distance, 1.0))
+def _cone(distance):
+    """One minus the cosine of half the angle under which the unit sphere is seen from so many radii."""
+    squared = dr.rcp(dr.square(dr.maximum(distance, 1.0)))
+    return squared / (1.0 + dr.safe_sqrt(1.0 - squared))
+
+
+def _density_of_cone(half, direction, distance):
+    """Density of directions [1/sr]; directions of the two spaces differ by the solid angle that the scaling makes of one."""
+    scaled = dr.norm(direction / half)
+    stretch = dr.rcp(half.x * half.y * half.z * scaled * dr.square(scaled))
+    return dr.inv_two_pi * stretch / dr.maximum(_cone(distance), TINY)
 
 
 def _meet_ellipsoid(half, q, d):
@@ -214,15 +226,10 @@ def _meet_ellipsoid(half, q, d):
     middle = -dr.dot(start, ray) / squared
     nearest = start + ray * middle
     depth = 1.0 - dr.squared_norm(nearest)
-    back = dr.safe_sqrt(depth / squared)
-    t = middle - back
-    hit = (depth > 0.0) & (t > 0.0) & (dr.squared_norm(start) > 1.0)
-    unit = nearest - ray * back
-    seen = dr.abs(dr.dot(unit / half, d)) * (half.x * half.y * half.z)
+    t = middle - dr.safe_sqrt(depth / squared)
     distance = dr.norm(start)
-    height = dr.dot(unit, start) / dr.maximum(distance, TINY)
-    density = dr.maximum(height, 0.0) * dr.inv_pi / dr.maximum(_shown(distance), TINY)
-    return t, dr.select(hit, density * dr.square(t) / dr.maximum(seen, TINY), 0.0)
+    hit = (depth > 0.0) & (t > 0.0) & (distance > 1.0)
+    return t, dr.select(hit, _density_of_cone(half, d, distance), 0.0)
 
 
 # ---- cylinder: the arc of the wall that is seen, by the width that it shows, or the cap that is seen ----
@@ -239,6 +246,11 @@ def _cylinder_parts(half, q):
     share = wall / dr.maximum(wall + cap, TINY)
     both = (wall > 0.0) & (cap > 0.0)
     return dr.select(both, dr.clip(share, 0.02, 0.98), share), far, above > 0.0
+
+
+def _shown(distance):
+    """Squared sine of the arc that is seen of a unit circle from so many radii, 0 inside."""
+    return 1.0 - 1.0 / dr.square(dr.maximum(distance, 1.0))
 
 
 def _draw_on_cylinder(half, q, sample):

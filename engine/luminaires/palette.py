@@ -429,7 +429,8 @@ def luminaires_class():
         def sample_ray(self, time, sample1, sample2, sample3, active=True):
             row, active = mi.UInt32(time), mi.Bool(active)
             start, direction, _ = self.palette.emit(row, sample2, sample3, active)
-            ray = mi.Ray3f(start, direction, time, mi.Color0f())
+            ray = mi.Ray3f(start, direction)
+            ray.time = time
             if "spectral" not in mi.variant():
                 return ray, mi.Spectrum(self.palette.spectrum(row, None, active) & active)
             width = float(MAXIMUM_WAVELENGTH - MINIMUM_WAVELENGTH)

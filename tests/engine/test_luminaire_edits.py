@@ -2,14 +2,15 @@
 
 from dataclasses import replace
 
-import drjit as dr
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening
+from lumenray.engine.scene.light import Output, Quantity
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Blackbody, Constant
-from lumenray.engine.session import Session
+from lumenray.engine.session import Display, LiveSettings, Session
 from lumenray.engine.worker import codec
 from luminaires import DISTRIBUTIONS, OPENINGS, frame_of, luminaire, turn
 from small_scenes import paint, quad, session_of
@@ -43,10 +44,13 @@ def edits():
     dimmed = replace(a, output=replace(a.output, value=123.0))
     return {
         "power": {"a": dimmed},
+        "unit": {"a": replace(a, output=Output(Quantity.RADIANT_FLUX, 3.0))},
         "zero": {"b": replace(b, output=replace(b.output, value=0.0))},
         "move": {"a": replace(a, frame=frame_of((1.5, 2.5, 2.6)))},
         "rotate": {"c": replace(c, frame=frame_of((3.0, 1.0, 2.5), turn(8)))},
         "other distribution": {"a": replace(a, distribution=DISTRIBUTIONS["up and down"])},
+        "one that is known": {"c": replace(c, distribution=DISTRIBUTIONS["batwing"])},
+        "other size": {"a": replace(a, opening=Opening("rectangle", (0.2, 0.0, 1.1), "y"))},
         "other opening": {"a": replace(a, opening=OPENINGS["cylinder"])},
         "from an opening to a point": {"b": replace(b, opening=Opening())},
         "one more": {"d": luminaire("type B", OPENINGS["box"], (1.0, 3.0, 2.5), key="d")},
@@ -74,7 +78,31 @@ def test_an_edit_ends_where_a_fresh_start_does(name):
     assert (live.illuminance > 0.0).any()
 
 
+def test_a_live_view_ends_where_a_fresh_start_does():
+    lights = first_lights()
+    session = session_of(*ROOM, *lights.values())
+    frame = frame_of((2.0, 2.0, 2.9))
+    camera = Camera(frame, Projection.PERSPECTIVE, 24, 18, 1.2, 0.9)
+    session.watch(camera, LiveSettings(samples=4), Display())
+    for change in edits().values():
+        for key, item in change.items():
+            if item is not None:
+                lights[key] = item
+                session.apply(SceneDelta((item,)))
+            elif key in lights:
+                session.apply(SceneDelta(removed=(lights.pop(key).id,)))
+        session.refine()
+    # Brought back in another order than they came.
+    lights = {**lights, **dict(list(first_lights().items())[::-1])}
+    session.apply(SceneDelta(tuple(lights.values())))
+    session.refine()
+    fresh = readings(session_of(*ROOM, *lights.values()))
+    np.testing.assert_array_equal(readings(session).illuminance, fresh.illuminance)
+
+
 def test_edits_of_numbers_meet_known_kernels():
+    import drjit as dr
+
     session = session_of(*ROOM, *first_lights().values())
     a, b, c = first_lights().values()
 
@@ -97,6 +125,32 @@ def test_edits_of_numbers_meet_known_kernels():
             assert kernels
             if k:
                 assert all(entry["cache_hit"] for entry in kernels)
+    finally:
+        dr.set_flag(dr.JitFlag.KernelHistory, False)
+
+
+def test_one_more_of_a_known_kind_meets_known_kernels():
+    import drjit as dr
+
+    # Tables grow by powers of two: five lights leave room for three.
+    lights = [
+        luminaire("batwing", OPENINGS["rectangle"], (0.5 * k, 1.0, 2.5), key=f"l{k}")
+        for k in range(8)
+    ]
+    session = session_of(*ROOM, *lights[:5])
+    readings(session)
+    dr.set_flag(dr.JitFlag.KernelHistory, True)
+    try:
+        for light in lights[5:]:
+            dr.kernel_history_clear()
+            session.apply(SceneDelta((light,)))
+            readings(session)
+            kernels = [e for e in dr.kernel_history() if e["type"] == dr.KernelType.JIT]
+            assert kernels
+            # A kernel that only lies on the disk is as new to whoever has never added this many.
+            new = [e for e in kernels if e["cache_disk"] or not e["cache_hit"]]
+            if light is not lights[5]:
+                assert not new
     finally:
         dr.set_flag(dr.JitFlag.KernelHistory, False)
 

@@ -333,16 +333,14 @@ def shown_area(opening, direction):
             return np.pi * a * b * z + 4.0 * c * np.hypot(a * y, b * x)
 
 
-def illuminance(light, positions, normals, count=96, is_seen=None):
+def illuminance(light, positions, normals, count=96, is_scattered=False):
     """Direct illuminance by quadrature over the opening; the inverse-square law for a point. (n,) [lx]
 
     Parameters
     ----------
     light : Luminaire    Of a luminous flux.
     positions, normals : (n, 3) array    Of sensors, which lie `SENSOR_HEIGHT` above. [m]
-    count : int    Points along each side of the opening's pieces.
-    is_seen : callable or None    Tells for points (k, 3) of the scene [m] and a sensor's place whether nothing stands
-        between.
+    count, is_scattered    As in `opening_pieces`; without rows, where the distribution has edges.
     """
     positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
@@ -357,7 +355,7 @@ def illuminance(light, positions, normals, count=96, is_seen=None):
         cosine = np.maximum(-(direction * facing).sum(axis=1), 0.0)
         return scale * intensity(light.distribution, direction) * cosine / distance**2
     made = np.zeros(len(positions))
-    for points, elements in opening_pieces(light.opening, count):
+    for points, elements in opening_pieces(light.opening, count, is_scattered):
         for row in range(len(positions)):
             away = local[row] - points
             distance = np.linalg.norm(away, axis=1)
@@ -365,8 +363,6 @@ def illuminance(light, positions, normals, count=96, is_seen=None):
             seen = np.maximum((elements * direction).sum(axis=1), 0.0)
             cosine = np.maximum(-direction @ facing[row], 0.0)
             use = (seen > 0.0) & (cosine > 0.0)
-            if is_seen is not None:
-                use &= is_seen(points @ rotation.T + centre, positions[row])
             if use.any():
                 luminance = intensity(light.distribution, direction[use]) / shown_area(
                     light.opening, direction[use]

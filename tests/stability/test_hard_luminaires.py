@@ -1,6 +1,9 @@
 """Luminaires where numbers are at their ends: sizes, distances, places and intensities that files and scenes hold."""
 
 import gc
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,6 +47,20 @@ def test_receivers_in_on_and_beside_an_opening(name):
     made = measured([light], places, normals, 1024)
     # No place can get more than from a body of its largest luminance all around.
     assert made.illuminance.max() < 1e6
+
+
+@pytest.mark.parametrize("gap", [1e-3, 0.02])
+def test_a_millimetre_off_an_opening(gap):
+    # The exitance of a face below its middle, and a sphere's by the square of the distance.
+    face = luminaire("lambertian", Opening("rectangle", (0.6, 0.3, 0.0)), lumens=900.0)
+    ball = luminaire("even", OPENINGS["sphere"], lumens=900.0)
+    for light, height, expected in (
+        (face, gap, 900.0 / 0.18),
+        (ball, 0.2 + gap, 900.0 / (4.0 * np.pi * (0.2 + gap) ** 2)),
+    ):
+        made = measured([light], [[0.0, 0.0, -height - 1e-4]], [[0.0, 0.0, 1.0]], 1 << 14)
+        assert made.standard_error[0] < 0.01 * expected
+        assert made.illuminance[0] == pytest.approx(expected, rel=0.025)
 
 
 @pytest.mark.parametrize("name", ["rectangle", "sphere", "cylinder"])
@@ -162,3 +179,49 @@ def test_old_scenes_do_not_end_the_process():
             measured(lights, [[0, 0, 0]], [[0, 0, 1]], 16)
         finally:
             gc.set_threshold(*threshold)
+
+
+GARBAGE = """
+import gc, sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.transport import backend
+backend.start(spectral=False)
+from lumenray.engine.transport import paths
+from luminaires import OPENINGS, luminaire
+from small_scenes import session_of
+
+def light_up(height):
+    session = session_of(luminaire("batwing", OPENINGS["rectangle"], (0.0, 0.0, height)))
+    return session, session.measure([[0, 0, 0]], [[0, 0, 1]], StopRule(samples=16))
+
+gc.disable()
+for height in (1.0, 2.0, 3.0):
+    cycle = list(light_up(height))
+    cycle.append(cycle)
+del cycle
+sample_emitter = paths.sample_emitter
+
+def sample_beside_garbage(*values):
+    made = sample_emitter(*values)
+    # As many objects as let Python look for garbage of its own accord.
+    [[] for _ in range(1_000_000)]
+    return made
+
+paths.sample_emitter = sample_beside_garbage
+gc.enable()
+print(light_up(4.0)[1].illuminance[0] > 0.0)
+"""
+
+
+def test_garbage_of_a_caller_does_not_end_the_process():
+    # Dr.Jit ends the process when emitters are freed while a kernel is made, so this one is another.
+    made = subprocess.run(
+        [sys.executable, "-c", GARBAGE, str(Path(__file__).parents[1] / "helpers")],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert made.stdout.strip() == "True", made.stderr[-500:]

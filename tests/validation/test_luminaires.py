@@ -37,7 +37,7 @@ SHAPES = {"point": POINT, **OPENINGS}
 def sphere_points(count):
     """Directions spread evenly over the sphere, by the golden angle. (n, 3)"""
     z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
-    angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count) + 0.3
     flat = np.sqrt(1.0 - z * z)
     return np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
 
@@ -80,7 +80,7 @@ def test_points_give_their_intensity_by_the_inverse_square_law():
         expected = intensity(distribution, local) * scale
         # Within the single precision of an angle, the steepest flank of a distribution may be climbed.
         slack = 3e-5 * distribution.intensity.max() * scale
-        assert (np.abs(made.illuminance - expected) < 1e-4 * expected + slack).all(), name
+        assert (np.abs(made.illuminance - expected) <= 1e-4 * expected + slack).all(), name
         assert (expected > 0.0).mean() > 0.2, name
 
 
@@ -93,13 +93,13 @@ def test_a_quarter_turn_about_the_beam_swaps_the_planes():
         straight = session_of(luminaire(name)).measure(places, up, rule).illuminance
         turned = session_of(luminaire(name, rotation=quarter)).measure(places, up, rule).illuminance
         assert turned[1] == pytest.approx(straight[0], rel=1e-3)
-        assert abs(straight[0] - straight[1]) > 0.05 * straight[0]
+        assert abs(straight[0] - straight[1]) > 0.01 * straight[0]
 
 
 # ---- openings: quadrature, closed forms, the far field ----
 
 
-def places_near(opening, seed, count=24):
+def places_near(opening, seed, count=8):
     """Places and normals around an opening, from right beside it to ten of its sizes away, in its axes."""
     rng = np.random.default_rng(seed)
     size = np.linalg.norm(opening.size)
@@ -112,19 +112,19 @@ def places_near(opening, seed, count=24):
 
 
 @pytest.mark.parametrize("name", OPENINGS)
-@pytest.mark.parametrize("shape", ["batwing", "type B", "spot"])
+@pytest.mark.parametrize("shape", ["asymmetric", "spot"])
 def test_openings_light_their_surroundings_as_quadrature_says(name, shape):
     opening, rotation = OPENINGS[name], turn(3)
     light = luminaire(shape, opening, CENTRE, rotation, LUMENS)
     places, normals = places_near(opening, 1)
     if shape == "spot":
         # In the beam.
-        places[:, 2] = -np.abs(places[:, 2]) - 0.4
         places[:, :2] *= 0.3
+        places[:, 2] = -np.abs(places[:, 2]) - 0.4
         normals = normals_near(places / np.linalg.norm(places, axis=1, keepdims=True), 2)
     places, normals = places @ rotation.T + CENTRE, normals @ rotation.T
     made = session_of(light).measure(places, normals, StopRule(samples=1 << 13), seed=1)
-    expected = illuminance(light, places, normals, 160)
+    expected = illuminance(light, places, normals, 256, is_scattered=True)
     slack = 1e-3 * expected + 1e-5 * expected.max()
     assert (np.abs(made.illuminance - expected) < 4.0 * made.standard_error + slack).all()
     assert np.median(made.standard_error / np.maximum(expected, 1e-3 * expected.max())) < 0.02
@@ -188,9 +188,11 @@ def test_an_even_sphere_is_a_point_to_a_sensor_that_sees_all_of_it():
     distance = np.array([0.21, 0.25, 0.4, 1.0, 10.0, 1000.0])
     towards = sphere_points(len(distance))
     places = CENTRE + (distance + SENSOR_HEIGHT)[:, None] * towards
-    made = session_of(light).measure(places, -towards, StopRule(samples=1 << 13))
+    made = session_of(light).measure(places, -towards, StopRule(samples=1 << 16))
     expected = np.pi * luminance * (radius / distance) ** 2
-    assert (np.abs(made.illuminance - expected) < 4.0 * made.standard_error + 1e-3 * expected).all()
+    # Scattered rays begin a tenth of a millimetre above a sensor.
+    slack = (1e-3 + 2.4e-4 / distance) * expected
+    assert (np.abs(made.illuminance - expected) < 4.0 * made.standard_error + slack).all()
     # And nobody sees it from behind.
     assert session_of(light).measure(places, towards, StopRule(samples=64)).illuminance.max() == 0.0
 
@@ -207,7 +209,7 @@ def test_far_away_every_opening_is_a_point(name):
     local = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), -np.cos(polar)], axis=-1)
     towards = local.reshape(-1, 3) @ rotation.T
     places = CENTRE + distance * towards
-    rule = StopRule(samples=256)
+    rule = StopRule(samples=1 << 14)
     made = [
         session_of(luminaire("batwing", shape, CENTRE, rotation, LUMENS)).measure(
             places, -towards, rule
@@ -215,7 +217,7 @@ def test_far_away_every_opening_is_a_point(name):
         for shape in (opening, POINT)
     ]
     error = 4.0 * made[0].standard_error
-    assert (error < 1e-3 * made[1].illuminance).all()
+    assert (error < 2e-3 * made[1].illuminance).all()
     difference = np.abs(made[0].illuminance - made[1].illuminance)
     assert (difference < 1e-3 * made[1].illuminance + error).all()
 
@@ -225,13 +227,13 @@ def test_far_away_every_opening_is_a_point(name):
 
 @pytest.mark.parametrize(
     ("shape", "name"),
-    [("type A", "point"), ("batwing", "cylinder"), ("asymmetric", "box"), ("spot", "rectangle")],
+    [("type A", "point"), ("batwing", "cylinder"), ("asymmetric", "box"), ("irregular", "ellipse")],
 )
 def test_all_flux_arrives_at_a_sphere_of_sensors(transport, shape, name):
     radius, count = 1.0, 4096
     # The middle lies off the luminaire's.
     towards = sphere_points(count) @ turn(9).T
-    middle = CENTRE + [0.1, -0.05, 0.2]
+    middle = CENTRE + np.array([0.1, -0.05, 0.2])
     light = luminaire(shape, SHAPES[name], CENTRE, turn(6), LUMENS, spectrum=Blackbody(3000.0))
     made = session_of(light).measure(
         middle + (radius + SENSOR_HEIGHT) * towards,
@@ -243,6 +245,25 @@ def test_all_flux_arrives_at_a_sphere_of_sensors(transport, shape, name):
     error = np.sqrt((made.standard_error**2).sum()) / count * 4.0 * np.pi * radius**2
     assert arriving == pytest.approx(LUMENS, rel=5e-3)
     assert error < 2e-3 * LUMENS
+
+
+@pytest.mark.parametrize("shape", ["rectangle", "ellipsoid"])
+def test_all_flux_of_a_narrow_beam_arrives_on_the_floor(shape):
+    # 6 degrees between half values; a sensor in the middle of each of 64 x 64 squares.
+    opening = Opening(shape, (0.6, 0.3, 0.0 if shape == "rectangle" else 0.2))
+    light = luminaire("spot", opening, CENTRE, lumens=LUMENS)
+    height, side, count = 1.0, 1.6, 64
+    place = ((np.arange(count) + 0.5) / count - 0.5) * side
+    x, y = np.meshgrid(place, place)
+    floor = np.full(x.size, -height - SENSOR_HEIGHT)
+    places = CENTRE + np.stack([x.ravel(), y.ravel(), floor], axis=1)
+    up = np.tile([0.0, 0.0, 1.0], (x.size, 1))
+    made = session_of(light).measure(places, up, StopRule(samples=64))
+    error = np.sqrt((made.standard_error**2).mean() / x.size) * side**2
+    assert error < 3e-3 * LUMENS
+    assert made.illuminance.mean() * side**2 == pytest.approx(
+        LUMENS, abs=4.0 * error + 1e-3 * LUMENS
+    )
 
 
 PLACES = np.array([[0.0, 0.0, 1.0], [1.0, -1.0, 0.5], [-0.5, 0.8, 2.2], [0.4, 0.3, 4.0]])
@@ -310,7 +331,7 @@ def test_only_proportions_of_the_intensities_count():
 def test_a_tint_keeps_the_lumens():
     rule = StopRule(samples=1 << 13)
     plain = session_of(*TRIO).measure(PLACES, NORMALS, rule, transport="mono")
-    for colour in (Rgb(1.0, 0.1, 0.05), Rgb(0.1, 0.2, 1.0), Blackbody(2200.0)):
+    for colour in (Rgb(1.0, 0.1, 0.05), Blackbody(12000.0)):
         tinted = [replace(x, output=replace(x.output, spectrum=colour)) for x in TRIO]
         made = session_of(*tinted).measure(PLACES, NORMALS, rule, seed=4, transport="spectral")
         error = np.hypot(plain.standard_error, made.standard_error)
@@ -346,22 +367,22 @@ def test_a_camera_sees_intensity_over_shown_area():
             "even", OPENINGS["sphere"], (7.0, 0.0, 0.0), key="hidden", visible_to_camera=False
         )
     )
-    # 64 pixels are 8 m, each of the lights in the middle of 8 of them.
+    # 128 pixels are 8 m, each of the lights in the middle of 16 of them.
     frame = frame_of((3.5, 0.0, 5.0))
     picture = session_of(*lights).render(
-        looking(frame, 64, 8, 8.0), ViewSettings(StopRule(samples=64))
+        looking(frame, 128, 16, 8.0), ViewSettings(StopRule(samples=64))
     )
-    luminance = picture.tristimulus[..., 1].reshape(8, 8, 8)
+    luminance = picture.tristimulus[..., 1].reshape(16, 8, 16)
     for k, light in enumerate(lights[:-1]):
         away = np.array([[0.0, 0.0, 1.0]]) @ light.frame[:3, :3]
         scale = light.output.value / flux(light.distribution)
         expected = scale * intensity(light.distribution, away) / shown_area(light.opening, away)
-        middle = luminance[3:5, k, 3:5]
+        middle = luminance[7:9, k, 7:9]
         assert middle == pytest.approx(expected[0], rel=1e-3, abs=1e-6), light.name
         # And all of it together is the intensity.
-        seen = luminance[:, k].sum() * (8.0 / 64.0) ** 2
+        seen = luminance[:, k].sum() * (8.0 / 128.0) ** 2
         assert seen == pytest.approx(
-            scale * intensity(light.distribution, away)[0], rel=0.05, abs=1e-6
+            scale * intensity(light.distribution, away)[0], rel=0.03, abs=1e-6
         ), light.name
     assert luminance[:, 7].max() == 0.0
 
@@ -387,7 +408,7 @@ def test_a_rough_mirror_shows_a_luminaire_as_it_shows_an_area_light(roughness):
     blocks, errors = [], []
     for seed, light in enumerate(lights):
         made = session_of(light, metal, floor).render(
-            camera, ViewSettings(StopRule(samples=512), seed=seed)
+            camera, ViewSettings(StopRule(samples=256), seed=seed)
         )
         blocks.append(made.tristimulus[..., 1].reshape(6, 4, 6, 4).mean(axis=(1, 3)))
         errors.append((made.luminance_error**2).reshape(6, 4, 6, 4).sum(axis=(1, 3)) / 256.0)
