@@ -168,7 +168,9 @@ def test_the_series_have_their_colour_temperatures(kind):
     for _, members in SERIES[kind]:
         assert list(members.values()) == sorted(members.values())
         for name, temperature in members.items():
-            assert colour_temperature(Illuminant(name)) == pytest.approx(temperature, rel=2e-3), name
+            assert colour_temperature(Illuminant(name)) == pytest.approx(temperature, rel=2e-3), (
+                name
+            )
     nearest = [abs(t / USUAL[kind] - 1.0) for t in SERIES[kind][0][1].values()]
     assert min(nearest) <= NEAR
 
