@@ -4,6 +4,7 @@ Only plain data (dataclasses, numpy arrays, strings) passes, so that the same in
 its own.
 """
 
+import gc
 import threading
 import time
 from collections.abc import Callable
@@ -309,6 +310,18 @@ class _View:
     frame_seconds: float = 0.0
 
 
+@contextmanager
+def _garbage_left_alone():
+    """Keep Python from freeing old scenes on its own: Dr.Jit ends the process if that hits the making of a kernel."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
 class Session:
     """Keeps a scene and answers questions about it, in this process and on the calling thread.
 
@@ -589,7 +602,7 @@ class Session:
     @contextmanager
     def _engine(self, transport: str, is_live: bool = False):
         """Give the compiled scene, alone with the process's Mitsuba."""
-        with _ONE_AT_A_TIME:
+        with _ONE_AT_A_TIME, _garbage_left_alone():
             self._cancel = False
             self._is_busy = not is_live
             try:
@@ -606,6 +619,7 @@ class Session:
 
     def _pause(self) -> None:
         """Let others work for a moment, and come back to our own variant."""
+        gc.collect(1)
         if self._interrupt is None:
             return
         self._interrupt()

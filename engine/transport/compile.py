@@ -291,7 +291,7 @@ class CompiledScene:
                 continue
             changes.lights += 1
             if light is not None and lamp is not None:
-                is_moved = change_lamp(lamp, light, self.origin)
+                is_moved = change_lamp(lamp, light, self.origin, self._nothing)
                 if is_moved is not None:
                     if is_moved:
                         self._veil.replace(lamp.body_id)
@@ -304,7 +304,9 @@ class CompiledScene:
                     self._pool.remove(lamp.body_id)
             if isinstance(light, Luminaire) and self._luminaires is None:
                 self._luminaires = make_emitter(LuminairePalette())
-            made = None if light is None else make_lamp(light, self.origin, self._luminaires)
+            made = None
+            if light is not None:
+                made = make_lamp(light, self.origin, self._nothing, self._luminaires)
             if made is not None:
                 self._lamps[key] = made
                 if made.body is not None:

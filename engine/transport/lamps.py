@@ -42,30 +42,31 @@ class Lamp:
             pool.add_flat(self.body_id, self.source.axis)
 
 
-def make_lamp(light, origin: np.ndarray, luminaires=None) -> Lamp | None:
+def make_lamp(light, origin: np.ndarray, nothing, luminaires=None) -> Lamp | None:
     """Make the emitter of a light, None when it gives no light or shines from infinity.
 
     Parameters
     ----------
     light : Light
     origin : (3,) array    Of the compiled scene's frame. [m]
+    nothing : mi.BSDF    What bodies are made of for others' light.
     luminaires : mi.Emitter or None    That of all luminaires of the scene; no other light needs it.
     """
     if light.output.value <= 0.0:
         return None
     match light:
         case Luminaire():
-            return _make_luminaire(light, origin, luminaires)
+            return _make_luminaire(light, origin, nothing, luminaires)
         case PointLight():
-            return _make_point(light, origin)
+            return _make_point(light, origin, nothing)
         case SpotLight():
             return _make_spot(light, origin)
         case AreaLight():
-            return _make_area(light, origin)
+            return _make_area(light, origin, nothing)
     return None
 
 
-def change_lamp(lamp: Lamp, light, origin: np.ndarray) -> bool | None:
+def change_lamp(lamp: Lamp, light, origin: np.ndarray, nothing) -> bool | None:
     """Change a lamp with a body in place, so that kernels do not change.
 
     Returns
@@ -77,7 +78,7 @@ def change_lamp(lamp: Lamp, light, origin: np.ndarray) -> bool | None:
         return None
     if isinstance(light, Luminaire):
         return _change_luminaire(lamp, light, origin)
-    new = make_lamp(light, origin)
+    new = make_lamp(light, origin, nothing)
     if new is None or new.body is None or new.body.shape_type() != lamp.body.shape_type():
         return None
     if new.source.emitter.is_narrow != lamp.source.emitter.is_narrow:
@@ -119,7 +120,7 @@ def surface_emitter(made, two_sided=False, pattern=None, spread=np.pi):
     return mi.load_dict(plugin)
 
 
-def _make_point(light: PointLight, origin) -> Lamp:
+def _make_point(light: PointLight, origin, nothing) -> Lamp:
     made, flux, factor = _output(light)
     centre = np.asarray(light.position, dtype=np.float64) - origin
     place = [float(x) for x in centre]
@@ -129,7 +130,7 @@ def _make_point(light: PointLight, origin) -> Lamp:
     emitter = surface_emitter(made.scaled(factor))
     shape = {"type": "sphere", "center": place, "radius": float(light.radius)}
     return _with_body(
-        light, shape, Source(emitter, flux, made.density, centre, float(light.radius))
+        light, shape, Source(emitter, flux, made.density, centre, float(light.radius)), nothing
     )
 
 
@@ -149,7 +150,7 @@ def _make_spot(light: SpotLight, origin) -> Lamp:
     return Lamp(light, Source(mi.load_dict(plugin), flux, made.density, centre, light.radius))
 
 
-def _make_area(light: AreaLight, origin) -> Lamp:
+def _make_area(light: AreaLight, origin, nothing) -> Lamp:
     if emission.area_of(light) <= 0.0:
         raise SceneError(f"area light '{light.name}' has no area; give it a size above 0")
     made, flux, factor = _output(light)
@@ -164,16 +165,16 @@ def _make_area(light: AreaLight, origin) -> Lamp:
     emitter = surface_emitter(made.scaled(factor), spread=light.spread)
     radius = 0.5 * float(np.hypot(light.size_x, light.size_y))
     source = Source(emitter, flux, made.density, frame[:3, 3], radius, -frame[:3, 2])
-    return _with_body(light, shape, source)
+    return _with_body(light, shape, source, nothing)
 
 
-def _make_luminaire(light: Luminaire, origin, emitter) -> Lamp:
+def _make_luminaire(light: Luminaire, origin, nothing, emitter) -> Lamp:
     row = _row_of(light, origin, distribution_digest(light.distribution))
     made = emission.luminaire_flux(light)
     source = Source(emitter, made.amount, made.density, row.centre, row.radius, luminaire=row)
     if light.opening.shape == "point":
         return Lamp(light, source)
-    opening = make_body(light.opening.shape, row)
+    opening = make_body(light.opening.shape, row, nothing)
     return Lamp(light, source, opening.shape, pointer_id(opening.shape), opening)
 
 
@@ -211,9 +212,9 @@ def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
     return False
 
 
-def _with_body(light, shape: dict, source: Source) -> Lamp:
+def _with_body(light, shape: dict, source: Source, nothing) -> Lamp:
     """Give a lamp its luminous body; light of others passes it, as in Blender."""
-    made = mi.load_dict({**shape, "bsdf": {"type": "null"}, "emitter": source.emitter})
+    made = mi.load_dict({**shape, "bsdf": nothing, "emitter": source.emitter})
     # Mitsuba keeps a rectangle's place as a part of kernels until it is set anew.
     _set_place(made, mi.traverse(made)["to_world"])
     return Lamp(light, source, made, pointer_id(made))

@@ -346,7 +346,8 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     from .paths import transmittance
 
     count = scene.lights.count
-    repeats = int(np.clip(lanes // (PILOT_POINTS * count), 1, 64))
+    # A power of two, since kernels have it in them.
+    repeats = 1 << int(np.clip(lanes // (PILOT_POINTS * count), 1, 64)).bit_length() - 1
     lane = dr.arange(mi.UInt32, PILOT_POINTS * count * repeats)
     # Numbers of lights as data, so that one more needs no new kernel.
     many, times = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, repeats)
@@ -362,7 +363,8 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     ds, value = scene.lights.pointer(light).sample_direction(at, sample, active)
     cosine = dr.maximum(dr.dot(ds.d, at.n), 0.0)
     lit = active & (ds.pdf > 0.0) & (cosine > 0.0)
-    amount = dr.mean(value * transmittance(scene, at, ds.p, lit)) * cosine
+    # A sum, since a mean has the number of lanes in its kernel.
+    amount = dr.sum(value * transmittance(scene, at, ds.p, lit)) * cosine
     amount = dr.select(lit & dr.isfinite(amount), amount, 0.0)
     sums = dr.block_reduce(dr.ReduceOp.Add, amount, repeats)
     return np.array(sums, dtype=np.float64).reshape(PILOT_POINTS, count)

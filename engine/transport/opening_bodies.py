@@ -33,13 +33,14 @@ class OpeningBody:
             pool.add_mesh(number, self.positions, self.faces)
 
 
-def make_body(shape: str, row: Row) -> OpeningBody:
+def make_body(shape: str, row: Row, nothing) -> OpeningBody:
     """Make the shape of an opening, which others' light passes.
 
     Parameters
     ----------
     shape : str    One of `scene.distribution.SHAPES`, not ``point``.
     row : Row    Where it is and how large.
+    nothing : mi.BSDF    What it is made of for others' light; one for all, since every surface model is part of kernels.
     """
     if shape in {"rectangle", "ellipse"}:
         frame = np.eye(4)
@@ -47,12 +48,12 @@ def make_body(shape: str, row: Row) -> OpeningBody:
         frame[:3, 3] = row.centre
         kind = "disk" if shape == "ellipse" else "rectangle"
         place = mi.ScalarTransform4f([list(line) for line in frame])
-        made = mi.load_dict({"type": kind, "to_world": place, "bsdf": {"type": "null"}})
+        made = mi.load_dict({"type": kind, "to_world": place, "bsdf": nothing})
         return OpeningBody(made, normal=row.axes[:, 2])
     if shape == "ellipsoid" and np.ptp(row.half) <= 1e-6 * row.half.max():
         place = [float(x) for x in row.centre]
         made = mi.load_dict(
-            {"type": "sphere", "center": place, "radius": row.half[0], "bsdf": {"type": "null"}}
+            {"type": "sphere", "center": place, "radius": row.half[0], "bsdf": nothing}
         )
         return OpeningBody(made, centre=row.centre)
     unit, faces = {"box": _box, "ellipsoid": _sphere, "cylinder": _cylinder}[shape]()
@@ -60,7 +61,7 @@ def make_body(shape: str, row: Row) -> OpeningBody:
     if np.linalg.det(row.axes) < 0.0:
         faces = faces[:, ::-1]
     properties = mi.Properties()
-    properties["bsdf"] = mi.load_dict({"type": "null"})
+    properties["bsdf"] = nothing
     properties["face_normals"] = True
     made = mi.Mesh("opening", len(positions), len(faces), properties, False, False)
     values = mi.traverse(made)

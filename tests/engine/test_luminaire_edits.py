@@ -23,6 +23,11 @@ ROOM = (
     paint(0.5),
     quad("floor", [0, 0, -0.01], [4, 0, 0], [0, 4, 0], "paint"),
     quad("wall", [0, 4, 0], [4, 0, 0], [0, 0, 3], "paint"),
+    # Kinds of openings are parts of kernels: with all of them there, few have to be made for the edits below.
+    luminaire("irregular", OPENINGS["box"], (3.5, 0.5, 2.0), turn(5), 20.0, "first"),
+    luminaire("irregular", OPENINGS["cylinder"], (3.5, 3.5, 2.0), turn(6), 20.0, "second"),
+    luminaire("irregular", OPENINGS["ellipse"], (0.5, 2.5, 2.0), turn(8), 20.0, "third"),
+    luminaire("spot", OPENINGS["rectangle"], (0.5, 3.5, 2.0), turn(7), 20.0, "fourth"),
 )
 
 
@@ -72,6 +77,8 @@ def test_an_edit_ends_where_a_fresh_start_does(name):
     lights = {k: v for k, v in {**lights, **change}.items() if v is not None}
     transport = "spectral" if name == "spectrum" else "mono"
     live = readings(session, transport)
+    # Kernels know how many emitters live.
+    del session
     fresh = readings(session_of(*ROOM, *lights.values()), transport)
     np.testing.assert_array_equal(live.illuminance, fresh.illuminance)
     assert live.provenance.scene_hash == fresh.provenance.scene_hash
@@ -96,8 +103,10 @@ def test_a_live_view_ends_where_a_fresh_start_does():
     lights = {**lights, **dict(list(first_lights().items())[::-1])}
     session.apply(SceneDelta(tuple(lights.values())))
     session.refine()
+    live = readings(session)
+    del session
     fresh = readings(session_of(*ROOM, *lights.values()))
-    np.testing.assert_array_equal(readings(session).illuminance, fresh.illuminance)
+    np.testing.assert_array_equal(live.illuminance, fresh.illuminance)
 
 
 def test_edits_of_numbers_meet_known_kernels():
@@ -132,16 +141,15 @@ def test_edits_of_numbers_meet_known_kernels():
 def test_one_more_of_a_known_kind_meets_known_kernels():
     import drjit as dr
 
-    # Tables grow by powers of two: five lights leave room for three.
+    # Tables grow by powers of two: one beside the room's four leaves room for three.
     lights = [
-        luminaire("batwing", OPENINGS["rectangle"], (0.5 * k, 1.0, 2.5), key=f"l{k}")
-        for k in range(8)
+        luminaire("irregular", OPENINGS["box"], (0.5 * k, 1.0, 2.5), key=f"l{k}") for k in range(4)
     ]
-    session = session_of(*ROOM, *lights[:5])
+    session = session_of(*ROOM, *lights[:1])
     readings(session)
     dr.set_flag(dr.JitFlag.KernelHistory, True)
     try:
-        for light in lights[5:]:
+        for light in lights[1:]:
             dr.kernel_history_clear()
             session.apply(SceneDelta((light,)))
             readings(session)
@@ -149,7 +157,7 @@ def test_one_more_of_a_known_kind_meets_known_kernels():
             assert kernels
             # A kernel that only lies on the disk is as new to whoever has never added this many.
             new = [e for e in kernels if e["cache_disk"] or not e["cache_hit"]]
-            if light is not lights[5]:
+            if light is not lights[1]:
                 assert not new
     finally:
         dr.set_flag(dr.JitFlag.KernelHistory, False)
@@ -157,7 +165,7 @@ def test_one_more_of_a_known_kind_meets_known_kernels():
 
 def test_luminaires_may_come_and_go():
     session = Session()
-    session.apply(SceneDelta(ROOM))
+    session.apply(SceneDelta(ROOM[:3]))
     assert (readings(session).illuminance == 0.0).all()
     light = first_lights()["a"]
     for _ in range(2):

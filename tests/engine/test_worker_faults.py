@@ -203,7 +203,7 @@ def test_native_code_that_keeps_the_interpreter_is_not_hung():
         session = resync(worker)
         start = time.monotonic()
         measure(session, 1, "busy")
-        assert time.monotonic() - start > 0.9
+        assert time.monotonic() - start > 0.6
         assert worker.is_alive
 
 

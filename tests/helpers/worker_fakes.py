@@ -141,7 +141,7 @@ def _misbehave(kind):
             os._exit(7)
         case "busy":
             # One call into native code that lets no other thread run.
-            math.factorial(300_000)
+            math.factorial(400_000)
         case "noise":
             sys.stdout.write("noise\n" * 100)
             os.write(1, b"native noise\n" * 100)

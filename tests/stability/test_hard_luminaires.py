@@ -193,14 +193,16 @@ from luminaires import OPENINGS, luminaire
 from small_scenes import session_of
 
 def light_up(height):
-    session = session_of(luminaire("batwing", OPENINGS["rectangle"], (0.0, 0.0, height)))
+    session = session_of(luminaire("batwing", OPENINGS["box"], (0.0, 0.0, height)))
     return session, session.measure([[0, 0, 0]], [[0, 0, 1]], StopRule(samples=16))
 
-gc.disable()
+cycles = []
 for height in (1.0, 2.0, 3.0):
-    cycle = list(light_up(height))
-    cycle.append(cycle)
-del cycle
+    cycles.append(list(light_up(height)))
+    cycles[-1].append(cycles[-1])
+# Old objects are looked at only when many new ones have come.
+gc.collect()
+cycles.clear()
 sample_emitter = paths.sample_emitter
 
 def sample_beside_garbage(*values):
@@ -210,7 +212,6 @@ def sample_beside_garbage(*values):
     return made
 
 paths.sample_emitter = sample_beside_garbage
-gc.enable()
 print(light_up(4.0)[1].illuminance[0] > 0.0)
 """
 
