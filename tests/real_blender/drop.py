@@ -71,5 +71,7 @@ def tell_objects():
 
 
 FOLDER.mkdir(exist_ok=True)
+# The first click would only close it.
+bpy.context.preferences.view.show_splash = False
 bpy.app.timers.register(open_browser, first_interval=2.0)
 bpy.app.timers.register(tell_objects, first_interval=1.0)

@@ -19,11 +19,15 @@ rm -rf "$LUMENRAY_OUT/drop"
   # The pictures of the assets are read in the background.
   sleep 5
   read -r x y to_x to_y </out/drop/places.txt
-  xdotool mousemove "$x" "$y"; sleep 1; xdotool mousedown 1; sleep 0.5
-  for i in $(seq 20); do
-    xdotool mousemove $((x + (to_x - x) * i / 20)) $((y + (to_y - y) * i / 20)); sleep 0.1
+  # A busy machine may miss a gesture; a user would try again as well.
+  for _ in 1 2 3; do
+    xdotool mousemove "$x" "$y"; sleep 1; xdotool mousedown 1; sleep 0.5
+    for i in $(seq 20); do
+      xdotool mousemove $((x + (to_x - x) * i / 20)) $((y + (to_y - y) * i / 20)); sleep 0.1
+    done
+    sleep 1; xdotool mouseup 1; sleep 5
+    grep -q "^LIGHT luminaire" /out/drop/objects.txt && break
   done
-  sleep 1; xdotool mouseup 1; sleep 5
   import -window root /out/drop/window.png'
 
 for kind in EMPTY LIGHT; do
