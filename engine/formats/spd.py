@@ -3,11 +3,11 @@
 import math
 import re
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
 from ..errors import FileFormatError
+from ..luminaires.safe_xml import parse_xml
 from ..scene.spectrum import Tabulated
 
 MAXIMUM_BYTES = 16 << 20
@@ -90,25 +90,19 @@ def _numbers(line: str) -> list[float] | None:
         return None
 
 
-def _rows_of_tm27(path, data: bytes) -> list[tuple[int | None, float, float]]:
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise FileFormatError(path, "holds a document type or entity declaration, which is refused")
-    try:
-        root = ElementTree.fromstring(data)  # noqa: S314 - declarations are refused above
-    except ElementTree.ParseError as error:
-        raise FileFormatError(path, f"not well-formed XML ({error})", error.position[0]) from None
-    if root.tag.rpartition("}")[2] != "IESTM2714":
+def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:
+    root = parse_xml(data, path)
+    if root.tag != "IESTM2714":
         raise FileFormatError(path, f"expected the root element IESTM2714, found {root.tag}")
     rows = []
     for element in root.iter():
-        if element.tag.rpartition("}")[2] != "SpectralData":
+        if element.tag != "SpectralData":
             continue
         try:
-            rows.append((None, float(element.attrib["wavelength"]), float(element.text)))
+            rows.append((element.line, float(element.attrib["wavelength"]), float(element.text)))
         except (KeyError, TypeError, ValueError):
-            raise FileFormatError(
-                path, f"SpectralData number {len(rows) + 1} has no wavelength or no value"
-            ) from None
+            message = f"SpectralData number {len(rows) + 1} has no wavelength or no value"
+            raise FileFormatError(path, message, element.line) from None
     return rows
 
 

@@ -42,9 +42,6 @@ HEADER = (
 )  # fmt: skip
 """Whole numbers known of each distribution: lengths, and where its parts begin."""
 
-RANGES = ("azimuth_start", "azimuth_end", "polar_start", "polar_end")
-"""Numbers known of each distribution. [rad]"""
-
 
 @dataclass
 class _Prepared:
