@@ -8,7 +8,6 @@ What throws light to one side throws it towards +y, which is C90 in both file fo
 
 import numpy as np
 
-
 # ---- grids ----
 
 
