@@ -276,11 +276,20 @@ class BakeResult:
 
 @dataclass(frozen=True)
 class Measurement:
-    """Illuminance at sensors. ``illuminance`` and ``standard_error``: (n,) float64. [lx]"""
+    """Illuminance at sensors.
+
+    Parameters
+    ----------
+    illuminance, standard_error : (n,) float64    [lx]
+    tristimulus : (n, 3) float64 or None    X, Y, Z with Y the illuminance, where colour was asked for. [lx]
+    tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
+    """
 
     illuminance: np.ndarray
     standard_error: np.ndarray
     provenance: Provenance
+    tristimulus: np.ndarray | None = None
+    tristimulus_error: np.ndarray | None = None
 
 
 SENSOR_GROUPS = 16

@@ -8,11 +8,22 @@ from ..errors import SceneError
 
 @dataclass(frozen=True)
 class StopRule:
-    """Stop at a number of samples per point, at a relative standard error, or after seconds; the first that is met."""
+    """Stop at a number of samples per point, at a standard error, or after seconds; the first that is met.
+
+    Parameters
+    ----------
+    samples : int or None    Per point.
+    error : float or None    Relative standard error of the whole: root mean square over the mean. [-]
+    seconds : float or None    [s]
+    each : float or None    Relative standard error that every single value must reach. [-]
+    floor : float    Values below it count as large as it for ``each``. [lx]
+    """
 
     samples: int | None = None
     error: float | None = None
     seconds: float | None = None
+    each: float | None = None
+    floor: float = 0.0
 
     def __post_init__(self):
         """Refuse rules that never stop or make no sense."""

@@ -149,4 +149,27 @@ class ImageWorld:
     id: str = "world"
 
 
-World = UniformWorld | ImageWorld
+@dataclass(frozen=True, eq=False)
+class CieSky:
+    """Sky without its sun, by one of the luminance distributions of the CIE, over an evenly bright ground.
+
+    Parameters
+    ----------
+    type : int    1 to 15 of the CIE standard general sky (CIE S 011/E:2003); 16 is the traditional overcast sky.
+    towards_sun : (3,) float64 array    Where the sun stands, any length above 0; it shapes the pattern of types 2 to 15
+        but 3 and 5. The sun itself is a `SunLight` of its own. World space, +z up.
+    illuminance : float    Of an unobstructed horizontal plane by the sky. [lx]
+    ground_reflectance : float    Every direction below the horizon has the luminance of a matt ground under this sky:
+        reflectance times illuminance over pi. [-]
+    spectrum : Spectrum    Relative spectral power of sky and ground.
+    """
+
+    type: int
+    towards_sun: np.ndarray
+    illuminance: float
+    ground_reflectance: float = 0.0
+    spectrum: Spectrum = Constant(1.0)
+    id: str = "world"
+
+
+World = UniformWorld | ImageWorld | CieSky

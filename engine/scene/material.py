@@ -92,9 +92,24 @@ class ThinGlass:
     transmittance: Colour = Constant(1.0)
 
 
+@dataclass(frozen=True, eq=False)
+class TabulatedPane:
+    """A clear pane known by its data sheet: transmittance and reflectance by angle, the same from both sides.
+
+    Parameters
+    ----------
+    angles : (n,) float64 array    To the normal, strictly ascending; beyond the last the last value holds. [deg]
+    transmittance, reflectance : (n,) float64 array    Linear in the angle between; their sum must not exceed 1. [-]
+    """
+
+    angles: np.ndarray
+    transmittance: np.ndarray
+    reflectance: np.ndarray
+
+
 @dataclass(frozen=True)
 class Transparent:
-    """Nothing there: light passes straight on, times ``transmittance``."""
+    """Nothing there: light passes straight on, times ``transmittance``; 1 marks an opening that daylight enters by."""
 
     transmittance: Colour = Constant(1.0)
 
@@ -113,7 +128,18 @@ class Mix:
     factor: Scalar = 0.5
 
 
-Surface = Diffuse | Coated | Glossy | Conductor | Dielectric | ThinGlass | Transparent | Black | Mix
+Surface = (
+    Diffuse
+    | Coated
+    | Glossy
+    | Conductor
+    | Dielectric
+    | ThinGlass
+    | TabulatedPane
+    | Transparent
+    | Black
+    | Mix
+)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 
 from ..errors import SceneError
-from .light import ImageWorld, Light, UniformWorld, World
+from .light import CieSky, ImageWorld, Light, UniformWorld, World
 from .material import Material
 from .memo import recall
 from .mesh import Geometry, Mesh, Placement, place
@@ -196,7 +196,7 @@ class Scene:
                 self.meshes[item.id] = item
             case Material():
                 self.materials[item.id] = item
-            case UniformWorld() | ImageWorld():
+            case UniformWorld() | ImageWorld() | CieSky():
                 self.world = item
             case SensorSet():
                 self.sensors[item.id] = item

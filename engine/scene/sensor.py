@@ -1,8 +1,18 @@
 """Places at which illuminance is wanted, as pure data. They live on the engine's side and survive the host's edits."""
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
+
+
+class SensorKind(Enum):
+    """Which illuminance is meant (EN 12665, CIE S 017). The vertical is world +z."""
+
+    PLANAR = "planar"  # of the side of a plane that the normal points to
+    SPHERICAL = "spherical"  # mean over a small sphere; the normal has no meaning
+    CYLINDRICAL = "cylindrical"  # mean over the side of a small vertical cylinder; no normal
+    SEMICYLINDRICAL = "semicylindrical"  # over the half of it that the horizontal normal points to
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,9 +25,11 @@ class SensorSet:
     name : str    For people.
     positions : (n, 3) float64 array    World space. [m]
     normals : (n, 3) float64 array    Where each sensor faces; any length above 0.
+    kind : SensorKind
     """
 
     id: str
     name: str
     positions: np.ndarray
     normals: np.ndarray
+    kind: SensorKind = SensorKind.PLANAR

@@ -62,5 +62,24 @@ class Daylight:
     temperature: float
 
 
-Spectrum = Constant | Rgb | Tabulated | Illuminant | Blackbody | Daylight
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Emission lines, such as sodium's.
+
+    Each is spread over the two neighbours on a grid of 1 nm in proportion to its nearness, so that its photometric
+    integrals are those at the line itself, with tables linear between full nanometres.
+
+    Parameters
+    ----------
+    wavelengths : (n,) float64 array    [nm]
+    powers : (n,) float64 array    Relative power of each line. [-]
+    name : str    For reports.
+    """
+
+    wavelengths: np.ndarray
+    powers: np.ndarray
+    name: str = ""
+
+
+Spectrum = Constant | Rgb | Tabulated | Illuminant | Blackbody | Daylight | Lines
 """Any of the spectrum descriptions."""

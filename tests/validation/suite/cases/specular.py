@@ -1,0 +1,1 @@
+"""Cases still to come."""
