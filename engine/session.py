@@ -21,6 +21,7 @@ from .errors import SceneError
 from .scene.camera import Camera
 from .scene.mesh import Mesh
 from .scene.scene import Scene, SceneDelta
+from .scene.sensor import SensorKind
 
 
 @dataclass(frozen=True)
@@ -414,18 +415,48 @@ class Session:
         seed: int = 0,
         transport: str = "auto",
         progress: Callable[[Progress], None] | None = None,
+        *,
+        kind: SensorKind = SensorKind.PLANAR,
+        reflections: int | None = None,
+        colour: bool = False,
     ) -> Measurement:
-        """Illuminance at points. ``positions``, ``normals``: (n, 3) world space. [m -> lx]"""
+        """Illuminance at points.
+
+        Parameters
+        ----------
+        positions, normals : (n, 3) array    World space. [m]
+        rule : StopRule
+        kind : SensorKind    Which illuminance; not all have a normal.
+        reflections : int or None
+            Most reflections (scatterings, of any kind but passing straight) that light may have had: 0 gives the direct
+            part, None everything.
+        colour : bool    Whether X and Z are wanted too.
+
+        Raises
+        ------
+        SceneError    A position or normal is not usable.
+        Cancelled    After `cancel`.
+        """
         with self._engine(transport) as compiled:
             from .transport.illuminance import Receivers, compute
 
             start = time.perf_counter()
-            receivers = Receivers.at_points(positions, normals)
             estimate = compute(
-                compiled, receivers, rule, seed, SENSOR_GROUPS, progress, self._cancelled
+                compiled,
+                Receivers.at_points(positions, normals, kind),
+                rule,
+                seed,
+                SENSOR_GROUPS,
+                progress,
+                self._cancelled,
+                reflections,
+                colour,
             )
             provenance = self._provenance(compiled, seed, estimate.samples, start)
-        return Measurement(estimate.mean, estimate.standard_error, provenance)
+        mean, error = estimate.mean, estimate.standard_error
+        if colour:
+            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error)
+        return Measurement(mean, error, provenance)
 
     def measure_sensors(
         self,
@@ -439,7 +470,15 @@ class Session:
         sensors = self.scene.sensors.get(key)
         if sensors is None:
             raise SceneError(f"the scene holds no sensors with the id {key}")
-        return self.measure(sensors.positions, sensors.normals, rule, seed, transport, progress)
+        return self.measure(
+            sensors.positions,
+            sensors.normals,
+            rule,
+            seed,
+            transport,
+            progress,
+            kind=sensors.kind,
+        )
 
     def bake_objects(
         self, order: BakeOrder, progress: Callable[[Progress], None] | None = None

@@ -76,3 +76,14 @@ class Estimate:
         if mean <= 0.0:
             return float("inf")
         return float(np.sqrt((self.standard_error**2 * weights).sum() / total)) / mean
+
+    def largest_error(self, floor: float = 0.0) -> float:
+        """Largest standard error of a single value over the value, or over ``floor`` where that is larger. [-]
+
+        A value of 0 without error counts as known.
+        """
+        scale = np.maximum(np.abs(self.mean), floor)
+        unknown = (scale <= 0.0) & (self.standard_error > 0.0)
+        if unknown.any():
+            return float("inf")
+        return float((self.standard_error / np.where(scale > 0.0, scale, 1.0)).max(initial=0.0))

@@ -27,12 +27,13 @@ class StopRule:
 
     def __post_init__(self):
         """Refuse rules that never stop or make no sense."""
-        if self.samples is None and self.error is None and self.seconds is None:
+        if all(value is None for value in (self.samples, self.error, self.seconds, self.each)):
             raise SceneError("no stopping rule: give a number of samples, an error or a time")
         for name, value in (
             ("samples", self.samples),
             ("error", self.error),
             ("time", self.seconds),
+            ("error of every value", self.each),
         ):
             if value is not None and not value > 0:
                 raise SceneError(
@@ -100,11 +101,12 @@ class Clock:
         left = seconds * (1.0 - done) / done if done > 0.0 else None
         return Progress(done, samples, error, seconds, left, self.stage)
 
-    def is_done(self, samples: int, error: float) -> bool:
-        """Tell whether any part of the rule is met."""
+    def is_done(self, samples: int, error: float, worst: float = float("inf")) -> bool:
+        """Tell whether any part of the rule is met. ``worst``: largest relative error of a single value."""
         rule = self.rule
         return (
             (rule.samples is not None and samples >= rule.samples)
             or (rule.seconds is not None and self.seconds >= rule.seconds)
             or (rule.error is not None and error <= rule.error)
+            or (rule.each is not None and worst <= rule.each)
         )

@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, pane, smooth glass, transparency, mixture.
+"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, panes, smooth glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from .coated import coated_class
+from .tabulated_pane import tabulated_pane_class
 
 DISPERSED_COMPONENT = 16
 """`sampled_component` of a refraction whose direction belongs to the first wavelength only."""
@@ -49,6 +50,7 @@ def register() -> None:
         ("lumenray_coated", coated_class),
         ("lumenray_sheet", _sheet_class),
         ("lumenray_pane", _pane_class),
+        ("lumenray_tabulated_pane", tabulated_pane_class),
         ("lumenray_glass", _glass_class),
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),

@@ -8,19 +8,23 @@ import numpy as np
 from ..arrays import pointer_id, upload
 from ..errors import SceneError
 from ..luminaires.portals import Portal, find_portals
-from ..scene.material import Material, ThinGlass
+from ..scene.material import Material
 from ..scene.mesh import Geometry, Mesh
 from . import emission
 from .finishes import Finishes
 from .lamps import surface_emitter
 from .lights import Source
+from .mirrors import Plane, find_planes
 from .requirements import pictures
-from .surfaces import passes_straight
+from .surfaces import is_mirror, is_window, passes_straight
 
 
 @dataclass
 class Part:
-    """Triangles of one object that share a material. ``source``: its emission, None when it does not glow."""
+    """Triangles of one object that share a material.
+
+    ``source``: its emission, None when it does not glow; ``mirrors``: its planes if it is a plane mirror, in the world.
+    """
 
     shape: object
     number: int
@@ -29,6 +33,7 @@ class Part:
     triangles: int
     is_veil: bool
     source: Source | None
+    mirrors: list[Plane] = field(default_factory=list)
 
 
 @dataclass
@@ -79,7 +84,8 @@ def needs_new_shape(old: Material, new: Material) -> bool:
     """Tell whether a change of material reaches further than the surface of a shape."""
     return (
         passes_straight(old.surface) != passes_straight(new.surface)
-        or isinstance(old.surface, ThinGlass) != isinstance(new.surface, ThinGlass)
+        or is_window(old.surface) != is_window(new.surface)
+        or is_mirror(old.surface) != is_mirror(new.surface)
         or uv_map_of(old) != uv_map_of(new)
         or not _glows_alike(old.emission, new.emission)
     )
@@ -147,7 +153,7 @@ def make_body(item, geometry, mesh: Mesh, origin: np.ndarray, finishes: Finishes
             continue
         material = finishes.item(key)
         made.parts.append(_make_part(mesh, slot, material, triangles, origin, finishes, pool))
-        if isinstance(material.surface, ThinGlass):
+        if is_window(material.surface):
             used = mesh.triangles if only else mesh.triangles[triangles]
             made.panes += find_portals([(mesh.vertices, used)])
     return made
@@ -187,7 +193,19 @@ def _make_part(mesh, slot, material: Material, triangles, origin, finishes, pool
     number = pointer_id(shape)
     pool.add_mesh(number, positions, faces, normals, uv)
     veil = passes_straight(material.surface)
-    return Part(shape, number, slot, material.id, len(used), veil, source)
+    mirrors = _find_mirrors(mesh, used, normals) if is_mirror(material.surface) else []
+    return Part(shape, number, slot, material.id, len(used), veil, source, mirrors)
+
+
+def _find_mirrors(mesh, used, normals) -> list[Plane]:
+    """Planes of a mirror, none when it is curved or shaded as if it were."""
+    if normals is not None:
+        corners = mesh.vertices[used]
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-300)
+        if np.abs(np.einsum("tci,ti->tc", normals, flat)).min(initial=1.0) < 0.999999:
+            return []
+    return find_planes(mesh.vertices, used) or []
 
 
 def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> Source | None:

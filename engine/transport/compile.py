@@ -22,13 +22,16 @@ from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLigh
 from ..scene.material import Dielectric
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from ..sky import plugin as sky_plugin
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
 from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp
 from .layers import Layer
 from .lights import LightTable, Source
+from .mirrors import MirrorSet, Plane, choose_planes
 from .pool import SurfacePool
+from .rays import STEP
 from .requirements import Requirements
 from .surroundings import make_surroundings, make_world
 
@@ -85,7 +88,8 @@ class CompiledScene:
 
     ``solid`` holds what stops light, ``veil`` what light may pass straight (panes, cut-outs, the bodies of lights).
     ``lights`` chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to
-    ``origin`` (float64, world) so that single precision serves scenes far from the world's origin.
+    ``origin`` (float64, world) so that single precision serves scenes far from the world's origin; ``step`` [m] is how far
+    off surfaces rays start.
 
     Raises
     ------
@@ -95,9 +99,11 @@ class CompiledScene:
     def __init__(self, scene: Scene, requirements: Requirements):
         surface_plugins.register()
         emitter_plugins.register()
+        sky_plugin.register()
         self.requirements = requirements
         self.origin = frame_of(*_bounds(scene))[0]
         self.radius = 1.0
+        self.step = mi.Float(STEP)
         self.mean_light = np.ones(len(GRID)) / len(GRID)
         self._pool = SurfacePool()
         self.solid = Layer(self._pool)
@@ -106,6 +112,8 @@ class CompiledScene:
         self._nothing = mi.load_dict({"type": "null"})
         self.surroundings = None
         self.hidden = None
+        self.mirrors = None
+        self.is_mirror = None
         self.indices: dict = {}
         self.notes: list[str] = []
         self._bodies: dict[str, Body] = {}
@@ -116,6 +124,8 @@ class CompiledScene:
         self._users: dict[str, dict[str, None]] = {}
         self._world_item, self._world = None, None
         self._panes: list[Portal] = []
+        self._planes: list[Plane] = []
+        self._known_planes: set[int] = set()
         self._portals: PortalSet | None = None
         self._outside_key: object = None
         self._outside: Source | None = None
@@ -318,12 +328,18 @@ class CompiledScene:
         origin, self.radius = frame_of(*_bounds(scene, self._bodies.values()))
         if not np.array_equal(origin, self.origin) or self._pool.is_wasteful:
             raise Outgrown
+        self.step = dr.opaque(mi.Float, STEP * self.radius)
         panes = [pane for body in self._bodies.values() for pane in body.panes]
         panes = sorted(panes, key=portal_order)[:MAXIMUM_PORTALS]
         if [id(p) for p in panes] != [id(p) for p in self._panes]:
             self._panes = panes
             local = [Portal(p.centre - self.origin, p.half_u, p.half_v) for p in panes]
             self._portals = PortalSet(local) if local else None
+        planes = [p for body in self._bodies.values() for part in body.parts for p in part.mirrors]
+        if [id(p) for p in planes] != [id(p) for p in self._planes]:
+            self._planes = planes
+            chosen, self._known_planes = choose_planes(planes, self.radius)
+            self.mirrors = MirrorSet(chosen, self.origin) if chosen else None
         sources = [lamp.source for lamp in self._lamps.values()]
         sources += [p.source for body in self._bodies.values() for p in body.parts if p.source]
         sources.sort(key=Source.order)
@@ -359,7 +375,7 @@ class CompiledScene:
         shining = [(source.density, source.flux) for source in sources]
         shining += [(m.density, m.amount * disk) for m in map(emission.sun_illuminance, suns)]
         if self._world is not None and not isinstance(scene.world, ImageWorld):
-            made = emission.luminous(scene.world.luminance, scene.world.spectrum)
+            made = emission.luminous(self._world.mean_luminance, scene.world.spectrum)
             shining.append((made.density, made.amount * np.pi * 4.0 * disk))
         for density, flux in shining:
             total += density / max(density.sum(), 1e-300) * flux
@@ -392,7 +408,7 @@ class CompiledScene:
         lamps = [lamp for lamp in self._lamps.values() if lamp.body is not None]
         numbers = [part.number for _, part in parts] + [lamp.body_id for lamp in lamps]
         size = table_size(max(numbers, default=0) + 1)
-        names = ("row", "object", "material", "hidden", "bsdf", "emitter", "luminaire")
+        names = ("row", "object", "material", "hidden", "mirror", "bsdf", "emitter", "luminaire")
         columns = {name: np.zeros(size) for name in names}
         if parts:
             place = np.array([part.number for _, part in parts])
@@ -402,6 +418,11 @@ class CompiledScene:
                 self._finishes.item(part.material).index for _, part in parts
             ]
             columns["hidden"][place] = [not body.item.visible_to_camera for body, _ in parts]
+            known = self._known_planes
+            columns["mirror"][place] = [
+                bool(part.mirrors) and all(id(plane) in known for plane in part.mirrors)
+                for _, part in parts
+            ]
             columns["bsdf"][place] = [
                 self._finishes.plugin_number(part.material) for _, part in parts
             ]
@@ -418,7 +439,8 @@ class CompiledScene:
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         hidden = columns["hidden"] > 0.0
         self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
-        dr.eval(self.indices, self.hidden)
+        self.is_mirror = None if self.mirrors is None else upload(mi.Bool, columns["mirror"] > 0.0)
+        dr.eval(self.indices, self.hidden, self.is_mirror)
 
     # ---- notes ----
 

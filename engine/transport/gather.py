@@ -3,8 +3,10 @@
 import drjit as dr
 import mitsuba as mi
 
+from ..scene.sensor import SensorKind
 from . import paths
 from .compile import CompiledScene
+from .rays import spawn_ray
 from .sampler import sobol_pair
 from .textures import is_spectral
 
@@ -24,36 +26,99 @@ def receiver(point, normal, geometric_normal, wavelengths):
     return si
 
 
+def _response(kind: SensorKind, si):
+    """How much radiance from a direction counts, as a function of the direction. [sr-1 -> -] (EN 12665, CIE S 017)"""
+
+    def sine(direction):
+        return dr.safe_sqrt(1.0 - dr.square(direction.z))
+
+    match kind:
+        case SensorKind.SPHERICAL:
+            return lambda direction: mi.Float(0.25)
+        case SensorKind.CYLINDRICAL:
+            return lambda direction: sine(direction) * dr.inv_pi
+        case SensorKind.SEMICYLINDRICAL:
+            # 1 + cos of the angle in plan between direction and facing, times the sine of the zenith angle.
+            ahead = dr.normalize(mi.Vector3f(si.sh_frame.n.x, si.sh_frame.n.y, 0.0))
+            return lambda direction: (sine(direction) + dr.dot(direction, ahead)) * dr.inv_pi
+    # Directions below the geometric surface give nothing, whatever the shading normal says.
+    return lambda direction: dr.select(
+        dr.dot(direction, si.n) > 0.0, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0
+    )
+
+
 def spectral_illuminance(
-    scene: CompiledScene, si, wavelengths, stream, light_sample, scatter_sample, active
+    scene: CompiledScene,
+    si,
+    wavelengths,
+    stream,
+    light_sample,
+    scatter_sample,
+    active,
+    kind: SensorKind = SensorKind.PLANAR,
+    limit=None,
 ):
     """One-sample estimate of the illuminance at a receiver.
 
-    Directions below the geometric surface give nothing, whatever the shading normal says.
+    Parameters
+    ----------
+    kind : SensorKind
+    limit : UInt32 or None    Most reflections that light may have had.
 
     Returns
     -------
     Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
     """
     total = mi.Spectrum(0.0)
-    normal = si.sh_frame.n
+    respond = _response(kind, si)
+    is_planar = kind is SensorKind.PLANAR
+
+    def density(direction):
+        if is_planar:
+            return dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
+        return mi.Float(dr.inv_four_pi)
+
     if scene.lights.count:
         ds, value = paths.sample_emitter(scene, si, light_sample, active)
-        cosine = dr.dot(ds.d, normal)
-        lit = active & (ds.pdf > 0.0) & (cosine > 0.0) & (dr.dot(ds.d, si.n) > 0.0)
-        weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf, cosine * dr.inv_pi))
-        amount = dr.select(lit, value * cosine * weight, 0.0)
+        response = respond(ds.d)
+        lit = active & (ds.pdf > 0.0) & (response > 0.0)
+        weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf, density(ds.d)))
+        amount = dr.select(lit, value * response * weight, 0.0)
         lit &= dr.any(amount != 0.0)
-        total += dr.select(lit, amount * paths.transmittance(scene, si, ds.p, lit), 0.0)
+        total += dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
+        if scene.mirrors is not None:
+            sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+            total += paths.mirrored_light(
+                scene,
+                si,
+                sample,
+                stream,
+                lambda direction, asked: (respond(direction), density(direction)),
+                active,
+                limit,
+            )
 
-    local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
-    pdf = mi.warp.square_to_cosine_hemisphere_pdf(local)
-    direction = si.sh_frame.to_world(local)
-    gathers = active & (pdf > 0.0) & (dr.dot(direction, si.n) > 0.0)
+    if is_planar:
+        local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
+        pdf = mi.warp.square_to_cosine_hemisphere_pdf(local)
+        direction = si.sh_frame.to_world(local)
+    else:
+        direction = mi.warp.square_to_uniform_sphere(scatter_sample)
+        pdf = mi.Float(dr.inv_four_pi)
+    response = respond(direction)
+    gathers = active & (pdf > 0.0) & (response > 0.0)
     incoming = paths.trace(
-        scene, si.spawn_ray(direction), wavelengths, stream, pdf, si.p, gathers, depth=1
+        scene,
+        spawn_ray(scene, si, direction),
+        wavelengths,
+        stream,
+        pdf,
+        si.p,
+        gathers,
+        depth=1,
+        limit=limit,
     )
-    return total + dr.select(gathers, incoming * dr.pi, 0.0)
+    return total + dr.select(gathers, incoming * (response / pdf), 0.0)
 
 
 def photometric(sampler, value, wavelengths):

@@ -6,9 +6,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..accuracy.estimate import Accumulator
+from ..accuracy.estimate import Accumulator, Estimate
 from ..accuracy.stopping import Clock, StopRule
 from ..errors import Cancelled, SceneError
+from ..photometry.spectra import observer
+from ..scene.sensor import SensorKind
 from . import gather
 from .compile import CompiledScene
 from .lights import learn
@@ -19,11 +21,15 @@ from .wavelengths import WavelengthSampler
 LANES = 1 << 19
 """Paths per launch: a fraction of a second each, so that a cancel is heard soon."""
 
-MAXIMUM_BATCH = 1024
-"""Most samples per receiver and group in one pass; sums over a pass are single precision."""
+LARGEST_SUM = 1024
+"""Most samples that are summed in single precision."""
 
-SURFACE_OFFSET = 1e-4
-"""Receivers given as points are lifted by this along their normal, as a sensor lies on a surface. [m]"""
+SNAP_DISTANCE = 1e-4
+"""Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
+is a share of the radius. [m]"""
+
+FEWEST_SAMPLES = 1 << 13
+"""Samples per receiver before the errors of single receivers are believed."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,8 @@ class Receivers:
     geometric_normals : (k, 3) float64 array    Unit normals of the true surface.
     start, count : (n,) int array    Range of places of every receiver.
     weights : (n,) float64 array    Areas, for means. [m2]
+    kind : SensorKind    Which illuminance is meant.
+    snaps : bool    Whether places a little below a surface are meant to lie on it.
     """
 
     positions: np.ndarray
@@ -47,10 +55,12 @@ class Receivers:
     start: np.ndarray
     count: np.ndarray
     weights: np.ndarray
+    kind: SensorKind = SensorKind.PLANAR
+    snaps: bool = False
 
     @classmethod
-    def at_points(cls, positions, normals) -> "Receivers":
-        """One place each, lifted off the surface that it may lie on. (n, 3), (n, 3)
+    def at_points(cls, positions, normals, kind: SensorKind = SensorKind.PLANAR) -> "Receivers":
+        """One place each, which may lie on a surface. (n, 3), (n, 3)
 
         Raises
         ------
@@ -58,6 +68,10 @@ class Receivers:
         """
         positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
         normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
+        if kind in (SensorKind.SPHERICAL, SensorKind.CYLINDRICAL):
+            normals = np.tile([0.0, 0.0, 1.0], (len(positions), 1))
+        if kind is SensorKind.SEMICYLINDRICAL:
+            normals = normals * [1.0, 1.0, 0.0]
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         bad = ~(
             np.isfinite(positions).all(axis=1)
@@ -71,13 +85,17 @@ class Receivers:
             )
         normals = normals / lengths
         count = len(positions)
+        is_planar = kind is SensorKind.PLANAR
         return cls(
-            positions + SURFACE_OFFSET * normals,
+            positions,
             normals,
-            normals,
+            # A small body has no surface whose other side could not be seen.
+            normals if is_planar else np.zeros_like(normals),
             np.arange(count),
             np.ones(count, dtype=np.int64),
             np.ones(count),
+            kind,
+            is_planar,
         )
 
 
@@ -89,6 +107,8 @@ def compute(
     groups: int = 2,
     progress=None,
     cancelled=lambda: False,
+    reflections: int | None = None,
+    colour: bool = False,
 ):
     """Estimate the illuminance of every receiver until the rule is met.
 
@@ -101,57 +121,146 @@ def compute(
     groups : int    Independent groups, see `Accumulator`.
     progress : callable or None    Called with a `Progress` after every launch.
     cancelled : callable    Asked before every launch.
+    reflections : int or None    Most reflections that light may have had; None: no limit.
+    colour : bool    Whether X and Z are wanted too.
 
     Returns
     -------
-    Estimate    Of shape (n,). [lx]
+    Estimate    Of shape (n,), or (n, 3) for X, Y, Z. [lx]
 
     Raises
     ------
     Cancelled    When ``cancelled`` answered true.
     """
     total = len(receivers.start)
-    sums = Accumulator(groups, total)
+    channels, bright = (3, 1) if colour else (1, 0)
+    sums = Accumulator(groups, (total, channels))
     if total == 0:
-        return sums.estimate()
-    sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
-    learn(
-        scene,
-        scene.local(receivers.positions),
-        receivers.normals.astype(np.float32),
-        gather.typical_wavelengths(),
-    )
-    places = _upload(scene, receivers)
+        return _finish(sums.estimate(), colour)
+    job = _Job(scene, receivers, groups, seed, reflections, colour)
     batch = _batch(total * groups, rule, groups)
     per_launch = max(LANES // (groups * batch), 1)
     clock = Clock(rule, "illuminance")
-    estimate, error = None, float("inf")
+    error = float("inf")
     while True:
-        new = np.zeros((groups, total))
+        new = np.zeros((groups, total, channels))
         for first in range(0, total, per_launch):
             if cancelled():
                 raise Cancelled("cancelled")
             count = min(per_launch, total - first)
-            new[:, first : first + count] = _launch(
-                scene, places, sampler, first, count, groups, batch, sums.samples, seed
-            )
+            new[:, first : first + count] = job.launch(first, count, batch, sums.samples)
             if progress is not None:
                 share = (first + count) / total
                 progress(clock.progress(int((sums.samples + share * batch) * groups), error))
         sums.add(new, batch)
-        estimate = sums.estimate()
-        error = estimate.relative_error(receivers.weights)
-        if clock.is_done(sums.samples * groups, error):
-            return estimate
+        made = sums.estimate()
+        brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
+        error = brightness.relative_error(receivers.weights)
+        samples = sums.samples * groups
+        worst = brightness.largest_error(rule.floor) if samples >= FEWEST_SAMPLES else float("inf")
+        if clock.is_done(samples, error, worst):
+            return _finish(made, colour)
+
+
+def _finish(made: Estimate, colour: bool) -> Estimate:
+    return made if colour else Estimate(made.mean[:, 0], made.standard_error[:, 0], made.samples)
 
 
 def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
     """Samples per receiver and group in one pass: a power of two that fills a launch and does not overshoot."""
-    wanted = MAXIMUM_BATCH if rule.samples is None else max(rule.samples // groups, 1)
-    if rule.samples is None:
-        wanted = max(LANES // max(lanes_per_sample, 1), 8)
-    limit = min(wanted, MAXIMUM_BATCH, max(LANES // max(groups, 1), 1))
+    limit = max(LANES // max(lanes_per_sample, 1), 8)
+    if rule.samples is not None:
+        limit = min(limit, max(rule.samples // groups, 1))
     return 1 << int(np.floor(np.log2(max(limit, 1))))
+
+
+class _Job:
+    """What all launches of a job share."""
+
+    def __init__(
+        self, scene: CompiledScene, receivers: Receivers, groups, seed, reflections, colour
+    ):
+        self.scene, self.kind = scene, receivers.kind
+        self.groups, self.seed, self.colour = groups, seed, colour
+        self.sampler = None
+        if is_spectral():
+            response = "colour" if colour else "luminance"
+            self.sampler = WavelengthSampler(scene.mean_light, response)
+        learn(
+            scene,
+            scene.local(receivers.positions),
+            receivers.normals.astype(np.float32),
+            gather.typical_wavelengths(),
+        )
+        self.places = _upload(scene, receivers)
+        if receivers.snaps:
+            self._snap()
+        self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
+
+    def _snap(self) -> None:
+        """Lift places that lie a little below a surface onto it."""
+        scene, places = self.scene, self.places
+        point, normal = mi.Point3f(*places["p"]), mi.Vector3f(*places["n"])
+        lift = dr.opaque(mi.Float, SNAP_DISTANCE * min(scene.radius, 1.0))
+        ray = mi.Ray3f(point + normal * lift, -normal)
+        ray.maxt = lift
+        hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+        point = dr.select(hit.is_valid(), ray(hit.t), point)
+        places["p"] = [point.x, point.y, point.z]
+        dr.eval(places)
+
+    def launch(self, first: int, count: int, batch: int, index: int) -> np.ndarray:
+        """Run one kernel and return the sums of its samples, (groups, count, channels)."""
+        groups, places = self.groups, self.places
+        first = dr.opaque(mi.UInt32, int(first))
+        start_index = dr.opaque(mi.UInt32, int(index))
+        seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
+        lane = dr.arange(mi.UInt32, count * groups * batch)
+        sample = start_index + lane % batch
+        group = (lane // batch) % groups
+        who = first + lane // (batch * groups)
+        own_seed = hash_words(who, hash_words(group, seed))
+
+        wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
+        place_sample = sobol_pair(sample, own_seed, gather.PAIR_PLACE)
+        mine = dr.gather(mi.UInt32, places["count"], who)
+        chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
+        chosen += dr.gather(mi.UInt32, places["start"], who)
+
+        def fetch(kind, name):
+            return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
+
+        si = gather.receiver(
+            fetch(mi.Point3f, "p"), fetch(mi.Normal3f, "n"), fetch(mi.Normal3f, "g"), wavelengths
+        )
+        value = gather.spectral_illuminance(
+            self.scene,
+            si,
+            wavelengths,
+            random_stream(sample, own_seed),
+            sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
+            sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
+            mi.Bool(True),
+            self.kind,
+            self.limit,
+        )
+        block = min(batch, LARGEST_SUM)
+        sums = []
+        for channel in self._channels(value, wavelengths):
+            kept = dr.select(dr.isfinite(channel), channel, 0.0)
+            sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, block))
+        dr.eval(sums)
+        made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+        made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)
+        return made.transpose(1, 0, 2)
+
+    def _channels(self, value, wavelengths) -> list:
+        if not self.colour:
+            return [gather.photometric(self.sampler, value, wavelengths)]
+        if self.sampler is not None:
+            return list(self.sampler.tristimulus(value, wavelengths))
+        lamp = self.scene.mean_light @ observer()
+        return [value[0] * float(c / lamp[1]) for c in lamp]
 
 
 def _upload(scene: CompiledScene, receivers: Receivers) -> dict:
@@ -165,41 +274,3 @@ def _upload(scene: CompiledScene, receivers: Receivers) -> dict:
     }
     dr.eval(places)
     return places
-
-
-def _launch(scene, places, sampler, first, count, groups, batch, index, seed) -> np.ndarray:
-    """Run one kernel and return the sums of its samples, (groups, count)."""
-    first = dr.opaque(mi.UInt32, int(first))
-    start_index = dr.opaque(mi.UInt32, int(index))
-    seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
-    lane = dr.arange(mi.UInt32, count * groups * batch)
-    sample = start_index + lane % batch
-    group = (lane // batch) % groups
-    who = first + lane // (batch * groups)
-    own_seed = hash_words(who, hash_words(group, seed))
-
-    wavelengths = gather.draw_wavelengths(sampler, sample, own_seed)
-    place_sample = sobol_pair(sample, own_seed, gather.PAIR_PLACE)
-    mine = dr.gather(mi.UInt32, places["count"], who)
-    chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
-    chosen += dr.gather(mi.UInt32, places["start"], who)
-
-    def fetch(kind, name):
-        return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
-
-    si = gather.receiver(
-        fetch(mi.Point3f, "p"), fetch(mi.Normal3f, "n"), fetch(mi.Normal3f, "g"), wavelengths
-    )
-    value = gather.spectral_illuminance(
-        scene,
-        si,
-        wavelengths,
-        random_stream(sample, own_seed),
-        sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
-        sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
-        mi.Bool(True),
-    )
-    value = gather.photometric(sampler, value, wavelengths)
-    value = dr.select(dr.isfinite(value), value, 0.0)
-    sums = dr.block_reduce(dr.ReduceOp.Add, value, batch)
-    return np.array(sums, dtype=np.float64).reshape(count, groups).T

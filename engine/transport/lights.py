@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import pointer_id, table_size, upload
 from ..luminaires.palette import LuminairePalette, Row
 from ..luminaires.tables import FLOOR
+from .rays import spawn_ray
 
 PILOT_POINTS = 1024
 """Points at which the lights are compared before a job."""
@@ -302,7 +303,7 @@ def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None
             mi.Point2f(stream.next_float32(), stream.next_float32())
         )
     )
-    hit = scene.solid.ray_intersect(near.spawn_ray(away))
+    hit = scene.solid.ray_intersect(spawn_ray(scene, near, away))
     facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
     far = _surface(hit.p, facing)
     logarithms, found, kernels, eligible = [], [], [], []
@@ -364,7 +365,7 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     cosine = dr.maximum(dr.dot(ds.d, at.n), 0.0)
     lit = active & (ds.pdf > 0.0) & (cosine > 0.0)
     # A sum, since a mean has the number of lanes in its kernel.
-    amount = dr.sum(value * transmittance(scene, at, ds.p, lit)) * cosine
+    amount = dr.sum(value * transmittance(scene, at, ds, lit)) * cosine
     amount = dr.select(lit & dr.isfinite(amount), amount, 0.0)
     sums = dr.block_reduce(dr.ReduceOp.Add, amount, repeats)
     return np.array(sums, dtype=np.float64).reshape(PILOT_POINTS, count)

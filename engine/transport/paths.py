@@ -2,20 +2,24 @@
 
 Emitters are counted by two strategies, next-event and hits of scattered rays, joined by the power heuristic with
 exponent two (E. Veach, 1997, ch. 9). Surfaces that light passes straight through (panes, cut-outs, bodies of lights)
-are no vertices: both strategies see through them, so the joint weights stay valid. Paths end by Russian roulette
-alone, whose survival probability is the path's throughput, at most `SURVIVAL`, so no depth is cut off and the estimate
-is unbiased.
+are no vertices: both strategies see through them, so the joint weights stay valid. Plane mirrors are vertices, but a third
+strategy reaches lights by them (see `mirrors`), so a path behind them still has a reference, the image of its last vertex.
+Paths end by Russian roulette alone, whose survival probability is the path's throughput, at most `SURVIVAL`, so no depth
+is cut off and the estimate is unbiased.
 """
 
 import drjit as dr
 import mitsuba as mi
 
 from ..materials.plugins import DISPERSED_COMPONENT
+from . import mirrors
 from .compile import CompiledScene
+from .rays import spawn_ray, spawn_ray_to
 from .textures import is_spectral
 
-SURVIVAL = 0.95
-"""Largest probability of going on; below 1 so that paths end even between perfect mirrors."""
+SURVIVAL = 0.999
+"""Largest probability of going on; below 1 so that paths end even between perfect mirrors. It must exceed the square of the
+largest reflectance, or the variance of a closed room is infinite."""
 
 ROULETTE_START = 3
 """Number of scatterings before roulette begins."""
@@ -39,13 +43,13 @@ def transmittance(scene: CompiledScene, origin, target, active):
     Parameters
     ----------
     origin : SurfaceInteraction3f    Where the ray starts; the ray is offset from its surface.
-    target : Point3f    Where it ends, excluded.
+    target : PositionSample3f    Where it ends, excluded: point and normal.
 
     Returns
     -------
     Spectrum    0 where something solid stands between.
     """
-    ray = origin.spawn_ray_to(target)
+    ray = spawn_ray_to(scene, origin, target.p, target.n)
     lit = active & ~scene.solid.ray_test(ray, active)
     if scene.veil is None:
         return dr.select(lit, mi.Spectrum(1.0), 0.0)
@@ -58,7 +62,7 @@ def transmittance(scene: CompiledScene, origin, target, active):
         si = scene.veil.ray_intersect(ray, lit)
         lit &= si.is_valid()
         value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit)
-        ray = dr.select(lit, si.spawn_ray_to(target), ray)
+        ray = dr.select(lit, spawn_ray_to(scene, si, target.p, target.n), ray)
         lit &= dr.any(value != 0.0)
         steps += 1
         return value, ray, lit & (steps < 1000), steps
@@ -89,6 +93,40 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     return ds, value / share
 
 
+def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, limit=None):
+    """One-sample estimate of the light that comes over plane mirrors.
+
+    Parameters
+    ----------
+    respond : callable
+        Given a direction and which lanes ask: the response of the surface, cosine included, and the density with which
+        it would have scattered that way.
+    limit : UInt32 or None    Most mirrors.
+
+    Returns
+    -------
+    Spectrum    Response times radiance, weighed against scattered rays.
+    """
+    planes = scene.mirrors
+    length = planes.length(stream.next_float32())
+    if limit is not None:
+        active &= length <= limit
+    numbers = mi.PCG32(stream)
+    image, turn = planes.image(si.p, numbers, length, active)
+    at = mi.Interaction3f(si)
+    at.p = image
+    ds, value = sample_emitter(scene, at, sample, active)
+    chance = planes.probability(length)
+    direction = turn.T @ ds.d
+    response, response_pdf = respond(direction, active)
+    density = ds.pdf * chance
+    weight = dr.select(ds.delta, 1.0, power_heuristic(density, response_pdf))
+    amount = response * value * (weight / chance)
+    lit = active & (ds.pdf > 0.0) & dr.any(amount != 0.0)
+    last, reflectance, met = mirrors.walk(scene, si, direction, numbers, length, closest_hit, lit)
+    return dr.select(met, amount * reflectance * transmittance(scene, last, ds, met), 0.0)
+
+
 def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     """Solid-angle density with which next-event from ``reference`` would have found this emitting point."""
     ds = dr.zeros(mi.DirectionSample3f)
@@ -114,8 +152,8 @@ def surroundings_density(scene: CompiledScene, reference, direction, active):
 
 def power_heuristic(pdf, other):
     """Weight of a sample drawn with density ``pdf`` that the density ``other`` would have found too."""
-    a, b = dr.square(pdf), dr.square(other)
-    return dr.select(a > 0.0, a / (a + b), 0.0)
+    # By the ratio: squares of densities overflow for tiny lights far away.
+    return dr.select(pdf > 0.0, dr.rcp(1.0 + dr.square(other / pdf)), 0.0)
 
 
 def trace(
@@ -128,6 +166,7 @@ def trace(
     active,
     first=None,
     depth=0,
+    limit=None,
 ):
     """Radiance that arrives along rays.
 
@@ -142,6 +181,7 @@ def trace(
     active : Bool
     first : (Point2f, Point2f) or None    Well-distributed samples for next-event and scattering at the first vertex.
     depth : int    Scatterings so far; 0 hides what the camera must not see.
+    limit : UInt32 or None    Most scatterings of light that counts, beyond the first ``depth``.
 
     Returns
     -------
@@ -163,11 +203,17 @@ def trace(
         "reference": mi.Point3f(reference),
         "depth": mi.UInt32(depth),
         "steps": mi.UInt32(0),
+        "chain": mi.UInt32(0),
         "dispersed": mi.Bool(False),
         "active": mi.Bool(active),
     }
 
-    def body(ray, stream, throughput, radiance, pdf, reference, depth, steps, dispersed, active):
+    has_mirrors = scene.mirrors is not None
+    last = None if limit is None else limit + depth
+
+    def body(
+        ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, active
+    ):
         si = closest_hit(scene, ray, active)
         if spectral:
             si.wavelengths = ray.wavelengths
@@ -185,6 +231,9 @@ def trace(
         emitter = scene.emitter(si, valid)
         glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
         found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
+        if has_mirrors:
+            over = dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+            found *= over
         weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
@@ -195,12 +244,16 @@ def trace(
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
             found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0))
+            if has_mirrors:
+                found *= over
             weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- next event ----
         active = valid
+        if last is not None:
+            active &= depth <= last
         bsdf = scene.bsdf(si, active)
         smooth = active & ~hidden & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
         light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
@@ -218,8 +271,17 @@ def trace(
             weight = dr.select(ds.delta, 1.0, power_heuristic(ds.pdf, response_pdf))
             amount = throughput * response * value * weight
             lit &= dr.any(amount != 0.0)
-            amount *= transmittance(scene, si, ds.p, lit)
+            amount *= transmittance(scene, si, ds, lit)
             radiance = dr.select(lit, radiance + amount, radiance)
+            if has_mirrors:
+
+                def respond(direction, asked, si=si, bsdf=bsdf):
+                    return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
+
+                mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+                rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
+                amount = mirrored_light(scene, si, mirror_sample, stream, respond, smooth, rest)
+                radiance = radiance + throughput * amount
 
         # ---- scattering ----
         bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
@@ -232,13 +294,22 @@ def trace(
             hero[0] = 4.0 * throughput[0]
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
-        onwards = si.spawn_ray(direction)
+        onwards = spawn_ray(scene, si, direction)
         onwards.wavelengths = ray.wavelengths
         ray = onwards
         turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        pdf = dr.select(turned, dr.select(delta, 0.0, bs.pdf), pdf)
-        reference = dr.select(turned, si.p, reference)
+        anew = turned
+        if has_mirrors:
+            # Behind a plane mirror the path goes on as if from the image of its last vertex.
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            image = si.p - direction * dr.norm(si.p - reference)
+            reference = dr.select(mirrored, image, reference)
+            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            anew &= ~mirrored
+        pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
+        reference = dr.select(anew, si.p, reference)
         depth = dr.select(turned, depth + 1, depth)
         steps += 1
 
@@ -249,7 +320,11 @@ def trace(
         goes_on = ~tried | (stream.next_float32() < survival)
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
-        return ray, stream, throughput, radiance, pdf, reference, depth, steps, dispersed, active
+        if last is not None:
+            active &= depth <= last + 1
+        return (
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, active
+        )  # fmt: skip
 
     result = dr.while_loop(
         state=tuple(state.values()),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
-from ..scene.light import ImageWorld, UniformWorld
+from ..scene.light import CieSky, ImageWorld, UniformWorld
 from ..scene.material import (
     Black,
     Cauchy,
@@ -85,6 +85,8 @@ def emission_spectra(scene: Scene) -> list:
         if material.emission is not None and material.emission.luminance > 0.0:
             found.append(material.emission.spectrum)
     if isinstance(scene.world, UniformWorld) and scene.world.luminance > 0.0:
+        found.append(scene.world.spectrum)
+    if isinstance(scene.world, CieSky) and scene.world.illuminance > 0.0:
         found.append(scene.world.spectrum)
     return found
 

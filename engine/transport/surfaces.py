@@ -161,6 +161,25 @@ def passes_straight(surface) -> bool:
     return False
 
 
+def is_window(surface) -> bool:
+    """Tell whether daylight enters by a surface, so that samples of the sky are aimed at it: a pane or an opening."""
+    match surface:
+        case ThinGlass():
+            return True
+        case Transparent():
+            return not isinstance(surface.transmittance, ImageTexture)
+    return False
+
+
+def is_mirror(surface) -> bool:
+    """Tell whether a surface is an ideal mirror all over and nothing else."""
+    match surface:
+        case Glossy() | Conductor():
+            roughness = surface.roughness
+            return not isinstance(roughness, ImageTexture) and roughness < SMOOTH_ROUGHNESS
+    return False
+
+
 def is_purely_specular(surface) -> bool:
     """Tell whether a surface has no spread-out part: nothing to measure illuminance on."""
     match surface:

@@ -9,7 +9,9 @@ import numpy as np
 from ..photometry import units
 from ..photometry.colour import REC709_LUMINANCE
 from ..photometry.spectra import luminous_efficiency
-from ..scene.light import ImageWorld, SunLight, UniformWorld
+from ..scene.light import CieSky, ImageWorld, SunLight, UniformWorld
+from ..sky.cie import check_sky, mean_luminance
+from ..sky.plugin import make_sky
 from . import emission
 from .textures import is_spectral
 
@@ -33,19 +35,32 @@ def make_world(world, old=None, made: World | None = None) -> World | None:
 
     Parameters
     ----------
-    world : UniformWorld, ImageWorld or None
-    old, made : World's description and emitter    Of before; the emitter is changed in place if it shows the same picture.
+    world : UniformWorld, ImageWorld, CieSky or None
+    old, made : World's description and emitter
+        Of before; the emitter is changed in place if it shows the same picture, or another sky of the same spectrum.
     """
     if isinstance(world, UniformWorld) and world.luminance > 0.0:
         made = emission.luminous(world.luminance, world.spectrum)
         return World(
             mi.load_dict({"type": "constant", "radiance": made.texture()}), world.luminance
         )
+    if isinstance(world, CieSky):
+        check_sky(world)
+        if world.illuminance > 0.0:
+            return _cie_sky(world, old, made)
     if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
         if made is not None and isinstance(old, ImageWorld) and world.image.is_same(old.image):
             return _changed(world, old, made)
         return _image_world(world)
     return None
+
+
+def _cie_sky(world: CieSky, old, made: World | None) -> World:
+    mean = mean_luminance(world)
+    if made is not None and isinstance(old, CieSky) and world.spectrum == old.spectrum:
+        made.emitter.set_sky(world)
+        return World(made.emitter, mean)
+    return World(make_sky(world, emission.luminous(1.0, world.spectrum).texture()), mean)
 
 
 def _changed(world: ImageWorld, old: ImageWorld, made: World) -> World:

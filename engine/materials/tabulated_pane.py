@@ -1,0 +1,121 @@
+"""A clear pane known by a table of its transmittance and reflectance over the angle of incidence."""
+
+import numpy as np
+
+from ..arrays import table_size
+from ..errors import SceneError
+from ..scene.material import TabulatedPane
+
+BEYOND = 360.0
+"""Angle of the entries that fill a table up; no direction has it. [deg]"""
+
+ROUNDING = 1e-6
+"""By which values of a data sheet may exceed what energy allows. [-]"""
+
+
+def check_table(pane: TabulatedPane) -> None:
+    """Refuse a table that says nothing or that would make light.
+
+    Raises
+    ------
+    SceneError    Says what is wrong with it.
+    """
+    columns = (pane.angles, pane.transmittance, pane.reflectance)
+    angles, transmittance, reflectance = (np.asarray(c, dtype=np.float64) for c in columns)
+    shapes = [column.shape for column in (angles, transmittance, reflectance)]
+    if angles.ndim != 1 or angles.size == 0 or len(set(shapes)) > 1:
+        raise SceneError(
+            "a pane's table needs as many angles as transmittances and reflectances, and one at least; "
+            f"found {', '.join(' x '.join(map(str, shape)) or 'a number' for shape in shapes)}"
+        )
+    for name, values in (
+        ("angle", angles),
+        ("transmittance", transmittance),
+        ("reflectance", reflectance),
+    ):
+        if not np.isfinite(values).all():
+            raise SceneError(f"a pane's table has a {name} that is not a finite number")
+    if angles[0] < 0.0 or angles[-1] > 90.0 or np.any(np.diff(angles) <= 0.0):
+        raise SceneError("a pane's angles must ascend strictly from 0 to 90 degrees at most")
+    for name, values in (("transmittance", transmittance), ("reflectance", reflectance)):
+        if values.min() < 0.0 or values.max() > 1.0:
+            wrong = values[np.argmax(np.abs(values - 0.5))]
+            raise SceneError(f"a pane's {name} is {wrong:g}, expected 0 to 1")
+    total = transmittance + reflectance
+    if total.max() > 1.0 + ROUNDING:
+        place = int(np.argmax(total))
+        raise SceneError(
+            f"a pane transmits and reflects {total[place]:g} of the light at {angles[place]:g} degrees, more than all of it"
+        )
+
+
+def tabulated_pane_class():
+    """Return the plug-in for the active Mitsuba variant."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from .plugins import specular
+
+    @specular
+    class TabulatedPane(mi.BSDF):
+        """Mirror reflection and straight transmission by a table, the same at all wavelengths."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [mi.BSDFFlags.DeltaReflection | sides, mi.BSDFFlags.Null | sides]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def set_table(self, angles, transmittance, reflectance):
+            """Set the table, (n,) each; angles strictly ascending. [deg]"""
+            free = table_size(len(angles) + 1) - len(angles)
+            columns = [np.pad(np.asarray(c, np.float32), (0, free), "edge")
+                       for c in (angles, transmittance, reflectance)]  # fmt: skip
+            columns[0][-free:] = BEYOND
+            self.angles, self.transmittance, self.reflectance = map(mi.Float, columns)
+            dr.eval(self.angles, self.transmittance, self.reflectance)
+
+        def _shares(self, si, active):
+            """Reflectance and transmittance, linear in the angle between the entries."""
+            # By both sides of the triangle: an arc cosine is blind to small angles.
+            sine = dr.sqrt(dr.square(si.wi.x) + dr.square(si.wi.y))
+            angle = dr.rad2deg(dr.atan2(sine, dr.abs(si.wi.z)))
+            last = dr.width(self.angles) - 1
+            above = dr.binary_search(
+                0, last, lambda i: dr.gather(mi.Float, self.angles, i, active) <= angle
+            )
+            above = dr.maximum(mi.UInt32(above), 1)
+            low = dr.gather(mi.Float, self.angles, above - 1, active)
+            high = dr.gather(mi.Float, self.angles, above, active)
+            place = dr.clip((angle - low) / (high - low), 0.0, 1.0)
+            return (
+                dr.lerp(
+                    dr.gather(mi.Float, column, above - 1, active),
+                    dr.gather(mi.Float, column, above, active),
+                    place,
+                )
+                for column in (self.reflectance, self.transmittance)
+            )
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            reflectance, transmittance = self._shares(si, active)
+            total = reflectance + transmittance
+            reflected = dr.select(total > 0.0, reflectance / dr.maximum(total, 1e-20), 0.0)
+            reflects = sample1 < reflected
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = dr.select(reflects, mi.reflect(si.wi), -si.wi)
+            bs.pdf = dr.select(reflects, reflected, 1.0 - reflected)
+            bs.eta = 1.0
+            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1))
+            bs.sampled_type = dr.select(
+                reflects, mi.UInt32(+mi.BSDFFlags.DeltaReflection), mi.UInt32(+mi.BSDFFlags.Null)
+            )
+            return bs, mi.Spectrum(dr.select(active, total, 0.0))
+
+        def eval_null_transmission(self, si, active=True):
+            return mi.Spectrum(tuple(self._shares(si, active))[1])
+
+        def to_string(self):
+            return "TabulatedPane[]"
+
+    return TabulatedPane
