@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires test lint extension smoke viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires test validate lint extension smoke viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -29,6 +29,9 @@ luminaires: setup ## render the library's luminaires anew and write their assets
 
 test: setup ## run the tests, all but those that need a real Blender
 	$(PYTHON_IN_VENV) -m pytest
+
+validate: setup ## run the whole validation suite, other programs too, and write its report into docs/validation
+	$(VENV)/bin/lumenray validate --peers -o docs/validation
 
 lint: setup ## check style, format and the direction of imports
 	$(VENV)/bin/ruff check .

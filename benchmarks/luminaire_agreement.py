@@ -18,7 +18,6 @@ from ..engine.scene.distribution import Opening
 from ..engine.scene.light import Luminaire, Output, Quantity
 from ..engine.scene.scene import SceneDelta
 from ..engine.session import Session
-from ..engine.transport.illuminance import SURFACE_OFFSET
 from . import radiance
 from .opening_sum import FINENESS, sum_over_opening
 
@@ -143,19 +142,19 @@ class Bench:
         rotation = hanging()
         place = np.array([0.0, 0.0, HEIGHT])
         planes = lay_planes(file, rotation, place, HEIGHT)
-        # The same points for both: ours are lifted off the surface that a sensor lies on.
-        lifted = planes.positions + SURFACE_OFFSET * planes.normals
         ours = self._measure(file, rotation, place, planes, Opening(), POINT_RULE)[0]
         with _AsLm63(path, file) as files:
-            theirs = self._ask(files.given, file, rotation, place, lifted, planes.normals)
-            rewritten = self._ask(files.written, file, rotation, place, lifted, planes.normals)
-        inside = is_inside(file, (lifted - place) @ rotation)
+            theirs = self._ask(files.given, file, rotation, place, planes.positions, planes.normals)
+            rewritten = self._ask(
+                files.written, file, rotation, place, planes.positions, planes.normals
+            )
+        inside = is_inside(file, (planes.positions - place) @ rotation)
         row = describe(file) | compare(ours, theirs, inside)
         row["reason"] = _reason(file, row["max"])
         if row["reason"]:
             expected = ours
             if row["reason"] == "type B":
-                expected = projected(file, rotation, lifted - place, planes.normals)
+                expected = projected(file, rotation, planes.positions - place, planes.normals)
             row["without_reason"] = compare(expected, rewritten, inside)["max"]
         return row
 
@@ -174,22 +173,21 @@ class Bench:
         distance = OPENING_DISTANCE * float(np.linalg.norm(file.opening.size))
         place = np.array([0.0, 0.0, distance])
         planes = lay_planes(file, rotation, place, distance)
-        lifted = planes.positions + SURFACE_OFFSET * planes.normals
         ours, error = self._measure(file, rotation, place, planes, file.opening, OPENING_RULE)
         point = self._measure(file, rotation, place, planes, Opening(), POINT_RULE)[0]
-        exact = sum_over_opening(file, rotation, place, lifted, planes.normals)
+        exact = sum_over_opening(file, rotation, place, planes.positions, planes.normals)
         exact *= tilt_factor(file.tilt, np.rad2deg(TILT))
         with _AsLm63(path, file) as files:
             answer = radiance.measure(
                 files.written,
                 radiance_axes(file, rotation),
                 place,
-                lifted,
+                planes.positions,
                 planes.normals,
                 is_point=False,
                 subdivision=SUBDIVISION,
             )
-        everywhere = np.ones(len(lifted), dtype=bool)
+        everywhere = np.ones(len(planes.positions), dtype=bool)
         is_alike = _is_alike(file, answer)
         made = {"ours": compare(ours, exact, everywhere), "theirs": None}
         if is_alike:

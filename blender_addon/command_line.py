@@ -7,7 +7,8 @@ import sys
 import time
 from pathlib import Path
 
-from . import luminaire_commands
+from ..engine.scene.sensor import SensorKind
+from . import luminaire_commands, validate_command
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
@@ -108,9 +109,33 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="OUT.csv",
         help="the same columns and illuminance_lx, standard_error_lx",
     )
+    measure.add_argument(
+        "--kind",
+        choices=[kind.value for kind in SensorKind],
+        default=SensorKind.PLANAR.value,
+        help="which illuminance; spherical and cylindrical (vertical) ones have no normal (default: planar)",
+    )
+    measure.add_argument(
+        "--reflections",
+        type=int,
+        metavar="N",
+        help="count only light that was reflected at most N times; 0 is the direct part",
+    )
+    measure.add_argument(
+        "--colour",
+        action="store_true",
+        help="also write the chromaticity x, y of the light that arrives",
+    )
+    measure.add_argument(
+        "--each",
+        type=float,
+        metavar="E",
+        help="go on until the relative standard error of every sensor is below E",
+    )
     _add_rule(measure, "sensor")
 
     luminaire_commands.add_commands(commands, _size)
+    validate_command.add_command(commands)
 
     demo = commands.add_parser("demo", help="render and bake the bundled office")
     demo.add_argument(
@@ -210,6 +235,7 @@ def main(arguments=None) -> int:
             "bake": _bake,
             "measure": _measure,
             "luminaire": luminaire_commands.run,
+            "validate": validate_command.run,
             "demo": _demo,
             "benchmark": _benchmark,
         }[options.command](options)
@@ -499,6 +525,8 @@ def _chosen(options, scene) -> list:
 
 
 def _measure(options) -> int:
+    from ..engine.accuracy.stopping import StopRule
+    from ..engine.errors import SceneError
     from ..engine.formats.sensors import read_sensors, write_measurements
     from ..engine.session import Session
     from .sync.scene import convert_scene
@@ -510,22 +538,32 @@ def _measure(options) -> int:
     session = Session()
     session.apply(converted.delta)
     bar = _Bar("measure")
+    rule = _rule(
+        options,
+        settings.bake_stop,
+        max(settings.bake_samples, 1024),
+        settings.bake_error,
+        settings.bake_time,
+    )
+    if options.each is not None:
+        rule = StopRule(seconds=options.time, each=options.each)
+    if options.reflections is not None and options.reflections < 0:
+        raise SceneError(f"--reflections is {options.reflections}, expected 0 or more")
     made = session.measure(
         sensors[:, :3],
         sensors[:, 3:],
-        _rule(
-            options,
-            settings.bake_stop,
-            max(settings.bake_samples, 1024),
-            settings.bake_error,
-            settings.bake_time,
-        ),
+        rule,
         settings.seed if options.seed is None else options.seed,
         _transport(options, settings),
         bar,
+        kind=SensorKind(options.kind),
+        reflections=options.reflections,
+        colour=options.colour,
     )
     bar.close()
-    write_measurements(options.output, sensors, made.illuminance, made.standard_error)
+    write_measurements(
+        options.output, sensors, made.illuminance, made.standard_error, made.tristimulus
+    )
     _print_conversion(converted.report, made.provenance)
     print(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"

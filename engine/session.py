@@ -19,6 +19,7 @@ from .accuracy.stopping import Progress, StopRule
 from .atlas.unwrap import AtlasChart
 from .errors import SceneError
 from .scene.camera import Camera
+from .scene.material import Surface
 from .scene.mesh import Mesh
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
@@ -293,6 +294,24 @@ class Measurement:
     tristimulus_error: np.ndarray | None = None
 
 
+@dataclass(frozen=True)
+class SurfaceProbe:
+    """What a goniometer reads of a surface.
+
+    Parameters
+    ----------
+    angles : (n,) float64 or None    Between the normal and the direction that light came from; None: even light. [deg]
+    reflectance, transmittance : (n,) float64    Shares of the arriving energy, into all directions together. [-]
+    reflectance_error, transmittance_error : (n,) float64    Standard errors. [-]
+    """
+
+    angles: np.ndarray | None
+    reflectance: np.ndarray
+    transmittance: np.ndarray
+    reflectance_error: np.ndarray
+    transmittance_error: np.ndarray
+
+
 SENSOR_GROUPS = 16
 """Independent groups for sensors: enough for an error of each, within 18 % of itself."""
 
@@ -480,6 +499,48 @@ class Session:
             kind=sensors.kind,
         )
 
+    def probe(
+        self,
+        surface: Surface,
+        angles=None,
+        samples: int = 1 << 16,
+        seed: int = 0,
+        transport: str = "auto",
+        wavelength: float = 555.0,
+    ) -> SurfaceProbe:
+        """Reflectance and transmittance of a surface by itself, whatever the scene holds.
+
+        Parameters
+        ----------
+        surface : Surface    Without pictures.
+        angles : (n,) array or None
+            Between the normal and the direction that light comes from; above 90 it comes from behind, which for a solid
+            body is inside. None: even light from the front hemisphere, one value. [deg]
+        samples : int    Per angle, at least.
+        transport : str    ``auto`` and ``spectral``: at the wavelength; ``mono``: for equal-energy white.
+        wavelength : float    [nm]
+
+        Raises
+        ------
+        SceneError    The surface or a number is not usable.
+        Cancelled    After `cancel`.
+        """
+        from .transport import backend, requirements
+
+        requirements.check_transport(transport)
+        if angles is not None:
+            angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+        with self._alone():
+            backend.start(transport != "mono")
+            from .transport import probe
+
+            probe.check(surface, angles, samples, wavelength)
+            # No pause in between: it would bring the scene's own variant back.
+            r, t = probe.measure(
+                surface, angles, samples, seed, wavelength, cancelled=lambda: self._cancel
+            )
+        return SurfaceProbe(angles, r.mean, t.mean, r.standard_error, t.standard_error)
+
     def bake_objects(
         self, order: BakeOrder, progress: Callable[[Progress], None] | None = None
     ) -> BakeResult:
@@ -650,14 +711,20 @@ class Session:
     @contextmanager
     def _engine(self, transport: str, is_live: bool = False):
         """Give the compiled scene, alone with the process's Mitsuba."""
+        with self._alone(is_live):
+            compiled = self._prepare(transport, is_live)
+            if not is_live:
+                compiled.settle()
+            yield compiled
+
+    @contextmanager
+    def _alone(self, is_live: bool = False):
+        """Keep others from the process's Mitsuba, and from the garbage, for a job."""
         with _ONE_AT_A_TIME, _garbage_left_alone():
             self._cancel = False
             self._is_busy = not is_live
             try:
-                compiled = self._prepare(transport, is_live)
-                if not is_live:
-                    compiled.settle()
-                yield compiled
+                yield
             finally:
                 self._is_busy = False
 

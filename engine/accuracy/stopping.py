@@ -17,6 +17,7 @@ class StopRule:
     seconds : float or None    [s]
     each : float or None    Relative standard error that every single value must reach. [-]
     floor : float    Values below it count as large as it for ``each``. [lx]
+    limits : tuple of float    Standard error that each value must reach, one for each; instead of ``each``. [lx]
     """
 
     samples: int | None = None
@@ -24,10 +25,13 @@ class StopRule:
     seconds: float | None = None
     each: float | None = None
     floor: float = 0.0
+    limits: tuple[float, ...] = ()
 
     def __post_init__(self):
         """Refuse rules that never stop or make no sense."""
-        if all(value is None for value in (self.samples, self.error, self.seconds, self.each)):
+        if not self.limits and all(
+            value is None for value in (self.samples, self.error, self.seconds, self.each)
+        ):
             raise SceneError("no stopping rule: give a number of samples, an error or a time")
         for name, value in (
             ("samples", self.samples),
@@ -101,12 +105,12 @@ class Clock:
         left = seconds * (1.0 - done) / done if done > 0.0 else None
         return Progress(done, samples, error, seconds, left, self.stage)
 
-    def is_done(self, samples: int, error: float, worst: float = float("inf")) -> bool:
-        """Tell whether any part of the rule is met. ``worst``: largest relative error of a single value."""
+    def is_done(self, samples: int, error: float, is_each_met: bool = False) -> bool:
+        """Tell whether any part of the rule is met. ``is_each_met``: whether what it wants of single values is."""
         rule = self.rule
         return (
             (rule.samples is not None and samples >= rule.samples)
             or (rule.seconds is not None and self.seconds >= rule.seconds)
             or (rule.error is not None and error <= rule.error)
-            or (rule.each is not None and worst <= rule.each)
+            or is_each_met
         )

@@ -94,8 +94,12 @@ def _row(path, fields, order, line) -> list[float]:
     return values
 
 
-def write_measurements(path, sensors: np.ndarray, illuminance, standard_error) -> Path:
+def write_measurements(
+    path, sensors: np.ndarray, illuminance, standard_error, tristimulus=None
+) -> Path:
     """Write sensors (n, 6) with their illuminance and its standard error (n,). [m, lx]
+
+    ``tristimulus`` (n, 3) adds the chromaticity x, y of the light that arrives.
 
     Raises
     ------
@@ -106,9 +110,26 @@ def write_measurements(path, sensors: np.ndarray, illuminance, standard_error) -
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx"])
-            for row, value, error in zip(sensors, illuminance, standard_error, strict=True):
-                writer.writerow([*(f"{v:.9g}" for v in row), f"{value:.7g}", f"{error:.3g}"])
+            colours = [()] * len(sensors) if tristimulus is None else _chromaticities(tristimulus)
+            names = () if tristimulus is None else ("chromaticity_x", "chromaticity_y")
+            writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx", *names])
+            for row, value, error, colour in zip(
+                sensors, illuminance, standard_error, colours, strict=True
+            ):
+                writer.writerow(
+                    [
+                        *(f"{v:.9g}" for v in row),
+                        f"{value:.7g}",
+                        f"{error:.3g}",
+                        *(f"{c:.5f}" for c in colour),
+                    ]
+                )
     except OSError as error:
         raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
     return path
+
+
+def _chromaticities(tristimulus: np.ndarray) -> np.ndarray:
+    """Chromaticity x, y of every row, not a number where there is no light. (n, 3) -> (n, 2)"""
+    total = tristimulus.sum(axis=1, keepdims=True)
+    return np.where(total > 0.0, tristimulus[:, :2] / np.where(total > 0.0, total, 1.0), np.nan)

@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from .coated import coated_class
+from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 
 DISPERSED_COMPONENT = 16
@@ -155,16 +156,8 @@ def _null_sample(si, weight, active):
     return bs, mi.Spectrum(dr.select(active, weight, 0.0))
 
 
-def _specular(cls):
-    """Class decorator: nothing to evaluate for a given pair of directions (nanobind allows one base only)."""
-    cls.eval_pdf = lambda self, ctx, si, wo, active=True: (mi.Spectrum(0.0), mi.Float(0.0))
-    cls.eval = lambda self, ctx, si, wo, active=True: mi.Spectrum(0.0)
-    cls.pdf = lambda self, ctx, si, wo, active=True: mi.Float(0.0)
-    return cls
-
-
 def _transparent_class():
-    @_specular
+    @specular
     class Transparent(mi.BSDF):
         """Lets light pass straight on, times a transmittance."""
 
@@ -191,7 +184,7 @@ def _transparent_class():
 
 
 def _pane_class():
-    @_specular
+    @specular
     class Pane(mi.BSDF):
         """A pane of glass as one surface: mirror reflection and straight transmission."""
 
@@ -200,8 +193,7 @@ def _pane_class():
             self.ior = mi.Float(props["ior"])
             dr.make_opaque(self.ior)
             self.internal = props["transmittance"]
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [mi.BSDFFlags.DeltaReflection | sides, mi.BSDFFlags.Null | sides]
+            self.m_components = pane_components()
             self.m_flags = self.m_components[0] | self.m_components[1]
 
         def traverse(self, callback):
@@ -212,20 +204,7 @@ def _pane_class():
             return pane_optics(cosine, self.ior, self.internal.eval(si, active))
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            reflectance, transmittance = self._optics(si, active)
-            r, t = dr.mean(reflectance), dr.mean(transmittance)
-            p_reflect = r / dr.maximum(r + t, 1e-8)
-            reflects = sample1 < p_reflect
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = dr.select(reflects, mi.reflect(si.wi), -si.wi)
-            bs.pdf = dr.select(reflects, p_reflect, 1.0 - p_reflect)
-            bs.eta = 1.0
-            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1))
-            bs.sampled_type = dr.select(
-                reflects, mi.UInt32(+mi.BSDFFlags.DeltaReflection), mi.UInt32(+mi.BSDFFlags.Null)
-            )
-            weight = dr.select(reflects, reflectance, transmittance) / dr.maximum(bs.pdf, 1e-8)
-            return bs, mi.Spectrum(dr.select(active, weight, 0.0))
+            return sample_pane(si, *self._optics(si, active), sample1, active)
 
         def eval_null_transmission(self, si, active=True):
             return self._optics(si, active)[1]
@@ -237,7 +216,7 @@ def _pane_class():
 
 
 def _glass_class():
-    @_specular
+    @specular
     class SmoothGlass(mi.BSDF):
         """Smooth boundary of a body.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..arrays import table_size
+from ..arrays import table_size, upload
 from ..errors import SceneError
 from ..scene.material import TabulatedPane
 
@@ -54,7 +54,7 @@ def tabulated_pane_class():
     import drjit as dr
     import mitsuba as mi
 
-    from .plugins import specular
+    from .specular import pane_components, sample_pane, specular
 
     @specular
     class TabulatedPane(mi.BSDF):
@@ -62,17 +62,19 @@ def tabulated_pane_class():
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [mi.BSDFFlags.DeltaReflection | sides, mi.BSDFFlags.Null | sides]
+            self.m_components = pane_components()
             self.m_flags = self.m_components[0] | self.m_components[1]
 
         def set_table(self, angles, transmittance, reflectance):
             """Set the table, (n,) each; angles strictly ascending. [deg]"""
             free = table_size(len(angles) + 1) - len(angles)
-            columns = [np.pad(np.asarray(c, np.float32), (0, free), "edge")
-                       for c in (angles, transmittance, reflectance)]  # fmt: skip
+            columns = [
+                np.pad(column, (0, free), "edge") for column in (angles, transmittance, reflectance)
+            ]
             columns[0][-free:] = BEYOND
-            self.angles, self.transmittance, self.reflectance = map(mi.Float, columns)
+            self.angles, self.transmittance, self.reflectance = (
+                upload(mi.Float, column) for column in columns
+            )
             dr.eval(self.angles, self.transmittance, self.reflectance)
 
         def _shares(self, si, active):
@@ -88,32 +90,20 @@ def tabulated_pane_class():
             low = dr.gather(mi.Float, self.angles, above - 1, active)
             high = dr.gather(mi.Float, self.angles, above, active)
             place = dr.clip((angle - low) / (high - low), 0.0, 1.0)
-            return (
-                dr.lerp(
-                    dr.gather(mi.Float, column, above - 1, active),
-                    dr.gather(mi.Float, column, above, active),
-                    place,
+
+            def between(column):
+                below = dr.gather(mi.Float, column, above - 1, active)
+                return mi.Spectrum(
+                    dr.lerp(below, dr.gather(mi.Float, column, above, active), place)
                 )
-                for column in (self.reflectance, self.transmittance)
-            )
+
+            return between(self.reflectance), between(self.transmittance)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            reflectance, transmittance = self._shares(si, active)
-            total = reflectance + transmittance
-            reflected = dr.select(total > 0.0, reflectance / dr.maximum(total, 1e-20), 0.0)
-            reflects = sample1 < reflected
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = dr.select(reflects, mi.reflect(si.wi), -si.wi)
-            bs.pdf = dr.select(reflects, reflected, 1.0 - reflected)
-            bs.eta = 1.0
-            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1))
-            bs.sampled_type = dr.select(
-                reflects, mi.UInt32(+mi.BSDFFlags.DeltaReflection), mi.UInt32(+mi.BSDFFlags.Null)
-            )
-            return bs, mi.Spectrum(dr.select(active, total, 0.0))
+            return sample_pane(si, *self._shares(si, active), sample1, active)
 
         def eval_null_transmission(self, si, active=True):
-            return mi.Spectrum(tuple(self._shares(si, active))[1])
+            return self._shares(si, active)[1]
 
         def to_string(self):
             return "TabulatedPane[]"

@@ -1,4 +1,4 @@
-"""From X, Y, Z to the scene-linear picture and back."""
+"""From X, Y, Z to the scene-linear picture, to chromaticities and to L*a*b*."""
 
 import numpy as np
 
@@ -40,3 +40,60 @@ def automatic_white(luminance) -> float:
     if seen.size == 0:
         return 1.0
     return float(np.exp(np.mean(np.log(seen))) / MIDDLE_GREY)
+
+
+def chromaticity(tristimulus) -> np.ndarray:
+    """Chromaticity coordinates x, y. (CIE 15:2018, 7.2)
+
+    Parameters
+    ----------
+    tristimulus : (..., 3) array    X, Y, Z on any scale.
+
+    Returns
+    -------
+    (..., 2) float64 array    NaN where X + Y + Z is 0, as black has no chromaticity. [-]
+    """
+    tristimulus = np.asarray(tristimulus, dtype=np.float64)
+    total = tristimulus.sum(axis=-1, keepdims=True)
+    return tristimulus[..., :2] / np.where(total == 0.0, np.nan, total)
+
+
+def cie_lab(tristimulus, white) -> np.ndarray:
+    """CIE 1976 L*, a*, b*. (CIE 15:2018, 8.2.1)
+
+    Parameters
+    ----------
+    tristimulus : (..., 3) array    X, Y, Z of the samples.
+    white : (3,) array    X, Y, Z of the white that they are seen against, on the same scale, all above 0.
+
+    Returns
+    -------
+    (..., 3) float64 array    [-]
+    """
+    ratio = np.asarray(tristimulus, dtype=np.float64) / np.asarray(white, dtype=np.float64)
+    # Below the bend the cube root is continued by its tangent.
+    bend = 24.0 / 116.0
+    x, y, z = np.moveaxis(
+        np.where(
+            ratio > bend**3,
+            np.cbrt(ratio),
+            ratio / (3.0 * bend**2) + 16.0 / 116.0,
+        ),
+        -1,
+        0,
+    )
+    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=-1)
+
+
+def colour_difference(first, second) -> np.ndarray:
+    """CIE 1976 colour difference Delta E*ab. (CIE 15:2018, 8.2.1)
+
+    Parameters
+    ----------
+    first, second : (..., 3) array    L*, a*, b*. [-]
+
+    Returns
+    -------
+    (...) float64 array    [-]
+    """
+    return np.linalg.norm(np.asarray(first, dtype=np.float64) - np.asarray(second), axis=-1)

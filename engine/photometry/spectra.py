@@ -11,6 +11,7 @@ from ..scene.spectrum import (
     Constant,
     Daylight,
     Illuminant,
+    Lines,
     Rgb,
     Spectrum,
     Tabulated,
@@ -89,6 +90,42 @@ def illuminant(wavelengths, name: str) -> np.ndarray:
     return np.interp(wavelengths, nm, values, left=0.0, right=0.0)
 
 
+def emission_lines(wavelengths, lines: Lines) -> np.ndarray:
+    """Spectral density of emission lines, each a tent that falls to 0 within 1 nm. [nm -> 1/nm]
+
+    The sum of a tent over the full nanometres is the line's power, and that of its product with a table is the table's
+    value at the line, linear between full nanometres: no line is missed, doubled, or moved to the middle of a band.
+
+    Raises
+    ------
+    SceneError    There are no lines, they are not within 360..830 nm, or a power is negative or not a finite number.
+    """
+    centres, powers = (
+        np.atleast_1d(np.asarray(x, dtype=np.float64)) for x in (lines.wavelengths, lines.powers)
+    )
+    if centres.ndim != 1 or centres.shape != powers.shape or not centres.size:
+        raise SceneError(
+            f"emission lines need a row of wavelengths, at least one, and as many powers, found arrays of shape "
+            f"{centres.shape} and {powers.shape}"
+        )
+    # A comparison with NaN is false.
+    outside = ~((centres >= MINIMUM_WAVELENGTH) & (centres <= MAXIMUM_WAVELENGTH))
+    if outside.any():
+        raise SceneError(
+            f"an emission line lies at {centres[outside][0]:g} nm, expected a wavelength from "
+            f"{MINIMUM_WAVELENGTH:g} to {MAXIMUM_WAVELENGTH:g} nm"
+        )
+    unusable = ~(np.isfinite(powers) & (powers >= 0.0))
+    if unusable.any():
+        raise SceneError(
+            f"the emission line at {centres[unusable][0]:g} nm has the power "
+            f"{powers[unusable][0]:g}, expected a number of at least 0"
+        )
+    wavelengths = np.asarray(wavelengths, dtype=np.float64)
+    tents = np.maximum(1.0 - np.abs(wavelengths[..., None] - centres), 0.0)
+    return tents @ powers
+
+
 def evaluate_emission(spectrum: Spectrum, wavelengths) -> np.ndarray:
     """Relative spectral power of a light. Its scale has no meaning.
 
@@ -100,6 +137,10 @@ def evaluate_emission(spectrum: Spectrum, wavelengths) -> np.ndarray:
     Returns
     -------
     (n,) float64 array    [-]
+
+    Raises
+    ------
+    SceneError    The spectrum cannot be evaluated; the text says what is wrong.
     """
     wavelengths = np.asarray(wavelengths, dtype=np.float64)
     match spectrum:
@@ -115,6 +156,8 @@ def evaluate_emission(spectrum: Spectrum, wavelengths) -> np.ndarray:
             return planck(wavelengths, spectrum.temperature)
         case Daylight():
             return daylight(wavelengths, spectrum.temperature)
+        case Lines():
+            return emission_lines(wavelengths, spectrum)
     raise SceneError(f"unknown kind of spectrum: {type(spectrum).__name__}")
 
 

@@ -26,7 +26,7 @@ from ..sky import plugin as sky_plugin
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
-from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp
+from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp, reach_of
 from .layers import Layer
 from .lights import LightTable, Source
 from .mirrors import MirrorSet, Plane, choose_planes
@@ -479,8 +479,9 @@ def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
         if not isinstance(light, SunLight) and light.output.value > 0.0:
             has_frame = isinstance(light, AreaLight | Luminaire)
             place = light.frame[:3, 3] if has_frame else light.position
-            low.append(np.asarray(place, dtype=np.float64))
-            high.append(low[-1])
+            place = np.asarray(place, dtype=np.float64)
+            low.append(place - reach_of(light))
+            high.append(place + reach_of(light))
     low, high = np.min(low, axis=0), np.max(high, axis=0)
     is_empty = np.isposinf(low).all() and np.isneginf(high).all()
     if not is_empty and not (np.isfinite(low) & np.isfinite(high)).all():

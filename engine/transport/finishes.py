@@ -4,12 +4,16 @@ import mitsuba as mi
 import numpy as np
 
 from ..arrays import pointer_id
+from ..errors import SceneError
 from ..scene.material import Diffuse, Material
 from ..scene.spectrum import Constant
 from .bitmaps import key_of
 from .requirements import is_coloured
 from .surfaces import approximations, bsdf, is_plain, palette
 from .textures import TextureMaker, is_spectral
+
+NOTHING = Diffuse(Constant(0.0))
+"""What the palette holds before there are plain materials."""
 
 
 class Finishes:
@@ -23,6 +27,8 @@ class Finishes:
     def __init__(self, light: np.ndarray):
         self.make = TextureMaker(light)
         self.palette = mi.load_dict({"type": "lumenray_coated"})
+        # Kernels visit every surface model that lives, that of a scene which failed half-way too.
+        self.palette.set_palette(**palette([NOTHING], self.make))
         self._palette_number = pointer_id(self.palette)
         self._rows: dict[str, int] = {}
         self._columns: list[dict] = []
@@ -54,7 +60,10 @@ class Finishes:
         if was_plain:
             self._rows.pop(material.id)
         self.make.bitmaps.asked.clear()
-        made = bsdf(material.surface, self.make)
+        try:
+            made = bsdf(material.surface, self.make)
+        except SceneError as error:
+            raise SceneError(f"material '{material.name}': {error}") from error
         plugin = mi.load_dict(made) if isinstance(made, dict) else made
         self._note_pictures(material, frozenset(self.make.bitmaps.asked))
         old = self._plugins.get(material.id)
@@ -92,7 +101,7 @@ class Finishes:
     def commit(self, rows_by_shape: np.ndarray) -> None:
         """Bring the palette up to date. ``rows_by_shape``: row of the shape with each number."""
         if self._changed:
-            columns = self._columns or [palette([Diffuse(Constant(0.0))], self.make)]
+            columns = self._columns or [palette([NOTHING], self.make)]
             self.palette.set_palette(
                 **{name: np.concatenate([c[name] for c in columns]) for name in columns[0]}
             )

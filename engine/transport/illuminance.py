@@ -28,7 +28,7 @@ SNAP_DISTANCE = 1e-4
 """Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
 is a share of the radius. [m]"""
 
-FEWEST_SAMPLES = 1 << 13
+FEWEST_SAMPLES = 1 << 14
 """Samples per receiver before the errors of single receivers are believed."""
 
 
@@ -64,10 +64,14 @@ class Receivers:
 
         Raises
         ------
-        SceneError    A position or normal is not finite or a normal has no length; names the first such row.
+        SceneError    The counts differ, a position or normal is not finite, or a normal has no length; names the first row.
         """
         positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
         normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
+        if len(positions) != len(normals):
+            raise SceneError(
+                f"{len(positions)} sensors have {len(normals)} normals, expected one each"
+            )
         if kind in (SensorKind.SPHERICAL, SensorKind.CYLINDRICAL):
             normals = np.tile([0.0, 0.0, 1.0], (len(positions), 1))
         if kind is SensorKind.SEMICYLINDRICAL:
@@ -157,9 +161,15 @@ def compute(
         brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
         error = brightness.relative_error(receivers.weights)
         samples = sums.samples * groups
-        worst = brightness.largest_error(rule.floor) if samples >= FEWEST_SAMPLES else float("inf")
-        if clock.is_done(samples, error, worst):
+        if clock.is_done(samples, error, samples >= FEWEST_SAMPLES and _is_met(rule, brightness)):
             return _finish(made, colour)
+
+
+def _is_met(rule: StopRule, made: Estimate) -> bool:
+    """Tell whether every single value is known as the rule wants it."""
+    if rule.limits:
+        return bool((made.standard_error <= np.array(rule.limits)).all())
+    return rule.each is not None and made.largest_error(rule.floor) <= rule.each
 
 
 def _finish(made: Estimate, colour: bool) -> Estimate:
@@ -169,6 +179,9 @@ def _finish(made: Estimate, colour: bool) -> Estimate:
 def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
     """Samples per receiver and group in one pass: a power of two that fills a launch and does not overshoot."""
     limit = max(LANES // max(lanes_per_sample, 1), 8)
+    if rule.limits or rule.each is not None:
+        # A pass must not take long where few samples are enough.
+        limit = min(limit, FEWEST_SAMPLES // groups)
     if rule.samples is not None:
         limit = min(limit, max(rule.samples // groups, 1))
     return 1 << int(np.floor(np.log2(max(limit, 1))))

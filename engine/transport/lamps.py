@@ -66,6 +66,18 @@ def make_lamp(light, origin: np.ndarray, nothing, luminaires=None) -> Lamp | Non
     return None
 
 
+def reach_of(light) -> float:
+    """Radius of a sphere about a light's place that holds its body. [m]"""
+    match light:
+        case PointLight() | SpotLight():
+            return float(light.radius)
+        case AreaLight():
+            return 0.5 * float(np.hypot(light.size_x, light.size_y))
+        case Luminaire():
+            return 0.5 * float(np.linalg.norm(light.opening.size))
+    return 0.0
+
+
 def change_lamp(lamp: Lamp, light, origin: np.ndarray, nothing) -> bool | None:
     """Change a lamp with a body in place, so that kernels do not change.
 

@@ -25,7 +25,9 @@ def step_at(scene, point):
 def start_of(scene, si, direction):
     """Return the point where a ray from a surface begins."""
     side = dr.select(dr.dot(si.n, direction) < 0.0, -1.0, 1.0)
-    return si.p + si.n * (side * step_at(scene, si.p))
+    # Hits of spheres and disks are only as exact as the way to them is long.
+    far = dr.select(dr.isfinite(si.t), si.t, 0.0) * STEP
+    return si.p + si.n * (side * dr.maximum(step_at(scene, si.p), far))
 
 
 def spawn_ray(scene, si, direction):

@@ -16,6 +16,7 @@ from ..scene.material import (
     Diffuse,
     Glossy,
     Mix,
+    TabulatedPane,
     ThinGlass,
     Transparent,
 )
@@ -46,8 +47,7 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
     ------
     SceneError    ``transport`` is none of the three.
     """
-    if transport not in ("auto", "mono", "spectral"):
-        raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
+    check_transport(transport)
     coloured = _first_coloured_material(scene)
     dispersive = any(_is_dispersive(material.surface) for material in used_materials(scene))
     lamps = _distinct_lamps(scene)
@@ -68,6 +68,12 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
         reasons.append(f"the user asked for {transport} transport, which is {verdict}")
         spectral = transport == "spectral"
     return Requirements(spectral, dispersive and spectral, tuple(reasons))
+
+
+def check_transport(transport: str) -> None:
+    """Raise `SceneError` where a kind of transport is none of the three."""
+    if transport not in ("auto", "mono", "spectral"):
+        raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
 
 
 def used_materials(scene: Scene):
@@ -164,7 +170,7 @@ def _colours(surface):
             yield surface.transmittance
         case Conductor():
             yield surface
-        case Black():
+        case TabulatedPane() | Black():
             return
 
 

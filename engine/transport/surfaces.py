@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..materials.tabulated_pane import check_table
 from ..scene.material import (
     Black,
     Cauchy,
@@ -11,6 +12,7 @@ from ..scene.material import (
     Diffuse,
     Glossy,
     Mix,
+    TabulatedPane,
     ThinGlass,
     Transparent,
 )
@@ -104,6 +106,8 @@ def bsdf(surface, make: TextureMaker) -> dict:
                 "ior": float(surface.ior),
                 "transmittance": make.reflectance(surface.transmittance),
             }
+        case TabulatedPane():
+            return _tabulated_pane(surface)
         case Transparent():
             return {
                 "type": "lumenray_transparent",
@@ -117,6 +121,15 @@ def bsdf(surface, make: TextureMaker) -> dict:
                 "factor": make.scalar(surface.factor),
             }
     raise TypeError(f"not a surface: {surface!r}")
+
+
+def _tabulated_pane(surface: TabulatedPane):
+    import mitsuba as mi
+
+    check_table(surface)
+    plugin = mi.load_dict({"type": "lumenray_tabulated_pane"})
+    plugin.set_table(surface.angles, surface.transmittance, surface.reflectance)
+    return plugin
 
 
 def _two_sided(made: dict) -> dict:
@@ -154,7 +167,7 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
 def passes_straight(surface) -> bool:
     """Tell whether light can pass a surface without changing its direction, so that shadows see through it."""
     match surface:
-        case ThinGlass() | Transparent():
+        case ThinGlass() | TabulatedPane() | Transparent():
             return True
         case Mix():
             return passes_straight(surface.first) or passes_straight(surface.second)
@@ -164,7 +177,7 @@ def passes_straight(surface) -> bool:
 def is_window(surface) -> bool:
     """Tell whether daylight enters by a surface, so that samples of the sky are aimed at it: a pane or an opening."""
     match surface:
-        case ThinGlass():
+        case ThinGlass() | TabulatedPane():
             return True
         case Transparent():
             return not isinstance(surface.transmittance, ImageTexture)
@@ -185,7 +198,7 @@ def is_purely_specular(surface) -> bool:
     match surface:
         case Dielectric():
             return surface.roughness < SMOOTH_ROUGHNESS
-        case ThinGlass() | Transparent():
+        case ThinGlass() | TabulatedPane() | Transparent():
             return True
         case Mix():
             return is_purely_specular(surface.first) and is_purely_specular(surface.second)

@@ -16,6 +16,7 @@ from ..accuracy.stopping import Progress, StopRule
 from ..errors import EngineLost
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
+from ..scene.sensor import SensorKind
 from ..session import (
     BakeOrder,
     BakeResult,
@@ -121,10 +122,20 @@ class RemoteSession:
         transport: str = "auto",
         progress: Callable[[Progress], None] | None = None,
         idle: Callable[[], None] | None = None,
+        *,
+        kind: SensorKind = SensorKind.PLANAR,
+        reflections: int | None = None,
+        colour: bool = False,
     ) -> Measurement:
-        """Illuminance at points. ``positions``, ``normals``: (n, 3) world space. Raises as `render`. [m -> lx]"""
+        """Illuminance at points, as `Session.measure`. Raises as `render`. (n, 3), (n, 3) [m -> lx]"""
         points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
-        options = {"seed": seed, "transport": transport}
+        options = {
+            "seed": seed,
+            "transport": transport,
+            "kind": kind,
+            "reflections": reflections,
+            "colour": colour,
+        }
         return self._wait("measure", (*points, rule), options, _states_only(progress), idle)
 
     def measure_sensors(

@@ -10,9 +10,6 @@ from lumenray.engine.scene.spectrum import Constant
 from scipy import stats
 from scipy.interpolate import RegularGridInterpolator
 
-SENSOR_HEIGHT = 1e-4
-"""By which the engine lifts sensors along their normal. [m]"""
-
 
 def grid(azimuth, polar, intensity, kind="C"):
     """Distribution by angles in degrees; ``intensity``: (a, p) array or a function of both angles [rad]."""
@@ -339,14 +336,14 @@ def illuminance(light, positions, normals, count=96, is_scattered=False):
     Parameters
     ----------
     light : Luminaire    Of a luminous flux.
-    positions, normals : (n, 3) array    Of sensors, which lie `SENSOR_HEIGHT` above. [m]
+    positions, normals : (n, 3) array    Of sensors. [m]
     count, is_scattered    As in `opening_pieces`; without rows, where the distribution has edges.
     """
     positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     rotation, centre = light.frame[:3, :3], light.frame[:3, 3]
-    local = (positions + SENSOR_HEIGHT * normals - centre) @ rotation
+    local = (positions - centre) @ rotation
     facing = normals @ rotation
     scale = light.output.value / flux(light.distribution)
     if light.opening.shape == "point":

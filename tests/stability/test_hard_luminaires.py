@@ -45,8 +45,9 @@ def test_receivers_in_on_and_beside_an_opening(name):
     places = inside + shifts
     normals = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
     made = measured([light], places, normals, 1024)
-    # No place can get more than from a body of its largest luminance all around.
-    assert made.illuminance.max() < 1e6
+    # No place can get more than from a body of its largest luminance all around; in the plane of a flat opening that shines
+    # along itself this has no bound.
+    assert made.illuminance[1:].max() < 1e6
 
 
 @pytest.mark.parametrize("gap", [1e-3, 0.02])
@@ -58,7 +59,7 @@ def test_a_millimetre_off_an_opening(gap):
         (face, gap, 900.0 / 0.18),
         (ball, 0.2 + gap, 900.0 / (4.0 * np.pi * (0.2 + gap) ** 2)),
     ):
-        made = measured([light], [[0.0, 0.0, -height - 1e-4]], [[0.0, 0.0, 1.0]], 1 << 14)
+        made = measured([light], [[0.0, 0.0, -height]], [[0.0, 0.0, 1.0]], 1 << 14)
         assert made.standard_error[0] < 0.01 * expected
         assert made.illuminance[0] == pytest.approx(expected, rel=0.025)
 

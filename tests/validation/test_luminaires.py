@@ -16,7 +16,6 @@ from luminaires import (
     DISTRIBUTIONS,
     OPENINGS,
     POINT,
-    SENSOR_HEIGHT,
     flux,
     frame_of,
     illuminance,
@@ -72,8 +71,7 @@ def test_points_give_their_intensity_by_the_inverse_square_law():
         distance = 10.0 ** np.random.default_rng(seed).uniform(-1.0, 1.5, len(local))
         towards = local @ rotation.T
         normals = normals_near(towards, seed)
-        # The engine lifts sensors off their surface.
-        places = CENTRE + distance[:, None] * towards - SENSOR_HEIGHT * normals
+        places = CENTRE + distance[:, None] * towards
         made = session.measure(places, normals, StopRule(samples=16))
         cosine = np.maximum(-(towards * normals).sum(axis=1), 0.0)
         scale = LUMENS / flux(distribution) * cosine / distance**2
@@ -149,12 +147,11 @@ def test_a_lambertian_rectangle_has_the_form_factors_of_one(height):
     a, b = 0.6, 0.4
     light = luminaire("lambertian", Opening("rectangle", (a, b, 0.0)), CENTRE, lumens=LUMENS)
     luminance = LUMENS / (np.pi * a * b)
-    # Below a corner; the sensors lie SENSOR_HEIGHT off what they are put on.
+    # Below a corner.
     corner = CENTRE - [0.5 * a, 0.5 * b, height]
     normals = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    made = session_of(light).measure(
-        corner - SENSOR_HEIGHT * normals, normals, StopRule(samples=1 << 15), seed=2
-    )
+    corners = np.tile(corner, (3, 1))
+    made = session_of(light).measure(corners, normals, StopRule(samples=1 << 15), seed=2)
     facing, along_a = corner_factors(a, b, height)
     _, along_b = corner_factors(b, a, height)
     expected = np.pi * luminance * np.array([facing, along_a, along_b])
@@ -169,7 +166,7 @@ def test_a_lambertian_disk_has_the_form_factor_of_one(height):
     light = luminaire("lambertian", opening, CENTRE, lumens=LUMENS)
     luminance = LUMENS / (np.pi * np.pi * radius**2)
     aside = np.array([0.0, 0.15, 0.25, 0.6])
-    places = CENTRE + np.stack([aside, np.zeros(4), np.full(4, -height - SENSOR_HEIGHT)], axis=1)
+    places = CENTRE + np.stack([aside, np.zeros(4), np.full(4, -height)], axis=1)
     made = session_of(light).measure(
         places, np.tile([0.0, 0.0, 1.0], (4, 1)), StopRule(samples=1 << 15), seed=2
     )
@@ -187,7 +184,7 @@ def test_an_even_sphere_is_a_point_to_a_sensor_that_sees_all_of_it():
     luminance = LUMENS / (4.0 * np.pi**2 * radius**2)
     distance = np.array([0.21, 0.25, 0.4, 1.0, 10.0, 1000.0])
     towards = sphere_points(len(distance))
-    places = CENTRE + (distance + SENSOR_HEIGHT)[:, None] * towards
+    places = CENTRE + distance[:, None] * towards
     made = session_of(light).measure(places, -towards, StopRule(samples=1 << 16))
     expected = np.pi * luminance * (radius / distance) ** 2
     # Scattered rays begin a tenth of a millimetre above a sensor.
@@ -236,7 +233,7 @@ def test_all_flux_arrives_at_a_sphere_of_sensors(transport, shape, name):
     middle = CENTRE + np.array([0.1, -0.05, 0.2])
     light = luminaire(shape, SHAPES[name], CENTRE, turn(6), LUMENS, spectrum=Blackbody(3000.0))
     made = session_of(light).measure(
-        middle + (radius + SENSOR_HEIGHT) * towards,
+        middle + radius * towards,
         -towards,
         StopRule(samples=64),
         transport=transport,
@@ -255,7 +252,7 @@ def test_all_flux_of_a_narrow_beam_arrives_on_the_floor(shape):
     height, side, count = 1.0, 1.6, 64
     place = ((np.arange(count) + 0.5) / count - 0.5) * side
     x, y = np.meshgrid(place, place)
-    floor = np.full(x.size, -height - SENSOR_HEIGHT)
+    floor = np.full(x.size, -height)
     places = CENTRE + np.stack([x.ravel(), y.ravel(), floor], axis=1)
     up = np.tile([0.0, 0.0, 1.0], (x.size, 1))
     made = session_of(light).measure(places, up, StopRule(samples=64))

@@ -4,7 +4,7 @@ The engine is one instrument, other programs are others, so that a case is state
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +17,10 @@ from .reference import Group, groups_of
 
 MARGIN = 3.0
 """Standard errors are at most this part of the tolerance, so that noise does not decide."""
+
+
+MOST_SAMPLES = 1 << 30
+"""Samples per point at which a measurement ends, whatever its error; no case comes near it."""
 
 
 class CannotStateError(Exception):
@@ -89,25 +93,17 @@ class Engine:
     def measure(self, items: Sequence, query: Query, seed: int) -> Readings:
         """Measure until every standard error is below a third of what is allowed."""
         session = self.stage(items)
-        # One rule serves values of different tolerance: relative to the value, absolute below the floor.
-        allowed = np.asarray(query.allowed, dtype=np.float64) / MARGIN
-        samples, limit = 1 << 14, 1 << 31
-        while True:
-            made = session.measure(
-                query.positions,
-                query.normals,
-                StopRule(samples=samples),
-                seed=seed,
-                kind=query.kind,
-                reflections=query.reflections,
-                colour=query.colour,
-            )
-            self.samples += samples
-            excess = float((made.standard_error / np.maximum(allowed, 1e-300)).max(initial=0.0))
-            if excess <= 1.0 or samples >= limit:
-                break
-            # The error falls as the root of the samples; a little more than that asks for, seldom a third time.
-            samples = int(min(samples * min(max(1.3 * excess**2, 2.0), 256.0), limit))
+        limits = tuple(np.asarray(query.allowed, dtype=np.float64) / MARGIN)
+        made = session.measure(
+            query.positions,
+            query.normals,
+            StopRule(samples=MOST_SAMPLES, limits=limits),
+            seed=seed,
+            kind=query.kind,
+            reflections=query.reflections,
+            colour=query.colour,
+        )
+        self.samples += made.provenance.samples
         return Readings(
             made.illuminance, made.standard_error, made.tristimulus, made.tristimulus_error
         )
@@ -146,20 +142,31 @@ class Bench:
     instrument : Instrument
     wanted : set of str or None    Ids of the groups that shall be run; None: all.
     seed : int
+    error : float or None    Relative standard error to reach where the tolerances need less. [-]
     """
 
     instrument: Instrument
     wanted: frozenset[str] | None = None
     seed: int = 1
     setups: dict[str, Setup] = field(default_factory=dict)
+    error: float | None = None
 
     def groups(self, case: str) -> dict[str, Group]:
-        """Groups of a case that shall be run, by id. Cases skip what is not there."""
+        """Groups of a case that shall be run, by id. Cases skip what is not there.
+
+        Their ``allowed`` is what to measure by: narrower than the tolerance where a smaller error is asked for.
+        """
         return {
-            key: group
+            key: self._narrowed(group)
             for key, group in groups_of(case).items()
             if self.wanted is None or key in self.wanted
         }
+
+    def _narrowed(self, group: Group) -> Group:
+        if self.error is None:
+            return group
+        sized = np.where(group.values == 0.0, np.inf, MARGIN * self.error * np.abs(group.values))
+        return replace(group, allowed=np.minimum(group.allowed, sized))
 
     @property
     def engine(self) -> Engine:

@@ -43,14 +43,21 @@ def case(key: str, title: str, family: str, quick: tuple[str, ...] = ()):
 def all_cases() -> dict[str, Case]:
     """Return all cases by id, in order."""
     from . import (  # noqa: F401 - registers the cases
-        daylight,
         direct,
+        direct_flux,
+        direct_points,
+        enclosures,
+        facade,
+        glare,
         glass,
         interreflection,
         photometry,
+        roof,
+        skies,
         spectral,
         specular,
         stability,
+        sun,
     )
 
     return dict(sorted(_CASES.items()))

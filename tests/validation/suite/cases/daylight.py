@@ -1,1 +1,0 @@
-"""Cases still to come."""

@@ -1,0 +1,68 @@
+"""The quick subset of the validation suite on the engine; everything is run by ``make validate``."""
+
+import pytest
+from lumenray.tests.validation.suite.bench import Bench, Engine
+from lumenray.tests.validation.suite.cases import all_cases
+from lumenray.tests.validation.suite.determinism import check_seeds
+from lumenray.tests.validation.suite.reference import groups_of, load_groups
+from lumenray.tests.validation.suite.runner import run_case
+from lumenray.tests.validation.suite.verdict import judge
+
+FAMILIES = {
+    "direct",
+    "photometry",
+    "glass",
+    "interreflection",
+    "daylight",
+    "specular",
+    "stability",
+    "spectral",
+    "glare",
+}
+
+SEEDS = ("C05.cie53",)
+"""Groups of the quick subset whose seeds are checked."""
+
+
+@pytest.fixture(scope="module")
+def engine():
+    """One engine for all cases, so that kernels stay compiled."""
+    return Engine()
+
+
+def test_every_case_is_there():
+    cases = all_cases()
+    assert list(cases) == [f"C{number:02d}" for number in range(1, 37)]
+    assert {case.family for case in cases.values()} <= FAMILIES
+
+
+@pytest.mark.parametrize("case", all_cases().values(), ids=lambda case: case.id)
+def test_quick_groups_belong_to_their_case(case):
+    assert set(case.quick) <= set(groups_of(case.id))
+
+
+@pytest.mark.mitsuba
+@pytest.mark.validation
+@pytest.mark.parametrize(
+    "case", [case for case in all_cases().values() if case.quick], ids=lambda case: case.id
+)
+def test_quick_groups_pass(case, engine):
+    bench = Bench(engine, frozenset(case.quick))
+    verdicts = [judge(found) for found in run_case(case, bench)]
+    assert sorted(verdict.group.id for verdict in verdicts) == sorted(case.quick)
+    faults = [verdict.sentence for verdict in verdicts if verdict.is_scored and not verdict.passes]
+    assert not faults, "\n".join(faults)
+
+
+@pytest.mark.mitsuba
+@pytest.mark.validation
+@pytest.mark.parametrize("key", SEEDS)
+def test_seeds_repeat_and_errors_are_honest(key, engine):
+    case = all_cases()[load_groups()[key].case]
+
+    def measure(seed):
+        return next(run_case(case, Bench(engine, frozenset({key}), seed)))
+
+    check = check_seeds(measure(1), measure, 1)
+    assert check.passes, check.sentence
+    assert check.chi_square is not None
