@@ -16,6 +16,7 @@ from ..engine.photometry import units
 from ..libraries import spectra
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .shared_settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
+from .sky import SOURCES, LumenraySkySettings
 
 
 def _identity():
@@ -151,6 +152,23 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         subtype="FACTOR",
         update=tag_owner,
     )
+    pane_source: EnumProperty(
+        name="Pane from",
+        description="How the pane is stated",
+        items=[
+            ("GLASS", "Glass", "Refractive index and internal transmittance of clear glass", 0),
+            ("FILE", "Data sheet", "Table of transmittance and reflectance by angle", 1),
+        ],
+        default="GLASS",
+        update=tag_owner,
+    )
+    pane_file: StringProperty(
+        name="Data sheet",
+        description="Text or CSV with angle to the normal [degree], transmittance 0..1 and reflectance 0..1",
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=tag_owner,
+    )
     roughness: FloatProperty(
         name="Roughness",
         description="0 is a mirror; the microfacet width is its square, as in Blender",
@@ -220,10 +238,18 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
 
 
 class LumenrayWorldSettings(PropertyGroup):
-    """What the numbers in the world's background mean."""
+    """Where the light from outside comes from, and what the numbers in the world's background mean."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
+    source: EnumProperty(
+        name="Sky",
+        description="What the scene is surrounded by",
+        items=SOURCES,
+        default="NODES",
+        update=tag_owner,
+    )
+    sky: PointerProperty(type=LumenraySkySettings)
     unit: EnumProperty(
         name="Unit",
         description="What colour times strength of the background stands for",
@@ -549,6 +575,7 @@ CLASSES = (
     LumenrayTextSettings,
     LumenrayLightSettings,
     LumenrayMaterialSettings,
+    LumenraySkySettings,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,

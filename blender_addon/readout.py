@@ -9,12 +9,15 @@ import numpy as np
 from ..engine.photometry import units
 from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.scene.spectrum import Rgb
+from ..engine.sky.cie import ground_luminance, zenith_luminance
 from .properties import white_luminance
 from .report import ConversionReport
+from .sky import angles, onto_horizon, towards_lamp
 from .sync.fields import luminance
 from .sync.lights import PHYSICAL_QUANTITIES
 from .sync.meshes import MESH_TYPES
 from .sync.spectra import convert_spectrum
+from .sync.world import convert_sky, follows_sun_lamp
 
 UNITS = {
     "LUMINOUS_FLUX": "lm",
@@ -172,6 +175,27 @@ def describe_lamp(source, scene) -> Description:
     unit = scene.unit_settings
     metres = unit.scale_length if unit.system != "NONE" else 1.0
     return describe_light(source.data, scene.lumenray, source.matrix_world.to_scale(), metres)
+
+
+def describe_sky(world, lamp) -> Description:
+    """Say what a world's sky of the CIE amounts to: luminances, and the sun's place if a Sun light (or None) states it."""
+    report, lines, sun = ConversionReport(), [], None
+    if lamp is not None and follows_sun_lamp(world):
+        sun = towards_lamp(lamp.matrix_world)
+    if sun is not None:
+        elevation, azimuth = angles(onto_horizon(sun))
+        lines = [
+            ("Sun Light", lamp.name),
+            ("Elevation", f"{np.degrees(elevation):.1f}°"),
+            ("Azimuth", f"{np.degrees(azimuth):.1f}°"),
+        ]
+    sky = convert_sky(world, "", report, sun)
+    if sky is None:
+        return Description(tuple(lines), "an illuminance of 0 gives no light")
+    lines.append(("Zenith", format_amount(zenith_luminance(sky), "cd/m²")))
+    lines.append(("Ground", format_amount(ground_luminance(sky), "cd/m²")))
+    problem = "; ".join(f"{row.message}: {row.remedy}" for row, _ in report.rows)
+    return Description(tuple(lines), problem)
 
 
 def describe_exposure(settings) -> str:

@@ -59,6 +59,10 @@ def _draw_dielectric(layout, settings):
 
 
 def _draw_pane(layout, settings):
+    layout.prop(settings, "pane_source", text="Pane from")
+    if settings.pane_source == "FILE":
+        layout.prop(settings, "pane_file", text="File")
+        return
     layout.prop(settings, "transmittance", text="Internal transm.")
     _draw_index(layout, settings)
 

@@ -1,8 +1,10 @@
-"""The world: its background and what its numbers mean."""
+"""The world: a sky of the CIE, or its background and what that one's numbers mean."""
 
 import bpy
 
-from .parts import PropertiesPanel, draw_surface
+from ..blender_addon import readout
+from ..blender_addon.sky import depends_on_sun, find_sun_lamp
+from .parts import PropertiesPanel, draw_description, draw_surface
 
 
 class WorldPanel(PropertiesPanel):
@@ -15,7 +17,45 @@ class WorldPanel(PropertiesPanel):
         return context.world is not None and super().poll(context)
 
 
-class LUMENRAY_PT_world_surface(WorldPanel, bpy.types.Panel):
+class BackgroundPanel(WorldPanel):
+    """Panel about the world's nodes, which is there while they count."""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.world.lumenray.source == "NODES"
+
+
+class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
+    """Choice between nodes and a sky of the CIE, and the latter's settings."""
+
+    bl_label = "Sky"
+
+    def draw(self, context):
+        layout = self.layout
+        world = context.world
+        layout.row().prop(world.lumenray, "source", expand=True)
+        if world.lumenray.source != "CIE":
+            return
+        settings = world.lumenray.sky
+        layout.use_property_split = True
+        column = layout.column()
+        column.prop(settings, "type")
+        column.prop(settings, "illuminance", text="Illuminance [lx]")
+        column.prop(settings, "colour_temperature", text="Daylight [K]")
+        column.prop(settings, "ground_reflectance")
+        lamp = None
+        if depends_on_sun(settings):
+            column = layout.column(heading="Sun from")
+            column.prop(settings, "use_sun_lamp")
+            if settings.use_sun_lamp:
+                lamp = find_sun_lamp(context.scene, context.view_layer)
+            if lamp is None:
+                column.prop(settings, "elevation")
+                column.prop(settings, "azimuth")
+        draw_description(layout.box(), context, readout.describe_sky(world, lamp))
+
+
+class LUMENRAY_PT_world_surface(BackgroundPanel, bpy.types.Panel):
     """Background nodes."""
 
     bl_label = "Surface"
@@ -32,7 +72,7 @@ class LUMENRAY_PT_world_surface(WorldPanel, bpy.types.Panel):
         draw_surface(layout, world.node_tree)
 
 
-class LUMENRAY_PT_world_unit(WorldPanel, bpy.types.Panel):
+class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
     """Unit of the background."""
 
     bl_label = "Unit of the Background"
@@ -48,4 +88,4 @@ class LUMENRAY_PT_world_unit(WorldPanel, bpy.types.Panel):
             layout.prop(context.scene.lumenray, "efficacy", text="lm per watt")
 
 
-CLASSES = (LUMENRAY_PT_world_surface, LUMENRAY_PT_world_unit)
+CLASSES = (LUMENRAY_PT_world_sky, LUMENRAY_PT_world_surface, LUMENRAY_PT_world_unit)

@@ -44,6 +44,14 @@ class GeometryTable:
             self._update(key, entry, source)
         return key if entry.fingerprint else None
 
+    def take_made(self, geometry: Geometry) -> str:
+        """Return the id of a geometry that no data of Blender's states and that never changes."""
+        if geometry.id not in self._entries:
+            self._entries[geometry.id] = _Entry(0, False, fingerprint(geometry), False)
+            self._of_owner.setdefault(0, set()).add(geometry.id)
+            self.changed.append(geometry)
+        return geometry.id
+
     def sweep(self, used: set[str], shown: set[int]) -> None:
         """Give up geometries that nothing shows, but keep those of objects that are only hidden.
 

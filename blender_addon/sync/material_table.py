@@ -12,6 +12,7 @@ from .dependencies import shading_dependencies
 from .image_cache import ImageCache
 from .materials import convert_material, default_material
 from .picture_table import PictureTable
+from .portals import portal_material
 
 DEFAULT_MATERIAL = "material:"
 """Id of what surfaces without a material are made of."""
@@ -54,16 +55,12 @@ class MaterialTable:
     def mark_all(self) -> None:
         """Note that all of them may be out of date."""
         for session_uid, entry in self._entries.items():
-            entry.is_stale = session_uid != 0
+            entry.is_stale = session_uid > 0
 
     def use(self, material) -> str:
         """Return the id of a material (None: what stands for a missing one); it is converted if it is new."""
         if material is None:
-            if 0 not in self._entries:
-                made = default_material(DEFAULT_MATERIAL)
-                self._entries[0] = _Entry(DEFAULT_MATERIAL, False, content_digest(made))
-                self.changed.append(made)
-            return DEFAULT_MATERIAL
+            return self._take_made(0, default_material(DEFAULT_MATERIAL))
         original = material.original
         session_uid = original.session_uid
         entry = self._entries.get(session_uid)
@@ -71,6 +68,17 @@ class MaterialTable:
             entry = self._entries[session_uid] = _Entry(engine_id(original))
             self._update(original, entry)
         return entry.key
+
+    def use_portal(self) -> str:
+        """Return the id of what portals are made of."""
+        return self._take_made(-1, portal_material())
+
+    def _take_made(self, number: int, made: Material) -> str:
+        """Return the id of a material that is none of Blender's; ``number``: in place of a session uid, 0 or less."""
+        if number not in self._entries:
+            self._entries[number] = _Entry(made.id, False, content_digest(made))
+            self.changed.append(made)
+        return made.id
 
     def refresh(self, used: set[str]) -> None:
         """Convert what is out of date among the materials in use; give up those that Blender has no more."""

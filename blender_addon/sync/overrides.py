@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...engine.formats.data_sheet import read_data_sheet
 from ...engine.scene.material import (
     Black,
     Cauchy,
@@ -91,6 +92,13 @@ def _dielectric(settings, report, datablock):
 
 
 def _pane(settings, report, datablock):
+    if settings.pane_source == "FILE":
+        remedy = "clear glass by its refractive index is used"
+        table = read_file(
+            settings, "pane_file", report, datablock, remedy, read_data_sheet, "data sheet"
+        )
+        if table is not None:
+            return table
     ior = _single_index(_refractive_index(settings, report, datablock))
     return ThinGlass(ior, Constant(settings.transmittance))
 

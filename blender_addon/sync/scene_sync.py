@@ -14,6 +14,7 @@ from ...engine.scene.scene import SceneDelta, content_digest
 from .. import identity
 from ..luminaires.settings import is_luminaire
 from ..report import ConversionReport
+from ..sky import towards_lamp
 from . import live
 from .camera import convert_camera
 from .dependencies import shading_dependencies
@@ -22,10 +23,11 @@ from .image_cache import ImageCache
 from .lights import convert_light
 from .material_table import MaterialTable
 from .picture_table import PictureTable
+from .portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .step import SyncStats, SyncStep
 from .tags import Tags
 from .units import metres_per_unit
-from .world import convert_world
+from .world import convert_world, follows_sun_lamp
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
@@ -48,6 +50,7 @@ class _Shown:
     data : int    Session uid of the object's data.
     shading : frozenset of int    Node trees and images that a light reads.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
     walk : int    Number of the walk that saw it last.
     """
 
@@ -61,16 +64,18 @@ class _Shown:
     data: int = 0
     shading: frozenset[int] = frozenset()
     is_dark: bool = False
+    towards_sun: np.ndarray | None = None
     report: ConversionReport | None = None
     walk: int = 0
 
 
 @dataclass
 class _World:
-    """The world as it was sent last; ``source`` 0: there was none."""
+    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light."""
 
     source: int = -1
     key: str = ""
+    sun: bytes = b""
     digest: bytes = b""
     shading: frozenset[int] = frozenset()
     report: ConversionReport | None = None
@@ -123,7 +128,9 @@ class SceneSync:
         return {
             shown.name: shown.key
             for shown in self._shown.values()
-            if shown.is_own and isinstance(shown.item, Placement)
+            if shown.is_own
+            and isinstance(shown.item, Placement)
+            and shown.item.geometry != GEOMETRY
         }
 
     def camera(self, depsgraph, report: ConversionReport) -> Camera | None:
@@ -307,7 +314,7 @@ class _Walk:
         return self.visible is None or self.visible(instance)
 
     def _move(self, shown, instance, source, original) -> None:
-        if isinstance(shown.item, Placement):
+        if isinstance(shown.item, Placement) and shown.item.geometry != GEOMETRY:
             self._place(shown, replace(shown.item, frame=self._frame(instance)))
         else:
             self._convert(shown, instance, source, original)
@@ -321,7 +328,7 @@ class _Walk:
         """Convert an instance that is new or touched."""
         data = original.data
         shown.data = data.session_uid if data is not None else 0
-        shown.report = None
+        shown.report = shown.towards_sun = None
         kind = source.type
         if kind == "EMPTY" and is_luminaire(source):
             kind = "LIGHT"
@@ -331,9 +338,13 @@ class _Walk:
         if kind == "MESH" and original.lumenray.is_luminaire_body:
             self._place(shown, None)
             return
-        self._name(shown, instance, original)
+        if kind == "LIGHT" and original.type == "LIGHT" and is_portal(original.data):
+            kind = "PORTAL"
+        self._name(shown, instance, original, kind)
         if kind == "MESH":
             self._convert_mesh(shown, instance, source, original)
+        elif kind == "PORTAL":
+            self._convert_portal(shown, instance, source)
         elif kind == "LIGHT":
             self._convert_light(shown, instance, source, original)
         else:
@@ -341,7 +352,7 @@ class _Walk:
             shown.report.warn(shown.name, f"objects of type {kind} are not converted", "left out")
             self._place(shown, None)
 
-    def _name(self, shown, instance, original) -> None:
+    def _name(self, shown, instance, original, kind) -> None:
         shown.name, key = original.name_full, identity.identity_of(original)
         if not shown.is_own:
             parent = instance.parent
@@ -355,10 +366,10 @@ class _Walk:
                 owner_name = parent.name_full if parent is not None else ""
                 shown.name = f"{shown.name} ({owner_name} {number})"
                 key = f"{owner}/{number}/{key}"
-        kind = "light" if instance.object.type == "LIGHT" else "object"
-        if shown.key and shown.key != f"{kind}:{key}":
+        word = "light" if instance.object.type == "LIGHT" and kind == "LIGHT" else "object"
+        if shown.key and shown.key != f"{word}:{key}":
             self._place(shown, None)
-        shown.key = f"{kind}:{key}"
+        shown.key = f"{word}:{key}"
 
     def _convert_mesh(self, shown, instance, source, original) -> None:
         geometry = self._geometry(instance, source, original)
@@ -377,6 +388,15 @@ class _Walk:
             index=source.pass_index,
         )
         self._place(shown, placement)
+
+    def _convert_portal(self, shown, instance, source) -> None:
+        shown.shading = frozenset()
+        frame = portal_frame(source.data, instance.matrix_world, self.sync._scale)
+        geometry = self.sync._geometries.take_made(portal_geometry())
+        material = self.sync._materials.use_portal()
+        self._place(
+            shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0)
+        )
 
     def _geometry(self, instance, source, original) -> str | None:
         """Id of the geometry that an instance shows; objects that show the same data share it."""
@@ -433,6 +453,8 @@ class _Walk:
         shown.shading = (
             shading_dependencies(original.data) if original.type == "LIGHT" else frozenset()
         )
+        if shown.is_own and original.type == "LIGHT" and original.data.type == "SUN":
+            shown.towards_sun = towards_lamp(instance.matrix_world)
         light = convert_light(
             source,
             shown.key,
@@ -493,17 +515,21 @@ class _Walk:
     def _update_world(self) -> None:
         sync, world = self.sync, self.scene.world
         original = world.original if world is not None else None
+        # In the frames of a render only the evaluated one has what is animated.
+        evaluated = original.evaluated_get(self.depsgraph) if original is not None else None
         source = original.session_uid if original is not None else 0
         known, tagged = sync._world, self.tags.shading
-        is_current = known.source == source and not self.is_rerated
+        sun_lamp = self._sun_lamp() if follows_sun_lamp(evaluated) else None
+        sun = b"" if sun_lamp is None else sun_lamp.tobytes()
+        is_current = known.source == source and known.sun == sun and not self.is_rerated
         if is_current and source not in tagged and known.shading.isdisjoint(tagged):
             return
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
-        made = convert_world(original, key, sync._efficacy, report, sync._images)
+        made = convert_world(evaluated, key, sync._efficacy, report, sync._images, sun_lamp)
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
-        sync._world = _World(source, key, digest, trees, report)
+        sync._world = _World(source, key, sun, digest, trees, report)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
@@ -512,6 +538,17 @@ class _Walk:
             self.worlds.append(sync._pictures.put(made))
         if known.digest and (made is None or known.key != key):
             self.removed.append(known.key)
+
+    def _sun_lamp(self) -> np.ndarray | None:
+        """Unit vector to where the scene's Sun light shines from, the first one by name; None without one."""
+        sync = self.sync
+        lamps = [
+            shown
+            for shown in sync._shown.values()
+            if shown.towards_sun is not None and shown.walk == sync._last_visit
+        ]
+        first = min(lamps, key=lambda shown: shown.name, default=None)
+        return None if first is None else first.towards_sun
 
 
 def _read_matrices(instances) -> bytes:

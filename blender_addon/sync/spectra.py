@@ -4,7 +4,7 @@ import bpy
 
 from ...engine.errors import LumenrayError
 from ...engine.formats.spd import read_spectrum
-from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
+from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum
 from ..report import ConversionReport
 
 DAYLIGHT_RANGE = (4000.0, 25000.0)
@@ -66,8 +66,8 @@ def _daylight(temperature, report, datablock):
     return Daylight(held)
 
 
-def read_file(settings, name, report, datablock, remedy) -> Tabulated | None:
-    """Read the spectrum whose path is in a property; None, and a row of the report, if it fails.
+def read_file(settings, name, report, datablock, remedy, read=read_spectrum, kind="spectrum file"):
+    """Read the spectrum, or what else it is, whose path is in a property; None, and a row of the report, if it fails.
 
     Parameters
     ----------
@@ -75,14 +75,16 @@ def read_file(settings, name, report, datablock, remedy) -> Tabulated | None:
     name : str    Name of the property.
     report, datablock : ConversionReport, str    Where failures go.
     remedy : str    What is used instead, for the report.
+    read : callable    From the path to what is in the file.
+    kind : str    What kind of file it is, for the report.
     """
     path = getattr(settings, name)
     if not path:
-        report.error(datablock, "No spectrum file is chosen", remedy)
+        report.error(datablock, f"No {kind} is chosen", remedy)
         return None
     path = bpy.path.abspath(path, library=settings.id_data.library)
     try:
-        return read_spectrum(path)
+        return read(path)
     except (LumenrayError, OSError, ValueError) as error:
         report.error(
             datablock, f"{path}: {error}" if path not in str(error) else str(error), remedy

@@ -1,13 +1,16 @@
-"""Blender's world as the surroundings of the engine's scene."""
+"""Blender's world, or the sky that stands in its place, as the surroundings of the engine's scene."""
 
 import math
 
 import numpy as np
 
-from ...engine.scene.light import ImageWorld, UniformWorld
+from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
 from ...engine.scene.memo import recall
+from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
+from ...engine.sky.cie import sun_direction
 from ..report import ConversionReport
+from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .fields import luminance
 from .graph import find_socket, trace
 from .image_cache import ImageCache
@@ -22,6 +25,7 @@ def convert_world(
     efficacy: float,
     report: ConversionReport,
     images: ImageCache | None = None,
+    sun_lamp: np.ndarray | None = None,
 ):
     """Convert the world.
 
@@ -31,13 +35,16 @@ def convert_world(
     world_id : str    Stable key of the result.
     efficacy : float    Lumens per Blender watt. [lm/W]
     images : ImageCache or None    What was read of images before.
+    sun_lamp : (3,) array or None    Unit vector to where the scene's Sun light shines from; see `follows_sun_lamp`.
 
     Returns
     -------
-    UniformWorld, ImageWorld or None    None when it is black.
+    UniformWorld, ImageWorld, CieSky or None    None when it is black.
     """
     if world is None:
         return None
+    if world.lumenray.source == "CIE":
+        return convert_sky(world, world_id, report, sun_lamp)
     images = ImageCache() if images is None else images
     background = _background(world, report, images)
     if background is None:
@@ -69,6 +76,44 @@ def convert_world(
             return None
         per_unit = settings.illuminance / given
     return ImageWorld(image, per_unit, rotation, world_id) if per_unit > 0.0 else None
+
+
+def follows_sun_lamp(world) -> bool:
+    """Tell whether a world, or None, depends on where the scene's Sun light shines from."""
+    if world is None or world.lumenray.source != "CIE":
+        return False
+    sky = world.lumenray.sky
+    return sky.use_sun_lamp and depends_on_sun(sky)
+
+
+def convert_sky(
+    world, world_id: str, report: ConversionReport, sun_lamp: np.ndarray | None
+) -> CieSky | None:
+    """Convert the sky of the CIE that a world has; the parameters are those of `convert_world`."""
+    settings = world.lumenray.sky
+    if settings.illuminance <= 0.0:
+        return None
+    if not depends_on_sun(settings):
+        # The same for every sun, so that moving one does not send the sky anew.
+        sun = UPWARDS
+    elif settings.use_sun_lamp and sun_lamp is not None:
+        sun = onto_horizon(sun_lamp)
+        if sun_lamp[2] < 0.0:
+            report.warn(
+                world.name,
+                "the Sun light shines from below the horizon, where no sky is defined",
+                "the sky is that of a sun on the horizon",
+            )
+    else:
+        sun = sun_direction(settings.elevation, settings.azimuth)
+    return CieSky(
+        type=int(settings.type),
+        towards_sun=sun,
+        illuminance=settings.illuminance,
+        ground_reflectance=settings.ground_reflectance,
+        spectrum=Daylight(settings.colour_temperature),
+        id=world_id,
+    )
 
 
 def horizontal_illuminance(pixels, rotation) -> float:

@@ -1,7 +1,6 @@
 """Spectra from files: two-column text or CSV, and IES TM-27-14 XML (.spdx)."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +8,7 @@ import numpy as np
 from ..errors import FileFormatError
 from ..luminaires.safe_xml import parse_xml
 from ..scene.spectrum import Tabulated
-
-MAXIMUM_BYTES = 16 << 20
-"""A spectrum is never larger than this; anything larger is another kind of file."""
-
-MAXIMUM_ROWS = 200_000
-
-_COMMENT = re.compile(r"^\s*(#|//|;|%|!)")
+from .text_table import parse_rows, read_bytes
 
 
 def read_spectrum(path) -> Tabulated:
@@ -23,9 +16,7 @@ def read_spectrum(path) -> Tabulated:
 
     Parameters
     ----------
-    path : str or Path    ``.spdx`` is read as TM-27-14, everything else as text with two columns separated by blanks,
-        tabs, commas or semicolons (with semicolons or tabs a comma is the decimal sign). Lines before the first row of
-        numbers are a heading; lines that begin with ``#``, ``//``, ``;``, ``%`` or ``!`` are comments.
+    path : str or Path    ``.spdx`` is read as TM-27-14, everything else as text with two columns, as `parse_rows` does.
 
     Returns
     -------
@@ -36,58 +27,12 @@ def read_spectrum(path) -> Tabulated:
     FileFormatError    The file cannot be read as a spectrum; the message names the line and what was expected.
     """
     path = Path(path)
-    try:
-        if path.stat().st_size > MAXIMUM_BYTES:
-            raise FileFormatError(path, "larger than 16 MiB, expected a table of a spectrum")
-        data = path.read_bytes()
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+    data = read_bytes(path, "a table of a spectrum")
     if path.suffix.lower() == ".spdx" or data.lstrip()[:5] == b"<?xml":
         rows = _rows_of_tm27(path, data)
     else:
-        rows = _rows_of_text(path, data)
+        rows = parse_rows(path, data, 2, "wavelength and value")
     return _table(path, rows)
-
-
-def _decode(path, data: bytes) -> str:
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise FileFormatError(path, "UTF-16 text, save it as UTF-8")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")
-
-
-def _rows_of_text(path, data: bytes) -> list[tuple[int, float, float]]:
-    rows = []
-    for number, line in enumerate(_decode(path, data).splitlines(), start=1):
-        if not line.strip() or _COMMENT.match(line):
-            continue
-        values = _numbers(line)
-        if values is None or len(values) < 2:
-            if rows:
-                raise FileFormatError(
-                    path, f"expected wavelength and value, found '{line.strip()[:60]}'", number
-                )
-            continue
-        rows.append((number, values[0], values[1]))
-        if len(rows) > MAXIMUM_ROWS:
-            raise FileFormatError(path, f"more than {MAXIMUM_ROWS} rows", number)
-    return rows
-
-
-def _numbers(line: str) -> list[float] | None:
-    """Numbers of a row, None when any field is not a number."""
-    if ";" in line or "\t" in line:
-        fields = [f.strip().replace(",", ".") for f in re.split(r"[;\t]", line) if f.strip()]
-        if len(fields) == 1:
-            fields = fields[0].split()
-    else:
-        fields = re.split(r"[,\s]+", line.strip().strip(","))
-    try:
-        return [float(re.sub(r"[dD](?=[+-]?\d)", "e", f)) for f in fields]
-    except ValueError:
-        return None
 
 
 def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:

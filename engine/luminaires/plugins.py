@@ -8,6 +8,10 @@ import mitsuba as mi
 
 from .palette import luminaires_class
 
+CHORD_ERROR = 3e-7
+"""Largest error of the distance between two unit vectors in single precision; sampled directions to a narrow sun must be
+found to lie on it. [-]"""
+
 
 def register() -> None:
     """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
@@ -162,8 +166,9 @@ def _surroundings_class():
                 towards = dr.normalize(mi.Vector3f(props[f"towards_{i}"]))
                 cap = mi.Float(props[f"cap_{i}"])
                 share = mi.Float(props[f"share_{i}"])
-                dr.make_opaque(towards, cap, share)
-                self.suns.append((props[f"sun_{i}"], towards, cap, share))
+                reach = dr.square(dr.sqrt(2.0 * cap) + CHORD_ERROR)
+                dr.make_opaque(towards, cap, reach, share)
+                self.suns.append((props[f"sun_{i}"], towards, cap, reach, share))
             self.world_share = float(props.get("world_share", 1.0))
             self.portals = None
             self.portal_share = 0.0
@@ -191,16 +196,16 @@ def _surroundings_class():
             dr.make_opaque(self.centre, self.extent)
 
         @staticmethod
-        def _inside(direction, towards, cap):
+        def _inside(direction, towards, reach):
             """Whether a direction lies on a sun's disk; chord lengths keep single precision, cosines would not."""
-            return dr.squared_norm(direction - towards) <= 2.0 * cap
+            return dr.squared_norm(direction - towards) <= reach
 
         def _sun_value(self, direction, wavelengths, active):
             value = mi.Spectrum(0.0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = wavelengths
-            for radiance, towards, cap, _ in self.suns:
-                inside = self._inside(direction, towards, cap)
+            for radiance, towards, _, reach, _ in self.suns:
+                inside = self._inside(direction, towards, reach)
                 value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
             return value
 
@@ -211,8 +216,8 @@ def _surroundings_class():
                 pdf += self.world_share * plain * self.world.pdf_direction(it, ds, active)
             if self.portals is not None:
                 pdf += self.world_share * self.portal_share * self.portals.density(it.p, ds.d)
-            for _, towards, cap, share in self.suns:
-                inside = self._inside(ds.d, towards, cap)
+            for _, towards, cap, reach, share in self.suns:
+                inside = self._inside(ds.d, towards, reach)
                 pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
             return pdf
 
@@ -238,7 +243,7 @@ def _surroundings_class():
                 plain, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
                 direction = dr.select(aims, direction, plain.d)
                 start = self.world_share
-            for _, towards, cap, share in self.suns:
+            for _, towards, cap, _, share in self.suns:
                 height = dr.clip((u - start) / share, 0.0, 0.9999999) * cap
                 sine = dr.safe_sqrt(height * (2.0 - height))
                 sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)

@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import upload
 from ..scene.light import CieSky
 from .cie import (
     COEFFICIENTS,
@@ -86,8 +87,8 @@ def _sky_class():
             shares = sampling_shares(sky)
             cdf = np.cumsum(shares)
             cdf[-1] = 2.0
-            self.shares, self.cdf = mi.Float(shares), mi.Float(cdf)
-            self.starts = mi.Float(np.cumsum(shares) - shares)
+            self.shares, self.cdf = upload(mi.Float, shares), upload(mi.Float, cdf)
+            self.starts = upload(mi.Float, np.cumsum(shares) - shares)
             dr.make_opaque(self.numbers, self.ground, self.sun)
             dr.eval(self.shares, self.cdf, self.starts)
 

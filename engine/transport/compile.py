@@ -31,7 +31,6 @@ from .layers import Layer
 from .lights import LightTable, Source
 from .mirrors import MirrorSet, Plane, choose_planes
 from .pool import SurfacePool
-from .rays import STEP
 from .requirements import Requirements
 from .surroundings import make_surroundings, make_world
 
@@ -88,8 +87,8 @@ class CompiledScene:
 
     ``solid`` holds what stops light, ``veil`` what light may pass straight (panes, cut-outs, the bodies of lights).
     ``lights`` chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to
-    ``origin`` (float64, world) so that single precision serves scenes far from the world's origin; ``step`` [m] is how far
-    off surfaces rays start.
+    ``origin`` (float64, world) so that single precision serves scenes far from the world's origin; ``extent`` [m] is the
+    largest of them.
 
     Raises
     ------
@@ -103,7 +102,8 @@ class CompiledScene:
         self.requirements = requirements
         self.origin = frame_of(*_bounds(scene))[0]
         self.radius = 1.0
-        self.step = mi.Float(STEP)
+        self.extent = mi.Float(1.0)
+        self._extents = mi.Float(0.0)
         self.mean_light = np.ones(len(GRID)) / len(GRID)
         self._pool = SurfacePool()
         self.solid = Layer(self._pool)
@@ -182,6 +182,11 @@ class CompiledScene:
     def bsdf(self, si, active=True):
         """Surface model at an interaction."""
         return self._pool.bsdf(si, mi.Bool(active) & si.is_valid())
+
+    def extent_at(self, si):
+        """Largest coordinate of the object that a surface belongs to, 0 for places of their own. [m]"""
+        number = dr.reinterpret_array(mi.UInt32, si.shape)
+        return dr.gather(mi.Float, self._extents, number)
 
     def emitter(self, si, active=True):
         """Emitter at an interaction, null where the surface does not glow."""
@@ -328,7 +333,7 @@ class CompiledScene:
         origin, self.radius = frame_of(*_bounds(scene, self._bodies.values()))
         if not np.array_equal(origin, self.origin) or self._pool.is_wasteful:
             raise Outgrown
-        self.step = dr.opaque(mi.Float, STEP * self.radius)
+        self.extent = dr.opaque(mi.Float, self.radius)
         panes = [pane for body in self._bodies.values() for pane in body.panes]
         panes = sorted(panes, key=portal_order)[:MAXIMUM_PORTALS]
         if [id(p) for p in panes] != [id(p) for p in self._panes]:
@@ -408,7 +413,17 @@ class CompiledScene:
         lamps = [lamp for lamp in self._lamps.values() if lamp.body is not None]
         numbers = [part.number for _, part in parts] + [lamp.body_id for lamp in lamps]
         size = table_size(max(numbers, default=0) + 1)
-        names = ("row", "object", "material", "hidden", "mirror", "bsdf", "emitter", "luminaire")
+        names = (
+            "row",
+            "object",
+            "material",
+            "hidden",
+            "mirror",
+            "extent",
+            "bsdf",
+            "emitter",
+            "luminaire",
+        )
         columns = {name: np.zeros(size) for name in names}
         if parts:
             place = np.array([part.number for _, part in parts])
@@ -418,6 +433,9 @@ class CompiledScene:
                 self._finishes.item(part.material).index for _, part in parts
             ]
             columns["hidden"][place] = [not body.item.visible_to_camera for body, _ in parts]
+            columns["extent"][place] = [
+                np.abs([body.low - self.origin, body.high - self.origin]).max() for body, _ in parts
+            ]
             known = self._known_planes
             columns["mirror"][place] = [
                 bool(part.mirrors) and all(id(plane) in known for plane in part.mirrors)
@@ -428,6 +446,7 @@ class CompiledScene:
             ]
             columns["emitter"][place] = [p.source.number if p.source else 0 for _, p in parts]
         for lamp in lamps:
+            columns["extent"][lamp.body_id] = np.abs(lamp.source.centre).max() + lamp.source.radius
             columns["hidden"][lamp.body_id] = not lamp.item.visible_to_camera
             columns["bsdf"][lamp.body_id] = pointer_id(self._nothing)
             columns["emitter"][lamp.body_id] = lamp.source.number
@@ -437,10 +456,11 @@ class CompiledScene:
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         self._finishes.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
+        self._extents = upload(mi.Float, columns["extent"])
         hidden = columns["hidden"] > 0.0
         self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
         self.is_mirror = None if self.mirrors is None else upload(mi.Bool, columns["mirror"] > 0.0)
-        dr.eval(self.indices, self.hidden, self.is_mirror)
+        dr.eval(self.indices, self.hidden, self.is_mirror, self._extents)
 
     # ---- notes ----
 

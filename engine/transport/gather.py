@@ -14,13 +14,17 @@ PAIR_WAVELENGTH, PAIR_LIGHT, PAIR_SCATTER, PAIR_PLACE, PAIR_LENS, PAIR_FILM = ra
 """Which pair of the low-discrepancy sequence serves what."""
 
 
-def receiver(point, normal, geometric_normal, wavelengths):
-    """Return a virtual surface at the given place, from which rays start with an offset along its normal."""
+def receiver(point, normal, geometric_normal, wavelengths, extent=0.0):
+    """Return a virtual surface at the given place, from which rays start with an offset along its normal.
+
+    ``extent``: largest coordinate of the object that the place lies on. [m]
+    """
     si = dr.zeros(mi.SurfaceInteraction3f)
     si.p = point
     si.n = geometric_normal
     si.sh_frame = mi.Frame3f(normal)
-    si.t = 0.0
+    # Rays start off a surface by how exact its place is, and the way to it is a part of that.
+    si.t = extent
     if wavelengths is not None:
         si.wavelengths = wavelengths
     return si

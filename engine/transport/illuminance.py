@@ -8,6 +8,7 @@ import numpy as np
 
 from ..accuracy.estimate import Accumulator, Estimate
 from ..accuracy.stopping import Clock, StopRule
+from ..arrays import upload
 from ..errors import Cancelled, SceneError
 from ..photometry.spectra import observer
 from ..scene.sensor import SensorKind
@@ -211,14 +212,17 @@ class _Job:
         self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
 
     def _snap(self) -> None:
-        """Lift places that lie a little below a surface onto it."""
+        """Find the surfaces that places lie on, and lift those that are a little below onto them."""
         scene, places = self.scene, self.places
         point, normal = mi.Point3f(*places["p"]), mi.Vector3f(*places["n"])
         lift = dr.opaque(mi.Float, SNAP_DISTANCE * min(scene.radius, 1.0))
         ray = mi.Ray3f(point + normal * lift, -normal)
-        ray.maxt = lift
+        ray.maxt = 2.0 * lift
         hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
-        point = dr.select(hit.is_valid(), ray(hit.t), point)
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.shape = dr.select(hit.is_valid(), hit.shape, dr.zeros(mi.ShapePtr))
+        places["extent"] = scene.extent_at(si)
+        point = dr.select(hit.is_valid() & (hit.t < lift), ray(hit.t), point)
         places["p"] = [point.x, point.y, point.z]
         dr.eval(places)
 
@@ -244,7 +248,11 @@ class _Job:
             return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
 
         si = gather.receiver(
-            fetch(mi.Point3f, "p"), fetch(mi.Normal3f, "n"), fetch(mi.Normal3f, "g"), wavelengths
+            fetch(mi.Point3f, "p"),
+            fetch(mi.Normal3f, "n"),
+            fetch(mi.Normal3f, "g"),
+            wavelengths,
+            dr.gather(mi.Float, places["extent"], chosen),
         )
         value = gather.spectral_illuminance(
             self.scene,
@@ -279,11 +287,13 @@ class _Job:
 def _upload(scene: CompiledScene, receivers: Receivers) -> dict:
     columns = scene.local(receivers.positions)
     places = {
-        "p": [mi.Float(np.ascontiguousarray(columns[:, i])) for i in range(3)],
-        "n": [mi.Float(receivers.normals[:, i].astype(np.float32)) for i in range(3)],
-        "g": [mi.Float(receivers.geometric_normals[:, i].astype(np.float32)) for i in range(3)],
-        "start": mi.UInt32(receivers.start.astype(np.uint32)),
-        "count": mi.UInt32(receivers.count.astype(np.uint32)),
+        "p": [upload(mi.Float, columns[:, i]) for i in range(3)],
+        "n": [upload(mi.Float, receivers.normals[:, i]) for i in range(3)],
+        "g": [upload(mi.Float, receivers.geometric_normals[:, i]) for i in range(3)],
+        "start": upload(mi.UInt32, receivers.start),
+        "count": upload(mi.UInt32, receivers.count),
+        # Lumels lie on surfaces that may be as large as the scene.
+        "extent": upload(mi.Float, np.full(len(columns), scene.radius)),
     }
     dr.eval(places)
     return places

@@ -114,10 +114,10 @@ class LightTable:
         self._slots = 1 << (self.count - 1).bit_length()
         padded = np.full(self._slots, ids[0], dtype=np.uint32)
         padded[: self.count] = ids
-        self._pointers = mi.UInt32(padded)
-        self._number = mi.UInt32(number)
+        self._pointers = upload(mi.UInt32, padded)
+        self._number = upload(mi.UInt32, number)
         self._even = mi.Float(1.0 / self.count)
-        self._places = mi.Float(self._place_table().ravel())
+        self._places = upload(mi.Float, self._place_table())
         dr.make_opaque(self._even)
         dr.eval(self._pointers, self._number, self._places)
         self.reset()
@@ -164,10 +164,10 @@ class LightTable:
         shares[: self.count] = EVEN_SHARE / self.count + (1.0 - EVEN_SHARE) * arriving
         cdf = np.cumsum(shares)
         cdf[self.count - 1 :] = 2.0
-        self._strength = mi.Float(strengths.astype(np.float32))
-        self._cdf = mi.Float(cdf.astype(np.float32))
-        self._share = mi.Float(shares.astype(np.float32))
-        self._start = mi.Float((np.cumsum(shares) - shares).astype(np.float32))
+        self._strength = upload(mi.Float, strengths)
+        self._cdf = upload(mi.Float, cdf)
+        self._share = upload(mi.Float, shares)
+        self._start = upload(mi.Float, np.cumsum(shares) - shares)
         dr.eval(self._strength, self._cdf, self._share, self._start)
 
     def kernels(self, points: np.ndarray) -> np.ndarray:

@@ -12,8 +12,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..arrays import table_size
-from .rays import STEP, spawn_ray, step_at
+from ..arrays import table_size, upload
+from .rays import STEP, spawn_ray
 
 MAXIMUM_MIRRORS = 64
 """Most planes; beyond, the smallest are found by scattered rays only."""
@@ -114,7 +114,7 @@ class MirrorSet:
         rows = np.zeros((table_size(len(planes)), 4))
         for row, plane in zip(rows, planes, strict=False):
             row[:3], row[3] = plane.normal, plane.distance - float(plane.normal @ origin)
-        self._rows = mi.Float(rows.ravel().astype(np.float32))
+        self._rows = upload(mi.Float, rows)
         self._count = dr.opaque(mi.UInt32, len(planes))
         dr.eval(self._rows)
 
@@ -217,7 +217,7 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         index = mirrors.next(drawn.next_float32(), last, step == 0)
         normal, distance = mirrors.plane(index, is_mirror)
         off = dr.abs(dr.dot(normal, hit.p) - distance)
-        is_meant = is_mirror & (off <= NEARNESS * step_at(scene, hit.p))
+        is_meant = is_mirror & (off <= NEARNESS * STEP * scene.extent)
         is_meant &= dr.abs(dr.dot(normal, hit.n)) > ALIGNMENT
         bs, weight = bsdf.sample(context, hit, 0.5, mi.Point2f(0.5), is_meant)
         through = bsdf.eval_null_transmission(hit, going & ~is_mirror)

@@ -298,7 +298,9 @@ class PictureJob:
         valid = si.is_valid()
         faces = dr.dot(si.n, ray.d) < 0.0
         side = dr.select(faces, 1.0, -1.0)
-        at = gather.receiver(si.p, si.sh_frame.n * side, si.n * side, wavelengths)
+        at = gather.receiver(
+            si.p, si.sh_frame.n * side, si.n * side, wavelengths, self.scene.extent_at(si)
+        )
         pair = gather.PAIR_FILM + 1
         value = gather.spectral_illuminance(
             self.scene,

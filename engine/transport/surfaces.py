@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..materials.tabulated_pane import check_table
+from ..materials.pane_table import check_table
 from ..scene.material import (
     Black,
     Cauchy,

@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import upload
 from ..photometry.spectra import GRID, observer
 from ..photometry.units import LUMINOUS_EFFICACY, MINIMUM_WAVELENGTH
 
@@ -36,11 +37,10 @@ class WavelengthSampler:
         # Piecewise constant over cells of 1 nm centred on the grid, so that weights can be tabulated exactly.
         density = np.maximum(density, 1e-7)
         density /= density.sum()
-        self._cdf = mi.Float(np.concatenate([[0.0], np.cumsum(density)]).astype(np.float32))
-        self._density = mi.Float(density.astype(np.float32))
+        self._cdf = upload(mi.Float, np.concatenate([[0.0], np.cumsum(density)]))
+        self._density = upload(mi.Float, density)
         self._response = [
-            mi.Float((LUMINOUS_EFFICACY * functions[:, i] / density / 4.0).astype(np.float32))
-            for i in range(3)
+            upload(mi.Float, LUMINOUS_EFFICACY * functions[:, i] / density / 4.0) for i in range(3)
         ]
         dr.eval(self._cdf, self._density, *self._response)
 

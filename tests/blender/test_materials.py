@@ -20,6 +20,7 @@ from lumenray.engine.scene.material import (
     IorTable,
     Material,
     Mix,
+    TabulatedPane,
     ThinGlass,
     Transparent,
 )
@@ -490,6 +491,45 @@ def test_override_reads_reflectance_and_index_from_files(override, convert, tmp_
     glass.write_text("400,1.53\n700,1.51\n")
     settings.model, settings.ior_source, settings.ior_file = "DIELECTRIC", "FILE", str(glass)
     assert isinstance(convert(material)[0].surface.ior, IorTable)
+
+
+def test_override_reads_a_pane_from_its_data_sheet(override, convert, tmp_path):
+    material, settings = override
+    sheet = tmp_path / "pane.csv"
+    sheet.write_text("angle;transmittance;reflectance\n60;0,6;0,2\n0;0,8;0,1\n")
+    settings.model, settings.pane_source, settings.pane_file = "THIN_GLASS", "FILE", str(sheet)
+    result, rows = convert(material)
+    assert rows == []
+    assert isinstance(result.surface, TabulatedPane)
+    assert result.surface.angles.tolist() == [0.0, 60.0]
+    assert result.surface.transmittance.tolist() == [0.8, 0.6]
+    assert result.surface.reflectance.tolist() == [0.1, 0.2]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (None, "cannot be opened"),
+        ("no numbers here", "found none"),
+        ("0,0.8\n60,0.6\n", "found none"),
+        ("0,0.8,0.1\n60,0.9,0.2\n", "more than all of it"),
+        ("0,80,10\n60,60,20\n", "expected 0 to 1"),
+    ],
+)
+def test_unusable_data_sheet_is_an_error_row_and_clear_glass_counts(
+    override, convert, tmp_path, content, words
+):
+    material, settings = override
+    path = tmp_path / "pane.csv"
+    if content is not None:
+        path.write_text(content)
+    settings.model, settings.pane_source, settings.pane_file = "THIN_GLASS", "FILE", str(path)
+    result, rows = convert(material)
+    assert isinstance(result.surface, ThinGlass)
+    (row,) = rows
+    assert row["severity"] == "error"
+    assert "pane.csv" in row["message"]
+    assert words in row["message"]
 
 
 @pytest.mark.parametrize("content", [None, "no numbers here", "400,40\n700,60\n"])

@@ -165,8 +165,10 @@ class Bench:
     def _narrowed(self, group: Group) -> Group:
         if self.error is None:
             return group
-        sized = np.where(group.values == 0.0, np.inf, MARGIN * self.error * np.abs(group.values))
-        return replace(group, allowed=np.minimum(group.allowed, sized))
+        size = np.abs(group.values)
+        # What cannot be told from 0 has no relative error.
+        wanted = np.where(size <= group.allowed, np.inf, MARGIN * self.error * size)
+        return replace(group, allowed=np.minimum(group.allowed, wanted))
 
     @property
     def engine(self) -> Engine:

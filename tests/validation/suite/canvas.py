@@ -107,7 +107,7 @@ class Canvas:
         return self.image.resize(self.size, Image.Resampling.LANCZOS)
 
 
-def save_picture(image: Image.Image, path: Path, colours: int = 64) -> Path:
+def save_picture(image: Image.Image, path: Path, colours: int = 256) -> Path:
     """Write a small PNG: a palette is enough for line drawings."""
     image.quantize(colours, dither=Image.Dither.NONE).save(path, optimize=True)
     return path

@@ -228,8 +228,8 @@ def draw_bands(series: dict[str, dict[int, float]]) -> Image.Image:
             x = middle + (k - 0.5 * len(series)) * width
             y = bottom - shares[band] * (bottom - top)
             canvas.box((x + 1, y), (x + width - 1, bottom), colour)
-            text = f"{100.0 * shares[band]:.4g}"
-            text = text if canvas.measure(text, 10)[0] <= width else f"{100 * shares[band]:.0f}"
+            # Cut and not rounded: 100 means all.
+            text = f"{np.floor(shares[band] * 1e4 + 1e-7) / 100.0:.4g}"
             canvas.text((x + 0.5 * width, y - 7), text, 10, INK, "mm")
         canvas.text((middle, bottom + 14), f"less than {band} % off", 12, INK, "mm")
     for k, (colour, name) in enumerate(zip(_colours(series), series, strict=True)):
@@ -262,7 +262,7 @@ def draw_published(ours: dict[str, float], results: Sequence[Result]) -> Image.I
         x = place(percent / 100.0)
         canvas.line([(x, top), (x, bottom)], RULE, 0.75)
         text = "0.001 % or less" if percent == 0.001 else f"{percent:g} %"
-        canvas.text((x, bottom + 12), text, 11, SOFT, "lm" if percent == 0.001 else "mm")
+        canvas.text((x, bottom + 12), text, 11, SOFT, {0.001: "lm", 100.0: "rm"}.get(percent, "mm"))
     colours = dict(zip(programs, (*SERIES[2:], "#b04a7a", "#3a9a9a"), strict=False))
     for row, test in enumerate(tests):
         y = top + 26.0 * (row + 0.5)

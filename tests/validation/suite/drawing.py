@@ -84,10 +84,14 @@ class _Scene:
         normals = np.asarray(setup.normals, dtype=np.float64).reshape(-1, 3)
         is_placed = np.isfinite(positions).all(axis=1)
         self.sensors, self.normals = positions[is_placed], normals[is_placed]
-        labels = [label for label, placed in zip(setup.labels, is_placed, strict=False) if placed]
         self.is_numbered = is_numbered(setup.labels)
-        numbers = [str(i + 1) for i, placed in enumerate(is_placed) if placed]
-        self.labels = numbers if self.is_numbered else labels
+        names = setup.labels
+        if len(names) != len(positions):
+            # The sensors are a grid or the like, and the labels are those of what is made of them.
+            names = ("",) * len(positions)
+        elif self.is_numbered:
+            names = tuple(str(i + 1) for i in range(len(positions)))
+        self.labels = [names[i] for i in np.flatnonzero(is_placed)]
         self.items = setup.items
         self.lights = [
             i for i in setup.items if isinstance(i, PointLight | SpotLight | Luminaire | SunLight)
@@ -103,14 +107,16 @@ class _Scene:
         if not len(held) or np.ptp(held, axis=0).max() == 0.0:
             held = np.stack([self.region.low, self.region.high])
         self.seen = np.concatenate([self.sensors, places])
+        beams = [np.asarray(i.direction, float) for i in self.lights if isinstance(i, SunLight)]
+        beams = np.array([beam / np.linalg.norm(beam) for beam in beams]).reshape(-1, 3)
         window = ((46, 44), (size[0] - 46, size[1] - 64))
-        self.view = choose_view(held, self.sensors, self.normals, *window)
+        self.view = choose_view(held, self.sensors, self.normals, beams, *window)
         self.step = _round_length(58.0 / self.view.scale)
         self.grid = self._lay_grid()
         if self.grid is not None:
             (x, y, z), (u, v, _) = self.grid
             held = np.concatenate([held, [(x, y, z), (u, y, z), (u, v, z), (x, v, z)]])
-            self.view = choose_view(held, self.sensors, self.normals, *window)
+            self.view = choose_view(held, self.sensors, self.normals, beams, *window)
 
     def _lay_grid(self) -> np.ndarray | None:
         """Corners of squares in the lowest plane, (2, 3), where nothing lies there. [m]"""
@@ -188,8 +194,7 @@ def _draw_legend(canvas: Canvas, scene: _Scene) -> None:
         x = _write_on(canvas, (x + 20, y), "light")
     if len(scene.sensors):
         canvas.dot((x + 6, y), 3.5, SENSOR)
-        text = "sensor (numbers as in the table)" if scene.is_numbered else "sensor"
-        _write_on(canvas, (x + 16, y), text)
+        _write_on(canvas, (x + 16, y), "sensor")
 
 
 def _write_on(canvas: Canvas, place, text: str) -> float:
@@ -336,13 +341,15 @@ def _draw_sensors(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
     step = max(-(-len(shared) // MOST_LABELS), 1)
     for key, members in list(shared.items())[::step]:
         label = _join([scene.labels[k] for k in members], scene.is_numbered)
+        if not label:
+            continue
         _draw_label(canvas, label, places[members[0]], tips[members[0]], crowd[key] == 1, spots)
 
 
 def _join(labels: list[str], is_numbered: bool) -> str:
-    if len(labels) > 2:
+    if len(labels) > 2 and labels[0]:
         return f"{labels[0]} {'-' if is_numbered else '...'} {labels[-1]}"
-    return ", ".join(labels)
+    return ", ".join(label for label in labels if label)
 
 
 def _draw_label(canvas: Canvas, label: str, place, tip, is_alone: bool, spots: _Spots) -> None:

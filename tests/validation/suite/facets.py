@@ -121,9 +121,12 @@ def region_of_interest(meshes: Sequence[Mesh], points: np.ndarray) -> Region:
     else:
         region = boxes.pop(0) if boxes else Region(-np.ones(3), np.ones(3))
     if region.size == 0.0 and boxes:
-        region = region.hold(np.stack([boxes[0].low, boxes[0].high]))
+        corners = np.concatenate([mesh.vertices for mesh in meshes])
+        away = np.linalg.norm(corners - region.low, axis=1)
+        region = region.hold(corners[away <= 2.5 * away.min()])
     if region.size == 0.0:
-        region = Region(region.low - (0.5, 0.5, 0.0), region.high + (0.5, 0.5, 1.0))
+        room = np.array([(-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)])
+        region = region.hold(region.low + room)
     reach = NEAR * region.size
     for box in boxes:
         near = np.stack(

@@ -18,6 +18,9 @@ SHADES, EDGE = 61, 62
 THIN = 0.16
 """Opacity of a sheet that would hide what must be seen, as a share of its own."""
 
+CLEAR = ("glass", "opal", "opening", "mirror")
+"""Looks that are kept: one sees through them well enough, and they are what their cases are about."""
+
 MANY_SHEETS = 40
 """More sheets than that are merged, the smallest first."""
 
@@ -77,7 +80,8 @@ def _merge(sheets: Sequence[Sheet]) -> list[Sheet]:
 def _table(look: str, colour: np.ndarray, thin: float = 1.0) -> np.ndarray:
     """Colours by state, (EDGE + 1, 4): nothing, shades from dark to light, edge."""
     table = np.zeros((EDGE + 1, 4), dtype=np.float32)
-    shade = np.linspace(0.50, 1.16, SHADES)[:, None]
+    low, high = (0.92, 1.04) if look == "glowing" else (0.50, 1.16)
+    shade = np.linspace(low, high, SHADES)[:, None]
     table[1 : SHADES + 1, :3] = np.minimum(colour * shade, 255.0)
     table[1 : SHADES + 1, 3] = LOOKS[look][1] * thin
     dark = 0.72 if look == "glowing" else 0.42
@@ -119,7 +123,7 @@ def _flat(sheet: Sheet, view: View, size, hidden: np.ndarray):
 
 def _covers(sheet: Sheet, filled: np.ndarray, view: View, hidden: np.ndarray) -> bool:
     """Whether a sheet lies between the eye and a point that must be seen."""
-    if not len(hidden):
+    if not len(hidden) or sheet.look in CLEAR:
         return False
     side = (hidden - sheet.polygons[0][0]) @ sheet.normal
     behind = side * np.sign(sheet.normal @ view.toward) < -1e-3 * (

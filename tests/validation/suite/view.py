@@ -7,8 +7,8 @@ import numpy as np
 AZIMUTHS = (-60.0, -30.0, -120.0, -150.0, 30.0, 60.0, 120.0, 150.0)
 """From where one may look, from +x towards +y; earlier ones are preferred. [deg]"""
 
-ELEVATIONS = (26.0, 50.0, -26.0)
-"""From how high one may look. [deg]"""
+ELEVATIONS, COSTS = (26.0, 50.0, -26.0), (0.0, 0.15, 0.6)
+"""From how high one may look [deg], and how much better it must show the sensors."""
 
 
 @dataclass(frozen=True)
@@ -41,24 +41,24 @@ class View:
         return np.stack([directions @ self.right, -(directions @ self.up)], axis=-1)
 
 
-def choose_view(points, sensors, normals, low, high) -> View:
+def choose_view(points, sensors, normals, beams, low, high) -> View:
     """Look from where the sensors are seen best, and fit points into a window.
 
     Parameters
     ----------
     points : (n, 3) array    All that shall be inside the window. [m]
     sensors, normals : (m, 3) array    Normals may be NaN.
+    beams : (k, 3) array    Directions of parallel light, unit length.
     low, high : (2,)    Corners of the window. [pixel]
     """
-    axes = max(
-        (
-            (_score(_axes(azimuth, elevation), sensors, normals) - 0.02 * i - 0.15 * k, i, k)
-            for i, azimuth in enumerate(AZIMUTHS)
-            for k, elevation in enumerate(ELEVATIONS)
-        ),
-        key=lambda row: row[0],
-    )
-    right, up, toward = _axes(AZIMUTHS[axes[1]], ELEVATIONS[axes[2]])
+    ranked = {
+        (azimuth, elevation): _score(_axes(azimuth, elevation), sensors, normals, beams)
+        - 0.02 * i
+        - COSTS[k]
+        for i, azimuth in enumerate(AZIMUTHS)
+        for k, elevation in enumerate(ELEVATIONS)
+    }
+    right, up, toward = _axes(*max(ranked, key=ranked.get))
     across, upwards = points @ right, points @ up
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     spans = np.array([np.ptp(across), np.ptp(upwards)])
@@ -75,14 +75,15 @@ def _axes(azimuth: float, elevation: float):
     return right, np.cross(toward, right), toward
 
 
-def _score(axes, sensors: np.ndarray, normals: np.ndarray) -> float:
-    """Share of the sensors that face the eye, and how well they are spread."""
+def _score(axes, sensors: np.ndarray, normals: np.ndarray, beams: np.ndarray) -> float:
+    """Share of the sensors that face the eye, how well they are spread, and how little beams are foreshortened."""
     right, up, toward = axes
+    aside = 0.6 * float(np.min(np.linalg.norm(np.cross(beams, toward), axis=1), initial=1.0))
     if not len(sensors):
-        return 0.0
+        return aside
     facing = normals @ toward
     seen = np.mean(np.where(np.isnan(facing), 0.5, np.clip(0.5 + 1.5 * facing, 0.0, 1.0)))
     places = np.stack([sensors @ right, sensors @ up], axis=1)
     spread = np.linalg.norm(np.ptp(places, axis=0))
     span = np.linalg.norm(np.ptp(sensors, axis=0))
-    return float(seen + 0.5 * (spread / span if span > 0.0 else 1.0))
+    return float(seen + 0.5 * (spread / span if span > 0.0 else 1.0)) + aside

@@ -1,5 +1,7 @@
 """Means over surfaces and pictures, each with the error that its case needs."""
 
+from dataclasses import replace
+
 import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.atlas.unwrap import unwrap
@@ -17,6 +19,19 @@ PIXELS = 16
 
 FIRST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
 """Per lumel or pixel; there are hundreds of them."""
+
+
+SEED_STEP = 1009
+"""Between the seeds of a group's scenes; larger than what the comparison of seeds goes through."""
+
+
+def reseeded(bench: Bench, number: int) -> Bench:
+    """Bench for the scene of that number of a group.
+
+    Scenes that differ in a reflectance only would make the same random choices, and so the same errors; a group is judged
+    by the mean of its errors, as of independent ones.
+    """
+    return replace(bench, seed=bench.seed + SEED_STEP * number)
 
 
 def mean_at_points(

@@ -25,8 +25,11 @@ PATIENCE = 300.0
 REPEATS = 16
 """How often every sensor is measured where something is random; the spread gives the error."""
 
-DISK_REPEATS = 20_000
-"""The same for a sun with a disk and nothing else random: each time one point of the disk is looked at."""
+ROUND_REPEATS = 20_000
+"""The same for a sun's disk or a sphere and nothing else random: each time one point of it is looked at."""
+
+LEAST_DIVISIONS, MOST_DIVISIONS = 16, 1 << 16
+"""Of the hemisphere, for one measurement."""
 
 REST = 5e-4
 """Share of the light that may be left when reflections are no longer followed."""
@@ -60,7 +63,7 @@ class Radiance:
 
     name = "Radiance"
 
-    def __init__(self, rays: int = 8_000_000):
+    def __init__(self, rays: int = 5_000_000):
         if util.find_spec("pyradiance") is None:
             raise CannotStateError("pyradiance is not installed (run 'make setup')")
         self.rays = rays
@@ -110,11 +113,12 @@ class Radiance:
             bounces = min(max(bounces, 1), MOST_BOUNCES)
             cost += BOUNCE_COST * bounces * max(scene.lights, 1)
         bounces += scene.has_glow
-        jitter = scene.has_sun_disk or scene.has_extent
-        repeats = REPEATS if jitter or bounces else 1
-        if scene.has_sun_disk and not bounces:
-            repeats = DISK_REPEATS
-        divisions = int(np.clip(self.rays / (cost * sensors * repeats), 16, 1 << 20))
+        jitter = scene.has_extent or scene.has_round
+        share = self.rays / (cost * sensors)
+        repeats = int(np.clip(share / LEAST_DIVISIONS, 2, REPEATS)) if jitter or bounces else 1
+        if scene.has_round and not bounces:
+            repeats = ROUND_REPEATS
+        divisions = int(np.clip(share / repeats, LEAST_DIVISIONS, MOST_DIVISIONS))
         return repeats, [
             *("-ab", str(bounces), "-aa", "0", "-as", "0", "-ad", str(divisions)),
             *("-aw", "0", "-av", "0", "0", "0"),

@@ -56,6 +56,9 @@ NEAR = 0.5
 """A light is met by the hemisphere's rays, not aimed at, from nearer than this share of its shorter side: Radiance divides
 a source into 64 parts at most."""
 
+NEAR_SPHERE = 10.0
+"""The same for spheres, over their radius: Radiance takes them for disks."""
+
 MOST_TILES = 1024
 """Parts into which a light is cut, each of which Radiance divides again."""
 
@@ -77,8 +80,8 @@ class RadianceScene:
     files : dict of str to bytes    Further files by name.
     luminaires : list of (str, str)    Name of the LM-63 file without its end, and options of xform.
     has_glow : bool    Whether something shines that is not aimed at.
-    has_sun_disk : bool    Whether there is a sun with an angle.
-    has_extent : bool    Whether lights with an extent are aimed at.
+    has_extent : bool    Whether flat lights are aimed at.
+    has_round : bool    Whether there are spheres or a sun's disk.
     scatter : float    Largest share of light that a surface scatters.
     lights : int    Number of lights that are aimed at.
     mirrors : int    Number of mirrors.
@@ -89,8 +92,8 @@ class RadianceScene:
     files: dict[str, bytes] = field(default_factory=dict)
     luminaires: list[tuple[str, str]] = field(default_factory=list)
     has_glow: bool = False
-    has_sun_disk: bool = False
     has_extent: bool = False
+    has_round: bool = False
     scatter: float = 0.0
     lights: int = 0
     mirrors: int = 0
@@ -132,6 +135,10 @@ def is_near(contents: Contents, positions: np.ndarray) -> np.ndarray:
         sides = face.corners[1] - face.corners[0], face.corners[-1] - face.corners[0]
         shorter = min(np.linalg.norm(side) for side in sides)
         near |= distances(face, positions) < NEAR * shorter
+    for light in contents.lights:
+        if isinstance(light, PointLight) and light.radius > 0.0:
+            away = np.linalg.norm(positions - light.position, axis=1)
+            near |= away < NEAR_SPHERE * light.radius
     return near
 
 
@@ -290,12 +297,15 @@ class _Writer:
             self.scene.has_glow = True
             return
         for face in part.faces():
-            for strip in _triangle_strips(face) if len(face.corners) == 3 else (face,):
-                self._shine(strip, level)
+            if len(face.corners) == 4:
+                self._shine(face, level)
+                continue
+            for strip in _triangle_strips(face):
+                self._shine(strip, level, least=1)
 
     # ---- lights ----
 
-    def _shine(self, face: Face, luminance: float) -> None:
+    def _shine(self, face: Face, luminance: float, least: int = 4) -> None:
         if not self.aims:
             glow = self._define("glow", [], [luminance] * 3 + [0])
             self._add(glow, "polygon", [], face.corners.ravel())
@@ -304,17 +314,17 @@ class _Writer:
         light = self._define("light", [], [luminance] * 3)
         self.scene.has_extent = True
         # Where light is reflected every tile is looked at from every place.
-        tiles = [face.corners] if self.scene.scatter > 0.0 else self._tiles(face)
+        tiles = [face.corners] if self.scene.scatter > 0.0 else self._tiles(face, least)
         self.scene.lights += len(tiles)
         for tile in tiles:
             self._add(light, "polygon", [], tile.ravel())
 
-    def _tiles(self, face: Face) -> list[np.ndarray]:
+    def _tiles(self, face: Face, least: int) -> list[np.ndarray]:
         corner = face.corners[0]
         u, v = face.corners[1] - corner, face.corners[3] - corner
         nearest = float(distances(face, self.sensors).min())
         counts = np.ceil(np.array([np.linalg.norm(u), np.linalg.norm(v)]) / max(nearest, 1e-12))
-        counts = np.clip(counts, 4, MOST_TILES).astype(int)
+        counts = np.clip(counts, least, MOST_TILES).astype(int)
         while counts.prod() > MOST_TILES:
             counts[np.argmax(counts)] = (counts.max() + 1) // 2
         u, v = u / counts[0], v / counts[1]
@@ -343,18 +353,19 @@ class _Writer:
 
     def _sphere(self, position, radius: float, intensity: float, cone=()) -> None:
         place = (np.asarray(position, dtype=np.float64) - self.middle) / self.size
-        self.scene.lights += 1
-        self.scene.has_extent |= radius > 0.0
+        is_glow = radius > 0.0 and not self.aims and not cone
+        self.scene.has_glow |= is_glow
+        self.scene.lights += not is_glow
+        self.scene.has_round |= radius > 0.0 and not is_glow
         radius /= self.size
         if radius == 0.0:
             away = np.linalg.norm(self.sensors - place, axis=1)
             # Far sensors must be able to hit it with their double precision.
             radius = max(POINT_RADIUS * away.min(), min(0.1 * away.min(), 1e-7 * away.max()))
         level = intensity / (np.pi * (radius * self.size) ** 2)
-        kind = "spotlight" if cone else "light"
-        self._add(
-            self._define(kind, [], [level, level, level, *cone]), "sphere", [], [*place, radius]
-        )
+        kind = "spotlight" if cone else ("glow" if is_glow else "light")
+        material = self._define(kind, [], [*[level] * 3, *([0] if is_glow else cone)])
+        self._add(material, "sphere", [], [*place, radius])
 
     def _area(self, light: AreaLight) -> None:
         level = area_luminance(light)
@@ -364,7 +375,7 @@ class _Writer:
             self._shine(face, level)
             return
         for strip in _ellipse_strips(face):
-            self._shine(strip, level)
+            self._shine(strip, level, least=1)
 
     def _sun(self, light: SunLight) -> None:
         angle = max(np.degrees(light.angle), SUN_ANGLE)
@@ -377,7 +388,7 @@ class _Writer:
             [*(-np.asarray(light.direction, dtype=np.float64)), angle],
         )
         self.scene.lights += 1
-        self.scene.has_sun_disk |= light.angle > 0.0
+        self.scene.has_round |= light.angle > 0.0
 
     def _luminaire(self, light: Luminaire) -> None:
         if light.opening.shape != "point":

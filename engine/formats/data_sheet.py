@@ -1,0 +1,34 @@
+"""Data sheets of panes: transmittance and reflectance by the angle of incidence, from text files."""
+
+import numpy as np
+
+from ..errors import FileFormatError, SceneError
+from ..materials.pane_table import check_table
+from ..scene.material import TabulatedPane
+from .text_table import parse_rows, read_bytes
+
+_COLUMNS = "angle, transmittance and reflectance"
+
+
+def read_data_sheet(path) -> TabulatedPane:
+    """Read a pane's data sheet.
+
+    Parameters
+    ----------
+    path : str or Path    Text or CSV with three columns: angle to the normal in degrees, transmittance and reflectance,
+        both 0 to 1; rows as `parse_rows` takes them, in any order.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be read as a data sheet; the message says what was expected.
+    """
+    rows = parse_rows(path, read_bytes(path, "a pane's data sheet"), 3, _COLUMNS)
+    if not rows:
+        raise FileFormatError(path, f"expected rows of {_COLUMNS}, found none")
+    columns = np.array(sorted(row[1:] for row in rows), dtype=np.float64).T
+    pane = TabulatedPane(*(np.ascontiguousarray(column) for column in columns))
+    try:
+        check_table(pane)
+    except SceneError as error:
+        raise FileFormatError(path, str(error)) from None
+    return pane
