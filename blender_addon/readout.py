@@ -192,8 +192,8 @@ def describe_sky(world, lamp) -> Description:
     sky = convert_sky(world, "", report, sun)
     if sky is None:
         return Description(tuple(lines), "an illuminance of 0 gives no light")
-    lines.append(("Zenith", format_amount(zenith_luminance(sky), "cd/m²")))
-    lines.append(("Ground", format_amount(ground_luminance(sky), "cd/m²")))
+    lines.append(("Zenith luminance", format_amount(zenith_luminance(sky), "cd/m²")))
+    lines.append(("Ground luminance", format_amount(ground_luminance(sky), "cd/m²")))
     problem = "; ".join(f"{row.message}: {row.remedy}" for row, _ in report.rows)
     return Description(tuple(lines), problem)
 

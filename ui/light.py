@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon import luminaire_readout, readout
+from ..blender_addon.sync.portals import is_portal
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
 
 
@@ -22,7 +23,10 @@ def draw_shape(layout, light) -> None:
         layout.prop(light, "spot_blend", text="Soft edge", slider=True)
         layout.prop(light, "show_cone")
     if light.type == "AREA":
-        layout.prop(light, "spread")
+        if hasattr(light, "cycles"):
+            layout.prop(light.cycles, "is_portal", text="Portal")
+        if not is_portal(light):
+            layout.prop(light, "spread")
 
 
 def _draw_size(layout, light) -> None:
@@ -89,7 +93,9 @@ class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and luminaire_readout.settings_used(context.light) is None
+        if not super().poll(context) or is_portal(context.light):
+            return False
+        return luminaire_readout.settings_used(context.light) is None
 
     def draw(self, context):
         layout = self.layout

@@ -4,6 +4,7 @@ import bpy
 
 from ..blender_addon import engine_process, luminaire_readout, readout, viewport
 from ..blender_addon.luminaires.settings import settings_of
+from ..blender_addon.sync.portals import is_portal
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
@@ -103,6 +104,9 @@ class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
         source = context.object
         light = source.data
         layout.label(text=source.name, icon=f"LIGHT_{light.type}")
+        if is_portal(light):
+            layout.label(text="A portal: gives no light itself", icon="INFO")
+            return
         layout.prop(light.lumenray, "use_physical")
         layout.use_property_split = True
         layout.use_property_decorate = False

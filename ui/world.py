@@ -37,12 +37,13 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         if world.lumenray.source != "CIE":
             return
         settings = world.lumenray.sky
+        # Over the whole width: the names are long.
+        layout.prop(settings, "type", text="")
         layout.use_property_split = True
         column = layout.column()
-        column.prop(settings, "type")
         column.prop(settings, "illuminance", text="Illuminance [lx]")
         column.prop(settings, "colour_temperature", text="Daylight [K]")
-        column.prop(settings, "ground_reflectance")
+        column.prop(settings, "ground_reflectance", text="Ground")
         lamp = None
         if depends_on_sun(settings):
             column = layout.column(heading="Sun from")

@@ -338,7 +338,7 @@ class _Walk:
         if kind == "MESH" and original.lumenray.is_luminaire_body:
             self._place(shown, None)
             return
-        if kind == "LIGHT" and original.type == "LIGHT" and is_portal(original.data):
+        if original.type == "LIGHT" and is_portal(original.data) and not is_luminaire(source):
             kind = "PORTAL"
         self._name(shown, instance, original, kind)
         if kind == "MESH":
@@ -366,10 +366,11 @@ class _Walk:
                 owner_name = parent.name_full if parent is not None else ""
                 shown.name = f"{shown.name} ({owner_name} {number})"
                 key = f"{owner}/{number}/{key}"
-        word = "light" if instance.object.type == "LIGHT" and kind == "LIGHT" else "object"
-        if shown.key and shown.key != f"{word}:{key}":
+        is_light = kind == "LIGHT" and original.type == "LIGHT"
+        key = f"{'light' if is_light else 'object'}:{key}"
+        if shown.key and shown.key != key:
             self._place(shown, None)
-        shown.key = f"{word}:{key}"
+        shown.key = key
 
     def _convert_mesh(self, shown, instance, source, original) -> None:
         geometry = self._geometry(instance, source, original)
@@ -394,9 +395,7 @@ class _Walk:
         frame = portal_frame(source.data, instance.matrix_world, self.sync._scale)
         geometry = self.sync._geometries.take_made(portal_geometry())
         material = self.sync._materials.use_portal()
-        self._place(
-            shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0)
-        )
+        self._place(shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0))
 
     def _geometry(self, instance, source, original) -> str | None:
         """Id of the geometry that an instance shows; objects that show the same data share it."""

@@ -181,7 +181,7 @@ def trace(
     active : Bool
     first : (Point2f, Point2f) or None    Well-distributed samples for next-event and scattering at the first vertex.
     depth : int    Scatterings so far; 0 hides what the camera must not see.
-    limit : UInt32 or None    Most scatterings of light that counts, beyond the first ``depth``.
+    limit : UInt32 or None    Most reflections of light that counts, for rays from receivers (``depth`` 1).
 
     Returns
     -------
@@ -209,7 +209,8 @@ def trace(
     }
 
     has_mirrors = scene.mirrors is not None
-    last = None if limit is None else limit + depth
+    # A receiver counts as the first scattering but reflects nothing.
+    last = None if limit is None else limit + (depth - 1)
 
     def body(
         ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, active

@@ -10,6 +10,7 @@ from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import CieSky, UniformWorld
+from lumenray.engine.scene.material import Transparent
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Daylight
 from lumenray.engine.session import Session
@@ -362,6 +363,132 @@ def test_f12_shows_the_sky(world, tmp_path):
     assert pixels @ (0.2126, 0.7152, 0.0722) == pytest.approx(1.0, rel=0.02)
 
 
+# ---- renders ----
+
+
+class Recorder(bpy.types.RenderEngine):
+    """Render engine that only notes the sky of each frame."""
+
+    bl_idname = "LUMENRAY_TEST_SKY"
+    bl_label = "Sky recorder"
+    suns: list = []
+
+    def render(self, depsgraph):
+        scene = Scene()
+        scene.apply(SceneSync(final=True).walk(depsgraph).delta)
+        self.suns.append(scene.world.towards_sun)
+
+
+def test_the_frames_of_a_render_have_the_animated_sun(world, tmp_path):
+    settings = world.lumenray.sky
+    settings.type = "12"
+    for frame, height in ((1, 10.0), (21, 50.0)):
+        settings.elevation = math.radians(height)
+        settings.keyframe_insert("elevation", frame=frame)
+    scene = bpy.context.scene
+    scene.camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
+    scene.collection.objects.link(scene.camera)
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, 21, 20
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.filepath = str(tmp_path / "frame")
+    bpy.utils.register_class(Recorder)
+    try:
+        scene.render.engine = Recorder.bl_idname
+        bpy.ops.render.render(animation=True)
+    finally:
+        scene.render.engine = "LUMENRAY"
+        bpy.utils.unregister_class(Recorder)
+    np.testing.assert_allclose(Recorder.suns, [compass(10, 180), compass(50, 180)], atol=1e-6)
+
+
+# ---- portals of Cycles ----
+
+
+def add_portal(location=(0, 0, 1), size=0.5):
+    """An area light that is a portal of Cycles; what a script sets there is no change to Blender."""
+    data = bpy.data.lights.new("Portal", "AREA")
+    data.energy, data.size = 100.0, size
+    data.cycles.is_portal = True
+    item = bpy.data.objects.new("Portal", data)
+    item.location = location
+    bpy.context.scene.collection.objects.link(item)
+    return item
+
+
+needs_cycles = pytest.mark.skipif(
+    "cycles" not in bpy.context.preferences.addons, reason="this Blender has no Cycles"
+)
+
+
+@needs_cycles
+def test_a_portal_is_an_opening_and_no_light(world):
+    portal = add_portal((1, 2, 3))
+    portal.data.shape, portal.data.size_y = "RECTANGLE", 2.0
+    portal.rotation_euler.x = math.radians(90)
+    made = convert()
+    scene = Scene()
+    scene.apply(made.delta)
+    assert not scene.lights
+    assert not made.objects
+    mesh = scene.mesh(f"object:{portal.lumenray.uid}")
+    assert not mesh.visible_to_camera
+    assert isinstance(scene.materials[mesh.materials[0]].surface, Transparent)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    # The beam's direction, local -z, is now +y.
+    np.testing.assert_allclose((low + high) / 2, (1, 2, 3), atol=2e-3)
+    np.testing.assert_allclose(high - low, (0.5, 0, 2), atol=1e-6)
+    corner, u, v = mesh.vertices[mesh.triangles[0]]
+    assert np.cross(u - corner, v - corner)[1] > 0
+
+
+@needs_cycles
+def test_portals_are_kept_current(world):
+    portal = add_portal()
+    kept = Kept()
+    portal.location.x = 1.0
+    assert kept.sent() == (["Placement"], 0)
+    portal.data.size = 2.0
+    assert kept.sent() == (["Placement"], 0)
+    portal.data.energy = 50.0
+    assert kept.sent() == ([], 0)
+    portal.data.cycles.is_portal = False
+    portal.data.update_tag()
+    kinds, removed = kept.sent()
+    assert (kinds, removed) == (["AreaLight"], 3)
+    portal.data.cycles.is_portal = True
+    portal.data.update_tag()
+    assert sorted(kept.sent()[0]) == ["Geometry", "Material", "Placement"]
+    bpy.data.objects.remove(portal)
+    assert kept.sent() == ([], 3)
+
+
+@needs_cycles
+def test_a_portal_changes_the_noise_and_nothing_else(world, session):
+    """Below a square hole in a black box, by the configuration factor of a rectangle."""
+    settings = world.lumenray.sky
+    settings.type, settings.illuminance, settings.ground_reflectance = "5", 1000.0 * math.pi, 0.0
+    half = 0.1
+    rings = [(half, 1), (2, 1), (2, -1)]
+    corners = [(x, y, z) for r, z in rings for x, y in ((-r, -r), (r, -r), (r, r), (-r, r))]
+    faces = [(i, (i + 1) % 4 + i // 4 * 4, (i + 1) % 4 + i // 4 * 4 + 4, i + 4) for i in range(8)]
+    box = bpy.data.meshes.new("Box")
+    box.from_pydata(corners, [], [*faces, (8, 9, 10, 11)])
+    black = bpy.data.materials.new("Black")
+    black.lumenray.use_override = True
+    black.lumenray.reflectance = 0.0
+    box.materials.append(black)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Box", box))
+    root = math.sqrt(1 + half**2)
+    expected = 1000.0 * 4 * half / root * math.atan(half / root)
+    readings = []
+    for _ in range(2):
+        value, error = read(session, [(0, 0, 1)])
+        assert abs(value[0] - expected) < 4 * error[0]
+        readings.append(error[0])
+        add_portal(size=2 * half)
+    assert readings[1] < 0.2 * readings[0]
+
+
 # ---- panel ----
 
 
@@ -393,6 +520,16 @@ def test_the_panel_states_the_zenith(world):
             text.replace("\u2009", "") == "2000 cd/m²"
             for text in draw("LUMENRAY_PT_world_sky", context(world=world))
         )
+
+
+@needs_cycles
+def test_a_portal_states_no_amount_of_light(world):
+    with interface():
+        portal = add_portal()
+        where = context(light=portal.data, object=portal)
+        assert {"is_portal", "size"} <= set(draw("LUMENRAY_PT_light", where))
+        assert draw("LUMENRAY_PT_light_photometry", where) is None
+        assert "energy" not in draw("LUMENRAY_PT_active_light", where)
 
 
 def test_every_setting_has_a_tooltip(world):

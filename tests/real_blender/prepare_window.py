@@ -5,7 +5,8 @@ a luminaire active, ``material`` an object with a physical override, ``render`` 
 runs the bake as a user would and writes into the log how long the window ever waited; ``viewport``
 moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. ``luminaire`` has
 a scene of its own: luminaires from the library before a wall, with their polar solids and one's
-panel. ``library`` shows the luminaires in the Asset Browser. In the others the sidebar shows the tab of Lumenray.
+panel. ``library`` shows the luminaires in the Asset Browser. ``world`` shows houses under a clear sky of the CIE and its
+sun. In the others the sidebar shows the tab of Lumenray.
 """
 
 import importlib
@@ -31,13 +32,30 @@ LUMINAIRES = (
 )
 """File, place [m] and turn about the vertical [degree] of the luminaires, the active one in the middle."""
 
+CONTEXT = {"light": "DATA", "luminaire": "DATA", "material": "MATERIAL", "world": "WORLD"}
+"""Tab of the properties editor; elsewhere that of the render settings."""
+
+LARGE_PROPERTIES = {"luminaire", "world"}
+"""Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
+
 SOLID = {"render", "bake", "luminaire"}
 """Pictures in which the view is not rendered."""
 
-ZOOM = {"viewport": 20.0, "viewport_lux": 20.0, "luminaire": 29.0}
+ZOOM = {"viewport": 20.0, "viewport_lux": 20.0, "luminaire": 29.0, "world": 29.0}
 """Blender's zoom of the camera's frame in the view; 0 leaves room around it."""
 
 CATEGORY = "Lumenray"
+
+HOUSES = (
+    (10.0, 6.0, 6.0, -9.0, 4.0),
+    (6.0, 6.0, 16.0, 2.0, 9.0),
+    (9.0, 7.0, 9.0, 13.0, 3.0),
+    (5.0, 5.0, 4.0, 1.0, -4.0),
+)
+"""Length, width and height of boxes, and x and y of their centres. [m]"""
+
+SUN = (-55.0, 0.0, -220.0)
+"""Rotation of the Sun light: 35 degrees high, in the south-west. [degree]"""
 
 ATTEMPTS = 20
 """How often the sidebar is asked for its tab; it has none before it was drawn."""
@@ -45,7 +63,7 @@ ATTEMPTS = 20
 
 def prepare_spaces(window):
     """Choose what the window's editors show."""
-    context = {"light": "DATA", "luminaire": "DATA", "material": "MATERIAL"}.get(VIEW, "RENDER")
+    context = CONTEXT.get(VIEW, "RENDER")
     for area in window.screen.areas:
         for space in area.spaces:
             if space.type == "VIEW_3D":
@@ -53,7 +71,7 @@ def prepare_spaces(window):
                 space.shading.type = "SOLID" if VIEW in SOLID else "RENDERED"
                 space.region_3d.view_perspective = "CAMERA"
                 space.region_3d.view_camera_zoom = ZOOM.get(VIEW, 0.0)
-                space.show_region_ui = VIEW != "luminaire"
+                space.show_region_ui = VIEW not in LARGE_PROPERTIES
                 # Lines below every lamp.
                 space.overlay.show_extras = not VIEW.startswith("viewport")
             elif space.type == "PROPERTIES":
@@ -136,6 +154,29 @@ def build_luminaires():
     made[1].lumenray.luminaire.maintenance_factor = 0.9
     staging.new_camera((1.0, -2.7, 2.35), (88.0, 0.0, 19.0), lens=32.0)
     staging.set_render(1248, 940, 500.0)
+
+
+def build_houses():
+    """Put boxes on a plain under a clear sky with its sun."""
+    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
+    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
+    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    collection = staging.new_collection("Street")
+    paint = staging.new_material("Render", "ShaderNodeBsdfDiffuse", {"Color": (0.6, 0.57, 0.52)})
+    ground = staging.new_material("Ground", "ShaderNodeBsdfDiffuse", {"Color": (0.2, 0.2, 0.2)})
+    plain = shapes.quad((-400.0, -400.0, 0.0), (800.0, 0.0, 0.0), (0.0, 800.0, 0.0))
+    assembly().add(ground, plain).build("Plain", collection)
+    for number, (*size, x, y) in enumerate(HOUSES, start=1):
+        house = shapes.box(size, (x, y, 0.5 * size[2]))
+        assembly().add(paint, house).build(f"House {number}", collection)
+    sun = staging.new_light("Sun", "SUN", collection, (0.0, 0.0, 30.0), "ILLUMINANCE", 60000.0)
+    sun.data.angle = math.radians(0.53)
+    sun.rotation_euler = [math.radians(angle) for angle in SUN]
+    staging.set_sky((1.0, 1.0, 1.0), 1.0)
+    world = bpy.context.scene.world.lumenray
+    world.source, world.sky.type = "CIE", "12"
+    staging.new_camera((-14.0, -38.0, 12.0), (83.0, 0.0, -20.0), lens=32.0)
+    staging.set_render(1248, 940, 15000.0)
 
 
 def enlarge_properties():
@@ -241,10 +282,10 @@ def start_render():
 
 
 bpy.context.preferences.view.show_splash = False
-if VIEW == "luminaire":
+if VIEW in LARGE_PROPERTIES:
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
-    build_luminaires()
+    {"luminaire": build_luminaires, "world": build_houses}[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
 elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)

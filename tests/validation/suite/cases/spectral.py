@@ -106,25 +106,24 @@ SIDE = 4.0
 """Of the cubes, with the lamp in the middle. [m]"""
 
 NODES = 3
-"""Gauss-Legendre nodes along a quarter of a face: the mean of the direct illuminance is right to 2e-5."""
+"""Gauss-Legendre nodes along a quarter of a face: the mean of the direct illuminance is right to 0.05 %."""
 
 
 def _lay_quarters() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points on the quarters of a cube's faces, all alike: positions, normals (24, n, 3) and weights (n,)."""
+    """Points on a quarter of each face of a cube, all alike: positions, normals (6, n, 3) and weights (n,)."""
     half = 0.5 * SIDE
     positions, normals = [], []
     for axis in range(3):
+        normal, u, v = np.roll(np.eye(3), -axis, axis=0)
         for side in (-half, half):
-            normal, u, v = (np.roll(e, axis) for e in np.eye(3))
-            for a, b in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-                points, weights = plane_grid(side * normal, a * half * u, b * half * v, NODES)
-                positions.append(points)
-                normals.append(np.tile(-np.sign(side) * normal, (len(points), 1)))
+            points, weights = plane_grid(side * normal, half * u, half * v, NODES)
+            positions.append(points)
+            normals.append(np.tile(-np.sign(side) * normal, (len(points), 1)))
     return np.array(positions), np.array(normals), weights
 
 
 def _measure_walls(bench: Bench, items, relative: float, expected: float, **more) -> np.ndarray:
-    """Mean tristimulus values over each quarter of the faces of a cube, (24, 3), or illuminances, (24, 1). [lx]
+    """Mean tristimulus values over a quarter of each face of a cube, (6, 3), or illuminances, (6, 1). [lx]
 
     ``relative`` is the largest difference of the mean over all of them that passes, ``expected`` about that mean.
     """
@@ -234,12 +233,7 @@ def in_steps(name: str, wavelengths) -> Lines:
     return Lines(wavelengths, evaluate_emission(Illuminant(name), wavelengths), name)
 
 
-@case(
-    "C34",
-    "Metameric pair under A and FL2",
-    "spectral",
-    quick=("C34.A", "C34.FL2", "C34.lum"),
-)
+@case("C34", "Metameric pair under A and FL2", "spectral", quick=("C34.FL2",))
 def run_metamers(bench: Bench) -> Findings:
     """White and two samples side by side in parallel light, seen from above."""
     groups = bench.groups("C34")
@@ -332,7 +326,7 @@ def _three_channel_errors(name: str) -> np.ndarray:
 # ---- C35 ----
 
 
-@case("C35", "Coloured room", "spectral", quick=("C35.box",))
+@case("C35", "Coloured room", "spectral")
 def run_room(bench: Bench) -> Findings:
     """A closed cube of a coloured paint under two illuminants."""
     for group in bench.groups("C35").values():

@@ -79,6 +79,8 @@ def add_mesh(entry: dict) -> None:
     mesh.polygons.add(len(triangles))
     mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
     mesh.update(calc_edges=True)
+    # Faces are smooth unless told otherwise.
+    mesh.shade_flat()
     mesh.materials.append(make_material(entry["material"]))
     link(bpy.data.objects.new("mesh", mesh))
 
@@ -260,12 +262,30 @@ def add_light(entry: dict) -> None:
             data.shape = entry["shape"]
             data.size, data.size_y = entry["size_x"], entry["size_y"]
             data.cycles.is_portal = entry["is_portal"]
+    if "ies" in entry:
+        add_photometry(data, entry["ies"])
     if hasattr(data, "use_soft_falloff"):
         data.use_soft_falloff = False
     lamp = bpy.data.objects.new("light", data)
     # A bare list would be taken by columns.
     lamp.matrix_world = Matrix(entry["frame"].tolist())
     link(lamp)
+
+
+def add_photometry(data, text: str) -> None:
+    """Let a lamp shine as a photometric file says."""
+    file = bpy.data.texts.new("file")
+    file.write(text)
+    data.use_nodes = True
+    tree = data.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new("ShaderNodeTexIES")
+    node.mode, node.ies = "INTERNAL", file
+    glow = tree.nodes.new("ShaderNodeEmission")
+    glow.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    tree.links.new(node.outputs["Fac"], glow.inputs["Strength"])
+    output = tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(glow.outputs[0], output.inputs["Surface"])
 
 
 def add_world(entry: dict | None) -> None:

@@ -16,7 +16,7 @@ from lumenray.engine.scene.light import (
     SunLight,
     UniformWorld,
 )
-from lumenray.engine.scene.material import Material
+from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.mesh import Geometry, Mesh, Placement, place
 from lumenray.engine.scene.sensor import SensorKind, SensorSet
 from lumenray.engine.scene.spectrum import Constant, Rgb, Tabulated
@@ -122,6 +122,13 @@ def neutral_value(colour) -> float:
         case Tabulated() if np.ptp(colour.values) == 0.0:
             return float(colour.values[0])
     raise CannotStateError("it computes with three channels, not with spectra of surfaces")
+
+
+def scattered(surface) -> float:
+    """Share of light that a surface scatters. [-]"""
+    if not isinstance(surface, Diffuse):
+        return 0.0
+    return neutral_value(surface.reflectance) + neutral_value(surface.transmittance)
 
 
 def candelas(light: PointLight | SpotLight) -> float:

@@ -11,7 +11,7 @@ from weakref import finalize
 import numpy as np
 
 from ..bench import CannotStateError, Query, Readings
-from .contents import check_query, extent, sort_items
+from .contents import check_query, extent, scattered, sort_items
 from .cycles_scene import describe
 
 SERVER = Path(__file__).with_name("blender_server.py")
@@ -19,8 +19,11 @@ SERVER = Path(__file__).with_name("blender_server.py")
 PATIENCE = 300.0
 """Longest that one query may take. [s]"""
 
-SIDE = 4
-"""Each sensor is a square of this many patches along a side, which are measured apart; their spread gives the error."""
+LEAST_SIDE, MOST_SIDE = 4, 64
+"""Each sensor is a square of that many patches along a side, which are measured apart; their spread gives the error."""
+
+LEAST_SAMPLES, MOST_SAMPLES = 16, 1024
+"""For a patch: Cycles adds them up in single precision, and rounding shows beyond."""
 
 RECEIVER = 5e-4
 """Side of the square. [m], or share of the scene's size if that is less"""
@@ -30,6 +33,9 @@ LIFT = 1e-5
 
 ROUNDING = 4e-7
 """What is added to it, as a share of the largest coordinate: Cycles' single precision."""
+
+LONGEST = 0.99
+"""Largest share of scattered light that paths are shortened for."""
 
 WIDEST = 200.0
 """Distance between sensors beyond which each is asked for alone, for Cycles' single precision. [m]"""
@@ -49,7 +55,7 @@ class Cycles:
 
     name = "Cycles"
 
-    def __init__(self, paths: int = 2_000_000):
+    def __init__(self, paths: int = 1_000_000):
         if util.find_spec("bpy") is None:
             raise CannotStateError("bpy is not installed (run 'make setup')")
         self.paths = paths
@@ -69,7 +75,7 @@ class Cycles:
         values, errors = np.empty(len(positions)), np.empty(len(positions))
         for part in parts:
             values[part], errors[part] = self._measure(
-                contents, positions[part], normals[part], query.reflections == 0, seed
+                contents, positions[part], normals[part], query.reflections == 0, seed, len(parts)
             )
         return Readings(values, errors)
 
@@ -79,25 +85,27 @@ class Cycles:
             self._close()
         self._link = self._close = None
 
-    def _measure(self, contents, positions, normals, direct: bool, seed: int):
+    def _measure(self, contents, positions, normals, direct: bool, seed: int, queries: int):
         middle, size = extent(contents, positions)
         unit = min(1.0, size) if size > 0.0 else 1.0
         moved = (positions - middle) / unit
         if contents.parts:
             moved += (LIFT + ROUNDING * np.abs(moved).max()) * normals
         request = describe(contents, middle, unit)
-        patches = SIDE * SIDE * len(positions)
+        # Paths get longer the more is reflected.
+        share = self.paths / (len(positions) * _path_cost(contents, direct) * queries)
+        side = int(np.clip(np.sqrt(share / MOST_SAMPLES), LEAST_SIDE, MOST_SIDE))
         request |= {
             "positions": moved,
             "normals": normals,
             "receiver": RECEIVER,
-            "side": SIDE,
-            "samples": max(self.paths // patches, 16),
+            "side": side,
+            "samples": int(np.clip(share / side**2, LEAST_SAMPLES, MOST_SAMPLES)),
             "seed": seed,
             "direct": direct,
         }
         made = self._ask(request)
-        return made.mean(axis=1), made.std(axis=1, ddof=1) / SIDE
+        return made.mean(axis=1), made.std(axis=1, ddof=1) / side
 
     def _ask(self, request: dict) -> np.ndarray:
         if self._link is None:
@@ -129,6 +137,13 @@ class Cycles:
             process.stdin.close()
             self._link = listener.accept()
         self._close = finalize(self, _end, self._link, process)
+
+
+def _path_cost(contents, direct: bool) -> float:
+    """Length of the paths over that of those that end at once."""
+    shares = [scattered(part.material.surface) for part in contents.parts]
+    most = 0.0 if direct else min(max(shares, default=0.0), LONGEST)
+    return 0.5 + 0.5 / (1.0 - most)
 
 
 def _end(link: Connection, process: subprocess.Popen) -> None:

@@ -1,6 +1,7 @@
 """Scenes as plain data for `blender_server`, in lumens for watts."""
 
 import numpy as np
+from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
@@ -25,6 +26,7 @@ from .contents import (
     Part,
     area_luminance,
     candelas,
+    luminaire_flux,
     neutral_value,
     sun_illuminance,
 )
@@ -32,6 +34,9 @@ from .skies import OVERCAST, PARAMETERS, ground_luminance, luminance_scale, unit
 
 MOST_PORTALS = 64
 """Faces of a pane that are still marked as portals."""
+
+IES_EFFICACY = 177.83
+"""What Cycles' node for photometric files divides candelas by. [lm/W]"""
 
 SHARPEST = 1e-3
 """Angular diameter below which mirrored light cannot be found by chance. [rad]"""
@@ -190,9 +195,39 @@ def _light(light, middle: np.ndarray, unit: float) -> dict:
                 "is_portal": False,
                 "frame": frame,
             }
+        case Luminaire() if light.opening.shape == "point":
+            frame = np.array(light.frame, dtype=np.float64)
+            frame[:3, 3] = (frame[:3, 3] - middle) / unit
+            return {
+                "kind": "POINT",
+                "power": IES_EFFICACY / unit**2,
+                "radius": 0.0,
+                "frame": frame,
+                "ies": _ies_text(light),
+            }
         case Luminaire():
-            raise CannotStateError("Cycles reads only LM-63 text, with other axes")
+            raise CannotStateError("files give Cycles' lamps no openings of their own")
     raise CannotStateError(f"{type(light).__name__} is not translated")
+
+
+def _ies_text(light: Luminaire) -> str:
+    """LM-63 text that Cycles reads as a luminaire's intensities. [cd]
+
+    Cycles counts horizontal angles from -y, clockwise seen from above, and interpolates with cubic curves, so the table
+    is given finely, turned and mirrored.
+    """
+    vertical, horizontal = np.arange(0.0, 180.5, 1.0), np.arange(0.0, 362.0, 2.5)
+    around, across = np.radians(270.0 - horizontal)[:, None], np.radians(vertical)[None, :]
+    directions = np.stack(
+        [np.sin(across) * np.cos(around), np.sin(across) * np.sin(around),
+         -np.cos(across) * np.ones_like(around)], axis=-1,
+    )  # fmt: skip
+    table = intensity(light.distribution, directions)
+    table *= luminaire_flux(light) / flux(light.distribution)
+    head = f"1 -1 1 {len(vertical)} {len(horizontal)} 1 2 0 0 0"
+    rows = [vertical, horizontal, *table]
+    lines = [" ".join(f"{value:.7g}" for value in row) for row in rows]
+    return "\n".join(["IESNA:LM-63-2002", "TILT=NONE", head, "1 1 0", *lines, ""])
 
 
 def _frame(position, direction, middle: np.ndarray, unit: float) -> np.ndarray:

@@ -33,6 +33,7 @@ from .contents import (
     candelas,
     luminaire_flux,
     neutral_value,
+    scattered,
     sun_illuminance,
 )
 from .skies import OVERCAST, PARAMETERS, ground_luminance, luminance_scale, unit_sun
@@ -120,14 +121,6 @@ def write_scene(
     return _Writer(sensors, np.asarray(middle), size, direct, aims).write(contents)
 
 
-def scattered(part: Part) -> float:
-    """Share of light that a part scatters."""
-    surface = part.material.surface
-    if not isinstance(surface, Diffuse):
-        return 0.0
-    return neutral_value(surface.reflectance) + neutral_value(surface.transmittance)
-
-
 def is_near(contents: Contents, positions: np.ndarray) -> np.ndarray:
     """Whether each of the sensors (n, 3) is so near an area light that aiming at it is inaccurate."""
     near = np.zeros(len(positions), dtype=bool)
@@ -175,7 +168,9 @@ class _Writer:
 
     def write(self, contents: Contents) -> RadianceScene:
         if not self.direct:
-            self.scene.scatter = max((scattered(part) for part in contents.parts), default=0.0)
+            self.scene.scatter = max(
+                (scattered(part.material.surface) for part in contents.parts), default=0.0
+            )
         for part in contents.parts:
             moved = (part.vertices - self.middle) / self.size
             self._part(Part(moved, part.triangles, part.material))
