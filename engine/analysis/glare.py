@@ -39,7 +39,7 @@ class FlatOpenings:
 
 
 def projected_areas(observer: Observer, openings: FlatOpenings) -> np.ndarray:
-    """Areas of openings as an observer sees them, A cos. (CIE 117:1995, 4.3)
+    """Areas of openings as an observer sees them, A cos.
 
     Returns
     -------
@@ -47,9 +47,9 @@ def projected_areas(observer: Observer, openings: FlatOpenings) -> np.ndarray:
 
     Raises
     ------
-    SceneError    An opening is at the observer's eye, or has no normal or no area.
+    SceneError    An opening's centre is at the observer's eye, or it has no normal or no area.
     """
-    away, distances = _sight(observer, openings)
+    away, distances = _sight(observer, openings.centres)
     normals = np.asarray(openings.normals, dtype=np.float64).reshape(-1, 3)
     lengths = np.linalg.norm(normals, axis=1)
     areas = np.asarray(openings.areas, dtype=np.float64).reshape(-1)
@@ -60,7 +60,7 @@ def projected_areas(observer: Observer, openings: FlatOpenings) -> np.ndarray:
 
 
 def solid_angles(observer: Observer, openings: FlatOpenings) -> np.ndarray:
-    """Solid angles of openings at an observer's eye, A cos / d^2. (CIE 117:1995, 4.3)
+    """Solid angles of openings at an observer's eye, A cos / d^2. (CIE 117:1995, chapter 4)
 
     Returns
     -------
@@ -70,12 +70,12 @@ def solid_angles(observer: Observer, openings: FlatOpenings) -> np.ndarray:
     ------
     SceneError    As `projected_areas`.
     """
-    _, distances = _sight(observer, openings)
+    _, distances = _sight(observer, openings.centres)
     return projected_areas(observer, openings) / distances**2
 
 
 def opening_luminances(observer: Observer, openings: FlatOpenings, intensities) -> np.ndarray:
-    """Mean luminances of openings by their intensities towards an observer, I / (A cos). (CIE 117:1995, 4.2)
+    """Mean luminances of openings by their intensities towards an observer, I / (A cos). (CIE 117:1995, chapter 4)
 
     Parameters
     ----------
@@ -112,8 +112,7 @@ def sight_angles(observer: Observer, points) -> tuple[np.ndarray, np.ndarray]:
     ------
     SceneError    A point is at the eye, or the observer has no line of sight or no upwards beside it.
     """
-    away = np.asarray(points, dtype=np.float64).reshape(-1, 3) - observer.position
-    _require(np.linalg.norm(away, axis=1) > 0.0, "point {} is at the observer's eye")
+    away, _ = _sight(observer, points)
     forwards, upwards, sideways = _axes(observer)
     along, high, beside = away @ forwards, away @ upwards, np.abs(away @ sideways)
     turns = np.degrees(np.arctan2(beside, high))
@@ -138,8 +137,8 @@ def guth_position_index(turns, eccentricities) -> np.ndarray:
 
     Notes
     -----
-    The formula fits Guth's curves, which CIE 117:1995, 4.5 gives as a table, to about a tenth. The table ends where the
-    lateral distance is three times that along the line of sight, and where brow and forehead hide the source.
+    The formula fits Guth's curves to 12 % at worst; CIE 117:1995, 4.5 gives them as a table and leaves out sources whose
+    distance to the side is more than three times that along the line of sight, and those that brow and forehead hide.
 
     References
     ----------
@@ -159,7 +158,7 @@ def guth_position_index(turns, eccentricities) -> np.ndarray:
 
 
 def unified_glare_rating(background, luminances, solid_angles, positions) -> float:
-    """Unified glare rating, 8 log10(0.25 / L_b * sum of L^2 omega / p^2). (CIE 117:1995, 4.1)
+    """Unified glare rating, 8 log10(0.25 / L_b * sum of L^2 omega / p^2). (CIE 117:1995, chapter 4)
 
     Parameters
     ----------
@@ -211,12 +210,12 @@ def unified_glare_rating(background, luminances, solid_angles, positions) -> flo
     return float(8.0 * np.log10(0.25 / background * amount))
 
 
-def _sight(observer: Observer, openings: FlatOpenings) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors from the eye to openings and their lengths. [m]"""
-    centres = np.asarray(openings.centres, dtype=np.float64).reshape(-1, 3)
-    away = centres - np.asarray(observer.position, dtype=np.float64)
+def _sight(observer: Observer, points) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors from the eye to points, (n, 3), and their lengths, (n,). [m]"""
+    places = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    away = places - np.asarray(observer.position, dtype=np.float64)
     distances = np.linalg.norm(away, axis=1)
-    _require(distances > 0.0, "luminous opening {} is at the observer's eye")
+    _require(distances > 0.0, "point {} is at the observer's eye, or no point")
     return away, distances
 
 

@@ -30,7 +30,10 @@ class WavelengthSampler:
         base = {"luminance": functions[:, 1], "colour": functions.sum(axis=1)}.get(response)
         if base is None:
             base = functions.sum(axis=1) + 0.5 * ((GRID >= 380.0) & (GRID <= 780.0))
-        density = base * light if np.any(base * light > 0.0) else base
+        # Spectra are linear between full nanometres, so a cell's mean is not the value in its middle; for the density of a
+        # line the difference is large.
+        wanted = base * _cell_means(light)
+        density = wanted if np.any(wanted > 0.0) else base
         density = (
             1.0 - DEFENSIVE_SHARE
         ) * density / density.sum() + DEFENSIVE_SHARE * base / base.sum()

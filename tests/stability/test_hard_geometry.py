@@ -205,11 +205,11 @@ def test_a_sun_that_is_half_set():
     half = np.radians(0.53 / 2)
     towards = np.array([np.cos(GRAZING), 0.0, np.sin(GRAZING)])
     sun = SunLight("s", "s", Output(Quantity.ILLUMINANCE, 1e5), -towards, 2.0 * half)
-    heights = np.linspace(-half, half, 200001)
-    strips = 2.0 * np.sqrt(np.maximum(half**2 - heights**2, 0.0))
+    edges = np.linspace(-half, half, 200001)
+    heights = 0.5 * (edges[1:] + edges[:-1])
+    strips = 2.0 * np.sqrt(half**2 - heights**2) * np.diff(edges)
     luminance = 1e5 / (np.pi * np.sin(half) ** 2)
-    rise = np.maximum(np.sin(GRAZING + heights), 0.0)
-    expected = luminance * np.trapezoid(strips * rise, heights)
+    expected = luminance * (strips * np.maximum(np.sin(GRAZING + heights), 0.0)).sum()
     made = session_of(sun).measure([[0, 0, 0]], [UP], StopRule(samples=1 << 14))
     assert_agrees(made, np.array([expected]))
 
@@ -235,7 +235,8 @@ def test_a_source_in_the_receiver_s_plane_gives_nothing(kind):
 
 @pytest.mark.parametrize("kind", ["area light", "mesh"])
 def test_a_tenth_of_a_millimetre_off_the_plane_of_a_source(kind):
-    # Owed: 0.1 % and noise of 1 %, next to the edge and below it, facing it and along it.
+    # Owed: 0.3 % and noise of 1 %, next to the edge and below it, facing it and along it. Single precision knows places to
+    # four units, 2.4e-7 of the scene's half size, and that is 0.24 % of a tenth of a millimetre.
     light = lamp_plane((0, 0, 0), 1.0, 1.0)
     mesh = quad("q", (-0.5, -0.5, 0), (0, 1, 0), (1, 0, 0), "glow")
     places = np.array([[0.5, 0, -1e-4], [0.5, 0, -1e-4], [0.5001, 0.2, -1e-4], [0.6, 0.0, -1e-4]])
@@ -245,4 +246,4 @@ def test_a_tenth_of_a_millimetre_off_the_plane_of_a_source(kind):
     ]
     items = [light] if kind == "area light" else [mesh, GLOW]
     made = session_of(*items).measure(places, normals, StopRule(samples=1 << 18))
-    assert_agrees(made, np.array(expected))
+    assert_agrees(made, np.array(expected), relative=3e-3)

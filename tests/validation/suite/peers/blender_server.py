@@ -14,6 +14,9 @@ from mathutils import Matrix
 LIMIT = 1024
 """Bounces of every kind, the most that Cycles allows."""
 
+CURVE_STEPS = 1801
+"""Values of a function of an angle: every 0.05 degrees."""
+
 MAP_SIZE = 512
 """Width of the table by which directions to the sky are chosen. [pixel]"""
 
@@ -224,21 +227,22 @@ def glass(tree, ior: float, body: float) -> tuple[Number, Number]:
 
 
 def curve(angle: Number, angles, values) -> Number:
-    """Piecewise linear function of an angle."""
-    total = Number(angle.tree, float(values[0]))
-    for k in range(len(angles) - 1):
-        node = angle.tree.nodes.new("ShaderNodeMapRange")
-        node.clamp = True
-        angle.into(node.inputs["Value"])
-        step = values[k + 1] - values[k]
-        for name, value in zip(
-            ("From Min", "From Max", "To Min", "To Max"),
-            (angles[k], angles[k + 1], 0.0, step),
-            strict=True,
-        ):
-            node.inputs[name].default_value = float(value)
-        total = total + Number(angle.tree, node.outputs["Result"])
-    return total
+    """Piecewise linear function of an angle [deg], from a picture with one row."""
+    places = np.linspace(0.0, 90.0, CURVE_STEPS)
+    pixels = np.ones((CURVE_STEPS, 4), dtype=np.float32)
+    pixels[:, :3] = np.interp(places, angles, values)[:, None]
+    image = bpy.data.images.new("curve", CURVE_STEPS, 1, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    node = angle.tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.interpolation, node.extension = image, "Linear", "EXTEND"
+    place = angle.tree.nodes.new("ShaderNodeCombineXYZ")
+    # The first and the last value lie at the middle of their pixels.
+    share = angle * ((CURVE_STEPS - 1) / (90.0 * CURVE_STEPS)) + 0.5 / CURVE_STEPS
+    share.into(place.inputs["X"])
+    place.inputs["Y"].default_value = 0.5
+    angle.tree.links.new(place.outputs[0], node.inputs["Vector"])
+    return Number(angle.tree, node.outputs["Color"])
 
 
 # ---- lights ----

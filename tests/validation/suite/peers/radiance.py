@@ -4,6 +4,7 @@ import os
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from importlib import util
 from pathlib import Path
 
@@ -39,6 +40,9 @@ MOST_BOUNCES = 1000
 BOUNCE_COST = 8.0
 """Time of a reflection over that of a ray that ends at once; measured."""
 
+MESH_COST = 4.0
+"""What large meshes make of it."""
+
 LIFT = 1e-5
 """How far sensors are lifted off the surface that they may lie on. [m], or share of the scene's size if that is less"""
 
@@ -63,7 +67,7 @@ class Radiance:
 
     name = "Radiance"
 
-    def __init__(self, rays: int = 5_000_000):
+    def __init__(self, rays: int = 4_000_000):
         if util.find_spec("pyradiance") is None:
             raise CannotStateError("pyradiance is not installed (run 'make setup')")
         self.rays = rays
@@ -111,7 +115,8 @@ class Radiance:
         if scene.scatter > 0.0:
             bounces = int(np.ceil(np.log(REST) / np.log(min(scene.scatter, 0.999))))
             bounces = min(max(bounces, 1), MOST_BOUNCES)
-            cost += BOUNCE_COST * bounces * max(scene.lights, 1)
+            each = BOUNCE_COST * (MESH_COST if scene.meshes else 1.0)
+            cost += each * bounces * max(scene.lights, 1)
         bounces += scene.has_glow
         jitter = scene.has_extent or scene.has_round
         share = self.rays / (cost * sensors)
@@ -133,9 +138,9 @@ def _build(folder: Path, scene: RadianceScene) -> None:
     """Write all files and make the octree."""
     for name, data in scene.files.items():
         (folder / name).write_bytes(data)
-    for name, text in scene.meshes.items():
-        (folder / f"{name}.obj").write_text(text, encoding="ascii")
-        _run(folder, "obj2mesh", f"{name}.obj", f"{name}.rtm")
+    for name, (vertices, triangles) in scene.meshes.items():
+        made = _compile_mesh(vertices.tobytes(), triangles.astype(np.int64).tobytes())
+        (folder / f"{name}.rtm").write_bytes(made)
     lines = list(scene.text)
     for name, move in scene.luminaires:
         factor = f"{LUMENS_PER_WATT:g}"
@@ -146,6 +151,20 @@ def _build(folder: Path, scene: RadianceScene) -> None:
         lines.append(f"!xform {move} {name}.rad\n")
     (folder / "scene.rad").write_text("\n".join(lines), encoding="ascii")
     (folder / "scene.oct").write_bytes(_run(folder, "oconv", "scene.rad"))
+
+
+@lru_cache(maxsize=4)
+def _compile_mesh(vertices: bytes, triangles: bytes) -> bytes:
+    """Radiance's mesh of float64 vertices and int64 triangles; kept, as scenes of a case share theirs."""
+    places = np.frombuffer(vertices).reshape(-1, 3)
+    corners = np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3) + 1
+    lines = [f"v {x:.12g} {y:.12g} {z:.12g}" for x, y, z in places]
+    lines += [f"f {a} {b} {c}" for a, b, c in corners]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "mesh.obj").write_text("\n".join([*lines, ""]), encoding="ascii")
+        _run(folder, "obj2mesh", "mesh.obj", "mesh.rtm")
+        return (folder / "mesh.rtm").read_bytes()
 
 
 def _rtrace(folder: Path, options: list[str], rays: np.ndarray, repeats: int) -> np.ndarray:

@@ -47,6 +47,9 @@ SMALL_MESH = 300
 POINT_RADIUS = 1e-3
 """Radius of the sphere that stands for a point, over the distance of the nearest sensor."""
 
+APEX = 1e-6
+"""Distance of a spot light's tip behind its middle."""
+
 LUMINAIRE_RADIUS = 0.0005
 """Radius of the sphere that stands for a luminaire without extent, the least that ies2rad takes. [m]"""
 
@@ -63,6 +66,9 @@ NEAR_SPHERE = 10.0
 MOST_TILES = 1024
 """Parts into which a light is cut, each of which Radiance divides again."""
 
+PANE_STEPS = 360
+"""Into which the angle of incidence is divided for a pane's table."""
+
 STRIPS = 64
 """Rectangles that stand for an ellipse or a triangle: Radiance aims best at rectangles."""
 
@@ -77,7 +83,7 @@ class RadianceScene:
     Parameters
     ----------
     text : list of str    Primitives.
-    meshes : dict of str to str    Wavefront files by name, to be made meshes of.
+    meshes : dict of str to (vertices, triangles)    Of larger meshes by name, to be compiled.
     files : dict of str to bytes    Further files by name.
     luminaires : list of (str, str)    Name of the LM-63 file without its end, and options of xform.
     has_glow : bool    Whether something shines that is not aimed at.
@@ -89,7 +95,7 @@ class RadianceScene:
     """
 
     text: list[str] = field(default_factory=list)
-    meshes: dict[str, str] = field(default_factory=dict)
+    meshes: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     files: dict[str, bytes] = field(default_factory=dict)
     luminaires: list[tuple[str, str]] = field(default_factory=list)
     has_glow: bool = False
@@ -215,9 +221,7 @@ class _Writer:
     def _surface(self, part: Part, material: str) -> None:
         if len(part.triangles) > SMALL_MESH:
             name = self._name("m")
-            lines = [f"v {_numbers(vertex)}" for vertex in part.vertices]
-            lines += [f"f {a} {b} {c}" for a, b, c in part.triangles + 1]
-            self.scene.meshes[name] = "\n".join(lines) + "\n"
+            self.scene.meshes[name] = part.vertices, part.triangles
             self._add(material, "mesh", [f"{name}.rtm"], [])
             return
         for face in part.faces():
@@ -244,14 +248,18 @@ class _Writer:
     def _pane(self, angles, transmittance, reflectance) -> str:
         """Material that lets light straight through and mirrors it, by the angle of incidence."""
         file = self._name("p")
-        lines = ["angle = 180 / PI * Acos(if(Rdot, Rdot, -Rdot));"]
+        places = np.linspace(0.0, 90.0, PANE_STEPS + 1)
+        lines = [
+            f"angle = 180 / PI * Acos(if(Rdot, Rdot, -Rdot)) * {PANE_STEPS / 90.0:.9g};",
+            f"cell = if(angle - {PANE_STEPS - 1}, {PANE_STEPS - 1}, floor(angle));",
+        ]
         for name, values in (("tr", transmittance), ("re", reflectance)):
-            text = f"{values[-1]:.9g}"
-            for low in range(len(angles) - 2, -1, -1):
-                slope = (values[low + 1] - values[low]) / (angles[low + 1] - angles[low])
-                line = f"({values[low]:.9g} + {slope:.9g} * (angle - {angles[low]:.9g}))"
-                text = f"if({angles[low + 1]:.9g} - angle,\n{line}, {text})"
-            lines.append(f"{name} = {text};")
+            table = ",\n".join(f"{value:.9g}" for value in np.interp(places, angles, values))
+            lines += [
+                f"{name}_at(i) : select(i,\n{table});",
+                f"{name} = {name}_at(cell + 1) + (angle - cell) *",
+                f"({name}_at(cell + 2) - {name}_at(cell + 1));",
+            ]
         self.scene.files[f"{file}.cal"] = "\n".join([*lines, ""]).encode()
         return self._define(
             "BRTDfunc",
@@ -333,7 +341,9 @@ class _Writer:
             case PointLight():
                 self._sphere(light.position, light.radius, candelas(light))
             case SpotLight() if light.blend == 0.0 and light.radius == 0.0:
-                cone = [2.0 * np.degrees(light.half_angle), *light.direction]
+                # The vector's length is the distance of the cone's tip behind the source.
+                aim = APEX * np.asarray(light.direction, dtype=np.float64)
+                cone = [2.0 * np.degrees(light.half_angle), *aim]
                 self._sphere(light.position, 0.0, candelas(light), cone)
             case SpotLight():
                 raise CannotStateError(
@@ -404,8 +414,12 @@ class _Writer:
         turn = np.asarray(light.frame, dtype=np.float64)[:3, :3]
         place = (np.asarray(light.frame, dtype=np.float64)[:3, 3] - self.middle) / self.size
         data = write_lm63(file)
-        if _photometric_type(data) == "3":
+        kind = _photometric_type(data)
+        if kind == "3":
             raise CannotStateError("ies2rad refuses files of type A")
+        if kind == "2":
+            # Of type B it has up along x and right along -y.
+            turn = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
         self.scene.files[f"{name}.ies"] = data
         options = f"{_turns(turn)} -s {1.0 / self.size:.12g} -t {_numbers(place)}"
         self.scene.luminaires.append((name, options))
