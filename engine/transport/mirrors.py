@@ -129,6 +129,8 @@ class MirrorSet:
         others = dr.maximum(count - 1.0, 1.0)
         extent = mi.Float(length)
         share = (1.0 - GOES_ON) * dr.power(GOES_ON / others, extent - 1.0) / count
+        # All that would be longer is cut to the longest.
+        share = dr.select(length == LONGEST_CHAIN, share / (1.0 - GOES_ON), share)
         is_drawn = (length >= 1) & (length <= LONGEST_CHAIN)
         # With a single mirror all chains have one reflection.
         share = dr.select(self._count == 1, dr.select(length == 1, 1.0, 0.0), share)

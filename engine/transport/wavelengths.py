@@ -12,6 +12,24 @@ DEFENSIVE_SHARE = 0.1
 """Share of wavelengths drawn without regard to the lamps, so that no wavelength has zero density."""
 
 
+CELL_RIM = 2e-4
+"""Rim of a cell that wavelengths keep off; some units in the last place of a wavelength. [nm]"""
+
+
+def _cell_means(values: np.ndarray) -> np.ndarray:
+    """Means over cells of 1 nm about the grid's points of what is linear between them. (471,)"""
+    padded = np.pad(values, 1, mode="edge")
+    return (padded[:-2] + 6.0 * padded[1:-1] + padded[2:]) / 8.0
+
+
+def _cell_weights(function: np.ndarray) -> np.ndarray:
+    """Constants per cell whose integrals with spectra, linear between the grid's points, are the 1 nm sums. (471,)
+
+    The inverse of `_cell_means` up to fourth differences, by which 0.3 % at the violet end become 0.001 %.
+    """
+    return np.maximum(2.0 * function - _cell_means(function), 0.0)
+
+
 class WavelengthSampler:
     """Draws wavelengths in proportion to response times the scene's mean light.
 
@@ -43,7 +61,8 @@ class WavelengthSampler:
         self._cdf = upload(mi.Float, np.concatenate([[0.0], np.cumsum(density)]))
         self._density = upload(mi.Float, density)
         self._response = [
-            upload(mi.Float, LUMINOUS_EFFICACY * functions[:, i] / density / 4.0) for i in range(3)
+            upload(mi.Float, LUMINOUS_EFFICACY * _cell_weights(functions[:, i]) / density / 4.0)
+            for i in range(3)
         ]
         dr.eval(self._cdf, self._density, *self._response)
 
@@ -60,7 +79,9 @@ class WavelengthSampler:
             cell = mi.UInt32(cell)
             low = dr.gather(mi.Float, self._cdf, cell)
             width = dr.gather(mi.Float, self._density, cell)
-            inside = dr.clip((v - low) / width, 0.0, 1.0)
+            # Not to the very ends: rounded into the next cell, whose weight may be thousands of times as large, a rare
+            # wavelength would count for a line.
+            inside = dr.clip((v - low) / width, CELL_RIM, 1.0 - CELL_RIM)
             # Half a cell hangs over each end of the range; it is drawn to the end, whose weight it has.
             nm = MINIMUM_WAVELENGTH - 0.5 + mi.Float(cell) + inside
             wavelengths[k] = dr.clip(nm, GRID[0], GRID[-1])
