@@ -7,12 +7,13 @@ from pathlib import Path
 
 from ..engine.errors import LumenrayError
 from .accuracy_forecast import measure_forecasts
+from .accuracy_honesty import measure_honesty
 from .accuracy_runs import Lumenray, find_peers, measure_scene
 from .accuracy_scenes import QUICK, TITLES, load_scene
 from .accuracy_views import measure_views
 from .machine import OtherLoad, describe_machine
 
-ROUNDS, QUICK_ROUNDS = 5, 3
+ROUNDS, QUICK_ROUNDS = 6, 4
 """How often every run is made, with other random numbers each time."""
 
 LONGEST, QUICK_LONGEST = 2.5, 0.25
@@ -50,6 +51,7 @@ def run(
             programs = measure_scene(scene, [*ours, *peers], rounds, longest, say)
             row = {"key": key, "title": scene.title, "groups": list(scene.groups)}
             row |= {"sensors": len(scene.exact), "programs": programs}
+            row["honesty"] = measure_honesty(scene, ours[0], is_quick)
             row["forecasts"] = measure_forecasts(scene, ours[0], programs[ours[0].name], longest)
             measured.append(row)
         views = measure_views(rounds, longest, say)

@@ -148,19 +148,14 @@ def slope_of(row: dict) -> Figure:
 
 
 def honesty_of(row: dict) -> Figure:
-    """Root mean square of the true error over that of the stated one, all runs alike."""
+    """Root mean square of the true error over that of the stated one, all amounts of work alike."""
 
     def compare(rounds=None) -> Figure:
         chosen = slice(None) if rounds is None else rounds
         true, stated = (np.array(row[name])[chosen] ** 2 for name in ("errors", "stated"))
-        known = stated.mean(axis=0) > 0.0
-        if not known.any():
-            return Figure(math.nan, "?")
-        shares = true.mean(axis=0)[known] / stated.mean(axis=0)[known]
-        return Figure(float(np.sqrt(shares.mean())))
+        return Figure(float(np.sqrt((true.mean(axis=0) / stated.mean(axis=0)).mean())))
 
-    made = compare()
-    return made if made.bound else Figure(made.value, "", _jackknife(row, compare))
+    return Figure(compare().value, "", _jackknife(row, compare))
 
 
 def _jackknife(row: dict, figure: Callable) -> float | None:
@@ -191,9 +186,7 @@ def ratios_of(result: dict) -> dict[str, Figure]:
             if "refusal" in row:
                 continue
             for target in TARGETS:
-                made[f"{scene['key']}, {name}, {100 * target:g} %"] = ratio_to(
-                    ours[1], row, target
-                )
+                made[f"{scene['key']}, {name}, {100 * target:g} %"] = ratio_to(ours[1], row, target)
     return made
 
 

@@ -24,8 +24,8 @@ EXTENT = 1e-3
 DISTANCE = 0.5
 """From where it is looked at; nothing is in between. [m]"""
 
-LEAST_SAMPLES, MOST_SAMPLES = 4, 1 << 12
-"""Per pixel."""
+LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 12
+"""Per pixel; the least is one for each of the groups of a sensor."""
 
 WAYS = ("sensors", "picture", "live view")
 
@@ -40,7 +40,13 @@ def measure_views(rounds: int, longest: float, say) -> dict:
     scene = load_scene(SCENE)
     session = Engine().stage(scene.items)
     made = {
-        way: {"unit": "samples per pixel", "is_ours": True, "seconds": [], "errors": [], "stated": []}
+        way: {
+            "unit": "samples per pixel",
+            "is_ours": True,
+            "seconds": [],
+            "errors": [],
+            "stated": [],
+        }
         for way in WAYS
     }
     work = _climb(scene, session, longest)
@@ -52,9 +58,12 @@ def measure_views(rounds: int, longest: float, say) -> dict:
                 # Kernels are compiled now, and nothing counts.
                 row["work"], row["first_seconds"] = work, runs[0][0]
                 continue
-            for name, column in zip(("seconds", "errors", "stated"), zip(*runs, strict=True), strict=True):
+            for name, column in zip(
+                ("seconds", "errors", "stated"), zip(*runs, strict=True), strict=True
+            ):
                 row[name].append(list(column))
-        say(f"views: round {number + 1} of {rounds}")
+        if number >= 0:
+            say(f"views: round {number + 1} of {rounds}")
     return made
 
 
@@ -79,7 +88,13 @@ def _take_sensors(scene: ExactScene, session: Session, work, number: int) -> lis
             places, normals, StopRule(samples=samples), FIRST_SEED + number, "mono"
         )
         seconds = time.perf_counter() - start
-        runs.append((seconds, _relative(made.illuminance - exact, exact), _relative(made.standard_error, exact)))
+        runs.append(
+            (
+                seconds,
+                _relative(made.illuminance - exact, exact),
+                _relative(made.standard_error, exact),
+            )
+        )
     return runs
 
 
@@ -92,7 +107,13 @@ def _take_picture(scene: ExactScene, session: Session, work, number: int) -> lis
         start = time.perf_counter()
         made = session.render(_camera(scene), settings)
         seconds = time.perf_counter() - start
-        runs.append((seconds, _relative(made.illuminance - exact, exact), _relative(made.illuminance_error, exact)))
+        runs.append(
+            (
+                seconds,
+                _relative(made.illuminance - exact, exact),
+                _relative(made.illuminance_error, exact),
+            )
+        )
     return runs
 
 

@@ -182,6 +182,30 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for luminaires.md and its pictures (default: docs/benchmarks, with --files out)",
     )
+    accuracy = kinds.add_parser(
+        "accuracy", help="error over time against exact values, beside Radiance and Cycles"
+    )
+    accuracy.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    accuracy.add_argument("--quick", action="store_true", help="few scenes and short runs")
+    accuracy.add_argument(
+        "--peers",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="run other programs too, where they are installed (default: yes)",
+    )
+    accuracy.add_argument(
+        "--check",
+        type=Path,
+        metavar="EARLIER.json",
+        help="compare with the numbers of an earlier run; exit code 1 where spreads do not explain a difference",
+    )
+    accuracy.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for accuracy.md and its pictures (default: docs/benchmarks, with --quick out)",
+    )
     return parser
 
 
@@ -625,6 +649,8 @@ def _benchmark(options) -> int:
         ) from None
     if options.kind == "luminaires":
         return _benchmark_luminaires(options)
+    if options.kind == "accuracy":
+        return _benchmark_accuracy(options)
     try:
         import bpy  # noqa: F401
     except ImportError as error:
@@ -680,3 +706,28 @@ def print_table(maps) -> None:
 
 if __name__ == "__main__":
     sys.exit(main())
+
+
+def _benchmark_accuracy(options) -> int:
+    from ..engine.transport import backend
+
+    # As above.
+    backend.start(spectral=False)
+    from ..benchmarks import accuracy
+    from ..benchmarks.accuracy_bars import check_bars
+    from ..benchmarks.accuracy_document import tell_comparison
+    from ..benchmarks.accuracy_statistics import compare_results
+    from ..benchmarks.luminaire_bars import tell_bars
+
+    # The file may be the one that is written.
+    earlier = accuracy.read_results(options.check) if options.check else None
+    folder = options.output or Path("out" if options.quick else "docs/benchmarks")
+    result = accuracy.run(options.quick, options.peers, say=accuracy.report_progress)
+    accuracy.write_results(result, folder, options.json)
+    print(tell_bars(check_bars(result)))
+    print(f"written to {folder / 'accuracy.md'}")
+    if earlier is None:
+        return 0
+    rows = compare_results(earlier, result)
+    print(tell_comparison(rows))
+    return int(not all(row.passes for row in rows))

@@ -19,6 +19,7 @@ from .accuracy.stopping import Progress, StopRule
 from .atlas.unwrap import AtlasChart
 from .errors import SceneError
 from .scene.camera import Camera
+from .scene.checks import check_item
 from .scene.material import Surface
 from .scene.mesh import Mesh
 from .scene.scene import Scene, SceneDelta
@@ -411,6 +412,7 @@ class Session:
         Cancelled    After `cancel`.
         LumenrayError    The scene or the machine does not allow it; the text says what to do.
         """
+        check_item(camera)
         with self._engine(settings.transport) as compiled:
             from .transport import picture
 

@@ -1,6 +1,7 @@
 """Numbers that are none, refused with the item and the field that hold them."""
 
 from dataclasses import fields, is_dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -12,15 +13,15 @@ from .mesh import Geometry, Mesh, Placement
 from .sensor import SensorSet
 from .texture import ImageTexture
 
-OWN_CHECKS = (Opening, TabulatedPane)
-"""What is checked where it is used, with words of its own that name field and owner too."""
+PLAIN = (str, int, type(None), Enum)
+"""Kinds of values that are always usable here."""
 
 
 def check_item(item) -> None:
-    """Refuse an item of a scene, a camera or a rule in which a number is not finite.
+    """Refuse an item of a scene, a camera or a surface in which a number is not finite.
 
     Pixels of pictures are left out: a measured sky may hold infinite ones, and what they count as is decided where they are
-    used.
+    used. So are the tables of panes, which are checked there for more than this.
 
     Parameters
     ----------
@@ -30,8 +31,8 @@ def check_item(item) -> None:
     ------
     SceneError    Names the item, the field and the value; of an array its first bad row.
     """
-    for path, value, expected in _bad_numbers(item, ""):
-        raise SceneError(f"{_title(item)}: {path} is {value}, not {expected}")
+    for fault in _faults(item, ""):
+        raise SceneError(f"{_title(item)}{fault}")
 
 
 def _title(item) -> str:
@@ -50,31 +51,38 @@ def _title(item) -> str:
         case Luminaire():
             return f"luminaire '{item.name}'"
     kind, name = type(item).__name__, getattr(item, "name", None)
-    return f"the {kind}" if name is None else f"light '{name}'"
+    return f"the {kind.lower()}" if name is None else f"light '{name}'"
 
 
-def _bad_numbers(value, path: str):
-    """Yield path, text and expectation of what is not finite, the first of every array."""
-    if isinstance(value, np.ndarray):
-        if value.dtype.kind == "f" and not is_finite(value):
-            yield (*_first_bad(value, path), "a finite number")
-    elif isinstance(value, float | np.floating):
-        if not np.isfinite(value):
-            yield path, str(value), "a finite number"
-    elif isinstance(value, dict):
-        for key, entry in value.items():
-            yield from _bad_numbers(entry, f"{path}['{key}']")
-    elif isinstance(value, tuple | list):
-        for place, entry in enumerate(value):
-            yield from _bad_numbers(entry, f"{path}[{place}]")
-    elif is_dataclass(value) and not isinstance(value, OWN_CHECKS):
-        for entry in fields(value):
-            if isinstance(value, ImageTexture) and entry.name == "pixels":
-                continue
-            inner = f"{path}.{entry.name}" if path else entry.name
-            for place, text, expected in _bad_numbers(getattr(value, entry.name), inner):
-                is_amount = isinstance(value, Output) and entry.name == "value"
-                yield place, text, f"{expected} of at least 0" if is_amount else expected
+def _faults(value, path: str):
+    """Yield what is to be said of every number that is not finite, of an array once."""
+    match value:
+        case float() | np.floating() if not np.isfinite(value):
+            yield f": {path} is {value}, not a finite number"
+        case np.ndarray() if value.dtype.kind == "f" and not is_finite(value):
+            yield f": {path}{_first_bad(value)}, not a finite number"
+        case Output() if not np.isfinite(value.value):
+            yield f": {path}.value is {value.value}, not a finite number of at least 0"
+        case Opening() if not np.isfinite(value.size).all():
+            place = int(np.flatnonzero(~np.isfinite(value.size))[0])
+            yield (
+                f" has an opening ({value.shape}) with a size of {value.size[place]} m along {'xyz'[place]}, expected a "
+                "finite number"
+            )
+        case dict():
+            for key, entry in value.items():
+                yield from _faults(entry, f"{path}['{key}']")
+        case tuple() | list():
+            for place, entry in enumerate(value):
+                yield from _faults(entry, f"{path}[{place}]")
+        case TabulatedPane():
+            return
+        case _ if is_dataclass(value):
+            for entry in fields(value):
+                inner = getattr(value, entry.name)
+                is_picture = isinstance(value, ImageTexture) and entry.name == "pixels"
+                if not (isinstance(inner, PLAIN) or is_picture):
+                    yield from _faults(inner, f"{path}.{entry.name}" if path else entry.name)
 
 
 def is_finite(array: np.ndarray) -> bool:
@@ -91,11 +99,11 @@ def is_finite(array: np.ndarray) -> bool:
     return bool(np.isfinite(array).all())
 
 
-def _first_bad(array: np.ndarray, path: str) -> tuple[str, str]:
-    """Path and text of the first row of an array that is not finite."""
+def _first_bad(array: np.ndarray) -> str:
+    """Place and text of the first row of an array that is not finite."""
     if array.ndim == 0:
-        return path, str(array)
+        return f" is {array}"
     rows = array.reshape(len(array), -1)
     row = int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0])
     text = np.array2string(array[row], separator=", ", precision=6).replace("\n", "")
-    return f"{path}[{row}]", text
+    return f"[{row}] is {text}"

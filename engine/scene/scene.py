@@ -7,6 +7,7 @@ from enum import Enum
 import numpy as np
 
 from ..errors import SceneError
+from .checks import check_item
 from .light import CieSky, ImageWorld, Light, UniformWorld, World
 from .material import Material
 from .memo import recall
@@ -58,7 +59,9 @@ class SceneDelta:
 class Scene:
     """All items by id. Objects refer to geometries and materials by id; a missing one is an error at compile time.
 
-    ``given`` holds items with attachments as the host sent them; the tables hold them as they count. ``pixels`` holds
+    So is a number that is not finite: ``faults`` says what is wrong with which item. The rest of its delta counts all the
+    same, so that nothing is missing once the item is put right. ``given`` holds items with attachments as the host sent
+    them; the tables hold them as they count. ``pixels`` holds
     what later pictures may name by its id; the pictures in the tables have the arrays themselves.
     """
 
@@ -71,6 +74,7 @@ class Scene:
     pixels: dict[str, Pixels] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     given: dict[str, Item] = field(default_factory=dict)
+    faults: dict[str, tuple[Item, str]] = field(default_factory=dict, repr=False)
     _digests: dict[str, tuple[object, bytes]] = field(default_factory=dict, repr=False)
 
     def apply(self, delta: SceneDelta) -> None:
@@ -117,6 +121,17 @@ class Scene:
             else:
                 self.given.pop(item.id, None)
         self.attachments = {key: a for key, a in attachments.items() if a.values}
+
+    def check(self) -> None:
+        """Refuse to go on while an item holds a number that is not finite.
+
+        Raises
+        ------
+        SceneError    Names the item, the field and the value.
+        """
+        for key, (item, fault) in self.faults.items():
+            if self._find(key) is item:
+                raise SceneError(fault)
 
     def mesh(self, key: str) -> Mesh:
         """Return an object's triangles in the world.
@@ -181,6 +196,7 @@ class Scene:
             table.pop(gone, None)
         self._digests.pop(gone, None)
         self.given.pop(gone, None)
+        self.faults.pop(gone, None)
         if self.world is not None and self.world.id == gone:
             self.world = None
 
@@ -189,6 +205,11 @@ class Scene:
         if known is not None and known[0] is not item:
             # It would keep the old item's arrays alive.
             del self._digests[item.id]
+        self.faults.pop(item.id, None)
+        try:
+            check_item(item)
+        except SceneError as fault:
+            self.faults[item.id] = (item, str(fault))
         match item:
             case Geometry():
                 self.geometries[item.id] = item

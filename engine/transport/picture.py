@@ -285,11 +285,15 @@ class PictureJob:
         width = (BAND_RANGE[1] - BAND_RANGE[0]) / self.bands
         density = self.sampler.density(wavelengths)
         for k in range(4):
-            place = (wavelengths[k] - BAND_RANGE[0]) / width
-            inside = (place >= 0.0) & (place < self.bands)
-            band = mi.UInt32(dr.clip(place, 0, self.bands - 1))
             value = radiance[k] / (4.0 * density[k] * width)
-            dr.scatter_add(sums, value, row * self.bands + band, inside)
+            # A wavelength stands for the nanometre about it, which an edge between two bands may divide.
+            start = (wavelengths[k] - 0.5 - BAND_RANGE[0]) / width
+            first = dr.floor(start)
+            beyond = dr.clip((start + 1.0 / width - first - 1.0) * width, 0.0, 1.0)
+            for band, share in ((first, 1.0 - beyond), (first + 1.0, beyond)):
+                inside = (band >= 0.0) & (band < self.bands) & (share > 0.0)
+                index = mi.UInt32(dr.clip(band, 0, self.bands - 1))
+                dr.scatter_add(sums, value * share, row * self.bands + index, inside)
         return sums
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):

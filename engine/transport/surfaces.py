@@ -26,8 +26,8 @@ SODIUM_D = 589.3
 """Wavelength that stands for the visible range where one refractive index must do. [nm]"""
 
 
-PALETTE_STEPS = 95
-"""Wavelengths of a palette's spectra: every 5 nm from 360 to 830 nm."""
+PALETTE_STEPS = 471
+"""Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
 
 
 def is_matt(surface) -> bool:

@@ -37,17 +37,17 @@ BLACK = Material("black", "black", Black())
 
 
 def test_a_thousand_lights_add_up():
-    # Owed: the sum of all, within 3.5 of the stated errors at every place and 0.5 % on the mean of 64 places, from 64
+    # Owed: the sum of all, within 5 of the stated errors at each of 32 places and 0.5 % on their mean, from 128
     # samples for each light: a light that were chosen too seldom or twice would show.
     rng = np.random.default_rng(1)
     names = ["batwing", "spot", "lambertian", "type A", "asymmetric"]
-    places = np.column_stack([rng.uniform(2, 60, 64), rng.uniform(2, 44, 64), np.zeros(64)])
-    expected, items = np.zeros(64), []
+    places = np.column_stack([rng.uniform(2, 60, 32), rng.uniform(2, 44, 32), np.zeros(32)])
+    expected, items = np.zeros(32), []
     for i in range(1000):
         at = np.array([2.0 * (i % 32), 1.5 * (i // 32), 4.0 + 0.3 * rng.random()])
         if i % 10 == 9:
             items.append(PointLight(f"p{i}", "p", Output(Quantity.LUMINOUS_FLUX, 300.0), at))
-            candela = np.full(64, 300.0 / (4.0 * np.pi))
+            candela = np.full(32, 300.0 / (4.0 * np.pi))
         else:
             items.append(luminaire(names[i % 5], Opening(), at, turn(i % 7), 500.0, key=f"l{i}"))
             light = items[-1]
@@ -56,9 +56,9 @@ def test_a_thousand_lights_add_up():
             candela *= 500.0 / flux_of(light.distribution)
         away = at - places
         expected += candela * away[:, 2] / np.linalg.norm(away, axis=1) ** 3
-    made = session_of(*items).measure(places, np.tile(UP, (64, 1)), StopRule(samples=1 << 16))
+    made = session_of(*items).measure(places, np.tile(UP, (32, 1)), StopRule(samples=1 << 17))
     assert (made.standard_error < 0.05 * expected).all()
-    assert (np.abs(made.illuminance - expected) <= 3.5 * made.standard_error).all()
+    assert (np.abs(made.illuminance - expected) <= 5.0 * made.standard_error).all()
     assert made.illuminance.mean() == pytest.approx(expected.mean(), rel=5e-3)
 
 

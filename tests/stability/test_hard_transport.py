@@ -54,7 +54,7 @@ def test_a_furnace_that_reflects_ninety_nine_percent(transport, reflectance):
     walls = paint(reflectance, emission=Emission(Constant(1.0), 100.0))
     places = np.array([[1.0, 1.0, 0.0], [0.3, 0.2, 0.0], [0.9, 0.2, 1.0], [1.5, 1.6, 0.4]])
     made = session_of(box(2.0, 2.0, 2.0), walls).measure(
-        places, np.tile(UP, (4, 1)), StopRule(samples=1 << 15), transport=transport
+        places, np.tile(UP, (4, 1)), StopRule(samples=1 << 14), transport=transport
     )
     assert_agrees(made, np.pi * 100.0 / (1.0 - reflectance))
 
@@ -98,7 +98,7 @@ def stack(kind, count):
             made.append(quad(f"pane {i}", (-200, -200, z), (400, 0, 0), (0, 400, 0), "pane"))
         else:
             slab = box(400.0, 400.0, 0.5, "glass", inwards=False)
-            vertices = slab.vertices + [-200.0, -200.0, z]
+            vertices = slab.vertices + np.array([-200.0, -200.0, z])
             made.append(
                 Mesh(f"s{i}", "s", vertices, slab.triangles, ("glass",), slab.material_index)
             )
@@ -108,8 +108,8 @@ def stack(kind, count):
 @pytest.mark.parametrize("count", [1, 5])
 @pytest.mark.parametrize("kind", ["panes", "slabs"])
 def test_a_stack_of_glass_keeps_all_light(kind, count):
-    # Owed: what passes within 3.5 errors and 0.2 % (a share of 1 / 400 of the sky is seen past the rims), and what passes and
-    # what comes back together all of it.
+    # Owed: what passes within 3.5 errors and 0.2 % (1 / 400 of the sky is seen past the rims), and what passes and what
+    # comes back together all of it.
     sky = 100.0
     floor = quad("floor", (-2000, -2000, -1), (4000, 0, 0), (0, 4000, 0), "black")
     made = session_of(*stack(kind, count), floor, BLACK, UniformWorld(sky)).measure(
@@ -123,11 +123,16 @@ def test_a_stack_of_glass_keeps_all_light(kind, count):
 
 @pytest.mark.parametrize("kind", ["panes", "slabs"])
 def test_glass_in_an_even_world_cannot_be_seen(kind):
-    # Owed: pi L to 1e-4, without noise: what a lossless stack does not pass it reflects, and both are the same.
+    # Owed: pi L within 3.5 errors and 0.05 %, noise of 0.1 %: what a lossless stack does not pass it reflects, and both are
+    # the same. A path weighs 1 / n^2 inside glass and 1 outside, which roulette must not take for a loss.
     made = session_of(*stack(kind, 3), UniformWorld(100.0)).measure(
-        [[0, 0, 0.5], [0, 0, 1.8], [0, 0, 9.0]], [UP, UP, -UP], StopRule(samples=1 << 10)
+        [[0, 0, 0.5], [0, 0, 1.8], [0, 0, 9.0]], [UP, UP, -UP], StopRule(samples=1 << 15)
     )
-    np.testing.assert_allclose(made.illuminance, 100.0 * np.pi, rtol=1e-4)
+    assert_agrees(made, 100.0 * np.pi, 5e-4, 1e-3)
+
+
+GAP = 2e-4
+"""From glass to sensors that look at it: beyond the distance below which they count as lying on it. [m]"""
 
 
 def face(z, half, count, normal):
@@ -158,7 +163,7 @@ def test_a_lamp_in_a_clear_block_loses_what_is_reflected_for_ever():
     # 3 (1 - sqrt(1 - 1 / n^2)) leaves, a sixth of it by each face.
     lumens = 600.0
     ball = PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, lumens), np.zeros(3), 0.25)
-    places, normals = face(0.5 + 1e-5, 0.5, 40, -UP)
+    places, normals = face(0.5 + GAP, 0.5, 40, -UP)
     made = session_of(glass_block(0.5), GLASS, ball).measure(
         places, normals, StopRule(samples=1 << 9)
     )
@@ -188,7 +193,7 @@ def test_a_lamp_under_a_glass_surface_sends_out_what_its_cone_lets_pass():
     s, p = fresnel(np.sqrt(1.0 - outside**2), INDEX)
     inside = outside / INDEX
     passing = (1.0 - 0.5 * (s + p)) * inside / np.sqrt(1.0 - inside**2) / INDEX
-    places, normals = face(1e-5, 1.0, 40, -UP)
+    places, normals = face(GAP, 1.0, 40, -UP)
     made = session_of(half_block, GLASS, BLACK, ball).measure(
         places, normals, StopRule(samples=1 << 9)
     )
@@ -210,18 +215,18 @@ def test_a_prism_beyond_the_critical_angle_turns_all_light():
     # other short face the sun times (1 - R)^2 at nearly normal incidence, to 0.5 %.
     lux = 1e4
     towards = np.array([-1.0, 0.0, 0.0])
-    sun = SunLight("s", "s", Output(Quantity.ILLUMINANCE, lux), -towards, np.radians(4.0))
+    sun = SunLight("s", "s", Output(Quantity.ILLUMINANCE, lux), -towards, np.radians(8.0))
     # What would shine along under the prism.
     skirt = quad("skirt", (-1e-3, -3, -2), (0, 6, 0), (0, 0, 2), "black")
     places = np.array([[0.6, 0.0, 0.6], [0.52, 0.1, 0.5], [0.4, 0.0, -1e-3], [0.5, 0.1, -1e-3]])
     slope = np.array([-1.0, 0.0, -1.0]) / np.sqrt(2.0)
     made = session_of(prism(), GLASS, skirt, BLACK, sun).measure(
-        places, [slope, towards, UP, UP], StopRule(samples=1 << 18)
+        places, [slope, towards, UP, UP], StopRule(samples=1 << 19)
     )
     assert (made.illuminance[:2] == 0.0).all()
     assert (made.standard_error[:2] == 0.0).all()
     single = ((INDEX - 1.0) / (INDEX + 1.0)) ** 2
-    # The disk of 4 degrees is seen at cosines of at least 0.999.
+    # Light of the disk meets the faces at up to 4 degrees: there R is that of 0 to 1e-5, and the mean cosine 0.9988.
     expected = lux * (1.0 - single) ** 2
     found, error = made.illuminance[2:], made.standard_error[2:]
     assert (error < 0.03 * expected).all()
@@ -261,12 +266,14 @@ def test_an_almost_perfect_mirror_shows_the_image_of_the_lamp(roughness):
     ids=["glossy", "coated", "conductor"],
 )
 def test_smooth_surfaces_make_no_light(surface, roughness):
-    # Owed: never more than all (to 0.05 %), from straight above to grazing; a perfect mirror's lobe gives all of it back but
-    # for what masking takes, which is 0.1 % at such roughness but near the horizon.
-    angles = [0.0, 30.0, 60.0, 80.0, 88.0, 89.9]
+    # Owed: never more than all, to 0.05 % of even light and 0.2 % of light from one direction, as grazing as it may be; a
+    # white mirror's lobe gives all of it back but for what masking takes, which is 0.1 % up to 80 degrees.
+    angles = [0.0, 30.0, 60.0, 80.0, 88.0, 89.0, 89.5, 89.9]
     made = Session().probe(surface(roughness), angles, 1 << 14)
     assert np.isfinite(made.reflectance).all()
-    assert (made.reflectance <= 1.0 + 3.5 * made.reflectance_error + 5e-4).all(), made.reflectance
+    assert (made.reflectance <= 1.0 + 3.5 * made.reflectance_error + 2e-3).all(), made.reflectance
+    even = Session().probe(surface(roughness), samples=1 << 16)
+    assert even.reflectance[0] <= 1.0 + 3.5 * even.reflectance_error[0] + 5e-4
     if isinstance(surface(roughness), Glossy) and roughness <= 0.04:
         np.testing.assert_allclose(made.reflectance[:4], 1.0, atol=1e-3)
 

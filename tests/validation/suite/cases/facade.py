@@ -50,7 +50,7 @@ STREET_REACH = 1000.0
     "C14",
     "Sky and ground through an unglazed facade opening",
     "daylight",
-    quick=("C14.2x1.wall.sky5",),
+    quick=("C14.2x1.wall.sky5", "C14.2x1.ceiling"),
 )
 def unglazed(bench: Bench) -> Findings:
     """Wall, floor and ceiling under all skies."""
