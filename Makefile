@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires test validate lint extension smoke viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires test validate mutations lint extension smoke viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -32,6 +32,9 @@ test: setup ## run the tests, all but those that need a real Blender
 
 validate: setup ## run the whole validation suite, other programs too, and write its report into docs/validation
 	$(VENV)/bin/lumenray validate --peers -o docs/validation
+
+mutations: setup ## put faults of physics into the engine, see that the quick subset finds each, and write the table
+	$(PYTHON_IN_VENV) -m lumenray.tests.validation.suite.mutations -o docs/validation
 
 lint: setup ## check style, format and the direction of imports
 	$(VENV)/bin/ruff check .

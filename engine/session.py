@@ -530,6 +530,7 @@ class Session:
         from .transport import backend, requirements
 
         requirements.check_transport(transport)
+        check_item(surface)
         if angles is not None:
             angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
         with self._alone():
@@ -642,6 +643,7 @@ class Session:
 
     def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
         """Begin or change the live view; `refine` then works on it."""
+        check_item(camera)
         if display.mode is DisplayMode.FALSE_ILLUMINANCE:
             settings = replace(settings, illuminance=True)
         old = self._view
@@ -749,6 +751,7 @@ class Session:
         """Bring the Mitsuba objects up to date with the scene."""
         from .transport import backend
 
+        self.scene.check()
         needs = self._needs(transport)
         if is_live and transport == "auto" and "spectral" in self._variant and self._compiled:
             # A live scene stays spectral, so that no change of colour costs a new start.

@@ -1,5 +1,6 @@
 """When to stop, and the forecast of when that will be."""
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -39,9 +40,14 @@ class StopRule:
             ("time", self.seconds),
             ("error of every value", self.each),
         ):
-            if value is not None and not value > 0:
+            if value is not None and not 0 < value < math.inf:
                 raise SceneError(
                     f"the stopping rule's {name} is {value}, expected a number above 0"
+                )
+        for name, value in (("floor", self.floor), *(("limit", each) for each in self.limits)):
+            if not 0 <= value < math.inf:
+                raise SceneError(
+                    f"the stopping rule's {name} is {value}, expected a number of at least 0"
                 )
 
 

@@ -34,6 +34,7 @@ def _surface_class():
             self.radiance = props["radiance"]
             self.pattern = props["pattern"] if "pattern" in props else None
             self.two_sided = props.get("two_sided", False)
+            self.ball = None
             self.is_narrow = props.get("tan_spread", 0.0) > 0.0
             self.tan_spread = mi.Float(props.get("tan_spread", 0.0))
             dr.make_opaque(self.tan_spread)
@@ -61,9 +62,24 @@ def _surface_class():
             profile = self._profile(mi.Frame3f.cos_theta(si.wi))
             return mi.Spectrum(self._radiance(si, active) * profile & active)
 
+        def set_ball(self, centre, radius):
+            """Say that the shape is a sphere: Mitsuba's density of a small one far away loses all its digits."""
+            self.ball = (mi.Point3f(*centre), mi.Float(radius))
+            dr.make_opaque(self.ball)
+
+        def _density(self, it, density):
+            """Solid-angle density of sampling the shape, given Mitsuba's: even over the cap that a sphere fills."""
+            if self.ball is None:
+                return density
+            centre, radius = self.ball
+            square = dr.square(radius) / dr.squared_norm(it.p - centre)
+            cap = square / (1.0 + dr.safe_sqrt(1.0 - square))
+            return dr.select((density > 0.0) & (square < 1.0), dr.inv_two_pi / cap, density)
+
         def sample_direction(self, it, sample, active=True):
             shape = self.get_shape()
             ds = shape.sample_direction(it, sample, active)
+            ds.pdf = self._density(it, ds.pdf)
             ds.emitter = mi.EmitterPtr(self)
             active &= ds.pdf > 0.0
             return ds, mi.Spectrum(
@@ -73,7 +89,8 @@ def _surface_class():
         def pdf_direction(self, it, ds, active=True):
             cosine = dr.dot(ds.d, ds.n)
             lit = cosine != 0.0 if self.two_sided else cosine < 0.0
-            return dr.select(lit & active, self.get_shape().pdf_direction(it, ds, active), 0.0)
+            density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
+            return dr.select(lit & active, density, 0.0)
 
         def eval_direction(self, it, ds, active=True):
             si = dr.zeros(mi.SurfaceInteraction3f)

@@ -47,8 +47,8 @@ def directional_reflectance(alpha: float, eta: float) -> np.ndarray:
     grid = (np.arange(64) + 0.5) / 64.0
     # Half a turn of the azimuth serves, by symmetry.
     u, v = (m.ravel() for m in np.meshgrid(grid, grid[:32]))
-    cosine = np.linspace(0.0, 1.0, COSINES)
-    cosine[0] = 0.25 / COSINES
+    cosine = np.linspace(0.0, 1.0, COSINES) ** 2
+    cosine[0] = 0.25 * cosine[1]
     wi = np.stack([np.sqrt(1.0 - cosine**2), np.zeros(COSINES), cosine], axis=1)[:, None, :]
     # Visible normals by spherical caps: reflect a cap sample on the stretched view direction.
     stretched = wi * np.array([alpha, alpha, 1.0])
@@ -79,10 +79,11 @@ def directional_reflectance(alpha: float, eta: float) -> np.ndarray:
 
 def mean_reflectance(table: np.ndarray) -> float:
     """Hemispherical mean 2 * integral of E cos of a table, exactly for its linear interpolant. [-]"""
-    cosine = np.linspace(0.0, 1.0, len(table))
-    step = cosine[1]
-    a, b, c, d = cosine[:-1], cosine[1:], table[:-1], table[1:]
-    return float(2.0 * (step / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)).sum())
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    root = np.linspace(0.0, 1.0, len(table))
+    step = root[1]
+    places = root[:-1, None] + 0.5 * step * (nodes + 1.0)
+    return float(4.0 * (0.5 * step * weights * np.interp(places, root, table) * places**3).sum())
 
 
 def coated_class():
@@ -155,7 +156,7 @@ def coated_class():
 
         def _coat(self, row, cosine, active):
             """Directional reflectance of the coat, its scale included."""
-            place = dr.clip(cosine, 0.0, 1.0) * (COSINES - 1)
+            place = dr.sqrt(dr.clip(cosine, 0.0, 1.0)) * (COSINES - 1)
             below = dr.minimum(mi.UInt32(place), COSINES - 2)
             index = row * COSINES + below
             low = dr.gather(mi.Float, self.table, index, active)

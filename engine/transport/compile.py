@@ -384,7 +384,7 @@ class CompiledScene:
             shining.append((made.density, made.amount * np.pi * 4.0 * disk))
         for density, flux in shining:
             total += density / max(density.sum(), 1e-300) * flux
-        if isinstance(scene.world, ImageWorld):
+        if isinstance(scene.world, ImageWorld) and scene.world.luminance_per_unit > 0.0:
             white = illuminant(GRID, "D65")
             total += white / white.sum() * max(total.sum(), 1.0)
         if total.sum() <= 0.0:

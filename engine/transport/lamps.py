@@ -140,6 +140,7 @@ def _make_point(light: PointLight, origin, nothing) -> Lamp:
         emitter = mi.load_dict({"type": "point", "position": place, "intensity": made.texture()})
         return Lamp(light, Source(emitter, flux, made.density, centre))
     emitter = surface_emitter(made.scaled(factor))
+    emitter.set_ball(place, float(light.radius))
     shape = {"type": "sphere", "center": place, "radius": float(light.radius)}
     return _with_body(
         light, shape, Source(emitter, flux, made.density, centre, float(light.radius)), nothing

@@ -205,6 +205,7 @@ def trace(
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
         "dispersed": mi.Bool(False),
+        "eta": mi.Float(1.0),
         "active": mi.Bool(active),
     }
 
@@ -213,7 +214,18 @@ def trace(
     last = None if limit is None else limit + (depth - 1)
 
     def body(
-        ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, active
+        ray,
+        stream,
+        throughput,
+        radiance,
+        pdf,
+        reference,
+        depth,
+        steps,
+        chain,
+        dispersed,
+        eta,
+        active,
     ):
         si = closest_hit(scene, ray, active)
         if spectral:
@@ -311,11 +323,12 @@ def trace(
             anew &= ~mirrored
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
+        eta = dr.select(turned, eta * bs.eta, eta)
         depth = dr.select(turned, depth + 1, depth)
         steps += 1
 
         # ---- roulette ----
-        survival = dr.minimum(dr.max(throughput), SURVIVAL)
+        survival = dr.minimum(dr.max(throughput) * dr.square(eta), SURVIVAL)
         tried = active & (depth >= ROULETTE_START) & ~straight
         alive = dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS)
         goes_on = ~tried | (stream.next_float32() < survival)
@@ -324,7 +337,7 @@ def trace(
         if last is not None:
             active &= depth <= last + 1
         return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, active
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, eta, active
         )  # fmt: skip
 
     result = dr.while_loop(

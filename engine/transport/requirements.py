@@ -108,10 +108,14 @@ def _distinct_lamps(scene: Scene) -> int:
         if not any(np.allclose(values, other, rtol=1e-4, atol=1e-7) for other in shapes):
             shapes.append(values)
     patterned = any(
-        material.emission is not None and _is_coloured(material.emission.pattern)
+        material.emission is not None
+        and material.emission.luminance > 0.0
+        and _is_coloured(material.emission.pattern)
         for material in used_materials(scene)
     )
-    return len(shapes) + (isinstance(scene.world, ImageWorld)) + patterned
+    world = scene.world
+    pictured = isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0
+    return len(shapes) + pictured + patterned
 
 
 def _first_coloured_material(scene: Scene) -> str | None:

@@ -183,7 +183,7 @@ MUTATIONS = (
     ),
     Mutation(
         "half a sphere",
-        "the mean spherical illuminance is related to a disk's two sides instead of the sphere",
+        "the mean spherical illuminance is taken over half of the sphere's surface",
         (Rewrite("transport.gather:_response", "mi.Float(0.25)", "mi.Float(0.5)"),),
         ("C01.spatial",),
     ),
@@ -245,7 +245,7 @@ MUTATIONS = (
     ),
     Mutation(
         "K_m of 673",
-        "the maximum luminous efficacy is 673 lm/W, as it was until 1979",
+        "the maximum luminous efficacy is 673 lm/W instead of 683",
         (Replace("photometry.units:LUMINOUS_EFFICACY", "673.0"),),
         ("C32.lines", "C32.sodium"),
     ),
@@ -284,12 +284,16 @@ MUTATIONS = (
                 "mi.Float(1.0)",
             ),
         ),
-        ("C24.edge", "C05.horizon"),
+        ("C20.diffuse", "C19.env"),
     ),
     Mutation(
         "one-sided emitters",
         "one-sided emitters shine from both sides",
-        (Rewrite(_SURFACE, 'props.get("two_sided", False)', "True"),),
+        (
+            Rewrite(
+                _SURFACE, 'props.get("two_sided", False)', 'props.get("two_sided", False) or True'
+            ),
+        ),
         ("C24.coplanar", "C24.edge"),
     ),
     Mutation(
@@ -659,7 +663,7 @@ def _cell(text: str) -> str:
 
 
 def _multiple(used: float) -> str:
-    """Multiple of a tolerance: three digits, no more than they are worth."""
+    """Multiple of a tolerance with three digits."""
     return f"{used:.3g}" if used < 1000.0 else f"{used:.0f}"
 
 
