@@ -89,7 +89,7 @@ def test_a_process_that_breaks_off_says_where():
     broken = Mutation(
         "broken", "", (Rewrite("transport.gather:_response", "match kind:", "match what:"),), ()
     )
-    with pytest.raises(BrokenOffError, match="C01.iso: NameError"):
+    with pytest.raises(BrokenOffError, match=r"C01\.iso: NameError"):
         mutations.examine_apart(broken, ["C01.iso"])
 
 
@@ -140,6 +140,9 @@ def test_a_group_that_fails_anyway_proves_nothing(command, tmp_path):
     broken = {"": ("C01.tilt",), "harmless": ("C01.tilt",)}
     code, told = command(broken, "-o", str(tmp_path))
     assert code == 1 and "SURVIVES" in told
+    broken["harmless"] = ("C01.tilt", "C05.axis")
+    code, told = command(broken, "-o", str(tmp_path))
+    assert code == 0 and "caught by C05.axis: 7 of" in told
     code, told = command({"": ("C01.iso",), "harmless": ("C01.iso",)}, "-o", str(tmp_path))
     assert code == 1 and "without a fault these fail already: C01.iso" in told
 

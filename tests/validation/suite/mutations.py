@@ -588,17 +588,15 @@ def run(
 def _try(mutation: Mutation, quick: Sequence[str], everything: bool, baseline: Baseline) -> Outcome:
     start = time.perf_counter()
     made = Outcome(mutation)
-    rest = [key for key in quick if key not in mutation.likely]
+    left = list(dict.fromkeys([*mutation.likely, *quick]))
     try:
-        # The rest costs a minute and is seldom needed.
-        for groups in (mutation.likely, rest):
-            trials = examine_apart(mutation, groups, not everything)
+        while left and (everything or not made.is_caught):
+            trials = examine_apart(mutation, left, not everything)
+            del left[: len(trials)]
             made.asked += len(trials)
             failed = [trial for trial in trials if not trial.passes]
             wrong = baseline.failing(trial.group for trial in failed)
             made.found_by += [trial for trial in failed if trial.group not in wrong]
-            if made.is_caught and not everything:
-                break
     except BrokenOffError as error:
         # A fault that breaks the program off is none of physics; it is told, and the others are tried.
         made.fault = str(error)

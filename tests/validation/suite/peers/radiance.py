@@ -32,6 +32,12 @@ ROUND_REPEATS = 20_000
 LEAST_DIVISIONS, MOST_DIVISIONS = 16, 1 << 16
 """Of the hemisphere, for one measurement."""
 
+FINENESS = "0.1"
+"""Size of the parts of a light over their distance (rtrace -ds). Much finer, grazing light is lost without a word."""
+
+FLAT_REPEATS = 256
+"""How often flat lights are looked at where nothing else is random."""
+
 REST = 5e-4
 """Share of the light that may be left when reflections are no longer followed."""
 
@@ -43,13 +49,13 @@ BOUNCE_COST = 8.0
 MESH_COST = 4.0
 """What large meshes make of it."""
 
-LIFT = 1e-5
+LIFT = 1e-6
 """How far sensors are lifted off the surface that they may lie on. [m], or share of the scene's size if that is less"""
 
 OWN_LIFT = 1e-4
 """How far rtrace itself lifts them (rtrace.c, irradiance calculation), in units of its scene."""
 
-UNIT = 0.1
+UNIT = 1e-3
 """Length that is 1 for rtrace, which knows no lengths below 1e-6. [m], or share of the scene's size if that is less"""
 
 
@@ -67,7 +73,7 @@ class Radiance:
 
     name = "Radiance"
 
-    def __init__(self, rays: int = 4_000_000):
+    def __init__(self, rays: int = 8_000_000):
         if util.find_spec("pyradiance") is None:
             raise CannotStateError("pyradiance is not installed (run 'make setup')")
         self.rays = rays
@@ -116,19 +122,21 @@ class Radiance:
             bounces = int(np.ceil(np.log(REST) / np.log(min(scene.scatter, 0.999))))
             bounces = min(max(bounces, 1), MOST_BOUNCES)
             each = BOUNCE_COST * (MESH_COST if scene.meshes else 1.0)
-            cost += each * bounces * max(scene.lights, 1)
+            # Into the open most paths end early.
+            length = 1.0 / (1.0 - scene.scatter) if scene.is_open else bounces
+            cost += each * min(length, bounces) * max(scene.lights, 1)
         bounces += scene.has_glow
         jitter = scene.has_extent or scene.has_round
         share = self.rays / (cost * sensors)
         repeats = int(np.clip(share / LEAST_DIVISIONS, 2, REPEATS)) if jitter or bounces else 1
-        if scene.has_round and not bounces:
-            repeats = ROUND_REPEATS
+        if jitter and not bounces:
+            repeats = ROUND_REPEATS if scene.has_round else FLAT_REPEATS
         divisions = int(np.clip(share / repeats, LEAST_DIVISIONS, MOST_DIVISIONS))
         return repeats, [
             *("-ab", str(bounces), "-aa", "0", "-as", "0", "-ad", str(divisions)),
             *("-aw", "0", "-av", "0", "0", "0"),
             *("-dt", "0", "-dc", "1", "-dp", "0", "-dj", "1" if jitter else "0"),
-            *("-ds", "0.2" if scene.scatter > 0.0 else "0.005"),
+            *("-ds", "0.2" if scene.scatter > 0.0 else FINENESS),
             *("-dr", "0" if not scene.mirrors else ("48" if scene.mirrors <= 2 else "6")),
             *("-lw", "0", "-lr", str(bounces + 100), "-u+"),
         ]
@@ -149,8 +157,9 @@ def _build(folder: Path, scene: RadianceScene) -> None:
             "-o", name, f"{name}.ies",
         )  # fmt: skip
         lines.append(f"!xform {move} {name}.rad\n")
+    bounds = ("-b", *(f"{value:.12g}" for value in scene.cube)) if scene.cube else ()
     (folder / "scene.rad").write_text("\n".join(lines), encoding="ascii")
-    (folder / "scene.oct").write_bytes(_run(folder, "oconv", "scene.rad"))
+    (folder / "scene.oct").write_bytes(_run(folder, "oconv", *bounds, "scene.rad"))
 
 
 @lru_cache(maxsize=4)

@@ -44,7 +44,7 @@ LUMENS_PER_WATT = 179.0
 SMALL_MESH = 300
 """Triangles of one material beyond which they become a mesh, which Radiance keeps compactly but cannot aim at."""
 
-POINT_RADIUS = 1e-3
+POINT_RADIUS = 1e-4
 """Radius of the sphere that stands for a point, over the distance of the nearest sensor."""
 
 APEX = 1e-6
@@ -86,24 +86,28 @@ class RadianceScene:
     meshes : dict of str to (vertices, triangles)    Of larger meshes by name, to be compiled.
     files : dict of str to bytes    Further files by name.
     luminaires : list of (str, str)    Name of the LM-63 file without its end, and options of xform.
+    is_open : bool    Whether there are surroundings.
     has_glow : bool    Whether something shines that is not aimed at.
     has_extent : bool    Whether flat lights are aimed at.
     has_round : bool    Whether there are spheres or a sun's disk.
     scatter : float    Largest share of light that a surface scatters.
     lights : int    Number of lights that are aimed at.
     mirrors : int    Number of mirrors.
+    cube : tuple of float    Lowest corner and side of a cube that holds all with some room; empty: nothing is finite.
     """
 
     text: list[str] = field(default_factory=list)
     meshes: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     files: dict[str, bytes] = field(default_factory=dict)
     luminaires: list[tuple[str, str]] = field(default_factory=list)
+    is_open: bool = False
     has_glow: bool = False
     has_extent: bool = False
     has_round: bool = False
     scatter: float = 0.0
     lights: int = 0
     mirrors: int = 0
+    cube: tuple[float, ...] = ()
 
 
 def write_scene(
@@ -171,6 +175,7 @@ class _Writer:
         self.sensors, self.middle, self.size = sensors, middle, size
         self.direct, self.aims = direct, aims
         self.count = 0
+        self.points: list[np.ndarray] = []
 
     def write(self, contents: Contents) -> RadianceScene:
         if not self.direct:
@@ -184,6 +189,12 @@ class _Writer:
             self._light(light)
         if contents.world is not None:
             self._world(contents.world)
+        if self.points:
+            points = np.concatenate(self.points)
+            low, high = points.min(axis=0), points.max(axis=0)
+            # Rays that enter a tight cube close to a face on its side may miss it.
+            side = 2.0 * max(float((high - low).max()), 1.0)
+            self.scene.cube = (*(0.5 * (low + high - side)), side)
         return self.scene
 
     # ---- surfaces ----
@@ -222,10 +233,11 @@ class _Writer:
         if len(part.triangles) > SMALL_MESH:
             name = self._name("m")
             self.scene.meshes[name] = part.vertices, part.triangles
+            self.points.append(part.vertices)
             self._add(material, "mesh", [f"{name}.rtm"], [])
             return
         for face in part.faces():
-            self._add(material, "polygon", [], face.corners.ravel())
+            self._polygon(material, face.corners)
 
     def _plain(self, reflectance: float, transmittance: float) -> str:
         if self.direct:
@@ -311,7 +323,7 @@ class _Writer:
     def _shine(self, face: Face, luminance: float, least: int = 4) -> None:
         if not self.aims:
             glow = self._define("glow", [], [luminance] * 3 + [0])
-            self._add(glow, "polygon", [], face.corners.ravel())
+            self._polygon(glow, face.corners)
             self.scene.has_glow = True
             return
         light = self._define("light", [], [luminance] * 3)
@@ -320,7 +332,7 @@ class _Writer:
         tiles = [face.corners] if self.scene.scatter > 0.0 else self._tiles(face, least)
         self.scene.lights += len(tiles)
         for tile in tiles:
-            self._add(light, "polygon", [], tile.ravel())
+            self._polygon(light, tile)
 
     def _tiles(self, face: Face, least: int) -> list[np.ndarray]:
         corner = face.corners[0]
@@ -371,6 +383,7 @@ class _Writer:
         kind = "spotlight" if cone else ("glow" if is_glow else "light")
         material = self._define(kind, [], [*[level] * 3, *([0] if is_glow else cone)])
         self._add(material, "sphere", [], [*place, radius])
+        self.points.append(np.stack([place - radius, place + radius]))
 
     def _area(self, light: AreaLight) -> None:
         level = area_luminance(light)
@@ -423,6 +436,8 @@ class _Writer:
         self.scene.files[f"{name}.ies"] = data
         options = f"{_turns(turn)} -s {1.0 / self.size:.12g} -t {_numbers(place)}"
         self.scene.luminaires.append((name, options))
+        reach = LUMINAIRE_RADIUS / self.size
+        self.points.append(np.stack([place - reach, place + reach]))
         self.scene.lights += 1
 
     # ---- surroundings ----
@@ -436,7 +451,7 @@ class _Writer:
             level = world.luminance
         glow = self._define("glow", [], [level] * 3 + [0], modifier)
         self._add(glow, "source", [], [0, 0, 1, 360])
-        self.scene.has_glow = True
+        self.scene.has_glow = self.scene.is_open = True
 
     def _sky(self, sky: CieSky) -> str:
         scale = luminance_scale(sky)
@@ -460,6 +475,10 @@ class _Writer:
         return name
 
     # ---- text ----
+
+    def _polygon(self, material: str, corners: np.ndarray) -> None:
+        self._add(material, "polygon", [], corners.ravel())
+        self.points.append(corners)
 
     def _name(self, letter: str) -> str:
         self.count += 1
