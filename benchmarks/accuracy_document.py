@@ -75,8 +75,7 @@ with few samples an error is hardest to tell. (*Spectral* draws the same paths w
 FORECASTS = """## Forecast of the time left
 
 A job to a relative standard error, about twice as long as the longest runs above. The forecast is what its progress says
-once a tenth of the time is over, or as soon as there is one. The engine expects an error that falls as one over the square
-root of the work, so it expects too long where the slope is steeper.
+once a tenth of the time is over, or as soon as there is one; *never*: not before the end.
 """
 
 VIEWS = """## Pictures and the live view

@@ -262,7 +262,7 @@ def _photograph(bench: Bench, name: str, groups: Sequence[Group]) -> np.ndarray:
         items.append(material(key, Diffuse(paint)))
         items.append(quad(f"{key} patch", (x, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), key))
     bench.show(groups[0], items)
-    count = 4096
+    count = 1024
     while True:
         # Pictures of one seed are made of the same wavelengths, so that samples differ by what they are only.
         pictures = [
