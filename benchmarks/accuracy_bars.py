@@ -3,7 +3,7 @@
 import math
 
 from .accuracy_runs import OURS, PEERS
-from .accuracy_statistics import Figure, ratio_to, slope_of
+from .accuracy_statistics import Figure, ratio_to, slope_of, tell_ratio
 from .luminaire_bars import Bar
 
 SLOPE = -0.45
@@ -82,6 +82,8 @@ def _check_peer(result: dict, name: str) -> Bar:
     if not found:
         return Bar(demand, "x 1 at least", "-", None)
     least, key = min(found, key=lambda pair: pair[0].value)
-    # A time that is only known to be longer than this says nothing against us.
-    passed = None if least.bound == ">" and least.value < 1.0 else least.value >= 1.0
-    return Bar(demand, "x 1 at least", f"x {least.bound}{least.value:.2g} ({key})", passed)
+    # Within its spread a ratio cannot be told from 1.
+    passed = least.value * math.exp(least.spread or 0.0) >= 1.0
+    if (least.bound == ">" and not passed) or (least.bound == "<" and passed):
+        passed = None
+    return Bar(demand, "x 1 at least", f"{tell_ratio(least)} ({key})", passed)

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from .accuracy_bars import check_bars
 from .accuracy_runs import OURS, PEERS
 from .accuracy_statistics import (
@@ -16,6 +14,7 @@ from .accuracy_statistics import (
     seconds_to,
     slope_of,
     start_up,
+    tell_ratio,
 )
 
 BEARABLE_LOAD = 0.1
@@ -180,14 +179,6 @@ def _ratio(programs: dict, name: str, target: float) -> str:
     if row is None or "refusal" in row:
         return "-"
     return tell_ratio(ratio_to(programs[OURS[0]], row, target))
-
-
-def tell_ratio(figure: Figure) -> str:
-    """Return a ratio as text, with its spread as a factor."""
-    if figure.bound == "?":
-        return "-"
-    told = f"x {figure.bound} {figure.value:.2g}".replace("  ", " ")
-    return told if figure.spread is None else f"{told} ×/÷ {np.exp(figure.spread):.2f}"
 
 
 def _details(scenes: list[dict]) -> str:

@@ -121,6 +121,14 @@ def ratio_to(ours: dict, other: dict, target: float) -> Figure:
     return Figure(math.exp(made.value), made.bound, spread)
 
 
+def tell_ratio(figure: Figure) -> str:
+    """Return a ratio as text, with its spread as a factor."""
+    if figure.bound == "?":
+        return "-"
+    told = f"x {figure.bound} {figure.value:.2g}".replace("  ", " ")
+    return told if figure.spread is None else f"{told} ×/÷ {math.exp(figure.spread):.2f}"
+
+
 def _log_ratio(ours: dict, other: dict, target: float, rounds=None) -> Figure:
     a = seconds_to(make_curve(other, rounds), target)
     b = seconds_to(make_curve(ours, rounds), target)

@@ -84,13 +84,24 @@ def format_seconds(seconds: float) -> str:
     return f"{seconds // 3600}:{seconds % 3600 // 60:02d} h"
 
 
+SLOWEST, FASTEST = 0.4, 1.0
+"""Bounds on the power of the samples by which an error is believed to fall: 1/2 for plain Monte Carlo, up to 1 where
+well-distributed samples meet a smooth integrand."""
+
+BASELINE = 4.0
+"""Ratio of samples over which that power is taken; nearer ones differ by noise."""
+
+
 class Clock:
-    """Follows a job against its rule. The error falls as 1 / sqrt(samples), so the time left follows from it."""
+    """Follows a job against its rule. The time left follows from how the error has fallen so far."""
 
     def __init__(self, rule: StopRule, stage: str = ""):
         self.rule = rule
         self.stage = stage
         self._start = time.perf_counter()
+        # Samples and error over what is allowed, after passes that lie apart; the last one is the present state.
+        self._history: list[tuple[int, float]] = []
+        self._present: tuple[int, float] | None = None
 
     @property
     def seconds(self) -> float:
@@ -98,25 +109,50 @@ class Clock:
         return time.perf_counter() - self._start
 
     def progress(self, samples: int, error: float) -> Progress:
-        """Describe the state after so many samples with such an error."""
+        """Describe the state after so many samples; the error is that of the last finished pass."""
         seconds = self.seconds
         shares = []
         if self.rule.samples is not None:
             shares.append(samples / self.rule.samples)
         if self.rule.seconds is not None:
             shares.append(seconds / self.rule.seconds)
-        if self.rule.error is not None and 0.0 < error < float("inf"):
-            shares.append((self.rule.error / error) ** 2)
+        if self._present is not None:
+            shares.append(samples / self._samples_needed())
         done = min(max(shares, default=0.0), 1.0)
         left = seconds * (1.0 - done) / done if done > 0.0 else None
         return Progress(done, samples, error, seconds, left, self.stage)
 
-    def is_done(self, samples: int, error: float, is_each_met: bool = False) -> bool:
-        """Tell whether any part of the rule is met. ``is_each_met``: whether what it wants of single values is."""
+    def is_done(self, samples: int, error: float, excess: float | None = None) -> bool:
+        """Take note of a finished pass and tell whether any part of the rule is met.
+
+        Parameters
+        ----------
+        samples : int
+        error : float    Relative error of the whole.
+        excess : float or None    Largest error of a single value over what the rule allows it; None: not to be believed.
+        """
         rule = self.rule
+        excesses = [] if excess is None else [excess]
+        if rule.error is not None:
+            excesses.append(error / rule.error)
+        excess = min(excesses, default=math.inf)
+        if 0.0 < excess < math.inf:
+            self._present = (samples, excess)
+            if not self._history or samples >= 1.2 * self._history[-1][0]:
+                self._history.append(self._present)
         return (
             (rule.samples is not None and samples >= rule.samples)
             or (rule.seconds is not None and self.seconds >= rule.seconds)
-            or (rule.error is not None and error <= rule.error)
-            or is_each_met
+            or excess <= 1.0
         )
+
+    def _samples_needed(self) -> float:
+        """Samples at which the error will be what is allowed, if it goes on falling as it has."""
+        samples, excess = self._present
+        power = 0.5
+        earlier = [entry for entry in self._history if entry[0] * BASELINE <= samples]
+        if earlier:
+            first, before = earlier[-1]
+            power = math.log(before / excess) / math.log(samples / first)
+            power = min(max(power, SLOWEST), FASTEST)
+        return samples * max(excess, 1.0) ** (1.0 / power)

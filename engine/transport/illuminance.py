@@ -162,15 +162,19 @@ def compute(
         brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
         error = brightness.relative_error(receivers.weights)
         samples = sums.samples * groups
-        if clock.is_done(samples, error, samples >= FEWEST_SAMPLES and _is_met(rule, brightness)):
+        excess = _excess(rule, brightness) if samples >= FEWEST_SAMPLES else None
+        if clock.is_done(samples, error, excess):
             return _finish(made, colour)
 
 
-def _is_met(rule: StopRule, made: Estimate) -> bool:
-    """Tell whether every single value is known as the rule wants it."""
+def _excess(rule: StopRule, made: Estimate) -> float | None:
+    """Largest error of a single value over what the rule allows it, None when it says nothing of single values."""
     if rule.limits:
-        return bool((made.standard_error <= np.array(rule.limits)).all())
-    return rule.each is not None and made.largest_error(rule.floor) <= rule.each
+        allowed = np.array(rule.limits)
+        if (made.standard_error[allowed <= 0.0] > 0.0).any():
+            return float("inf")
+        return float((made.standard_error / np.where(allowed > 0.0, allowed, 1.0)).max(initial=0.0))
+    return None if rule.each is None else made.largest_error(rule.floor) / rule.each
 
 
 def _finish(made: Estimate, colour: bool) -> Estimate:

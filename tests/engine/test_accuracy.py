@@ -43,12 +43,27 @@ def test_the_forecast_follows_one_over_the_square_root(monkeypatch):
     monkeypatch.setattr("time.perf_counter", lambda: now[0])
     clock = Clock(StopRule(error=0.01))
     now[0] = 110.0
+    assert clock.progress(50, float("inf")).seconds_left is None
     # 2 % after 10 s needs four times as long: 30 s more.
-    assert clock.progress(100, 0.02).seconds_left == pytest.approx(30.0)
     assert not clock.is_done(100, 0.02)
+    assert clock.progress(100, 0.02).seconds_left == pytest.approx(30.0)
     assert clock.is_done(400, 0.01)
-    assert clock.progress(1, float("inf")).seconds_left is None
     assert format_seconds(709) == "11:49 min"
+
+
+@pytest.mark.parametrize("power", [0.5, 0.75, 1.0])
+def test_the_forecast_learns_how_the_error_falls(monkeypatch, power):
+    # 100 samples a second; the error is 10 % after 100 samples and falls as a power of their number.
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(each=0.001))
+    for samples in (100, 200, 400, 800):
+        now[0] = samples / 100.0
+        assert not clock.is_done(samples, 1.0, 0.1 * (100 / samples) ** power / 0.001)
+    needed = 100.0 * 100.0 ** (1.0 / power) / 100.0
+    # In the middle of the next pass the error is still that of the last one.
+    now[0] = 10.0
+    assert clock.progress(1000, 1.0).seconds_left == pytest.approx(needed - 10.0)
 
 
 def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():

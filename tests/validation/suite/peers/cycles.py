@@ -28,7 +28,7 @@ LEAST_SAMPLES, MOST_SAMPLES = 16, 1024
 RECEIVER = 5e-4
 """Side of the square. [m], or share of the scene's size if that is less"""
 
-LIFT = 1e-5
+LIFT = 2e-6
 """How far sensors are lifted off the surface that they may lie on, in the same way."""
 
 ROUNDING = 4e-7

@@ -32,7 +32,7 @@ ROUND_REPEATS = 20_000
 LEAST_DIVISIONS, MOST_DIVISIONS = 16, 1 << 16
 """Of the hemisphere, for one measurement."""
 
-FINENESS = "0.1"
+FINENESS = "0.03"
 """Size of the parts of a light over their distance (rtrace -ds). Much finer, grazing light is lost without a word."""
 
 FLAT_REPEATS = 256
