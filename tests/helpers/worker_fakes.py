@@ -57,7 +57,7 @@ class FakeSession:
             colour, small, 0.1, small, colour, small, small, colour, _provenance(settings.seed)
         )
 
-    def measure(self, positions, normals, rule, seed=0, transport="auto", progress=None):
+    def measure(self, positions, normals, rule, seed=0, transport="auto", progress=None, **more):
         self._work("measure", rule.samples, transport, progress)
         return Measurement(positions.sum(axis=1), normals.sum(axis=1), _provenance(seed))
 

@@ -25,14 +25,14 @@ LEAST_SIDE, MOST_SIDE = 4, 64
 LEAST_SAMPLES, MOST_SAMPLES = 16, 1024
 """For a patch: Cycles adds them up in single precision, and rounding shows beyond."""
 
-RECEIVER = 5e-4
+RECEIVER = 5e-5
 """Side of the square. [m], or share of the scene's size if that is less"""
 
 LIFT = 2e-6
 """How far sensors are lifted off the surface that they may lie on, in the same way."""
 
 ROUNDING = 4e-7
-"""What is added to it, as a share of the largest coordinate: Cycles' single precision."""
+"""What is added to both, as a share of the largest coordinate: Cycles' single precision."""
 
 LONGEST = 0.99
 """Largest share of scattered light that paths are shortened for."""
@@ -89,8 +89,9 @@ class Cycles:
         middle, size = extent(contents, positions)
         unit = min(1.0, size) if size > 0.0 else 1.0
         moved = (positions - middle) / unit
+        rounding = ROUNDING * np.abs(moved).max()
         if contents.parts:
-            moved += (LIFT + ROUNDING * np.abs(moved).max()) * normals
+            moved += (LIFT + rounding) * normals
         request = describe(contents, middle, unit)
         # Paths get longer the more is reflected.
         share = self.paths / (len(positions) * _path_cost(contents, direct) * queries)
@@ -98,7 +99,7 @@ class Cycles:
         request |= {
             "positions": moved,
             "normals": normals,
-            "receiver": RECEIVER,
+            "receiver": RECEIVER + 4.0 * rounding,
             "side": side,
             "samples": int(np.clip(share / side**2, LEAST_SAMPLES, MOST_SAMPLES)),
             "seed": seed,
