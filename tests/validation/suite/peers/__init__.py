@@ -1,0 +1,1 @@
+"""Other programs that answer the same queries: Radiance, and Cycles of Blender."""

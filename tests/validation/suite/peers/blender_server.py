@@ -4,8 +4,9 @@ It imports nothing of ours: scenes come as plain data through a connection, illu
 white square that no ray can meet; Cycles bakes what falls on it. Units are lumens in place of Blender's watts.
 """
 
+import os
 import sys
-from multiprocessing.connection import Client
+from multiprocessing.connection import Listener
 
 import bpy
 import numpy as np
@@ -21,9 +22,18 @@ MAP_SIZE = 512
 """Width of the table by which directions to the sky are chosen. [pixel]"""
 
 
-def serve(address: str, key: bytes) -> None:
-    """Answer requests until the other side closes: illuminances (n, k) of k patches of each sensor, or the error's text."""
-    with Client(address, authkey=key) as link:
+def serve(key: bytes) -> None:
+    """Say where to connect, then answer requests until the other side closes.
+
+    Answers are illuminances (n, k) of k patches of each sensor, or the text of an error.
+    """
+    with Listener(authkey=key) as listener:
+        sys.stdout.write(f"{listener.address}\n")
+        sys.stdout.flush()
+        # Blender reports every bake there.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        link = listener.accept()
+    with link:
         while True:
             try:
                 request = link.recv()
@@ -85,10 +95,10 @@ def add_mesh(entry: dict) -> None:
     # Faces are smooth unless told otherwise.
     mesh.shade_flat()
     mesh.materials.append(make_material(entry["material"]))
-    link(bpy.data.objects.new("mesh", mesh))
+    add_object(bpy.data.objects.new("mesh", mesh))
 
 
-def link(item) -> None:
+def add_object(item) -> None:
     """Put an object into the scene."""
     bpy.context.scene.collection.objects.link(item)
 
@@ -273,7 +283,7 @@ def add_light(entry: dict) -> None:
     lamp = bpy.data.objects.new("light", data)
     # A bare list would be taken by columns.
     lamp.matrix_world = Matrix(entry["frame"].tolist())
-    link(lamp)
+    add_object(lamp)
 
 
 def add_photometry(data, text: str) -> None:
@@ -352,7 +362,7 @@ def bake(request: dict) -> np.ndarray:
     target = tree.nodes.new("ShaderNodeTexImage")
     target.image = image
     tree.nodes.active = target
-    link(receiver)
+    add_object(receiver)
     bpy.context.view_layer.objects.active = receiver
     receiver.select_set(True)
     passes = {"DIRECT"} if request["direct"] else {"DIRECT", "INDIRECT"}
@@ -401,4 +411,4 @@ def make_receivers(request: dict, columns: int, rows: int):
 
 
 if __name__ == "__main__":
-    serve(sys.argv[1], bytes.fromhex(sys.stdin.readline().strip()))
+    serve(bytes.fromhex(sys.stdin.readline().strip()))

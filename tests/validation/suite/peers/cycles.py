@@ -4,7 +4,7 @@ import secrets
 import subprocess
 import sys
 from importlib import util
-from multiprocessing.connection import Connection, Listener
+from multiprocessing.connection import Client, Connection
 from pathlib import Path
 from weakref import finalize
 
@@ -126,17 +126,20 @@ class Cycles:
 
     def _start(self) -> None:
         key = secrets.token_bytes(16)
-        with Listener(authkey=key) as listener:
-            # Without -P this folder would be searched first, and Blender's add-on is called cycles too.
-            process = subprocess.Popen(
-                [sys.executable, "-P", str(SERVER), listener.address],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-            process.stdin.write(f"{key.hex()}\n".encode())
-            process.stdin.close()
-            self._link = listener.accept()
+        # Without -P its folder would be searched first, and Blender's add-on is called cycles too.
+        process = subprocess.Popen(
+            [sys.executable, "-P", str(SERVER)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        process.stdin.write(f"{key.hex()}\n".encode())
+        process.stdin.close()
+        address = process.stdout.readline().decode().strip()
+        process.stdout.close()
+        if not address:
+            raise CannotStateError(f"Blender's process ended at once (exit code {process.wait()})")
+        self._link = Client(address, authkey=key)
         self._close = finalize(self, _end, self._link, process)
 
 
