@@ -22,22 +22,9 @@ from .scene.camera import Camera
 from .scene.checks import check_item
 from .scene.material import Surface
 from .scene.mesh import Mesh
+from .scene.provenance import Provenance
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
-
-
-@dataclass(frozen=True)
-class Provenance:
-    """Where a result comes from; enough to get it again."""
-
-    engine_version: str
-    variant: str
-    scene_hash: str
-    seed: int
-    samples: int
-    seconds: float
-    decisions: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

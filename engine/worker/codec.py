@@ -13,10 +13,21 @@ from enum import Enum
 import numpy as np
 
 from .. import session
-from ..accuracy import stopping
+from ..accuracy import history, stopping
 from ..atlas import unwrap
 from ..errors import CodecError, LumenrayError
-from ..scene import camera, distribution, light, material, mesh, scene, sensor, spectrum, texture
+from ..scene import (
+    camera,
+    distribution,
+    light,
+    material,
+    mesh,
+    provenance,
+    scene,
+    sensor,
+    spectrum,
+    texture,
+)
 from ..transport import backend
 
 SMALL = 64
@@ -38,7 +49,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, material, mesh, scene, sensor, spectrum, texture, session, stopping, unwrap, backend,
+    camera, distribution, light, material, mesh, provenance, scene, sensor, spectrum, texture, session, history, stopping,
+    unwrap, backend,
 )  # fmt: skip
 
 

@@ -1,0 +1,253 @@
+"""What a bake is asked for and what it gives: plain data."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..accuracy.history import History
+from ..accuracy.stopping import StopRule
+from ..scene.provenance import Provenance
+
+
+@dataclass(frozen=True)
+class LightGroup:
+    """Lights whose share of the illuminance gets a layer of its own, to be dimmed and recoloured afterwards.
+
+    Parameters
+    ----------
+    name : str    For people, and in file names.
+    members : tuple of str
+        Ids of lights and of glowing materials; ``world`` stands for the surroundings without the sun lights.
+    """
+
+    name: str
+    members: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class BakeOrder:
+    """What a bake is asked for.
+
+    Parameters
+    ----------
+    objects : tuple of str    Ids of objects of the scene.
+    rule : StopRule    The error is that of all maps together.
+    density : float    Lumels per metre; ``densities`` by object id where it is another.
+    from_textures : bool    Whether the density is at least that of each surface's own pictures.
+    largest : int    Side of an atlas page. [lumel]
+    pages : int    Most pages; all charts shrink alike to fit. 0: as many as it takes.
+    margin : int    Free rim of charts. [lumel]
+    cone : float    Largest angle between a chart's direction and its triangles' normals. [rad]
+    detail : float    Charts whose neighbouring lumels differ by less than this share of the mean illuminance are halved
+        after a first pass, as often as that holds; 0: none.
+    two_sided : tuple of str    Ids of objects whose back sides get charts of their own.
+    groups : tuple of LightGroup    Layers; lights in none of them share a last layer.
+    exitance : bool    Whether the light that leaves the surface is wanted too, in colour.
+    smooth : bool    Whether maps are smoothed within charts after their error is known.
+    method : str    ``auto``, ``cells`` or ``paths``: what stands for the radiance beyond the first bounce.
+    caustics : str    ``auto``, ``on`` or ``off``: whether light is also traced from the lights.
+    folder : str or None    Where pages and report are written; None: nowhere.
+    keep_pages : bool    Whether the result holds the pages' arrays; else they are in the folder only.
+    checkpoint : str or None    File from which an interrupted bake of the same order goes on, and to which its state is
+        written from time to time.
+    file : str    Name of the scene's file, for the report.
+    conversion : tuple of dict    Rows of the conversion report, for the report.
+    """
+
+    objects: tuple[str, ...]
+    rule: StopRule
+    density: float = 8.0
+    densities: dict[str, float] = field(default_factory=dict)
+    from_textures: bool = False
+    largest: int = 2048
+    pages: int = 0
+    margin: int = 4
+    cone: float = 1.0
+    detail: float = 0.0
+    two_sided: tuple[str, ...] = ()
+    groups: tuple[LightGroup, ...] = ()
+    exitance: bool = False
+    smooth: bool = False
+    method: str = "auto"
+    caustics: str = "auto"
+    seed: int = 0
+    transport: str = "auto"
+    folder: str | None = None
+    keep_pages: bool = True
+    checkpoint: str | None = None
+    file: str = ""
+    conversion: tuple[dict, ...] = ()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where an object's triangles lie on the atlas: texture coordinates by corner, and which corner is which.
+
+    Parameters
+    ----------
+    uv : (t, 3, 2) float32    In 0..1 of the page, v upwards.
+    page : (t,) int32    -1 where a triangle has no area and so no place.
+    triangles : (t, 3) int32    Vertex indices.
+    polygon : (t,) int32 or None    Polygon of every triangle.
+    vertex_count : int
+    """
+
+    uv: np.ndarray
+    page: np.ndarray
+    triangles: np.ndarray
+    polygon: np.ndarray | None
+    vertex_count: int
+
+
+@dataclass(frozen=True)
+class LuxMap:
+    """Illuminance of one object; its lumels lie on the pages of the result.
+
+    Parameters
+    ----------
+    id, name : str    Of the object.
+    number : int    By which the pages' ``object`` knows it.
+    lumels, charts : int    How many.
+    mean, minimum, maximum : float    Area-weighted mean, and extremes over the lumels. [lx]
+    relative_standard_error : float    Area-weighted root mean square of the lumels' errors over the mean. [-]
+    mean_standard_error : float    Of ``mean``. [lx]
+    bias, bias_error : float    What the cells add to the mean on the whole, and the standard error of that. [lx]
+    samples : float    Mean number per lumel.
+    density, requested_density : float    Lumels per metre, reached and asked for.
+    area : float    Surface on the maps. [m2]
+    invalid : int    Lumels inside solids, which were filled from their neighbours.
+    smoothed : bool    Whether the maps were smoothed after the error was computed.
+    """
+
+    id: str
+    name: str
+    number: int
+    lumels: int
+    charts: int
+    mean: float
+    minimum: float
+    maximum: float
+    relative_standard_error: float
+    mean_standard_error: float
+    bias: float
+    bias_error: float
+    samples: float
+    density: float
+    requested_density: float
+    area: float
+    invalid: int
+    smoothed: bool
+    provenance: Provenance
+    layout: Layout
+
+
+@dataclass(frozen=True)
+class AtlasPage:
+    """One page. Row 0 is the bottom row. Gutters and lumels inside solids are filled from their neighbours.
+
+    Parameters
+    ----------
+    number : int    From 0.
+    width, height : int    [lumel]
+    illuminance, standard_error : (h, w) float32    [lx]
+    covered : (h, w) bool    Lumels that lie on a surface and were computed.
+    area : (h, w) float32    Surface in each lumel. [m2]
+    object : (h, w) int32    Number of the object, -1 where there is none.
+    chart : (h, w) int32    Number of the chart over the whole atlas, -1 where there is none.
+    layers : dict of str to (h, w) float32    Illuminance by light group. [lx]
+    exitance : (h, w, 3) float32 or None    X, Y, Z of the light that leaves, Y the luminous exitance. [lm/m2]
+    replicates : int    Independent repetitions that the errors come from.
+    files : tuple of str    Where it was written.
+
+    The arrays are None where the order kept them in files only.
+    """
+
+    number: int
+    width: int
+    height: int
+    illuminance: np.ndarray | None
+    standard_error: np.ndarray | None
+    covered: np.ndarray | None
+    area: np.ndarray | None
+    object: np.ndarray | None
+    chart: np.ndarray | None
+    layers: dict[str, np.ndarray]
+    exitance: np.ndarray | None
+    replicates: int
+    files: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Departure:
+    """Something that a bake could not do as ordered: where, what, and what was done instead."""
+
+    name: str
+    message: str
+    remedy: str
+    is_error: bool = False
+
+
+@dataclass(frozen=True)
+class Seams:
+    """How well charts meet at their common edges.
+
+    Parameters
+    ----------
+    pairs : int    Places on edges of smooth surfaces where two charts meet.
+    before, after : float    Root mean square of the steps there, before and after they were matched. [lx]
+    noise : float    Root mean square of the steps' standard errors. [lx]
+    """
+
+    pairs: int
+    before: float
+    after: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """Finished maps.
+
+    Parameters
+    ----------
+    maps : tuple of LuxMap    One for each object.
+    pages : tuple of AtlasPage
+    departures : tuple of Departure
+    files : tuple of str    All that was written.
+    history : History    Error over time, with the forecasts that were made.
+    relative_standard_error : float    Of everything: root mean square over the mean, area-weighted. [-]
+    quadratic_relative_error : float    The same over the root mean square illuminance. [-]
+    mean : float    Of everything. [lx]
+    shrink : float    Factor by which all densities were lowered to fit the pages. [-]
+    seams : Seams
+    """
+
+    maps: tuple[LuxMap, ...]
+    pages: tuple[AtlasPage, ...]
+    departures: tuple[Departure, ...]
+    files: tuple[str, ...]
+    history: History
+    relative_standard_error: float
+    quadratic_relative_error: float
+    mean: float
+    shrink: float
+    seams: Seams
+
+    def lumels(self, number: int) -> "Values":
+        """Values of the computed lumels of an object, by its number."""
+        found = [(page, page.covered & (page.object == number)) for page in self.pages]
+        return Values(
+            *(
+                np.concatenate([getattr(page, name)[mask] for page, mask in found])
+                for name in ("illuminance", "standard_error", "area")
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Values:
+    """Lumels of one object in a row: (n,) each. [lx, lx, m2]"""
+
+    illuminance: np.ndarray
+    standard_error: np.ndarray
+    area: np.ndarray
