@@ -19,6 +19,7 @@ class StopRule:
     each : float or None    Relative standard error that every single value must reach. [-]
     floor : float    Values below it count as large as it for ``each``. [lx]
     limits : tuple of float    Standard error that each value must reach, one for each; instead of ``each``. [lx]
+    absolute : float or None    Standard error of the whole: root mean square by area. For lux maps. [lx]
     """
 
     samples: int | None = None
@@ -27,11 +28,13 @@ class StopRule:
     each: float | None = None
     floor: float = 0.0
     limits: tuple[float, ...] = ()
+    absolute: float | None = None
 
     def __post_init__(self):
         """Refuse rules that never stop or make no sense."""
         if not self.limits and all(
-            value is None for value in (self.samples, self.error, self.seconds, self.each)
+            value is None
+            for value in (self.samples, self.error, self.seconds, self.each, self.absolute)
         ):
             raise SceneError("no stopping rule: give a number of samples, an error or a time")
         for name, value in (
@@ -39,6 +42,7 @@ class StopRule:
             ("error", self.error),
             ("time", self.seconds),
             ("error of every value", self.each),
+            ("error in lux", self.absolute),
         ):
             if value is not None and not 0 < value < math.inf:
                 raise SceneError(
@@ -53,7 +57,18 @@ class StopRule:
 
 @dataclass(frozen=True)
 class Progress:
-    """State of a running job. ``seconds_left`` is a forecast, None while none can be made."""
+    """State of a running job.
+
+    Parameters
+    ----------
+    done : float    Share of the time. [-]
+    samples : int    Per point.
+    relative_error : float    Infinite while unknown. [-]
+    seconds : float    Since the start. [s]
+    seconds_left : float or None    A forecast, None while none can be made. [s]
+    stage : str    What is being done.
+    absolute_error : float or None    Standard error of the whole, where it is of interest. [lx]
+    """
 
     done: float
     samples: int
@@ -61,6 +76,7 @@ class Progress:
     seconds: float
     seconds_left: float | None
     stage: str = ""
+    absolute_error: float | None = None
 
     def text(self) -> str:
         """One line for a status bar."""
@@ -69,6 +85,8 @@ class Progress:
             parts.append(f"{self.samples} samples")
         if self.relative_error < 1e6:
             parts.append(f"error {100.0 * self.relative_error:.2f} %")
+        if self.absolute_error is not None and self.absolute_error < 1e12:
+            parts.append(f"{self.absolute_error:.3g} lx")
         if self.seconds_left is not None:
             parts.append(f"{format_seconds(self.seconds_left)} left")
         return ", ".join(parts)
@@ -93,9 +111,19 @@ BASELINE = 4.0
 
 
 class Clock:
-    """Follows a job against its rule. The time left follows from how the error has fallen so far."""
+    """Follows a job against its rule. The time left follows from how the error has fallen so far.
+
+    Raises
+    ------
+    SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
+    """
 
     def __init__(self, rule: StopRule, stage: str = ""):
+        if rule.absolute is not None:
+            raise SceneError(
+                "an error in lux of the whole stops lux maps only: give a relative error, an error of "
+                "every value, a number of samples or a time"
+            )
         self.rule = rule
         self.stage = stage
         self._start = time.perf_counter()

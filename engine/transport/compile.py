@@ -192,6 +192,28 @@ class CompiledScene:
         """Emitter at an interaction, null where the surface does not glow."""
         return self._pool.emitter(si, mi.Bool(active) & si.is_valid())
 
+    def parts(self):
+        """Yield every part of an object with its material, in a fixed order."""
+        for body in self._bodies.values():
+            for part in body.parts:
+                yield part, self._finishes.item(part.material)
+
+    @property
+    def shape_count(self) -> int:
+        """Entries of tables by the number of a shape."""
+        return dr.width(self._extents)
+
+    def triangles(self, part) -> np.ndarray:
+        """Corners of a part's triangles in the scene's frame. (t, 3, 3) float32 [m]"""
+        return self._pool.triangles(part.number)
+
+    def interaction_at(self, shape, prim, uv, active=True):
+        """Surface at a place that is given by shape, triangle and barycentric coordinates, seen from its front."""
+        hit = dr.zeros(mi.PreliminaryIntersection3f)
+        hit.valid, hit.t, hit.prim_index, hit.prim_uv = mi.Bool(active), mi.Float(0.0), prim, uv
+        hit.shape = dr.reinterpret_array(mi.ShapePtr, shape)
+        return self._pool.interaction(hit, dr.zeros(mi.Ray3f), active)
+
     # ---- materials ----
 
     def _commit_materials(self, scene: Scene, named, changes: Changes) -> dict[str, None]:

@@ -142,6 +142,17 @@ class SurfacePool:
         self._luminaires = None if luminaires is None else upload(mi.Float, luminaires)
         self._vectors = upload(mi.Float, vectors)
 
+    def triangles(self, number: int) -> np.ndarray:
+        """Corners of a mesh's triangles in the scene's frame. (t, 3, 3) float32 [m]"""
+        ranges = {name: (start, count) for name, start, count in self._ranges[number]}
+        start, count = ranges["faces"]
+        faces = self._host("faces")[start : start + count].reshape(-1, 3)
+        return self._host("positions").reshape(-1, 3)[faces]
+
+    def _host(self, name: str) -> np.ndarray:
+        # Lengths are whole numbers of vectors, so the view below never copies.
+        return np.array(self._stores[name].values, copy=False)
+
     def _take(self, number: int, name: str, values) -> int:
         dtype = np.uint32 if name == "faces" else np.float32
         flat = np.ascontiguousarray(values, dtype=dtype).reshape(-1)

@@ -1,0 +1,254 @@
+"""Radiance along rays that ends at the first cell: the path loop of `paths`, but what matt surfaces send is read.
+
+A path goes on past a matt surface where reading would be wrong by more than noise: nearer than a cell's size (corners), and
+at cells whose quarters differ (edges of shadows, floors that reach under a wall). There it continues as in `paths`, with
+next-event and a scattered ray, whose hit is read in its turn. From coats only the mirrored part goes on.
+
+What is read holds light of all earlier reflections, so the estimate is unbiased but for the cells: their size, and what the
+sweeps before left out. `lux_job` measures that difference against full paths.
+"""
+
+import drjit as dr
+import mitsuba as mi
+
+from . import paths
+from .rays import spawn_ray
+from .textures import is_spectral
+
+NEAR = 1.5
+"""Distance within which cells are not read, in their sizes."""
+
+
+def incoming(
+    scene,
+    cells,
+    ray,
+    wavelengths,
+    stream,
+    scatter_pdf,
+    reference,
+    active,
+    ratio,
+    without_bent_sun=False,
+    is_exact=False,
+):
+    """Radiance that arrives along rays from receivers.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    cells : CellSet or None    None: full paths.
+    ray : Ray3f
+    wavelengths : Spectrum or None    Four wavelengths of each path, None in photometric variants. [nm]
+    stream : PCG32
+    scatter_pdf : Float    Solid-angle density with which the ray was chosen.
+    reference : Point3f    The receiver: next-event from there competes with the ray's hits.
+    active : Bool
+    ratio : Float    Next-event samples at the receiver for every ray.
+    without_bent_sun : bool    Whether light of the sun over ideal glass and curved mirrors is left out, because it is traced
+        from the sun.
+
+    Returns
+    -------
+    Spectrum    Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants.
+    """
+    spectral = is_spectral()
+    context = mi.BSDFContext()
+    reads = cells is not None and bool(cells) and not is_exact
+    has_mirrors = scene.mirrors is not None
+    ray = mi.Ray3f(ray)
+    if spectral:
+        ray.wavelengths = wavelengths
+    state = {
+        "ray": ray,
+        "stream": mi.PCG32(stream),
+        "throughput": mi.Spectrum(1.0),
+        "radiance": mi.Spectrum(0.0),
+        "pdf": mi.Float(scatter_pdf),
+        "reference": mi.Point3f(reference),
+        "ratio": mi.Float(ratio),
+        "depth": mi.UInt32(1),
+        "steps": mi.UInt32(0),
+        "chain": mi.UInt32(0),
+        "bent": mi.Bool(False),
+        "dispersed": mi.Bool(False),
+        "eta": mi.Float(1.0),
+        "active": mi.Bool(active),
+    }
+
+    def body(
+        ray,
+        stream,
+        throughput,
+        radiance,
+        pdf,
+        reference,
+        ratio,
+        depth,
+        steps,
+        chain,
+        bent,
+        dispersed,
+        eta,
+        active,
+    ):
+        hit, si = _hit(scene, ray, active)
+        if spectral:
+            si.wavelengths = ray.wavelengths
+        valid = active & si.is_valid()
+        origin = dr.zeros(mi.Interaction3f)
+        origin.p, origin.t = reference, 0.0
+        origin.wavelengths = si.wavelengths
+        over = mi.Float(ratio)
+        if has_mirrors:
+            over *= dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+
+        # ---- light that the ray runs into ----
+        emitter = scene.emitter(si, valid)
+        glows = valid & (emitter != None)  # noqa: E711 - element-wise
+        found = paths.emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0)) * over
+        weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
+        value = emitter.eval(si, glows)
+        radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
+        if scene.surroundings is not None:
+            leaves = active & ~si.is_valid()
+            away = dr.zeros(mi.SurfaceInteraction3f)
+            away.wi = -ray.d
+            away.wavelengths = si.wavelengths
+            found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0)) * over
+            weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
+            value = scene.surroundings.eval(away, leaves)
+            if without_bent_sun:
+                value -= dr.select(bent, scene.sun_radiance(away, leaves), 0.0)
+            radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
+
+        # ---- what a matt surface sends ----
+        active = valid
+        bsdf = scene.bsdf(si, active)
+        readable = mi.Bool(False)
+        matte = mi.Spectrum(0.0)
+        row = mi.UInt32(0)
+        coat = mi.Float(0.0)
+        if reads:
+            row = cells.matt.row(si.shape, active)
+            readable = active & (row > 0) & (dr.norm(si.p - reference) > NEAR * cells.near)
+            cosine = mi.Frame3f.cos_theta(si.wi)
+            side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, readable)
+            readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
+            coat = cells.matt.coat(row, cosine, readable)
+            matte = bsdf.eval_diffuse_reflectance(si, readable) * (
+                (1.0 - coat) * cells.matt.scale(row, readable) * dr.inv_pi
+            )
+            value = cells.value(side, si.wavelengths, readable)
+            radiance = dr.select(readable, radiance + throughput * matte * value, radiance)
+            if not cells.matt.has_coat:
+                active &= ~readable
+
+        # ---- next event ----
+        smooth = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        choice = stream.next_float32()
+        share = mi.Float(1.0)
+        if reads and cells.matt.has_coat:
+            # A coat mirrors little, so few are asked what light it mirrors.
+            share = dr.select(readable, dr.minimum(2.0 * coat, 1.0), 1.0)
+            smooth &= stream.next_float32() < share
+
+        def respond(direction, asked):
+            wo = si.to_local(direction)
+            response, density = bsdf.eval_pdf(context, si, wo, asked)
+            if reads and cells.matt.has_coat:
+                cosine = mi.Frame3f.cos_theta(wo)
+                passes = 1.0 - cells.matt.coat(row, cosine, readable)
+                part = dr.maximum(response - matte * dr.abs(cosine) * passes, 0.0)
+                response = dr.select(readable, part, response)
+            return response, density
+
+        if scene.lights.count:
+            ds, value = paths.sample_emitter(scene, si, light_sample, smooth)
+            lit = smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
+            response, response_pdf = respond(ds.d, lit)
+            weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf, response_pdf))
+            amount = throughput * response * value * (weight / share)
+            lit &= dr.any(amount != 0.0)
+            amount *= paths.transmittance(scene, si, ds, lit)
+            radiance = dr.select(lit, radiance + amount, radiance)
+            if has_mirrors:
+                mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+                amount = paths.mirrored_light(scene, si, mirror_sample, stream, respond, smooth)
+                radiance = dr.select(smooth, radiance + throughput * amount / share, radiance)
+
+        # ---- scattering ----
+        bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
+        straight = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+        if reads and cells.matt.has_coat:
+            cosine = mi.Frame3f.cos_theta(bs.wo)
+            passes = 1.0 - cells.matt.coat(row, cosine, readable)
+            part = matte * dr.abs(cosine) * passes / dr.maximum(bs.pdf, 1e-20)
+            scattered = dr.select(readable, dr.maximum(scattered - part, 0.0), scattered)
+        throughput = throughput * scattered
+        if scene.requirements.dispersive:
+            splits = (
+                active
+                & ~straight
+                & (bs.sampled_component == paths.DISPERSED_COMPONENT)
+                & ~dispersed
+            )
+            hero = mi.Spectrum(0.0)
+            hero[0] = 4.0 * throughput[0]
+            throughput = dr.select(splits, hero, throughput)
+            dispersed |= splits
+        direction = si.to_world(bs.wo)
+        onwards = spawn_ray(scene, si, direction)
+        onwards.wavelengths = ray.wavelengths
+        ray = onwards
+        turned = active & ~straight
+        delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        anew = turned
+        bends = turned & delta
+        if has_mirrors:
+            # Behind a plane mirror the path goes on as if from the image of its last vertex.
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            image = si.p - direction * dr.norm(si.p - reference)
+            reference = dr.select(mirrored, image, reference)
+            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            anew &= ~mirrored
+            bends &= ~mirrored
+        if without_bent_sun:
+            bent = dr.select(turned & ~delta, False, bent | bends)
+        pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
+        reference = dr.select(anew, si.p, reference)
+        ratio = dr.select(anew, 1.0, ratio)
+        eta = dr.select(turned, eta * bs.eta, eta)
+        depth = dr.select(turned, depth + 1, depth)
+        steps += 1
+
+        # ---- roulette ----
+        survival = dr.minimum(dr.max(throughput) * dr.square(eta), paths.SURVIVAL)
+        tried = active & ~straight & ((depth >= paths.ROULETTE_START) | readable)
+        alive = dr.any(throughput != 0.0) & (steps < paths.MAXIMUM_STEPS)
+        goes_on = ~tried | (stream.next_float32() < survival)
+        throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
+        active &= alive & goes_on
+        return (
+            ray, stream, throughput, radiance, pdf, reference, ratio, depth, steps, chain, bent, dispersed, eta, active
+        )  # fmt: skip
+
+    result = dr.while_loop(
+        state=tuple(state.values()),
+        cond=lambda *values: values[-1],
+        body=body,
+        labels=tuple(state),
+    )
+    return result[3]
+
+
+def _hit(scene, ray, active):
+    """Return the nearest hit of both sub-scenes, and the surface there."""
+    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), active)
+    if scene.veil is not None:
+        other = scene.veil.ray_intersect_preliminary(ray, mi.Bool(False), active)
+        hit = dr.select(other.t < hit.t, other, hit)
+    return hit, scene.surface(hit, ray, active)

@@ -1,0 +1,284 @@
+"""Rays from ideal lights, aimed at what may bend them.
+
+Ideal lights are those that no scattered ray meets: points, spots, luminaires without an opening, and suns, which a ray
+meets too seldom to count. A pair of a light and a target is drawn, then a direction in the cone that the target's sphere
+fills as the light sees it (a place on the sphere's cross-section for a sun). Spheres may overlap: the flux of a ray is
+divided by the density with which all targets together would have drawn it, so every direction counts once.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import table_size, upload
+from ..luminaires.opening_sampling import POINT
+from .gather import typical_wavelengths
+from .lights import Source
+from .rays import STEP
+from .sampler import sobol_pair
+
+MAXIMUM_PAIRS = 1 << 18
+"""Most pairs of lights and targets; with many lights the targets are fewer and larger."""
+
+PROBES = 16
+"""Rays by which the flux from a light to a target is judged at first; a power of two."""
+
+FLOOR = 0.05
+"""Share of the choices made as if the lights were even, since a few rays may miss a narrow beam."""
+
+PROBE_SEED = 0x51A7
+"""Of the rays above; the same scene is always judged alike."""
+
+COLUMNS = 4
+"""Of the tables of lights and of targets: a vector and a number each."""
+
+
+@dataclass(frozen=True, eq=False)
+class IdealLight:
+    """A light that only sampling finds.
+
+    Parameters
+    ----------
+    source : Source or None    A point, spot or luminaire; None for a sun.
+    number : int    Place among the sources of the scene's `LightTable`, or among the suns of its surroundings.
+    kind : str    For people.
+    """
+
+    source: Source | None
+    number: int
+    kind: str
+
+
+def find_lights(scene) -> tuple[IdealLight, ...]:
+    """Ideal lights of a `CompiledScene`, in an order that follows from the scene alone."""
+    found = []
+    for number, source in enumerate(scene.lights.sources):
+        if source.centre is None:
+            continue
+        if source.luminaire is not None:
+            if source.luminaire.kind == POINT:
+                found.append(IdealLight(source, number, "luminaire without an opening"))
+        elif mi.has_flag(source.emitter.flags(), mi.EmitterFlags.DeltaPosition):
+            found.append(IdealLight(source, number, "point or spot"))
+    if scene.surroundings is not None:
+        suns = range(len(scene.surroundings.suns))
+        found += [IdealLight(None, number, "sun") for number in suns]
+    return tuple(found)
+
+
+class EmissionRays:
+    """Draws rays and their flux.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    lights : tuple of IdealLight    At least one.
+    spheres : (k, 4) array    Targets, centre and radius; at least one. [m]
+    """
+
+    def __init__(self, scene, lights: tuple[IdealLight, ...], spheres: np.ndarray):
+        self._scene, self.lights = scene, lights
+        self.pairs = len(lights) * len(spheres)
+        self._has_suns = any(light.source is None for light in lights)
+        self._has_points = any(light.source is not None for light in lights)
+        rows = np.zeros((table_size(len(lights)), COLUMNS))
+        numbers = np.zeros((len(rows), 2))
+        for i, light in enumerate(lights):
+            numbers[i] = light.number, light.source is None
+            if light.source is not None:
+                rows[i, :3], rows[i, 3] = light.source.centre, light.source.radius
+        self._rows, self._numbers = upload(mi.Float, rows), upload(mi.UInt32, numbers)
+        columns = np.zeros((table_size(len(spheres)), COLUMNS))
+        columns[: len(spheres)] = spheres
+        self._spheres = upload(mi.Float, columns)
+        self._targets = dr.opaque(mi.UInt32, len(spheres))
+        dr.eval(self._rows, self._numbers, self._spheres)
+        self.set_shares(self._judge())
+
+    def set_shares(self, shares: np.ndarray) -> None:
+        """Set the probability of every pair, up to a factor: the targets of the first light, of the second and so on."""
+        self.shares = np.asarray(shares, dtype=np.float64) / np.sum(shares)
+        size = table_size(self.pairs)
+        cdf = np.full(size, 2.0)
+        cdf[: self.pairs - 1] = np.cumsum(self.shares)[:-1]
+        padded = np.zeros(size)
+        padded[: self.pairs] = self.shares
+        self._cdf, self._shares = upload(mi.Float, cdf), upload(mi.Float, padded)
+        dr.eval(self._cdf, self._shares)
+
+    def draw(self, choice, place, spread, wavelengths):
+        """Draw rays.
+
+        Parameters
+        ----------
+        choice : Float    Number in [0, 1) that chooses light and target.
+        place, spread : Point2f    For the aim, and for the extent of a sun or spot.
+        wavelengths : Spectrum or None    [nm]
+
+        Returns
+        -------
+        (Ray3f, Spectrum, UInt32)    Ray, flux over density [W/nm, or lm in photometric variants], and number of the pair.
+        """
+        last = dr.width(self._cdf) - 1
+        pair = dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice)
+        start, direction, offset = self._aim(pair, place, spread)
+        amount = self._amount(pair, direction, wavelengths)
+        density = self._density(pair, start, direction)
+        flux = dr.select(density > 0.0, amount / dr.maximum(density, 1e-30), 0.0)
+        is_sun, reach = self._is_sun(pair), self._scene.extent
+        # Suns start before everything; others a little off their place, which may lie on a surface.
+        back = dr.dot(start, direction) + 1.5 * reach
+        first = dr.select(is_sun, start - direction * back, start + offset)
+        first = first + direction * dr.select(is_sun, 0.0, 2.0 * STEP * reach)
+        ray = mi.Ray3f(mi.Point3f(first), direction)
+        if wavelengths is not None:
+            ray.wavelengths = wavelengths
+        return ray, flux, pair
+
+    # ---- inside kernels ----
+
+    def _light(self, pair):
+        return pair // self._targets
+
+    def _row(self, table, index):
+        """Vector and number of a line of a table."""
+        x, y, z, w = (dr.gather(mi.Float, table, index * COLUMNS + k) for k in range(COLUMNS))
+        return mi.Vector3f(x, y, z), w
+
+    def _number(self, pair):
+        return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2)
+
+    def _is_sun(self, pair):
+        return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2 + 1) > 0
+
+    def _sun(self, number):
+        """Direction to a sun and 1 - cos of its angular radius."""
+        towards, cap = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(1.0)
+        if self._has_suns:
+            for k, sun in enumerate(self._scene.surroundings.suns):
+                towards = dr.select(number == k, sun[1], towards)
+                cap = dr.select(number == k, sun[2], cap)
+        return towards, cap
+
+    def _aim(self, pair, place, spread):
+        """Line of light: a point of it, its direction, and the way to where the ray begins on a spot's disk."""
+        centre, extent = self._row(self._rows, self._light(pair))
+        sphere, radius = self._row(self._spheres, pair % self._targets)
+        away = sphere - centre
+        _, cap = _solid_cap(away, radius + extent)
+        distance = dr.norm(away)
+        axis = dr.select(distance > 0.0, away / distance, mi.Vector3f(0.0, 0.0, 1.0))
+        direction = mi.Frame3f(axis).to_world(_in_cap(cap, place))
+        disk = mi.warp.square_to_uniform_disk_concentric(spread) * extent
+        frame = mi.Frame3f(direction)
+        offset = frame.s * disk.x + frame.t * disk.y
+        start = centre
+        if self._has_suns:
+            is_sun = self._is_sun(pair)
+            towards, size = self._sun(self._number(pair))
+            sunwards = -mi.Frame3f(towards).to_world(_in_cap(size, spread))
+            frame = mi.Frame3f(sunwards)
+            disk = mi.warp.square_to_uniform_disk_concentric(place) * radius
+            direction = dr.select(is_sun, sunwards, direction)
+            start = dr.select(is_sun, sphere + frame.s * disk.x + frame.t * disk.y, start)
+        return start, direction, offset
+
+    def _amount(self, pair, direction, wavelengths):
+        """Intensity in a direction, or a sun's illuminance of a plane that faces it."""
+        scene, number, is_sun = self._scene, self._number(pair), self._is_sun(pair)
+        amount = mi.Spectrum(0.0)
+        if self._has_points:
+            centre, _ = self._row(self._rows, self._light(pair))
+            it = dr.zeros(mi.Interaction3f)
+            it.p, it.n = mi.Point3f(centre + direction * scene.extent), mi.Normal3f(-direction)
+            if wavelengths is not None:
+                it.wavelengths = wavelengths
+            # A sun's number is none of the table's, so the first light of it stands in.
+            index = dr.select(is_sun, 0, number)
+            it.time = scene.lights.row(index)
+            pointer = scene.lights.pointer(index)
+            ds, value = pointer.sample_direction(it, mi.Point2f(0.5), ~is_sun)
+            amount = dr.select(is_sun, 0.0, value * dr.square(ds.dist))
+        if self._has_suns:
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            if wavelengths is not None:
+                si.wavelengths = wavelengths
+            for k, (radiance, _, cap, _, _) in enumerate(scene.surroundings.suns):
+                mine = is_sun & (number == k)
+                value = radiance.eval(si, mine) * (dr.two_pi * cap)
+                amount = dr.select(mine, value, amount)
+        return amount
+
+    def _density(self, pair, start, direction):
+        """Density with which a line would have been drawn, whatever the target: over solid angle, of suns over area."""
+        light, is_sun = self._light(pair), self._is_sun(pair)
+        chosen, targets = pair % self._targets, self._targets
+        _, extent = self._row(self._rows, light)
+
+        def step(density, k):
+            sphere, radius = self._row(self._spheres, k)
+            share = dr.gather(mi.Float, self._shares, light * targets + k)
+            away = sphere - start
+            along = dr.dot(away, direction)
+            reach = radius + extent
+            is_inside, cap = _solid_cap(away, reach)
+            is_met = dr.squared_norm(away - direction * along) <= dr.square(reach)
+            is_met &= is_sun | is_inside | (along > 0.0)
+            # Rounding may put a ray on the rim just outside the sphere that it was aimed at.
+            is_met |= k == chosen
+            own = dr.select(is_sun, dr.inv_pi / dr.square(radius), dr.inv_two_pi / cap)
+            return dr.select(is_met, density + share * own, density), k + 1
+
+        density, _ = dr.while_loop(
+            state=(mi.Float(0.0), mi.UInt32(0)),
+            cond=lambda density, k: k < targets,
+            body=step,
+            labels=("density", "target"),
+        )
+        return density
+
+    # ---- first guess ----
+
+    def _judge(self) -> np.ndarray:
+        """Flux from every light to every target, up to a factor, by a few rays each and without regard to shadows."""
+        lane = dr.arange(mi.UInt32, self.pairs * PROBES)
+        pair, index = lane // PROBES, lane % PROBES
+        seed = dr.opaque(mi.UInt32, PROBE_SEED)
+        _, direction, _ = self._aim(pair, sobol_pair(index, seed, 0), sobol_pair(index, seed, 1))
+        amount = dr.mean(self._amount(pair, direction, typical_wavelengths()))
+        centre, extent = self._row(self._rows, self._light(pair))
+        sphere, radius = self._row(self._spheres, pair % self._targets)
+        _, cap = _solid_cap(sphere - centre, radius + extent)
+        size = dr.select(self._is_sun(pair), dr.pi * dr.square(radius), dr.two_pi * cap)
+        size = dr.block_reduce(dr.ReduceOp.Add, size, PROBES)
+        amount = dr.block_reduce(dr.ReduceOp.Add, amount, PROBES)
+        size, amount = np.array(size, dtype=np.float64), np.array(amount, dtype=np.float64)
+        seen = amount * size
+        shape = (len(self.lights), -1)
+        # A light whose probes all miss its beam counts by its flux.
+        even = np.array(
+            [0.0 if m.source is None else m.source.flux / (4.0 * np.pi) for m in self.lights]
+        )
+        even = (np.maximum(even, 0.0)[:, None] * size.reshape(shape)).ravel()
+        if seen.sum() <= 0.0:
+            return even + 1e-12 * size / size.sum()
+        shares = (1.0 - FLOOR) * seen / seen.sum()
+        return shares + FLOOR * even / even.sum() if even.sum() > 0.0 else shares
+
+
+def _solid_cap(away, radius):
+    """Whether a place lies in a sphere, and 1 - cos of the half angle that the sphere fills, 2 from inside."""
+    square, limit = dr.squared_norm(away), dr.square(radius)
+    is_inside = square <= limit
+    sine = dr.select(is_inside, 0.0, limit / dr.maximum(square, 1e-30))
+    return is_inside, dr.select(is_inside, 2.0, sine / (1.0 + dr.safe_sqrt(1.0 - sine)))
+
+
+def _in_cap(cap, sample):
+    """Even direction about +z within 1 - cos <= ``cap``; exact for the narrowest too."""
+    height = sample.x * cap
+    sine = dr.safe_sqrt(height * (2.0 - height))
+    sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
+    return mi.Vector3f(sine * cos_phi, sine * sin_phi, 1.0 - height)

@@ -1,0 +1,197 @@
+"""Sweeps over the cells: each gives every cell the light that it gets from the lights and from the cells as they were."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import upload
+from ..errors import Cancelled
+from . import gather
+from .cells import PLACES, CellSet
+from .receiving import direct, gathered
+from .sampler import hash_words, random_stream, sobol_pair
+
+LANES = 1 << 19
+"""Samples of one launch."""
+
+FEWEST = 4
+"""Samples of a cell and turn in the first sweeps."""
+
+CAREFUL = 32
+"""Samples by which the quarters of a cell are compared."""
+
+MOST_SWEEPS = 100
+"""Stops the search for the light of rooms whose surfaces lose next to nothing."""
+
+NEGLIGIBLE = 1e-3
+"""Share of all light that further sweeps would add. [-]"""
+
+SIGNIFICANT = 3.5
+"""Difference between quarters of a cell, in standard errors, that is not taken for chance."""
+
+UNEVEN = 1.6
+"""Ratio between the brightest and the darkest quarter of a cell from which it is not read."""
+
+DARK = 1e-3
+"""Light of a quarter, relative to the mean of all cells, below which differences do not matter. [-]"""
+
+
+class Sweeper:
+    """Keeps the light of cells up to date.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    cells : CellSet
+    seed : int
+    cancelled : callable    Asked before every launch.
+    """
+
+    def __init__(self, scene, cells: CellSet, seed: int, cancelled=lambda: False):
+        self.scene, self.cells, self.cancelled = scene, cells, cancelled
+        self.seed = seed
+        self._weights = cells.bands.luminous()
+        self._sides = cells.sides
+        self._areas = cells.area[self._sides // 2]
+        self._upload_sides()
+
+    def find(self) -> None:
+        """Find the light of all cells from nothing, and which cells are too uneven to be read."""
+        total, gain = 0.0, None
+        for number in range(MOST_SWEEPS):
+            values = self._sweep(hash((1, number)) & 0x7FFFFFFF, FEWEST).mean(axis=(2, 3))
+            now = self._total(values)
+            self._store(values)
+            added, before, total = now - total, gain, now
+            gain = added
+            if now <= 0.0:
+                break
+            if before is None or before <= 0.0 or number < 2:
+                continue
+            share = min(max(added / before, 0.0), 0.98)
+            rest = max(added, 0.0) * share / (1.0 - share)
+            if rest <= NEGLIGIBLE * now:
+                break
+            # What further sweeps will add is mostly more of the same.
+            self._store(values * (1.0 + rest / now))
+            total, gain = now + rest, None
+        made = self._sweep(3, CAREFUL)
+        self._mark_uneven(made)
+        values = made.mean(axis=(2, 3))
+        self._store(values)
+        # Sides that no light was ever found on lie inside solids.
+        lit = values.max(axis=1, initial=0.0) > 0.0
+        self._sides, self._areas = self._sides[lit], self._areas[lit]
+        self._upload_sides()
+
+    def refresh(self, number: int, samples: int) -> None:
+        """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a multiple of four."""
+        if len(self._sides):
+            self._store(self._sweep(hash((2, number)) & 0x7FFFFFFF, samples).mean(axis=(2, 3)))
+
+    @property
+    def lanes_per_sample(self) -> int:
+        """Paths that one more sample of every cell takes."""
+        return len(self._sides) * self.cells.bands.turns
+
+    # ---- private ----
+
+    def _upload_sides(self) -> None:
+        self._rows = upload(mi.UInt32, self._sides if len(self._sides) else [0])
+        dr.eval(self._rows)
+
+    def _total(self, values: np.ndarray) -> float:
+        return float((values @ self._weights * self._areas).sum())
+
+    def _store(self, values: np.ndarray) -> None:
+        """Write ratios (sides, nodes) of the sides at work."""
+        bands = self.cells.bands.count
+        table = np.zeros((2 * self.cells.count, bands), dtype=np.float32)
+        table[self._sides] = values
+        self.cells.values = upload(mi.Float, table)
+        dr.eval(self.cells.values)
+
+    def _mark_uneven(self, made: np.ndarray) -> None:
+        light = np.tensordot(self._weights, made, axes=(0, 1))
+        quarters = light.mean(axis=2)
+        noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)
+        brightest, darkest = quarters.max(axis=1), quarters.min(axis=1)
+        mean = float((quarters.mean(axis=1) * self._areas).sum() / max(self._areas.sum(), 1e-300))
+        marked = brightest - darkest > SIGNIFICANT * np.sqrt(2.0) * noise
+        marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
+        flags = np.zeros(max(2 * self.cells.count, 1), dtype=bool)
+        flags[self._sides] = marked
+        self.cells.uneven = upload(mi.Bool, flags)
+        dr.eval(self.cells.uneven)
+
+    def _sweep(self, salt: int, samples: int) -> np.ndarray:
+        """Ratios by side, node, quarter and half: (sides, nodes, 4, 2) of ``samples`` (at least 8), else (.., 1, 1)."""
+        turns = self.cells.bands.turns
+        split = (4, 2) if samples >= 8 else (1, 1)
+        block = samples // (split[0] * split[1])
+        per_launch = max(LANES // (turns * samples), 1)
+        found = np.empty((len(self._sides), turns, 4, *split), dtype=np.float64)
+        for first in range(0, len(self._sides), per_launch):
+            if self.cancelled():
+                raise Cancelled("cancelled")
+            count = min(per_launch, len(self._sides) - first)
+            ratios = self._launch(first, count, samples, salt)
+            for k, ratio in enumerate(ratios):
+                sums = dr.block_reduce(dr.ReduceOp.Add, ratio, block)
+                made = np.array(sums, dtype=np.float64) / block
+                found[first : first + count, :, k] = made.reshape(count, turns, *split)
+        nodes = self.cells.bands.count
+        # Node number = turn + turns * place in the path.
+        found = found[:, :, : max(nodes // turns, 1)]
+        return found.transpose(0, 2, 1, 3, 4).reshape(len(self._sides), nodes, *split)
+
+    def _launch(self, first: int, count: int, samples: int, salt: int) -> list:
+        scene, cells = self.scene, self.cells
+        turns = cells.bands.turns
+        lane = dr.arange(mi.UInt32, count * turns * samples)
+        many = dr.opaque(mi.UInt32, samples)
+        start = dr.opaque(mi.UInt32, first)
+        seed = dr.opaque(mi.UInt32, (int(self.seed) * 747796405 + salt) & 0xFFFFFFFF)
+        sample = lane % many
+        turn = (lane // many) % turns
+        side = dr.gather(mi.UInt32, self._rows, start + lane // (many * turns))
+        own = hash_words(side, seed)
+        # Four quarters in turn, so that each sees as many samples.
+        quarter = (sample * 4) // many
+        number = quarter * (PLACES // 4) + hash_words(sample, own) % (PLACES // 4)
+        si, row = cells.place(side, number)
+        wavelengths = cells.bands.wavelengths(turn)
+        if wavelengths is not None:
+            si.wavelengths = wavelengths
+        stream = random_stream(lane, own)
+
+        def respond(direction):
+            cosine = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0)
+            above = dr.dot(direction, si.n) > 0.0
+            return dr.select(above, cosine * (1.0 - cells.matt.coat(row, cosine, True)), 0.0)
+
+        index = turn * many + sample
+        one = mi.Float(1.0)
+        value = direct(
+            scene,
+            si,
+            sobol_pair(index, own, gather.PAIR_LIGHT),
+            stream,
+            mi.Bool(True),
+            one,
+            respond,
+        )
+        value += gathered(
+            scene,
+            cells,
+            si,
+            wavelengths,
+            stream,
+            sobol_pair(index, own, gather.PAIR_SCATTER),
+            mi.Bool(True),
+            one,
+            respond,
+        )
+        ratios = [dr.select(dr.isfinite(r), r, 0.0) for r in cells.bands.ratios(value, wavelengths)]
+        dr.eval(ratios)
+        return ratios
