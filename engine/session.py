@@ -9,19 +9,18 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 
 import numpy as np
 
 from . import VERSION
 from .accuracy.stopping import Progress, StopRule
-from .atlas.unwrap import AtlasChart
+from .baking.order import BakeOrder, BakeResult
 from .errors import SceneError
 from .scene.camera import Camera
 from .scene.checks import check_item
 from .scene.material import Surface
-from .scene.mesh import Mesh
 from .scene.provenance import Provenance
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
@@ -157,111 +156,6 @@ class Frame:
     relative_error: float
     is_final: bool
     commit: Commit
-
-
-@dataclass(frozen=True)
-class BakeTarget:
-    """A mesh and the charts of its lux map."""
-
-    mesh: Mesh
-    charts: AtlasChart
-
-
-@dataclass(frozen=True)
-class BakeOrder:
-    """What a bake is asked for.
-
-    Parameters
-    ----------
-    objects : tuple of str    Ids of objects of the scene.
-    density : float    Lumels per metre; ``densities`` by object id where it is another.
-    largest, margin : int    Largest side of a map and free rim of charts. [lumel]
-    folder : str or None    Where maps and report are written; None: nowhere.
-    file : str    Name of the scene's file, for the report.
-    conversion : tuple of dict    Rows of the conversion report, for the report.
-    """
-
-    objects: tuple[str, ...]
-    rule: StopRule
-    density: float = 8.0
-    densities: dict[str, float] = field(default_factory=dict)
-    largest: int = 1024
-    margin: int = 4
-    seed: int = 0
-    transport: str = "auto"
-    folder: str | None = None
-    file: str = ""
-    conversion: tuple[dict, ...] = ()
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Where an object's triangles lie on its lux map: texture coordinates by corner, and which corner is which.
-
-    Parameters
-    ----------
-    uv : (t, 3, 2) float32    In 0..1, v upwards.
-    triangles : (t, 3) int32    Vertex indices.
-    polygon : (t,) int32 or None    Polygon of every triangle.
-    vertex_count : int
-    """
-
-    uv: np.ndarray
-    triangles: np.ndarray
-    polygon: np.ndarray | None
-    vertex_count: int
-
-
-@dataclass(frozen=True)
-class LuxMap:
-    """Illuminance over an unwrapped mesh. Row 0 is the bottom row of the map.
-
-    Parameters
-    ----------
-    id, name : str    Of the object.
-    illuminance : (h, w) float32    Seams dilated; 0 outside the margin. [lx]
-    standard_error : (h, w) float32    Of each lumel. [lx]
-    covered : (h, w) bool    Lumels that lie on the surface.
-    area : (h, w) float32    Surface in each lumel. [m2]
-    mean, minimum, maximum : float    Area-weighted mean and extremes over the covered lumels. [lx]
-    relative_standard_error : float    Of the map: area-weighted RMS of the lumels' errors over the mean. [-]
-    mean_standard_error : float    Of ``mean``, the lumels being independent. [lx]
-    """
-
-    id: str
-    name: str
-    illuminance: np.ndarray
-    standard_error: np.ndarray
-    covered: np.ndarray
-    area: np.ndarray
-    mean: float
-    minimum: float
-    maximum: float
-    relative_standard_error: float
-    mean_standard_error: float
-    samples: int
-    density: float
-    provenance: Provenance
-    layout: Layout
-
-
-@dataclass(frozen=True)
-class Departure:
-    """Something that a bake could not do as ordered: where, what, and what was done instead."""
-
-    name: str
-    message: str
-    remedy: str
-    is_error: bool = False
-
-
-@dataclass(frozen=True)
-class BakeResult:
-    """Finished maps, departures and the files that were written."""
-
-    maps: tuple[LuxMap, ...]
-    departures: tuple[Departure, ...]
-    files: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -532,99 +426,31 @@ class Session:
         return SurfaceProbe(angles, r.mean, t.mean, r.standard_error, t.standard_error)
 
     def bake_objects(
-        self, order: BakeOrder, progress: Callable[[Progress], None] | None = None
+        self,
+        order: BakeOrder,
+        progress: Callable[[Progress], None] | None = None,
+        options=None,
     ) -> BakeResult:
         """Unwrap objects, compute their lux maps and write the files.
 
+        Parameters
+        ----------
+        order : BakeOrder
+        progress : callable or None    Gets a `Progress`, with the history of the error once there is one.
+        options : transport.lux_job.Options or None    For measuring how the parts of the method tell; None: the order's.
+
         Raises
         ------
-        SceneError    None of the objects can be baked.
+        SceneError    None of the objects can be baked, or the order makes no sense.
+        Cancelled    After `cancel`; the order's checkpoint stays.
         """
-        from .atlas.unwrap import unwrap
-
         self._cancel = False
-        targets, departures = [], []
-        begin = time.perf_counter()
-        for number, key in enumerate(order.objects):
-            item = self.scene.meshes.get(key)
-            if item is None:
-                departures.append(
-                    Departure(key, "the object has no surface that is rendered", "it is not baked", True)
-                )  # fmt: skip
-                continue
-            if progress is not None:
-                seconds = time.perf_counter() - begin
-                stage = f"laying out {number + 1} of {len(order.objects)}: {item.name}"
-                progress(Progress(0.0, 0, float("inf"), seconds, None, stage))
-            self._pause()
-            mesh = self.scene.mesh(key)
-            density = order.densities.get(key, order.density)
-            charts = unwrap(mesh, density, order.largest, order.margin)
-            if charts.density < 0.999 * density:
-                departures.append(
-                    Departure(
-                        item.name,
-                        f"{density:g} lumels per metre do not fit a map of {order.largest} pixels",
-                        f"baked with {charts.density:.3g} lumels per metre",
-                    )
-                )
-            targets.append(BakeTarget(mesh, charts))
-        if not targets:
-            raise SceneError("nothing to bake: none of the objects has a surface that is rendered")
-        maps = self.bake(targets, order.rule, order.seed, order.margin, order.transport, progress)
-        files = []
-        if order.folder is not None:
-            from .formats.lux_maps import write_lux_maps
+        from .baking.run import Bake, Host
 
-            conversion = [*order.conversion, *(_report_row(departure) for departure in departures)]
-            files = write_lux_maps(order.folder, maps, order.file, conversion)
-        return BakeResult(tuple(maps), tuple(departures), tuple(str(path) for path in files))
-
-    def bake(
-        self,
-        targets: list[BakeTarget],
-        rule: StopRule,
-        seed: int = 0,
-        margin: int = 4,
-        transport: str = "auto",
-        progress: Callable[[Progress], None] | None = None,
-    ) -> list[LuxMap]:
-        """Lux maps of unwrapped meshes, all to the same rule; a rule's time is shared by all."""
-        from .atlas.lumels import rasterise
-        from .atlas.maps import assemble
-
-        # The atlas is laid out before the scene is compiled: bad charts fail fast.
-        lumels = [rasterise(target.mesh, target.charts) for target in targets]
-        if rule.seconds is not None:
-            rule = replace(rule, seconds=rule.seconds / len(targets))
-        maps = []
-        with self._engine(transport) as compiled:
-            from .transport.illuminance import compute
-
-            begin = time.perf_counter()
-            for number, (target, lumel) in enumerate(zip(targets, lumels, strict=True)):
-                start = time.perf_counter()
-
-                def report(state, number=number, name=target.mesh.name):
-                    if progress is not None:
-                        progress(_progress_of_part(state, number, len(targets), begin, name))
-
-                own_seed = seed + number
-                estimate = compute(
-                    compiled, lumel.receivers, rule, own_seed, 2, report, self._cancelled
-                )
-                provenance = self._provenance(compiled, own_seed, estimate.samples, start)
-                finished = assemble(target, lumel, estimate, margin)
-                layout = Layout(
-                    target.charts.uv.astype(np.float32),
-                    target.mesh.triangles,
-                    target.mesh.polygon,
-                    len(target.mesh.vertices),
-                )
-                maps.append(
-                    LuxMap(id=target.mesh.id, **finished, provenance=provenance, layout=layout)
-                )
-        return maps
+        host = Host(
+            self.scene, self._engine, self._compile_aside, self._cancelled, self._provenance
+        )
+        return Bake(host, order, progress, options).run()
 
     # ---- live view ----
 
@@ -770,6 +596,13 @@ class Session:
         self._compiled = compiled
         return compiled
 
+    def _compile_aside(self, scene: Scene, like):
+        """Compile another scene for the variant of a compiled one."""
+        from .transport.compile import CompiledScene
+
+        scene.check()
+        return CompiledScene(scene, like.requirements)
+
     def _needs(self, transport: str):
         """Decide how the scene has to be computed; kept until it changes."""
         from .transport import requirements
@@ -796,24 +629,3 @@ def _is_same_view(a: Camera, b: Camera) -> bool:
     return all(
         np.array_equal(getattr(a, entry.name), getattr(b, entry.name)) for entry in fields(Camera)
     )
-
-
-def _report_row(departure: Departure) -> dict:
-    return {
-        "severity": "error" if departure.is_error else "warning",
-        "object": departure.name,
-        "node": "",
-        "message": departure.message,
-        "instead": departure.remedy,
-        "count": 1,
-    }
-
-
-def _progress_of_part(
-    state: Progress, number: int, count: int, begin: float, name: str
-) -> Progress:
-    """Progress of a job of ``count`` alike parts from that of one of them."""
-    done = (number + state.done) / count
-    seconds = time.perf_counter() - begin
-    left = seconds * (1.0 - done) / done if done > 0.0 else None
-    return Progress(done, state.samples, state.relative_error, seconds, left, name)

@@ -16,6 +16,16 @@ GROUPS = 512
 LEAST_STEPS = 3
 """Passes that must have shown how much their errors scatter before a forecast gets bounds."""
 
+FINEST = 0.5
+"""Part of a pass that the last one may be, a power of two. Where low-discrepancy points make the variance of a pass fall
+by the square of its samples, less than a half would add nothing to the passes before it. [-]"""
+
+PART = 0.75
+"""A pass with less than such a share of the samples expected counts as a part of one. [-]"""
+
+TRUST = 0.5
+"""Passes that the error foretold for a new spread of samples is worth, against those that have shown it since."""
+
 FARTHEST = 1e12
 """Passes beyond which a rule counts as never met."""
 
@@ -125,21 +135,29 @@ class Spread:
 class Forecaster:
     """Follows a bake whose passes are independent replicates, and says when its rule will be met.
 
-    The square of the error falls as `Spread` says, scaled to the error that was measured last; a pass takes as long
-    as those before it. A bake ends at the end of a pass.
+    The square of the error falls as `Spread` says, scaled to the error that was measured last; for a spread that has
+    just begun also to the error that was foretold for it, as two passes at least must show how they differ. A pass takes
+    as long as those before it. The last one may be a part, so that a bake does not go far beyond its rule.
 
     Parameters
     ----------
     rule : StopRule    Of error, absolute error, time and samples, whichever is met first.
     setup_seconds : float    Spent in this part of the bake before the first pass. [s]
     earlier_seconds : float    Spent in earlier parts of a resumed bake; `from_state` knows them. [s]
+    finest : float    Smallest part of a pass that the last one may be, a power of two; 1: whole passes only. [-]
 
     Raises
     ------
     SceneError    The rule speaks of single values.
     """
 
-    def __init__(self, rule: StopRule, setup_seconds: float, earlier_seconds: float = 0.0):
+    def __init__(
+        self,
+        rule: StopRule,
+        setup_seconds: float,
+        earlier_seconds: float = 0.0,
+        finest: float = FINEST,
+    ):
         if rule.each is not None or rule.limits:
             raise SceneError(
                 "an error of every value stops measurements at points only: give lux maps an error of the "
@@ -152,12 +170,18 @@ class Forecaster:
         self._earlier = earlier_seconds
         # When the last pass ended, as this part counts its time.
         self._until = setup_seconds
-        self._absolute = math.inf
-        self._passes = 0
+        self._finest = finest
+        # Of everything, which relates errors in lux to relative ones. [lx]
+        self._mean: float | None = None
+        self._passes = 0.0
+        self._is_whole = True
         self._spread = Spread()
+        # Ratio of the square of the error to that of the spread, as it was foretold.
+        self._foretold: float | None = None
         # Of the passes of the present spread; the first of a process also makes kernels.
         self._durations: list[float] = []
         self._first_duration: float | None = None
+        self._is_timed = False
         self._pass_seconds: float | None = None
         self._pass_samples: float | None = None
         # Single contributions to the square of the error, over their mean; and the sum that they are told from.
@@ -193,13 +217,19 @@ class Forecaster:
         if pass_seconds is None:
             pass_seconds = (seconds - self._until) / passes
         self._until = seconds
-        self._passes += passes
-        self._pass_samples = (samples - before) / passes
-        if self._first_duration is None:
-            self._first_duration = pass_seconds
+        added, worth = (samples - before) / passes, 1.0
+        if self._pass_samples and added < PART * self._pass_samples:
+            worth = added / self._pass_samples
         else:
+            self._pass_samples = added
+        self._passes += worth * passes
+        self._is_whole = worth == 1.0
+        if not self._is_timed:
+            self._first_duration, self._is_timed = pass_seconds, True
+        elif worth == 1.0:
             self._durations.append(pass_seconds)
-        self._absolute = math.inf if absolute is None else absolute
+        if absolute is not None and 0.0 < absolute < math.inf and 0.0 < error < math.inf:
+            self._mean = absolute / error
         self._learn_scatter(error)
         now = Mark(self._earlier + seconds, samples, error, None)
         self.outlook = self._forecast(now)
@@ -213,6 +243,7 @@ class Forecaster:
         per_pass,
         pass_samples: float | None = None,
         pass_seconds: float | None = None,
+        seconds: float | None = None,
     ) -> None:
         """Say that passes from now on spread their samples otherwise.
 
@@ -226,7 +257,13 @@ class Forecaster:
             is known, 1, (e1 / e)^2 and 1 say so, with the present error e.
         pass_samples : float or None    Mean number per lumel in a pass to come; None: as before.
         pass_seconds : float or None    What a pass to come will take; None: in proportion to its samples. [s]
+        seconds : float or None    Present time, as `note` counts it, where something else than passes has taken time
+            since; None: unknown, and the time until the next note tells nothing of a pass. [s]
         """
+        if seconds is None:
+            self._is_timed = False
+        else:
+            self._until = seconds
         if pass_seconds is None and self._known_seconds() is not None:
             scale = 1.0
             if pass_samples is not None and self._pass_samples:
@@ -235,15 +272,24 @@ class Forecaster:
         self._pass_seconds = pass_seconds
         self._pass_samples = self._pass_samples if pass_samples is None else pass_samples
         self._durations = []
-        self._spread, self._passes = Spread.after(variances, samples, per_pass), 0
+        self._spread, self._passes = Spread.after(variances, samples, per_pass), 0.0
         self._steps = self._all_steps()
-        self._own_steps, self._running = [], None
+        self._own_steps, self._running, self._foretold = [], None, None
         if self._marks:
             last = self._marks[-1]
+            self._foretold = self._measured(last.error)
             self._learn_scatter(last.error)
-            self.outlook = self._forecast(last)
+            self.outlook = self._forecast(replace(last, seconds=self._earlier + self._until))
             # What is told to people after this pass is the forecast for the passes that really follow.
             self._marks[-1] = replace(last, forecast=self.forecast())
+
+    def passes_needed(self) -> float | None:
+        """Passes still to go, not rounded to parts that can be made; 0 when done, None while nothing can be said."""
+        if self.is_done():
+            return 0.0
+        needed = self._needed(self._marks[-1]) if self._marks else {}
+        least = min(needed.values(), default=math.inf)
+        return max(least, 0.0) if least < FARTHEST else None
 
     def forecast(self) -> float | None:
         """Seconds from the start at which the rule will be met; None while nothing can be said. [s]"""
@@ -258,7 +304,7 @@ class Forecaster:
         if not self._marks:
             return None
         last, rule = self._marks[-1], self.rule
-        if last.error <= self._target(last.error):
+        if last.error <= self._target():
             return "error"
         if rule.samples is not None and last.samples >= rule.samples * (1.0 - 1e-9):
             return "samples"
@@ -285,14 +331,14 @@ class Forecaster:
             seconds=seconds,
             seconds_left=None if left is None else max(left, 0.0),
             stage=stage,
-            absolute_error=None if self.rule.absolute is None else self._absolute,
+            absolute_error=None if self.rule.absolute is None else last.error * (self._mean or 1.0),
+            history=self.history,
         )
 
     @property
     def history(self) -> History:
         """Marks so far; an error asked for in lux stands as what it is of the present mean."""
-        error = self._marks[-1].error if self._marks else math.inf
-        target = self._target(error)
+        target = self._target()
         return History(tuple(self._marks), target if target > 0.0 else None, self._setup)
 
     def state(self) -> dict[str, np.ndarray]:
@@ -306,8 +352,15 @@ class Forecaster:
             )
             for mark in self._marks
         ]
-        numbers = (self._setup, self._absolute, self._passes, self._spread.constant)
-        known = (self._known_seconds(), self._pass_samples, *(self._running or (None, None)))
+        numbers = (self._setup, self._passes, self._spread.constant, self._is_whole)
+        running = self._running or (None, None)
+        known = (
+            self._known_seconds(),
+            self._pass_samples,
+            self._mean,
+            self._foretold,
+            *running,
+        )
         return {
             "marks": np.array(marks, dtype=np.float64).reshape(-1, MARK_FIELDS),
             "numbers": np.array(numbers, dtype=np.float64),
@@ -320,7 +373,11 @@ class Forecaster:
 
     @classmethod
     def from_state(
-        cls, rule: StopRule, state: dict[str, np.ndarray], setup_seconds: float = 0.0
+        cls,
+        rule: StopRule,
+        state: dict[str, np.ndarray],
+        setup_seconds: float = 0.0,
+        finest: float = FINEST,
     ) -> "Forecaster":
         """Forecaster that goes on from a state; ``setup_seconds`` were spent in the new part before its first pass.
 
@@ -345,23 +402,24 @@ class Forecaster:
         marks, numbers, known = state["marks"], state["numbers"], state["known"]
         fits = (
             marks.shape[1] == MARK_FIELDS
-            and len(numbers) == len(known) == 4
+            and (len(numbers), len(known)) == (4, 6)
             and state["numerators"].shape == state["offsets"].shape
-            and np.isfinite(numbers[[0, 2, 3]]).all()
+            and np.isfinite(numbers).all()
             and np.isfinite(marks[:, :2]).all()
         )
         if not fits:
             raise SceneError("the state of the forecast does not fit together")
-        made = cls(rule, setup_seconds, float(marks[-1, 0]) if len(marks) else 0.0)
+        earlier = float(marks[-1, 0]) if len(marks) else 0.0
+        made = cls(rule, setup_seconds, earlier, finest)
         made._marks = [
             Mark(seconds, samples, error, None if math.isnan(forecast) else forecast)
             for seconds, samples, error, forecast in marks.tolist()
         ]
-        setup, made._absolute, passes, constant = numbers.tolist()
+        setup, passes, constant, is_whole = numbers.tolist()
         made._setup = setup if len(marks) else made._setup
-        made._passes = int(passes)
+        made._passes, made._is_whole = passes, bool(is_whole)
         made._spread = Spread(state["numerators"], state["offsets"], constant)
-        made._pass_seconds, made._pass_samples, *running = (
+        made._pass_seconds, made._pass_samples, made._mean, made._foretold, *running = (
             None if math.isnan(each) else each for each in known.tolist()
         )
         made._running = None if running[0] is None else tuple(running)
@@ -370,12 +428,11 @@ class Forecaster:
             made.outlook = made._forecast(made._marks[-1])
         return made
 
-    def _target(self, error: float) -> float:
+    def _target(self) -> float:
         """Relative error that satisfies the rule; 0: none does."""
-        targets = [0.0 if self.rule.error is None else self.rule.error]
-        if self.rule.absolute is not None and 0.0 < self._absolute < math.inf:
-            # Both errors fall alike, as the mean stays what it is.
-            targets.append(error * self.rule.absolute / self._absolute)
+        targets = [self.rule.error or 0.0]
+        if self.rule.absolute is not None and self._mean:
+            targets.append(self.rule.absolute / self._mean)
         return max(targets)
 
     def _known_seconds(self) -> float | None:
@@ -387,45 +444,69 @@ class Forecaster:
             return sum(middle) / len(middle)
         return self._first_duration if self._pass_seconds is None else self._pass_seconds
 
-    def _forecast(self, now: Mark) -> Forecast | None:
-        """Forecast from the state ``now``, the end of the last pass."""
+    def _measured(self, error: float) -> float | None:
+        """Ratio of the square of a measured error to that of the spread; None while the error says nothing."""
+        square = self._spread.square(self._passes)
+        if 0.0 < error < math.inf and 0.0 < square < math.inf:
+            return error**2 / square
+        return None
+
+    def _scale(self, error: float) -> float | None:
+        """Ratio of the square of the error to that of the spread, as measured and as foretold."""
+        measured = self._measured(error)
+        if self._foretold is None or self._foretold <= 0.0:
+            return measured
+        # A single pass beside a few small ones does not show how large its error is.
+        shown = 0.0 if measured is None else max(self._passes - 1.0, 0.0)
+        return (TRUST * self._foretold + shown * (measured or 0.0)) / (TRUST + shown)
+
+    def _needed(self, now: Mark) -> dict[str, float]:
+        """Passes until each part of the rule is met, from the end of the last pass."""
         rule, each = self.rule, self._known_seconds()
-        if each is None or each <= 0.0:
-            return None
         needed = {}
-        if rule.seconds is not None:
+        if rule.seconds is not None and each is not None and each > 0.0:
             needed["time"] = (rule.seconds - now.seconds) / each
         if rule.samples is not None and self._pass_samples:
             needed["samples"] = (rule.samples - now.samples) / self._pass_samples
-        target = self._target(now.error)
-        square = self._spread.square(self._passes)
-        is_known = 0.0 < now.error < math.inf and 0.0 < square < math.inf
+        target, scale = self._target(), self._scale(now.error)
         if target > 0.0 and now.error <= target:
             needed["error"] = 0.0
-        elif target > 0.0 and is_known:
-            wanted = square * (target / now.error) ** 2
-            needed["error"] = self._spread.passes_to(wanted, self._passes) - self._passes
-        if not needed or min(needed.values()) > FARTHEST:
+        elif target > 0.0 and scale is not None:
+            # As long as the measured error is not low enough, a part of a pass at least is due; where that has not been
+            # enough, a whole one, as parts may add little.
+            end = self._spread.passes_to(target**2 / scale, self._passes)
+            needed["error"] = max(end - self._passes, self._finest if self._is_whole else 1.0)
+        return needed
+
+    def _forecast(self, now: Mark) -> Forecast | None:
+        """Forecast from the state ``now``, the end of the last pass."""
+        each, needed = self._known_seconds(), self._needed(now)
+        if each is None or each <= 0.0 or not needed or min(needed.values()) > FARTHEST:
             return None
         reason = min(needed, key=needed.get)
-        passes = max(math.ceil(needed[reason] - 1e-6), 0)
+        passes = self._rounded(needed[reason])
+        scale = self._scale(now.error)
         error = math.inf
-        if is_known:
-            error = now.error * math.sqrt(self._spread.square(self._passes + passes) / square)
+        if scale is not None:
+            error = math.sqrt(scale * self._spread.square(self._passes + passes))
         low = high = seconds = now.seconds + passes * each
         if reason == "error":
+            rest = min((value for name, value in needed.items() if name != "error"), default=None)
+            latest = math.inf if rest is None else now.seconds + self._rounded(rest) * each
             width = self._half_width(passes)
-            rest = [value for name, value in needed.items() if name != "error"]
-            latest = (
-                now.seconds + max(math.ceil(min(rest, default=math.inf)), 0) * each
-                if rest
-                else math.inf
-            )
             low = None if width is None else max(now.seconds, seconds - width * each)
             high = None if width is None else min(seconds + width * each, latest)
-        return Forecast(
-            seconds, low, high, now.samples + passes * (self._pass_samples or 0.0), error, reason
-        )
+        samples = now.samples + passes * (self._pass_samples or 0.0)
+        return Forecast(seconds, low, high, samples, error, reason)
+
+    def _rounded(self, passes: float) -> float:
+        """Whole passes and a last one of a half, a quarter and so on, which together are no fewer than asked for."""
+        passes = max(passes - 1e-6, 0.0)
+        whole = math.floor(passes)
+        rest = passes - whole
+        if rest <= 0.0:
+            return float(whole)
+        return whole + max(2.0 ** math.ceil(math.log2(rest)), self._finest)
 
     def _learn_scatter(self, error: float) -> None:
         """Tell the new pass's own contribution to the square of the error from the running mean.
@@ -433,13 +514,11 @@ class Forecaster:
         A running estimate y of N passes is a sum of N - 1 contributions over N - 1; these are independent where values are
         normal, so their scatter tells how far y may be off, however much the errors of neighbouring lumels go together.
         """
-        square = self._spread.square(self._passes)
-        if not (0.0 < error < math.inf and 0.0 < square < math.inf):
-            return
+        measured = self._measured(error)
         number = self._spread.worth(self._passes) - 1.0
-        if not 0.0 < number < math.inf:
+        if measured is None or not 0.0 < number < math.inf:
             return
-        total = error**2 / square * number
+        total = measured * number
         if self._running is None:
             if self._passes > 1 and not self._steps:
                 # Passes that were noted together, or the first two: one contribution, of their mean.

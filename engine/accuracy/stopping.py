@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 
 from ..errors import SceneError
+from .history import History
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,7 @@ class Progress:
     seconds_left : float or None    A forecast, None while none can be made. [s]
     stage : str    What is being done.
     absolute_error : float or None    Standard error of the whole, where it is of interest. [lx]
+    history : History or None    Error over time, of lux maps.
     """
 
     done: float
@@ -77,6 +79,7 @@ class Progress:
     seconds_left: float | None
     stage: str = ""
     absolute_error: float | None = None
+    history: History | None = None
 
     def text(self) -> str:
         """One line for a status bar."""

@@ -35,6 +35,7 @@ class SurfaceLayout:
     density : float    Lumels per metre that were reached on the whole.
     requested_density : float
     is_back : bool    Whether it is the back side of a mesh that is laid out, with normals turned round.
+    mesh : int    Place of the mesh among those that were given.
     """
 
     uv: np.ndarray
@@ -43,6 +44,7 @@ class SurfaceLayout:
     density: float
     requested_density: float
     is_back: bool = False
+    mesh: int = 0
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Atlas:
     Parameters
     ----------
     sizes : (p, 2) int array    Width and height of every page. [lumel]
-    layouts : tuple of SurfaceLayout    One for each mesh that was given.
+    layouts : tuple of SurfaceLayout    One for each mesh that was given, then one for each back side.
     chart_count : int
     shrink : float    Factor by which all densities were lowered to keep to the number of pages; 1: none. [-]
     notes : tuple of (str, str)    Name of the mesh, and what was done otherwise than asked for.

@@ -1,118 +1,483 @@
-"""Lumels: where on the surface each pixel of a lux map lies, with several places in each for anti-aliasing."""
+"""Lumels: where on the surfaces each pixel of the pages lies, with several places in each for anti-aliasing.
+
+Coverage is conservative: a lumel counts as soon as the surface overlaps it with some area. Its places are points of a small
+low-discrepancy net that lie on the surface; where the surface is so thin that it meets none, a point of the overlap is.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import SceneError
+from ..errors import Cancelled, SceneError
 from ..scene.mesh import Mesh
 from ..transport.illuminance import Receivers
-from .unwrap import AtlasChart
+from . import coverage
+from .layout import Atlas, SurfaceLayout
 
-MAXIMUM_PLACES = 1 << 22
-"""Most places of one map; beyond, lumels hold fewer places each."""
+MOST_PLACES, FEWEST_PLACES = 16, 4
+"""Places in a lumel that is covered whole: the most, where they fit the memory, and the fewest."""
 
-CHUNK = 1 << 21
-"""Candidates looked at in one go."""
+BLOCK_PLACES = 1 << 21
+"""Most places of a block, but for single rows that have more."""
+
+PLACE_BYTES = 24 + 12 + 12 + 4
+"""Memory of a place: position, normals, triangle. [byte]"""
 
 
 @dataclass(frozen=True)
-class Lumels:
-    """Covered lumels of a map.
+class LumelBlock:
+    """Lumels of one layout on one page, in a row.
 
     Parameters
     ----------
-    index : (n,) int array    Flat pixel index, row 0 at the bottom.
+    layout : int    Index in the atlas's layouts.
+    page : int
+    index : (n,) int64 array    Flat pixel index on the page, row 0 at the bottom, ascending.
+    chart : (n,) int32 array
     area : (n,) float64 array    Surface in each lumel. [m2]
-    receivers : Receivers    One per covered lumel.
+    valid : (n,) bool array    False: inside a solid or covered all over, to be filled from the neighbours.
+    receivers : Receivers    n rows, those that are not valid too.
+    triangle : (k,) int32 array    Triangle of the mesh for every place of the receivers.
     """
 
+    layout: int
+    page: int
     index: np.ndarray
+    chart: np.ndarray
     area: np.ndarray
+    valid: np.ndarray
     receivers: Receivers
+    triangle: np.ndarray
+
+    def size(self) -> int:
+        """Memory that it takes. [byte]"""
+        held = self.receivers
+        arrays = [self.index, self.chart, self.area, self.valid, self.triangle, held.positions]
+        arrays += [held.geometric_normals, held.start, held.count]
+        if held.normals is not held.geometric_normals:
+            arrays.append(held.normals)
+        return sum(array.nbytes for array in arrays)
 
 
-def rasterise(mesh: Mesh, charts: AtlasChart) -> Lumels:
-    """Find the places of all lumels of a mesh.
+@dataclass(frozen=True)
+class Correction:
+    """What is changed about the places of a block, numbered as they are without it.
 
-    A lumel is covered when at least one of its regular sub-positions lies inside a triangle.
+    Parameters
+    ----------
+    dropped : uint8 array or None    Packed bits of places that are of no use; None: there are none.
+    moved : (m,) int32 array    Places that are moved.
+    shift : (m, 3) float32 array    How far. [m]
+    """
+
+    dropped: np.ndarray | None
+    moved: np.ndarray
+    shift: np.ndarray
+
+
+class LumelTable:
+    """All lumels of an atlas, in blocks of bounded memory; blocks are made anew when asked for and kept while they fit.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh    One for each layout of the atlas.
+    atlas : Atlas
+    memory : int    What the kept blocks may take together. [byte]
 
     Raises
     ------
-    SceneError    No lumel is covered: the density is too low for the mesh.
+    SceneError    There are not as many meshes as layouts, or a layout does not fit its mesh.
     """
-    pixels = charts.width * charts.height
-    fine = int(np.clip(np.floor(np.sqrt(MAXIMUM_PLACES / pixels)), 1, 4))
-    corners = charts.uv * np.array([charts.width * fine, charts.height * fine])
-    triangle, cell, bary = _cover(corners, charts.width * fine, charts.height * fine)
-    if len(triangle) == 0:
-        raise SceneError(
-            f"object '{mesh.name}': no lumel lies on the surface; raise the lumels per metre"
+
+    def __init__(self, meshes, atlas: Atlas, memory: int = 1 << 30):
+        _check(meshes, atlas)
+        self._meshes, self._atlas, self._memory = tuple(meshes), atlas, memory
+        self._kept: dict[int, LumelBlock] = {}
+        self._held = 0
+        self._corrections: dict[int, Correction] = {}
+        sheets = [
+            (number, page, *_count_rows(layout, page, atlas.sizes[page]))
+            for number, layout in enumerate(atlas.layouts)
+            for page in _pages(layout)
+        ]
+        total = sum(int(counts.sum()) for _, _, _, counts in sheets)
+        self.places = _places_of(total, memory)
+        """Places in a lumel that is covered whole."""
+        self._pattern = _net(self.places)
+        self._bands: list[tuple[int, int, int, int]] = []
+        counts: list[int] = []
+        for number, page, first, rows in sheets:
+            for low, high in _split(rows, max(BLOCK_PLACES // self.places, 1)):
+                self._bands.append((number, page, first + low, first + high))
+                counts.append(int(rows[low:high].sum()))
+        self.counts: tuple[int, ...] = tuple(counts)
+
+    def width(self, number: int) -> int:
+        """Width of the page that a block lies on. [lumel]"""
+        return int(self._atlas.sizes[self.page(number)][0])
+
+    def page(self, number: int) -> int:
+        """Page that a block lies on."""
+        return self._bands[number][1]
+
+    def layout(self, number: int) -> int:
+        """Layout whose lumels a block holds."""
+        return self._bands[number][0]
+
+    def block(self, number: int) -> LumelBlock:
+        """Return a block; the same whether it is made for the first time or anew."""
+        if number in self._kept:
+            return self._kept[number]
+        made = self._make(number)
+        if number in self._corrections:
+            made = _correct(made, self._corrections[number])
+        # The first ones are kept for good: blocks are asked for in turns, so what came last is needed last.
+        if self._held + made.size() <= self._memory:
+            self._kept[number] = made
+            self._held += made.size()
+        return made
+
+    def validate(self, scene, cancelled=lambda: False) -> None:
+        """Find lumels that are inside solids or covered, and push places off the surfaces beside them.
+
+        Parameters
+        ----------
+        scene : CompiledScene    With the meshes of the table in it.
+        cancelled : callable    Asked before every launch.
+
+        Raises
+        ------
+        Cancelled    When ``cancelled`` answered true.
+        """
+        from .validity import Examiner
+
+        self._corrections = {}
+        self._kept, self._held = {}, 0
+        examiner = Examiner(scene, cancelled)
+        for number, (layout, *_) in enumerate(self._bands):
+            if cancelled():
+                raise Cancelled("cancelled")
+            block = self._make(number)
+            axes = self._axes(block, self._atlas.layouts[layout])
+            dropped, moved, shift = examiner.examine(block.receivers, *axes)
+            if dropped.any() or len(moved):
+                bits = np.packbits(dropped) if dropped.any() else None
+                self._corrections[number] = Correction(
+                    bits, moved.astype(np.int32), shift.astype(np.float32)
+                )
+
+    # ---- private ----
+
+    def _axes(self, block: LumelBlock, layout: SurfaceLayout):
+        """Steps on the surface from lumel to lumel, in a row and from row to row. (n, 3), (n, 3) [m]"""
+        first = block.triangle[block.receivers.start]
+        return _lumel_axes(self._meshes[block.layout], layout, first)
+
+    def _make(self, number: int) -> LumelBlock:
+        layout_number, page, low, high = self._bands[number]
+        mesh, layout = self._meshes[layout_number], self._atlas.layouts[layout_number]
+        width = int(self._atlas.sizes[page][0])
+        used = np.flatnonzero(layout.page == page)
+        v = layout.uv[used, :, 1]
+        # One row more on either side, since corners may yet be put on borders.
+        used = used[(v.max(axis=1) >= low - 1) & (v.min(axis=1) <= high + 1)]
+        corners = coverage.snap(layout.uv[used].astype(np.float64))
+        points = mesh.vertices[mesh.triangles[used]]
+        facing, areas = _facings(points)
+        raster = _Raster(corners, areas, layout.chart[used], width, low, high, self._pattern)
+        triangle = used[raster.triangle]
+        positions = np.einsum("kc,kcx->kx", raster.bary, points[raster.triangle])
+        geometric = facing[raster.triangle]
+        normals = _normals(mesh, triangle, raster.bary, geometric)
+        if layout.is_back:
+            is_same = normals is geometric
+            geometric = -geometric
+            normals = geometric if is_same else -normals
+        receivers = Receivers(
+            positions, normals, geometric, raster.start, raster.count, raster.area
         )
-    y, x = np.divmod(cell, charts.width * fine)
-    lumel = (y // fine) * charts.width + x // fine
-    order = np.argsort(lumel, kind="stable")
-    lumel, triangle, bary = lumel[order], triangle[order], bary[order]
-    index, start, count = np.unique(lumel, return_index=True, return_counts=True)
-
-    points = mesh.vertices[mesh.triangles[triangle]]
-    positions = np.einsum("kc,kcx->kx", bary, points)
-    geometric = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    geometric /= np.maximum(np.linalg.norm(geometric, axis=1, keepdims=True), 1e-300)
-    normals = geometric
-    if mesh.corner_normals is not None:
-        normals = np.einsum("kc,kcx->kx", bary, mesh.corner_normals[triangle].astype(np.float64))
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = np.where(length > 1e-6, normals / np.maximum(length, 1e-6), geometric)
-    edge = corners[:, 1:] - corners[:, :1]
-    flat_area = 0.5 * np.abs(edge[:, 0, 0] * edge[:, 1, 1] - edge[:, 0, 1] * edge[:, 1, 0])
-    scale = np.where(flat_area > 0.0, mesh.areas() / np.maximum(flat_area, 1e-300), 0.0)
-    area = np.add.reduceat(scale[triangle], start)
-    return Lumels(index, area, Receivers(positions, normals, geometric, start, count, area))
+        return LumelBlock(
+            layout_number,
+            page,
+            raster.index,
+            raster.chart,
+            raster.area,
+            np.ones(len(raster.index), dtype=bool),
+            receivers,
+            triangle.astype(np.int32),
+        )
 
 
-def _cover(corners: np.ndarray, width: int, height: int):
-    """Cells whose centre lies in a triangle.
+def _check(meshes, atlas: Atlas) -> None:
+    if len(meshes) != len(atlas.layouts):
+        raise SceneError(
+            f"{len(meshes)} meshes have {len(atlas.layouts)} layouts, expected one each"
+        )
+    for mesh, layout in zip(meshes, atlas.layouts, strict=True):
+        if len(layout.uv) != len(mesh.triangles):
+            raise SceneError(
+                f"object '{mesh.name}' has {len(mesh.triangles)} triangles, its layout has {len(layout.uv)}"
+            )
+        if not np.isfinite(layout.uv[layout.page >= 0]).all():
+            raise SceneError(f"object '{mesh.name}' has a layout that is not finite")
+
+
+def _pages(layout: SurfaceLayout) -> list[int]:
+    return [int(page) for page in np.unique(layout.page) if page >= 0]
+
+
+def _places_of(total: int, memory: int) -> int:
+    """Places by lumel, a power of two: as many as fit the memory."""
+    places = MOST_PLACES
+    while places > FEWEST_PLACES and total * places * PLACE_BYTES > memory:
+        places //= 2
+    return places
+
+
+def _net(count: int) -> np.ndarray:
+    """Points of which every row and every column of ``count`` parts has one: Hammersley's, centred. (count, 2)"""
+    number = np.arange(count)
+    mirrored = np.zeros(count, dtype=np.int64)
+    for bit in range(count.bit_length() - 1):
+        mirrored = 2 * mirrored + (number >> bit & 1)
+    return (np.stack([number, mirrored], axis=1) + 0.5) / count
+
+
+def _split(rows: np.ndarray, most: int):
+    """Yield ranges of rows that hold about ``most`` lumels each, none of them empty."""
+    ends = np.cumsum(rows)
+    begin, done = 0, 0
+    while done < ends[-1]:
+        end = max(int(np.searchsorted(ends, done + most, side="right")), begin + 1)
+        if ends[end - 1] > done:
+            yield begin, end
+        begin, done = end, int(ends[end - 1])
+
+
+def _count_rows(layout: SurfaceLayout, page: int, size) -> tuple[int, np.ndarray]:
+    """First row and lumels of every row from there on."""
+    width, height = (int(side) for side in size)
+    corners = coverage.snap(layout.uv[layout.page == page].astype(np.float64))
+    spans = coverage.find_spans(corners, width, 0, height)
+    start, length = coverage.merge_spans(spans, width)
+    if len(start) == 0:
+        return 0, np.zeros(1, dtype=np.int64)
+    # Covered lumels before the beginning of every row; runs may go on from one row to the next.
+    first, last = int(start[0] // width), int((start[-1] + length[-1] - 1) // width)
+    edges = np.arange(first, last + 2) * width
+    before = np.concatenate([[0], np.cumsum(length)])
+    run = np.searchsorted(start, edges, side="right") - 1
+    inside = np.where(run >= 0, np.minimum(edges - start[run], length[run]), 0)
+    return first, np.diff(np.where(run >= 0, before[run] + inside, 0))
+
+
+def _facings(points: np.ndarray):
+    """Unit normals of triangles (t, 3, 3) in single precision, and their areas. (t, 3), (t,)"""
+    normal = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    return (normal / np.maximum(length, 1e-300)[:, None]).astype(np.float32), 0.5 * length
+
+
+class _Raster:
+    """Lumels and places of triangles between two rows of a page.
 
     Parameters
     ----------
-    corners : (t, 3, 2) float64 array    In cells.
-
-    Returns
-    -------
-    triangle (k,), flat cell (k,), barycentric coordinates (k, 3); every cell at most once.
+    corners : (t, 3, 2) float64 array    As `coverage.snap` leaves them. [lumel]
+    areas : (t,) array    On the surface. [m2]
+    charts : (t,) array
+    width : int    Of the page.
+    low, high : int    Rows from ``low`` to before ``high``.
+    pattern : (p, 2) array    Where places are looked for in a lumel, 0..1.
     """
-    low = np.clip(np.ceil(corners.min(axis=1) - 0.5), 0, [width, height]).astype(np.int64)
-    high = np.clip(np.floor(corners.max(axis=1) - 0.5) + 1, 0, [width, height]).astype(np.int64)
-    size = np.maximum(high - low, 0)
-    counts = size[:, 0] * size[:, 1]
-    ends = np.cumsum(counts)
-    found = []
-    for begin in range(0, int(ends[-1]), CHUNK):
-        number = np.arange(begin, min(begin + CHUNK, int(ends[-1])))
-        triangle = np.searchsorted(ends, number, side="right")
-        local = number - (ends[triangle] - counts[triangle])
-        dy, dx = np.divmod(local, size[triangle, 0])
-        x, y = low[triangle, 0] + dx, low[triangle, 1] + dy
-        bary = _barycentric(corners[triangle], np.stack([x + 0.5, y + 0.5], axis=1))
-        inside = (bary >= -1e-9).all(axis=1)
-        found.append((triangle[inside], (y * width + x)[inside], bary[inside]))
-    if not found:
-        return np.zeros(0, dtype=int), np.zeros(0, dtype=int), np.zeros((0, 3))
-    triangle, cell, bary = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    cell, first = np.unique(cell, return_index=True)
-    return triangle[first], cell, np.clip(bary[first], 0.0, 1.0)
+
+    def __init__(self, corners, areas, charts, width, low, high, pattern):
+        self._corners, self._width, self._pattern = corners, width, pattern
+        spans = coverage.find_spans(corners, width, low, high)
+        runs, lengths = coverage.merge_spans(spans, width)
+        self._runs, self._before = runs, np.cumsum(lengths) - lengths
+        self.index = np.repeat(runs - self._before, lengths) + np.arange(lengths.sum())
+        flat = coverage.flat_areas(corners)
+        self._scale = areas / np.where(flat > 0.0, flat, 1.0)
+        self._is_point = flat <= 0.0
+        self.area = np.zeros(len(self.index))
+        self.chart = np.full(len(self.index), -1, dtype=np.int32)
+        parts = list(self._pairs(spans))
+        self._choose_charts(charts, parts)
+        owner = np.full(len(self.index) * len(pattern), -1, dtype=np.int32)
+        for triangle, lumel, share in parts:
+            own = charts[triangle] == self.chart[lumel]
+            self._place(owner, triangle[own], lumel[own], share[own])
+        self._finish(owner, charts, parts)
+
+    def _pairs(self, spans):
+        """Yield triangles, lumels and shared areas on the page, in pieces; adds up the areas on the surface."""
+        counts = (spans.end - spans.begin).astype(np.int64)
+        ends = np.cumsum(counts)
+        for begin, end in coverage.chunks(ends):
+            many = counts[begin:end]
+            span = np.repeat(np.arange(begin, end), many)
+            column = np.arange(len(span)) - np.repeat(np.cumsum(many) - many, many)
+            column += spans.begin[span]
+            triangle = spans.triangle[span]
+            flat = spans.row[span].astype(np.int64) * self._width + column
+            run = np.searchsorted(self._runs, flat, side="right") - 1
+            lumel = (self._before[run] + flat - self._runs[run]).astype(np.int32)
+            share = coverage.overlaps(self._corners[triangle], *self._cells(lumel))
+            share[self._is_point[triangle]] = 1.0
+            self.area += np.bincount(
+                lumel, weights=share * self._scale[triangle], minlength=len(self.index)
+            )
+            yield triangle, lumel, share
+
+    def _cells(self, lumel):
+        """Column and row of lumels."""
+        row, column = np.divmod(self.index[lumel], self._width)
+        return column, row
+
+    def _choose_charts(self, charts, parts) -> None:
+        """Give every lumel to the chart with the largest part of it; charts that are kept apart never share one."""
+        for triangle, lumel, _ in parts:
+            self.chart[lumel] = charts[triangle]
+        shared = np.zeros(len(self.index), dtype=bool)
+        for triangle, lumel, _ in parts:
+            shared[lumel[self.chart[lumel] != charts[triangle]]] = True
+        if not shared.any():
+            return
+        rows = [
+            (lumel[mine], charts[triangle[mine]], (share * self._scale[triangle])[mine])
+            for triangle, lumel, share in parts
+            for mine in (shared[lumel],)
+        ]
+        lumel, chart, area = (np.concatenate(column) for column in zip(*rows, strict=True))
+        order = np.lexsort((chart, lumel))
+        lumel, chart, area = lumel[order], chart[order], area[order]
+        start = np.flatnonzero(
+            np.concatenate([[True], (lumel[1:] != lumel[:-1]) | (chart[1:] != chart[:-1])])
+        )
+        lumel, chart, area = lumel[start], chart[start], np.add.reduceat(area, start)
+        order = np.lexsort((-chart, area, lumel))
+        # The last of a lumel's entries stays: the largest area, and of equal ones the lowest number.
+        self.chart[lumel[order]] = chart[order]
+
+    def _place(self, owner, triangle, lumel, share) -> None:
+        """Note which triangle holds which points of the pattern."""
+        count = len(self._pattern)
+        points = np.arange(count)
+        whole = share >= 1.0 - 1e-12
+        whole &= ~self._is_point[triangle]
+        owner.reshape(-1, count)[lumel[whole]] = triangle[whole, None]
+        rest = np.flatnonzero(~whole & ~self._is_point[triangle])
+        for begin in range(0, len(rest), coverage.CHUNK // count):
+            part = rest[begin : begin + coverage.CHUNK // count]
+            cells = np.stack(self._cells(lumel[part]), axis=1)
+            local = self._corners[triangle[part]] - cells[:, None]
+            sought = np.broadcast_to(self._pattern, (len(part), count, 2))
+            row, point = np.nonzero(coverage.holds(local, sought))
+            owner[lumel[part][row].astype(np.int64) * count + points[point]] = triangle[part][row]
+
+    def _finish(self, owner, charts, parts) -> None:
+        """Lay the places out lumel by lumel."""
+        count = len(self._pattern)
+        found = np.flatnonzero(owner >= 0)
+        lumel, triangle = found // count, owner[found]
+        points = np.stack(self._cells(lumel), axis=1) + self._pattern[found % count]
+        empty = np.ones(len(self.index), dtype=bool)
+        empty[lumel] = False
+        if empty.any():
+            more = self._thin(empty, charts, parts)
+            lumel, triangle = np.concatenate([lumel, more[0]]), np.concatenate([triangle, more[1]])
+            points = np.concatenate([points, more[2]])
+            order = np.argsort(lumel, kind="stable")
+            lumel, triangle, points = lumel[order], triangle[order], points[order]
+        self.triangle = triangle
+        self.bary = coverage.barycentric(self._corners[triangle], points)
+        self.count = np.bincount(lumel, minlength=len(self.index))
+        self.start = np.cumsum(self.count) - self.count
+
+    def _thin(self, empty, charts, parts):
+        """One place for each lumel that meets no point of the pattern: inside its largest overlap."""
+        rows = [
+            (lumel[mine], triangle[mine], (share * self._scale[triangle])[mine])
+            for triangle, lumel, share in parts
+            for mine in (empty[lumel] & (charts[triangle] == self.chart[lumel]),)
+        ]
+        lumel, triangle, area = (np.concatenate(column) for column in zip(*rows, strict=True))
+        order = np.lexsort((triangle, -area, lumel))
+        lumel, triangle = lumel[order], triangle[order]
+        first = np.concatenate([[True], lumel[1:] != lumel[:-1]])
+        lumel, triangle = lumel[first], triangle[first]
+        return lumel, triangle, coverage.inner_points(self._corners[triangle], *self._cells(lumel))
 
 
-def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+def _normals(mesh: Mesh, triangle, bary, geometric) -> np.ndarray:
+    """Shading normals of places; the true ones themselves where the mesh is flat. (k, 3) float32"""
+    if mesh.corner_normals is None:
+        return geometric
+    corners = mesh.corner_normals[triangle].astype(np.float32, copy=False)
+    normals = np.einsum("kc,kcx->kx", bary.astype(np.float32), corners)
+    length = np.sqrt(np.einsum("kx,kx->k", normals, normals))
+    # Normals that look into the surface would receive nothing.
+    usable = (length > 1e-6) & (np.einsum("kx,kx->k", normals, geometric) > 0.0)
+    normals /= np.maximum(length, np.float32(1e-6))[:, None]
+    return np.where(usable[:, None], normals, geometric)
 
-    def cross(p, q):
-        return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
 
-    whole = cross(b - a, c - a)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        v = cross(points - a, c - a) / whole
-        w = cross(b - a, points - a) / whole
-    bary = np.stack([1.0 - v - w, v, w], axis=1)
-    return np.where(np.isfinite(bary), bary, -1.0)
+def _lumel_axes(mesh: Mesh, layout: SurfaceLayout, triangle: np.ndarray):
+    """Steps on the surface for one lumel to the right and one upwards, by the triangles there. (n, 3), (n, 3) [m]"""
+    points = mesh.vertices[mesh.triangles[triangle]]
+    corners = layout.uv[triangle].astype(np.float64)
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    whole = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    along, across = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+    side = 1.0 / layout.density
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        u = (along * second[:, 1:] - across * first[:, 1:]) / whole[:, None]
+        v = (across * first[:, :1] - along * second[:, :1]) / whole[:, None]
+        lengths = np.stack([np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1)])
+        usable = ((lengths > 0.25 * side) & (lengths < 4.0 * side)).all(axis=0)
+    # Slivers do not tell their own slope; any frame in their plane will do.
+    normal = np.cross(along, across)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.where(length > 0.0, normal / np.maximum(length, 1e-300), [0.0, 0.0, 1.0])
+    helper = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
+    other = np.cross(helper, normal)
+    other *= side / np.linalg.norm(other, axis=1, keepdims=True)
+    u = np.where(usable[:, None], u, other)
+    v = np.where(usable[:, None], v, np.cross(normal, other))
+    return u, v
+
+
+def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
+    """Apply what was found out about a block's places."""
+    held = block.receivers
+    positions = held.positions.copy()
+    positions[correction.moved] += correction.shift
+    kept, count, valid = np.ones(len(positions), dtype=bool), held.count, block.valid
+    if correction.dropped is not None:
+        kept = np.unpackbits(correction.dropped, count=len(positions)) == 0
+        count = np.add.reduceat(kept, held.start, dtype=np.int64)
+        valid = count > 0
+        # Lumels without any use keep their places, so that every row has some.
+        kept |= np.repeat(~valid, held.count)
+        count = np.where(valid, count, held.count)
+    normals = held.normals[kept]
+    is_flat = held.normals is held.geometric_normals
+    receivers = Receivers(
+        positions[kept],
+        normals,
+        normals if is_flat else held.geometric_normals[kept],
+        np.cumsum(count) - count,
+        count,
+        held.weights,
+    )
+    return LumelBlock(
+        block.layout,
+        block.page,
+        block.index,
+        block.chart,
+        block.area,
+        valid,
+        receivers,
+        block.triangle[kept],
+    )

@@ -47,6 +47,7 @@ def incoming(
     ratio : Float    Next-event samples at the receiver for every ray.
     without_bent_sun : bool    Whether light of the sun over ideal glass and curved mirrors is left out, because it is traced
         from the sun.
+    is_exact : bool    Whether no cells are read after all.
 
     Returns
     -------
@@ -130,12 +131,7 @@ def incoming(
         row = mi.UInt32(0)
         coat = mi.Float(0.0)
         if reads:
-            row = cells.matt.row(si.shape, active)
-            readable = active & (row > 0) & (dr.norm(si.p - reference) > NEAR * cells.near)
-            cosine = mi.Frame3f.cos_theta(si.wi)
-            side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, readable)
-            readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
-            coat = cells.matt.coat(row, cosine, readable)
+            row, coat, side, readable = _meet(cells, hit, si, reference, active)
             matte = bsdf.eval_diffuse_reflectance(si, readable) * (
                 (1.0 - coat) * cells.matt.scale(row, readable) * dr.inv_pi
             )
@@ -243,6 +239,17 @@ def incoming(
         labels=tuple(state),
     )
     return result[3]
+
+
+def _meet(cells, hit, si, reference, active):
+    """Row of the matt table, reflectance of the coat, side of the cell, and whether it may be read."""
+    row = cells.matt.row(si.shape, active)
+    readable = active & (row > 0) & (dr.norm(si.p - reference) > NEAR * cells.near)
+    cosine = mi.Frame3f.cos_theta(si.wi)
+    side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, readable)
+    readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
+    coat = mi.Float(cells.matt.coat(row, cosine, readable))
+    return row, coat, side, readable
 
 
 def _hit(scene, ray, active):

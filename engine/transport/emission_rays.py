@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import table_size, upload
 from ..luminaires.opening_sampling import POINT
 from .gather import typical_wavelengths
+from .light_targets import MAXIMUM_TARGETS, SphereTree
 from .lights import Source
 from .rays import STEP
 from .sampler import sobol_pair
@@ -24,6 +25,9 @@ MAXIMUM_PAIRS = 1 << 18
 
 PROBES = 16
 """Rays by which the flux from a light to a target is judged at first; a power of two."""
+
+RESOLUTION = 1 << 24
+"""Different numbers by which pairs are chosen. Every pair gets some of them, and its probability is their exact share."""
 
 FLOOR = 0.05
 """Share of the choices made as if the lights were even, since a few rays may miss a narrow beam."""
@@ -75,12 +79,11 @@ class EmissionRays:
     ----------
     scene : CompiledScene
     lights : tuple of IdealLight    At least one.
-    spheres : (k, 4) array    Targets, centre and radius; at least one. [m]
+    tree : SphereTree    What is aimed at.
     """
 
-    def __init__(self, scene, lights: tuple[IdealLight, ...], spheres: np.ndarray):
+    def __init__(self, scene, lights: tuple[IdealLight, ...], tree: SphereTree):
         self._scene, self.lights = scene, lights
-        self.pairs = len(lights) * len(spheres)
         self._has_suns = any(light.source is None for light in lights)
         self._has_points = any(light.source is not None for light in lights)
         rows = np.zeros((table_size(len(lights)), COLUMNS))
@@ -90,19 +93,28 @@ class EmissionRays:
             if light.source is not None:
                 rows[i, :3], rows[i, 3] = light.source.centre, light.source.radius
         self._rows, self._numbers = upload(mi.Float, rows), upload(mi.UInt32, numbers)
-        columns = np.zeros((table_size(len(spheres)), COLUMNS))
-        columns[: len(spheres)] = spheres
+        limit = int(np.clip(MAXIMUM_PAIRS // len(lights), 1, MAXIMUM_TARGETS))
+        is_sun = numbers[: len(lights), 1] > 0.0
+        spheres, counts = tree.cut(rows[: len(lights), :3], is_sun, limit)
+        self.targets = spheres.shape[1]
+        self.pairs = len(lights) * self.targets
+        columns = np.zeros((table_size(self.pairs), COLUMNS))
+        columns[: self.pairs] = spheres.reshape(-1, COLUMNS)
         self._spheres = upload(mi.Float, columns)
-        self._targets = dr.opaque(mi.UInt32, len(spheres))
+        self._targets = dr.opaque(mi.UInt32, self.targets)
         dr.eval(self._rows, self._numbers, self._spheres)
-        self.set_shares(self._judge())
+        self.set_shares(self._judge(counts.ravel()))
 
     def set_shares(self, shares: np.ndarray) -> None:
         """Set the probability of every pair, up to a factor: the targets of the first light, of the second and so on."""
-        self.shares = np.asarray(shares, dtype=np.float64) / np.sum(shares)
+        shares = np.asarray(shares, dtype=np.float64) / np.sum(shares)
+        shares[shares > 0.0] = np.maximum(shares[shares > 0.0], 4.0 / RESOLUTION)
+        limits = np.cumsum(shares)
+        limits = np.round(limits * (RESOLUTION / limits[-1])) / RESOLUTION
+        self.shares = np.diff(limits, prepend=0.0)
         size = table_size(self.pairs)
         cdf = np.full(size, 2.0)
-        cdf[: self.pairs - 1] = np.cumsum(self.shares)[:-1]
+        cdf[: self.pairs - 1] = limits[:-1]
         padded = np.zeros(size)
         padded[: self.pairs] = self.shares
         self._cdf, self._shares = upload(mi.Float, cdf), upload(mi.Float, padded)
@@ -165,7 +177,7 @@ class EmissionRays:
     def _aim(self, pair, place, spread):
         """Line of light: a point of it, its direction, and the way to where the ray begins on a spot's disk."""
         centre, extent = self._row(self._rows, self._light(pair))
-        sphere, radius = self._row(self._spheres, pair % self._targets)
+        sphere, radius = self._row(self._spheres, pair)
         away = sphere - centre
         _, cap = _solid_cap(away, radius + extent)
         distance = dr.norm(away)
@@ -218,7 +230,7 @@ class EmissionRays:
         _, extent = self._row(self._rows, light)
 
         def step(density, k):
-            sphere, radius = self._row(self._spheres, k)
+            sphere, radius = self._row(self._spheres, light * targets + k)
             share = dr.gather(mi.Float, self._shares, light * targets + k)
             away = sphere - start
             along = dr.dot(away, direction)
@@ -241,20 +253,20 @@ class EmissionRays:
 
     # ---- first guess ----
 
-    def _judge(self) -> np.ndarray:
-        """Flux from every light to every target, up to a factor, by a few rays each and without regard to shadows."""
+    def _judge(self, counts: np.ndarray) -> np.ndarray:
+        """Flux of every pair, up to a factor, by a few rays each and without regard to shadows. ``counts``: which are."""
         lane = dr.arange(mi.UInt32, self.pairs * PROBES)
         pair, index = lane // PROBES, lane % PROBES
         seed = dr.opaque(mi.UInt32, PROBE_SEED)
         _, direction, _ = self._aim(pair, sobol_pair(index, seed, 0), sobol_pair(index, seed, 1))
         amount = dr.mean(self._amount(pair, direction, typical_wavelengths()))
         centre, extent = self._row(self._rows, self._light(pair))
-        sphere, radius = self._row(self._spheres, pair % self._targets)
+        sphere, radius = self._row(self._spheres, pair)
         _, cap = _solid_cap(sphere - centre, radius + extent)
         size = dr.select(self._is_sun(pair), dr.pi * dr.square(radius), dr.two_pi * cap)
         size = dr.block_reduce(dr.ReduceOp.Add, size, PROBES)
         amount = dr.block_reduce(dr.ReduceOp.Add, amount, PROBES)
-        size, amount = np.array(size, dtype=np.float64), np.array(amount, dtype=np.float64)
+        size, amount = np.array(size, dtype=np.float64) * counts, np.array(amount, dtype=np.float64)
         seen = amount * size
         shape = (len(self.lights), -1)
         # A light whose probes all miss its beam counts by its flux.

@@ -160,7 +160,17 @@ def _make_spot(light: SpotLight, origin) -> Lamp:
         "radius": float(light.radius),
     }
     flux = made.amount * units.spot_solid_angle(light.half_angle, light.blend)
-    return Lamp(light, Source(mi.load_dict(plugin), flux, made.density, centre, light.radius))
+    axis = np.asarray(light.direction, dtype=np.float64)
+    source = Source(
+        mi.load_dict(plugin),
+        flux,
+        made.density,
+        centre,
+        light.radius,
+        axis / np.linalg.norm(axis),
+        cone=plugin["cos_end"],
+    )
+    return Lamp(light, source)
 
 
 def _make_area(light: AreaLight, origin, nothing) -> Lamp:

@@ -23,9 +23,9 @@ import numpy as np
 
 from ..materials.plugins import DISPERSED_COMPONENT
 from .compile import CompiledScene
-from .emission_rays import MAXIMUM_PAIRS, EmissionRays, IdealLight, find_lights
+from .emission_rays import EmissionRays, IdealLight, find_lights
 from .gather import photometric
-from .light_targets import MAXIMUM_TARGETS, find_targets
+from .light_targets import find_targets
 from .rays import spawn_ray
 from .sampler import random_stream, sobol_pair
 from .textures import is_spectral
@@ -104,16 +104,14 @@ class LightTracer:
     def __init__(self, scene: CompiledScene):
         self.scene = scene
         self.lights: tuple[IdealLight, ...] = find_lights(scene)
-        limit = MAXIMUM_PAIRS // max(len(self.lights), 1)
-        targets = find_targets(scene, int(np.clip(limit, 1, MAXIMUM_TARGETS)))
-        self.is_needed = bool(self.lights and len(targets.spheres))
+        targets = find_targets(scene)
+        self.is_needed = bool(self.lights) and targets.tree is not None
         self.reason = _explain(self.lights, targets.names)
         self._sampler = None
         if is_spectral():
             self._sampler = WavelengthSampler(scene.mean_light, "luminance")
         if self.is_needed:
-            self._targets = len(targets.spheres)
-            self._rays = EmissionRays(scene, self.lights, targets.spheres)
+            self._rays = EmissionRays(scene, self.lights, targets.tree)
             self._learn()
 
     def trace(self, count: int, seed: int, index: int = 0) -> Deposits:
@@ -181,7 +179,7 @@ class LightTracer:
         arrays = {name: _fetch(column, chosen) for name, column in columns.items()}
         arrays["flux"] = arrays["flux"].astype(np.float64)
         pairs = _fetch(pair, chosen)
-        return Deposits(**arrays, light=pairs // np.uint32(self._targets)), pairs
+        return Deposits(**arrays, light=pairs // np.uint32(self._rays.targets)), pairs
 
 
 def _only(value, k: int):

@@ -9,6 +9,8 @@ import numpy as np
 from ..arrays import pointer_id, table_size, upload
 from ..luminaires.palette import LuminairePalette, Row
 from ..luminaires.tables import FLOOR
+from .light_profiles import CONE, FLAT, LAMBERTIAN, columns_of, cone_intensity, make_profiles
+from .light_tree import NOWHERE, PRIOR_DRAWS, TINY, LightTree
 from .rays import spawn_ray
 
 PILOT_POINTS = 1024
@@ -23,12 +25,18 @@ FEWEST_POINTS = 4
 EVEN_SHARE = 0.04
 """Share of choices made evenly, so that no light is forgotten where only it counts."""
 
-LOCAL_LIMIT = 32
-"""Up to this many lights, each point weighs all of them by distance; beyond, one choice serves all points."""
+LOCAL_LIMIT = 16
+"""Up to this many lights, each point weighs all of them; beyond, a tree leads it to those that count there."""
 
+MOST_DRAWS = 64
+"""Lights that a pilot point draws from the tree where there is one."""
 
-COLUMNS = ("x", "y", "z", "spread", "axis_x", "axis_y", "axis_z", "radius", "flat", "real")
-"""What the table on the device holds about each light."""
+LEAST_RATIO = 0.02
+"""Share of the mean ratio of what arrives to what was expected below which no light's is taken to lie: a light that no
+pilot point sees may count all the same at some other point."""
+
+GRAZING = 1e-3
+"""Cosine at the receiver below which no light's falls: rounding must not exclude what is seen."""
 
 
 @dataclass
@@ -42,8 +50,9 @@ class Source:
     density : (471,) array    Spectral density on the 1 nm grid, any scale.
     centre : (3,) array or None    Roughly where it is, in the scene's frame [m]; None: light from infinity.
     radius : float    Of a sphere around it. [m]
-    axis : (3,) array or None    Direction to which a flat one-sided emitter shines; nothing behind it is lit.
+    axis : (3,) array or None    Direction to which a flat one-sided emitter shines, or axis of a cone.
     luminaire : Row or None    What the `LuminairePalette` holds of it; ``emitter`` is the palette's then.
+    cone : float or None    Cosine of the angle to the axis beyond which nothing is lit; None: nothing behind it is.
     """
 
     emitter: object
@@ -53,6 +62,7 @@ class Source:
     radius: float = 0.0
     axis: np.ndarray | None = None
     luminaire: Row | None = None
+    cone: float | None = None
     number: int = field(init=False)
 
     def __post_init__(self):
@@ -64,17 +74,19 @@ class Source:
         if self.centre is None:
             return (0,)
         axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
+        cone = -2.0 if self.cone is None else self.cone
         kind, more = (1, ()) if self.luminaire is None else (2, self.luminaire.order())
-        return (kind, *self.centre, self.radius, *axis, self.flux, *more)
+        return (kind, *self.centre, self.radius, *axis, cone, self.flux, *more)
 
 
 class LightTable:
     """Chooses one of the scene's emitters.
 
     The probability at a point is proportional to strength / (distance^2 + radius^2), for luminaires also to the intensity
-    towards the point; light from infinity counts by the
-    rough solid angle of the portals, or evenly without any. Next to a desk lamp the desk lamp counts, across the room the
-    ceiling. Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
+    towards the point; light from infinity counts by the rough solid angle of the portals, or evenly without any. Next to a
+    desk lamp the desk lamp counts, across the room the ceiling. Where lights are many, a `LightTree` leads to those that
+    count.
+    Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
     included, so that a sky of enormous flux outside a small window does not draw the samples from the lamps inside.
 
     The tables on the device are filled up to a power of two, and all numbers are data, so that a moved, dimmed or added
@@ -100,6 +112,7 @@ class LightTable:
         self.portals = portals
         self.sources = sources
         self.reach = reach
+        self.tree = None
         if not sources:
             return
         ids = np.array([source.number for source in sources])
@@ -110,65 +123,86 @@ class LightTable:
         self._rows = {id(source): i for i, source in enumerate(sources[self._plain :])}
         self._first_luminaire = dr.opaque(mi.UInt32, self._plain)
         self._last_row = dr.opaque(mi.UInt32, max(self.count - self._plain, 1) - 1)
-        self.is_local = self.count <= LOCAL_LIMIT
         self._slots = 1 << (self.count - 1).bit_length()
         padded = np.full(self._slots, ids[0], dtype=np.uint32)
         padded[: self.count] = ids
         self._pointers = upload(mi.UInt32, padded)
         self._number = upload(mi.UInt32, number)
-        self._even = mi.Float(1.0 / self.count)
-        self._places = upload(mi.Float, self._place_table())
-        dr.make_opaque(self._even)
-        dr.eval(self._pointers, self._number, self._places)
+        self._even = dr.opaque(mi.Float, 1.0 / self.count)
+        self._many = dr.opaque(mi.UInt32, self.count)
+        dr.eval(self._pointers, self._number)
+        self._columns = columns_of(sources)
+        self._has_outside = sources[0].centre is None
+        self._arrange()
         self.reset()
 
-    def _place_table(self) -> np.ndarray:
-        table = np.zeros((self._slots, len(COLUMNS)), dtype=np.float32)
-        for row, source in zip(table, self.sources, strict=False):
-            if source.centre is not None:
-                row[:3] = source.centre
-            row[3] = max(source.radius, 1e-3) ** 2
-            if source.axis is not None:
-                row[4:7] = source.axis
-                row[8] = 1.0
-            row[7] = source.radius
-            row[9] = 1.0
-        return table
+    def _arrange(self) -> None:
+        """Give every light its place on the device: that in the tree's leaves where there is a tree."""
+        first = int(self._has_outside)
+        order = np.full(self._slots, -1, dtype=np.int64)
+        order[: self.count] = np.arange(self.count)
+        if self.count > LOCAL_LIMIT:
+            rows = [source.luminaire for source in self.sources[self._plain :]]
+            profiles, which = make_profiles(self._columns, rows, self.palette)
+            self.tree = LightTree(
+                self._columns["centre"][first:],
+                self._columns["radius"][first:],
+                profiles,
+                which[first:],
+                _raised(self._columns["flux"][first:]),
+            )
+            order = self.tree.places.ravel()
+            order = np.where(order >= 0, order + first, -1)
+        self._order = order
+        is_real = order >= 0
+        place = np.full(self._slots, NOWHERE, dtype=np.uint32)
+        place[order[is_real]] = np.flatnonzero(is_real)
+        self._place = upload(mi.UInt32, place)
+        self._light = upload(mi.UInt32, np.where(is_real, order, NOWHERE).astype(np.uint32))
+        columns = {name: values[order] for name, values in self._columns.items()}
+        self._shape = np.column_stack(
+            [
+                columns["centre"],
+                np.maximum(columns["radius"], 1e-3) ** 2,
+                columns["axis"],
+                columns["radius"],
+                np.zeros(len(order)),
+                columns["kind"],
+                columns["cone"],
+                cone_intensity(columns["cone"]),
+            ]
+        )
+        dr.eval(self._place, self._light)
 
     def reset(self) -> None:
         """Forget what was learned: strengths are fluxes."""
-        if self.count:
-            fluxes = np.array([source.flux for source in self.sources])
-            kernels = [
-                1.0 if s.centre is None else 1.0 / (self.reach**2 + s.radius**2)
-                for s in self.sources
-            ]
-            arriving = fluxes / self.reach**2
-            self.set_strengths(arriving, arriving / np.array(kernels))
+        if not self.count:
+            return
+        columns = self._columns
+        strengths = columns["flux"] / self.reach**2
+        nearby = strengths * (self.reach**2 + columns["radius"] ** 2)
+        strengths = np.where(self._is_outside(), strengths, nearby)
+        self.set_strengths(strengths)
 
-    def set_strengths(self, arriving: np.ndarray, strengths: np.ndarray) -> None:
-        """Set what the choice goes by, each up to a factor.
+    def _is_outside(self) -> np.ndarray:
+        return np.arange(self.count) < int(self._has_outside)
 
-        Parameters
-        ----------
-        arriving : (n,) array    Light that arrives on the whole, for one choice at all points.
-        strengths : (n,) array    What the kernels of the lights are multiplied by, for a choice at every point.
-        """
-        arriving = np.asarray(arriving, dtype=np.float64)
-        if not (arriving.sum() > 0.0 and strengths.sum() > 0.0):
-            arriving, strengths = np.ones(self.count), np.ones(self.count)
-        arriving, wanted = arriving / arriving.sum(), strengths / strengths.sum()
-        strengths = np.zeros(self._slots)
-        strengths[: self.count] = wanted
-        shares = np.zeros(self._slots)
-        shares[: self.count] = EVEN_SHARE / self.count + (1.0 - EVEN_SHARE) * arriving
-        cdf = np.cumsum(shares)
-        cdf[self.count - 1 :] = 2.0
-        self._strength = upload(mi.Float, strengths)
-        self._cdf = upload(mi.Float, cdf)
-        self._share = upload(mi.Float, shares)
-        self._start = upload(mi.Float, np.cumsum(shares) - shares)
-        dr.eval(self._strength, self._cdf, self._share, self._start)
+    def set_strengths(self, strengths: np.ndarray) -> None:
+        """Set what the kernels of the lights are multiplied by, up to a factor. (n,)"""
+        strengths = np.asarray(strengths, dtype=np.float64)
+        if not strengths.sum() > 0.0:
+            strengths = np.ones(self.count)
+        strengths = strengths / strengths.sum()
+        if self.tree is not None:
+            first = int(self._has_outside)
+            strengths[first:] = _raised(strengths[first:])
+            self.tree.set_strengths(strengths[first:])
+        self.strengths = strengths
+        shape = self._shape.copy()
+        shape[:, 8] = np.where(self._order >= 0, strengths[self._order], 0.0)
+        self._shapes = upload(mi.Float, shape)
+        self._outside = dr.opaque(mi.Float, strengths[0])
+        dr.eval(self._shapes)
 
     def kernels(self, points: np.ndarray) -> np.ndarray:
         """Distance kernels of all lights at points (k, 3), shape (k, n). [1/m2, 1 for light from infinity]"""
@@ -181,15 +215,22 @@ class LightTable:
                 away = points - source.centre
                 squared = (away**2).sum(axis=1) + max(source.radius, 1e-3) ** 2
                 made[:, i] = 1.0 / squared
-                if source.axis is not None:
+                if source.axis is not None and source.cone is None:
                     height = np.maximum(away @ source.axis, 1e-9)
                     rise = height + np.minimum(height, source.radius)
-                    made[:, i] *= np.minimum(rise / np.sqrt(squared), 1.0)
+                    made[:, i] *= LAMBERTIAN * np.minimum(rise / np.sqrt(squared), 1.0)
         return made * self.importances(points)
 
     def importances(self, points: np.ndarray) -> np.ndarray:
-        """Coarse intensity of the luminaires towards points (k, 3) relative to their mean, 1 for other lights. (k, n)"""
+        """Coarse intensity of luminaires and cones towards points (k, 3) over their mean, 1 for other lights. (k, n)"""
         made = np.ones((len(points), self.count))
+        for i in np.flatnonzero(self._columns["kind"] == CONE):
+            source = self.sources[i]
+            away = points - source.centre
+            is_lit = away @ source.axis + source.radius >= source.cone * np.linalg.norm(
+                away, axis=1
+            )
+            made[:, i] = np.where(is_lit, cone_intensity(source.cone), FLOOR)
         if self.palette is not None:
             made[:, self._plain :] = self.palette.importances(points)
         return made
@@ -209,75 +250,142 @@ class LightTable:
         first = self._first_luminaire
         return mi.Float(dr.select(index >= first, index - first, 0))
 
-    def sample(self, u, point):
-        """Return an emitter's number, its probability at a point, and the stretched remainder of ``u``."""
-        if not self.is_local:
-            index = dr.binary_search(
-                0, self._slots - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= u
-            )
-            share = dr.gather(mi.Float, self._share, index)
-            start = dr.gather(mi.Float, self._start, index)
-        else:
-            index, share, start = mi.UInt32(0), mi.Float(1.0), mi.Float(0.0)
-            running = mi.Float(0.0)
-            for i, value in enumerate(self._local_shares(point)):
-                chosen = (u >= running) & (value > 0.0)
-                index = dr.select(chosen, mi.UInt32(i), index)
-                share = dr.select(chosen, value, share)
-                start = dr.select(chosen, running, start)
-                running = running + value
+    def sample(self, u, point, normal=None):
+        """Choose an emitter.
+
+        Parameters
+        ----------
+        normal : Normal3f or None    Of a receiver to which light from behind is nothing; `probability` must know it too.
+
+        Returns
+        -------
+        (UInt32, Float, Float)    Its number, its probability at the point, and the stretched remainder of ``u``.
+        """
+        if self.tree is not None:
+            return self._sample_tree(u, point, normal)
+        index, share, start = mi.UInt32(0), mi.Float(1.0), mi.Float(0.0)
+        running = mi.Float(0.0)
+        for i, value in enumerate(self._local_shares(point, normal)):
+            chosen = (u >= running) & (value > 0.0)
+            index = dr.select(chosen, mi.UInt32(i), index)
+            share = dr.select(chosen, value, share)
+            start = dr.select(chosen, running, start)
+            running = running + value
         return index, share, dr.clip((u - start) / share, 0.0, 0.9999999)
 
-    def probability(self, pointer, point, active, row=0):
+    def _sample_tree(self, u, point, normal):
+        is_even = u < EVEN_SHARE
+        wanted = u * (mi.Float(self._many) / EVEN_SHARE)
+        index = dr.minimum(mi.UInt32(dr.select(is_even, wanted, 0.0)), self._many - 1)
+        place = dr.gather(mi.UInt32, self._place, index)
+        stretched = dr.maximum(u - EVEN_SHARE, 0.0) * (1.0 / (1.0 - EVEN_SHARE))
+        place, share, rest = self._descend(stretched, place, is_even, point, normal)
+        at_light = place != NOWHERE
+        index = dr.select(at_light, dr.gather(mi.UInt32, self._light, place, at_light), 0)
+        rest = dr.select(is_even, dr.clip(wanted - dr.floor(wanted), 0.0, 0.9999999), rest)
+        return index, share, rest
+
+    def probability(self, pointer, point, active, row=0, normal=None):
         """Probability of choosing an emitter at a point. ``row``: which luminaire, if the pointer is the palette's."""
         if self.count == 0:
             return mi.Float(0.0)
         ids = dr.reinterpret_array(mi.UInt32, pointer)
         index = dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
-        if not self.is_local:
-            return dr.gather(mi.Float, self._share, index, active)
+        if self.tree is not None:
+            place = dr.gather(mi.UInt32, self._place, index, active)
+
+            def find(place):
+                return self._descend(mi.Float(0.0), place, mi.Bool(True), point, normal)[1]
+
+            # Most rays meet no light and need no way to it.
+            return dr.if_stmt(
+                (place,), mi.Bool(active), find, lambda place: mi.Float(0.0), arg_labels=("place",)
+            )
         probability = mi.Float(0.0)
-        for i, value in enumerate(self._local_shares(point)):
+        for i, value in enumerate(self._local_shares(point, normal)):
             probability = dr.select(active & (index == i), value, probability)
         return probability
 
-    def _local_shares(self, point) -> list:
+    def _descend(self, u, place, is_given, point, normal):
+        """As `LightTree.descend`, with the share of even choices in the probability."""
+
+        def weigh(place):
+            value, _ = self._weigh(place, point, normal)
+            is_real = dr.gather(mi.UInt32, self._light, place) != NOWHERE
+            return dr.select(is_real, dr.maximum(value, TINY), 0.0)
+
+        outside = self._weigh_outside(point) if self._has_outside else None
+        place, share, rest = self.tree.descend(
+            point, u, place, is_given, weigh, outside=outside, normal=normal
+        )
+        return place, EVEN_SHARE * self._even + (1.0 - EVEN_SHARE) * share, rest
+
+    def _local_shares(self, point, normal) -> list:
         """Probabilities of all lights at a point; 0 where the table is only filled up."""
         if self.count == 1:
             return [mi.Float(1.0)]
-
-        def entry(row, name):
-            place = row * len(COLUMNS) + COLUMNS.index(name)
-            return dr.gather(mi.Float, self._places, mi.UInt32(place))
-
         weights = []
         for i in range(self._slots):
-            weight = dr.gather(mi.Float, self._strength, mi.UInt32(i))
-            if i == 0 and self.sources[0].centre is None:
-                if self.portals is not None:
-                    weight = weight * self.portals.openness(point)
+            if i == 0 and self._has_outside:
+                weights.append(self._weigh_outside(point))
             else:
-                away = point - mi.Point3f(*(entry(i, name) for name in "xyz"))
-                squared = dr.squared_norm(away) + entry(i, "spread")
-                axis = mi.Vector3f(*(entry(i, f"axis_{name}") for name in "xyz"))
-                # The cosine at the emitter, at most that of its nearest part.
-                height = dr.maximum(dr.dot(away, axis), 0.0)
-                rise = height + dr.minimum(height, entry(i, "radius"))
-                cosine = dr.minimum(rise * dr.rsqrt(squared), 1.0)
-                weight = weight / squared * dr.select(entry(i, "flat") > 0.0, cosine, 1.0)
-                if self.palette is not None:
-                    shines = mi.Bool(mi.UInt32(i) >= self._first_luminaire)
-                    row = dr.select(shines, mi.UInt32(i) - self._first_luminaire, 0)
-                    row = dr.minimum(row, self._last_row)
-                    value = self.palette.importance(row, mi.Vector3f(away), shines)
-                    weight *= dr.select(shines, value, 1.0)
-            weights.append(weight)
-        total = sum(weights[1:], weights[0])
-        total = dr.maximum(total, 1e-30)
+                weights.append(self._weigh(mi.UInt32(i), point, normal)[0])
+        total = dr.maximum(sum(weights[1:], weights[0]), TINY)
         shares = [(1.0 - EVEN_SHARE) * w / total for w in weights]
         # Whatever is missing to 1 (all of it where no light shines) is spread evenly.
         rest = (1.0 - sum(shares[1:], shares[0])) * self._even
-        return [share + rest * entry(i, "real") for i, share in enumerate(shares)]
+        return [share + dr.select(i < self._many, rest, 0.0) for i, share in enumerate(shares)]
+
+    def _weigh_outside(self, point):
+        if self.portals is None:
+            return self._outside
+        return self._outside * self.portals.openness(point)
+
+    def _weigh(self, place, point, normal=None):
+        """Give what the light at a place gives at a point, unoccluded.
+
+        Returns
+        -------
+        (Float, Float)    That, and the coarse intensity towards the point over the mean, 1 where it is not known.
+        """
+        where, to, how = (dr.gather(mi.Vector4f, self._shapes, place * 3 + k) for k in range(3))
+        strength, kind, cone, intensity = how
+        axis, radius = mi.Vector3f(to.x, to.y, to.z), to.w
+        away = mi.Vector3f(point) - mi.Vector3f(where.x, where.y, where.z)
+        distance = dr.squared_norm(away)
+        squared = distance + where.w
+        weight = strength / squared
+        along = dr.dot(away, axis)
+        # The cosine at the emitter, at most that of its nearest part.
+        height = dr.maximum(along, 0.0)
+        rise = height + dr.minimum(height, radius)
+        cosine = LAMBERTIAN * dr.minimum(rise * dr.rsqrt(squared), 1.0)
+        weight *= dr.select(kind == float(FLAT), cosine, 1.0)
+        in_cone = along + radius >= cone * dr.sqrt(distance)
+        lit = dr.select(kind == float(CONE), dr.select(in_cone, intensity, FLOOR), 1.0)
+        if self.palette is not None:
+            light = dr.gather(mi.UInt32, self._light, place)
+            shines = (light >= self._first_luminaire) & (light != NOWHERE)
+            row = dr.minimum(dr.select(shines, light - self._first_luminaire, 0), self._last_row)
+            lit = dr.select(shines, self.palette.importance(row, away, shines), lit)
+        if normal is not None:
+            rise = (radius - dr.dot(away, normal)) * dr.rsqrt(squared)
+            weight *= dr.clip(rise, GRAZING, 1.0)
+        return weight * lit, lit
+
+    def expect(self, index, point):
+        """Return what a light is expected to give at a point, unoccluded, and whether its coarse intensity tells much."""
+        place = dr.gather(mi.UInt32, self._place, index)
+        is_inside = place != NOWHERE
+        value, lit = self._weigh(dr.select(is_inside, place, 0), point)
+        if self._has_outside:
+            value = dr.select(is_inside, value, self._weigh_outside(point))
+        return value, ~is_inside | (lit > 2.0 * FLOOR)
+
+
+def _raised(strengths: np.ndarray) -> np.ndarray:
+    """Strengths of which none is 0, so that every node of a tree has a weight."""
+    return np.maximum(strengths, 1e-9 * max(strengths.max(initial=0.0), TINY))
 
 
 def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None:
@@ -306,8 +414,17 @@ def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None
     hit = scene.solid.ray_intersect(spawn_ray(scene, near, away))
     facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
     far = _surface(hit.p, facing)
+    surfaces = ((near, mi.Bool(True)), (far, hit.is_valid()))
+    if scene.lights.tree is None:
+        _compare_all(scene, surfaces, wavelengths, lanes)
+    else:
+        _compare_drawn(scene, surfaces, wavelengths, lanes)
+
+
+def _compare_all(scene, surfaces, wavelengths, lanes) -> None:
+    """Ask every point about every light."""
     logarithms, found, kernels, eligible = [], [], [], []
-    for si, active in ((near, mi.Bool(True)), (far, hit.is_valid())):
+    for si, active in surfaces:
         arriving = _arriving(scene, si, active, wavelengths, lanes)
         place = np.stack([np.array(c) for c in si.p], axis=1)
         place = np.nan_to_num(place, posinf=0.0, neginf=0.0)
@@ -329,7 +446,37 @@ def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None
     known, missed = strengths > 0.0, eligible.sum(axis=0) < FEWEST_POINTS
     if known.any():
         strengths[missed] = fluxes[missed] * np.median(strengths[known] / fluxes[known])
-    scene.lights.set_strengths(mean * found.mean(axis=0), strengths)
+    scene.lights.set_strengths(strengths)
+
+
+def _compare_drawn(scene, surfaces, wavelengths, lanes) -> None:
+    """Ask every point about lights that it draws by their fluxes: the cost is the same however many there are."""
+    lights = scene.lights
+    count, first = lights.count, int(lights.sources[0].centre is None)
+    ratios, draws = np.zeros(count), np.zeros(count)
+    repeats = 1 << int(np.clip(lanes // PILOT_POINTS, 1, MOST_DRAWS)).bit_length() - 1
+    times = dr.opaque(mi.UInt32, repeats)
+    for nth, (si, exists) in enumerate(surfaces):
+        lane = dr.arange(mi.UInt32, PILOT_POINTS * repeats)
+        stream = mi.PCG32(size=PILOT_POINTS * repeats, initstate=dr.opaque(mi.UInt64, 11 + nth))
+        at, active = _at(si, exists, lane // times, wavelengths)
+        u = (mi.Float(lane % times) + stream.next_float32()) / mi.Float(times)
+        light, _, _ = lights.sample(dr.minimum(u, 0.9999999), at.p)
+        amount = _amount(scene, at, light, stream, active)
+        expected, is_telling = lights.expect(light, at.p)
+        ratio = dr.select(expected > 0.0, amount / dr.maximum(expected, TINY), 0.0)
+        counts = active & is_telling & dr.isfinite(ratio)
+        dr.eval(light, ratio, counts)
+        asked = np.array(counts)
+        numbers = np.array(light)[asked]
+        ratios += np.bincount(numbers, np.array(ratio, dtype=np.float64)[asked], count)
+        draws += np.bincount(numbers, minlength=count)
+    if not ratios.sum() > 0.0:
+        return
+    mean = ratios.sum() / draws.sum()
+    learned = np.full(count, (ratios[0] + PRIOR_DRAWS * mean) / (draws[0] + PRIOR_DRAWS))
+    learned[first:] = lights.tree.smooth(ratios[first:], draws[first:])
+    lights.set_strengths(lights.strengths * np.maximum(learned, LEAST_RATIO * mean))
 
 
 def _columns(array):
@@ -344,8 +491,6 @@ def _surface(point, normal):
 
 def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     """Illuminance that each light gives at each point, shadows included, up to a factor. (points, lights)"""
-    from .paths import transmittance
-
     count = scene.lights.count
     # A power of two, since kernels have it in them.
     repeats = 1 << int(np.clip(lanes // (PILOT_POINTS * count), 1, 64)).bit_length() - 1
@@ -354,11 +499,25 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     many, times = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, repeats)
     light = (lane // times) % many
     point = lane // (times * many)
+    at, active = _at(si, active, point, wavelengths)
+    stream = mi.PCG32(size=dr.width(lane), initstate=11)
+    amount = _amount(scene, at, light, stream, active)
+    sums = dr.block_reduce(dr.ReduceOp.Add, amount, repeats)
+    return np.array(sums, dtype=np.float64).reshape(PILOT_POINTS, count)
+
+
+def _at(si, active, point, wavelengths):
+    """Surfaces of pilot points by their numbers, and which of them are asked."""
     at = dr.gather(mi.SurfaceInteraction3f, si, point)
-    active = dr.gather(mi.Bool, dr.select(active, True, dr.zeros(mi.Bool, PILOT_POINTS)), point)
     if wavelengths is not None:
         at.wavelengths = wavelengths
-    stream = mi.PCG32(size=dr.width(lane), initstate=11)
+    return at, dr.gather(mi.Bool, dr.select(active, True, dr.zeros(mi.Bool, PILOT_POINTS)), point)
+
+
+def _amount(scene, at, light, stream, active):
+    """One-sample estimate of the illuminance that a light gives, shadows included, up to a factor."""
+    from .paths import transmittance
+
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
     at.time = scene.lights.row(light)
     ds, value = scene.lights.pointer(light).sample_direction(at, sample, active)
@@ -366,6 +525,4 @@ def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
     lit = active & (ds.pdf > 0.0) & (cosine > 0.0)
     # A sum, since a mean has the number of lanes in its kernel.
     amount = dr.sum(value * transmittance(scene, at, ds, lit)) * cosine
-    amount = dr.select(lit & dr.isfinite(amount), amount, 0.0)
-    sums = dr.block_reduce(dr.ReduceOp.Add, amount, repeats)
-    return np.array(sums, dtype=np.float64).reshape(PILOT_POINTS, count)
+    return dr.select(lit & dr.isfinite(amount), amount, 0.0)

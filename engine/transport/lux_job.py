@@ -21,7 +21,7 @@ from ..photometry.spectra import observer
 from . import gather
 from .cells import CellSet
 from .lights import learn
-from .receiving import direct, gathered
+from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 from .sweeps import Sweeper
 from .textures import is_spectral
@@ -49,8 +49,11 @@ FEWEST_CELLS, MOST_CELLS = 4_000, 1_000_000
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
-CHECKS = 1 << 14
-"""Paths in every pass that compare the cells with full paths."""
+SWEEP_SHARE = 0.25
+"""Work of the sweep before a pass, relative to that of the pass. [-]"""
+
+CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 13, 1 << 17
+"""Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
 
 NO_SAMPLES = 255
 """Level of lumels that get nothing."""
@@ -76,6 +79,9 @@ class Options:
     adaptive: bool = True
 
 
+_POWERS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
+
+
 @dataclass
 class Levels:
     """Samples of every lumel in a pass: two to the power of the level, for direct light and for gathering. (n,) uint8"""
@@ -93,20 +99,34 @@ class Levels:
 
     def total(self) -> float:
         """Sum of `samples`."""
-        powers = 2.0 ** np.arange(NO_SAMPLES + 1)
-        powers[NO_SAMPLES] = 0.0
-        counts = [
-            np.bincount(each, minlength=NO_SAMPLES + 1) for each in (self.gather, self.direct)
+        sums = [
+            float(np.bincount(each, minlength=NO_SAMPLES + 1) @ _POWERS)
+            for each in (self.direct, self.gather)
         ]
-        return float(counts[0] @ powers + counts[1] @ powers / GATHER_COST)
+        return (sums[0] + GATHER_COST * sums[1]) / (1.0 + GATHER_COST)
+
+    def lowered(self, steps: int) -> "Levels":
+        """Samples halved so many times, but at least one."""
+        lower = np.arange(NO_SAMPLES + 1, dtype=np.int64) - steps
+        lower = np.maximum(lower, 0)
+        lower[NO_SAMPLES] = NO_SAMPLES
+        table = lower.astype(np.uint8)
+        return Levels(table[self.direct], table[self.gather])
+
+    def only(self, chosen: np.ndarray) -> "Levels":
+        """None outside the chosen lumels. (n,) bool"""
+        return Levels(
+            np.where(chosen, self.direct, np.uint8(NO_SAMPLES)),
+            np.where(chosen, self.gather, np.uint8(NO_SAMPLES)),
+        )
 
     def samples(self) -> np.ndarray:
-        """Samples by lumel, both kinds together in units of gathering rays. (n,)"""
-        return _count(self.gather) + _count(self.direct) / GATHER_COST
+        """Samples by lumel: as many pairs of one of each kind would cost as much. (n,)"""
+        return (_count(self.direct) + GATHER_COST * _count(self.gather)) / (1.0 + GATHER_COST)
 
 
 def _count(levels: np.ndarray) -> np.ndarray:
-    return np.where(levels == NO_SAMPLES, 0.0, 2.0 ** levels.astype(np.float64))
+    return _POWERS[levels]
 
 
 class LuxJob:
@@ -150,31 +170,52 @@ class LuxJob:
         if self.sweeper is not None:
             self.sweeper.find()
 
-    def run_pass(self, number: int, levels: Levels, sums: ReplicateSums, progress=None) -> None:
-        """Add one replicate.
+    def run_pass(
+        self, number: int, levels: Levels, sums: ReplicateSums, objects: np.ndarray, progress=None
+    ) -> np.ndarray:
+        """Add one replicate. Returns the mean that it gave each object. (m,) [lx]
 
         Parameters
         ----------
         number : int    Of the pass; no two may be alike.
         levels : Levels
         sums : ReplicateSums    Of all lumels.
+        objects : (n,) int array    Number of the object of every lumel.
         progress : callable or None    Called with the share of the pass that is done.
         """
-        self._refresh(number, levels)
+        self.refresh(number, levels)
+        light, surface = np.zeros(int(objects.max()) + 1), np.zeros(int(objects.max()) + 1)
+        for _, part, values in self.estimates(number, levels, progress):
+            own = Levels(levels.direct[part], levels.gather[part])
+            made = values.sum(axis=0)
+            sums.add(part.start, made, own.samples())
+            area = np.where(self.valid[part], self.area[part], 0.0)
+            light += np.bincount(objects[part], made[:, 0] * area, len(light))
+            surface += np.bincount(objects[part], area, len(surface))
+        sums.end_pass()
+        return light / np.maximum(surface, 1e-300)
+
+    def estimates(self, number: int, levels: Levels, progress=None):
+        """Estimates of all lumels, block by block.
+
+        Yields
+        ------
+        (block, part, values)
+            Number of the block, slice of its lumels, and (2, k, channels) values: direct light and the rest.
+        """
         done = 0
         for block, count in enumerate(self.table.counts):
             part = slice(int(self.first[block]), int(self.first[block]) + count)
-            made = np.zeros((count, self.channels))
+            values = np.zeros((2, count, self.channels))
             own = Levels(levels.direct[part], levels.gather[part])
-            for lumels, found in self.launches(block, number, own):
-                made[lumels] += found.sum(axis=0)
+            for lumels, found in self._launches(block, number, own):
+                values[:, lumels] += found
                 done += len(lumels)
                 if progress is not None:
                     progress(min(0.5 * done / max(self.count, 1), 1.0))
-            sums.add(part.start, made, own.samples())
-        sums.end_pass()
+            yield block, part, values
 
-    def launches(self, block: int, number: int, levels: Levels):
+    def _launches(self, block: int, number: int, levels: Levels):
         """Estimates of the lumels of a block, launch by launch.
 
         Yields
@@ -198,14 +239,15 @@ class LuxJob:
                     values[kind] = self._launch(block, kind, lumels, samples, number, levels)
                     yield lumels, values
 
-    def compare(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+    def compare(self, number: int, levels: Levels) -> tuple[np.ndarray, np.ndarray]:
         """Differences between reading cells and full paths at lumels that are drawn by area. (k,) lumels, (k,) [lx]"""
         if self.sweeper is None:
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         chances = np.where(self.valid, self.area, 0.0)
         draw = np.random.default_rng([self.seed & 0xFFFFFFFF, number, 77])
         ends = np.cumsum(chances)
-        lumels = np.searchsorted(ends, draw.random(CHECKS) * ends[-1], side="right")
+        checks = int(np.clip(CHECK_SHARE * levels.total(), FEWEST_CHECKS, MOST_CHECKS))
+        lumels = np.searchsorted(ends, draw.random(checks) * ends[-1], side="right")
         lumels = np.sort(np.minimum(lumels, self.count - 1))
         found = np.zeros(len(lumels))
         for block, count in enumerate(self.table.counts):
@@ -215,9 +257,9 @@ class LuxJob:
             if self.cancelled():
                 raise Cancelled("cancelled")
             own = lumels[low:high] - self.first[block]
-            levels = Levels.even(count, 1, 1)
+            ones = Levels.even(count, 1, 1)
             read, full = (
-                self._launch(block, 1, own, 1, number, levels, salt=19, is_exact=exact)[:, 0]
+                self._launch(block, 1, own, 1, number, ones, salt=19, is_exact=exact)[:, 0]
                 for exact in (False, True)
             )
             found[low:high] = read - full
@@ -237,12 +279,13 @@ class LuxJob:
             gather.typical_wavelengths(),
         )
 
-    def _refresh(self, number: int, levels: Levels) -> None:
+    def refresh(self, number: int, levels: Levels) -> None:
+        """Sweep the cells anew, for a pass."""
         if self.sweeper is None or number == 0:
             return
-        # About a quarter of the pass's work, in whole quarters of cells.
-        work = 0.25 * levels.total() / max(self.sweeper.lanes_per_sample, 1)
-        self.sweeper.refresh(number, int(np.clip(4 * round(work / 4.0), 4, 64)))
+        # About a quarter of the pass's work, in whole powers of two.
+        work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
+        self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 2, 6)))
 
     def _block(self, number: int) -> dict:
         """Places of a block on the device; those of a few blocks are kept."""
@@ -271,68 +314,67 @@ class LuxJob:
         share = _count(levels.direct[lumels]) / np.maximum(_count(levels.gather[lumels]), 1e-9)
         ratios = upload(mi.Float, np.clip(share, 1e-4, 1e4))
         many = dr.opaque(mi.UInt32, samples)
-        lane = dr.arange(mi.UInt32, len(lumels) * samples)
-        row, sample = lane // many, lane % many
-        lumel = dr.gather(mi.UInt32, who, row)
-        ratio = dr.gather(mi.Float, ratios, row)
         seed = dr.opaque(
             mi.UInt32,
             (int(self.seed) * 2654435761 + number * 40503 + kind * 9176 + salt) & 0xFFFFFFFF,
         )
+        pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER)[kind]
+
+        lane = dr.arange(mi.UInt32, len(lumels) * samples)
+        row, sample = lane // many, lane % many
+        lumel = dr.gather(mi.UInt32, who, row)
         own = hash_words(first + lumel, seed)
         stream = random_stream(sample, own)
-        if self.options.qmc:
-            place_sample = sobol_pair(sample, own, gather.PAIR_PLACE)
-            light_sample = sobol_pair(sample, own, gather.PAIR_LIGHT)
-            scatter_sample = sobol_pair(sample, own, gather.PAIR_SCATTER)
-            tint = sobol_pair(sample, own, gather.PAIR_WAVELENGTH).x
-        else:
-            place_sample, light_sample, scatter_sample = (
-                mi.Point2f(stream.next_float32(), stream.next_float32()) for _ in range(3)
-            )
-            tint = stream.next_float32()
+        place_sample, point, tint = self._samples(sample, own, stream, pair)
         wavelengths = None if self.sampler is None else self.sampler.sample(tint)
-        mine = dr.gather(mi.UInt32, places["count"], lumel)
-        chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
-        chosen += dr.gather(mi.UInt32, places["start"], lumel)
-
-        def fetch(made, name):
-            return made(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
-
-        si = gather.receiver(
-            fetch(mi.Point3f, "p"),
-            fetch(mi.Normal3f, "n"),
-            fetch(mi.Normal3f, "g"),
-            wavelengths,
-            scene.extent,
-        )
+        si = self._place(places, lumel, place_sample, wavelengths)
 
         def respond(direction):
             above = dr.dot(direction, si.n) > 0.0
             return dr.select(above, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0)
 
-        everyone = mi.Bool(True)
+        ratio = dr.gather(mi.Float, ratios, row)
+        receiver = Receiver(si, wavelengths, stream, point, ratio, respond)
         if kind == 0:
-            value = direct(scene, si, light_sample, stream, everyone, ratio, respond)
+            value = direct(scene, receiver)
         else:
-            value = gathered(
-                scene,
-                self.cells,
-                si,
-                wavelengths,
-                stream,
-                scatter_sample,
-                everyone,
-                ratio,
-                respond,
-                is_exact=is_exact,
-            )
+            value = gathered(scene, self.cells, receiver, is_exact=is_exact)
         sums = []
         for channel in self._channels(value, wavelengths, si):
             kept = dr.select(dr.isfinite(channel), channel, 0.0)
             sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, samples))
         dr.eval(sums)
         return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1) / samples
+
+    def _samples(self, sample, seed, stream, pair: int):
+        """Points for the place, the direction or light, and the wavelengths."""
+        if self.options.qmc:
+            return (
+                sobol_pair(sample, seed, gather.PAIR_PLACE),
+                sobol_pair(sample, seed, pair),
+                sobol_pair(sample, seed, gather.PAIR_WAVELENGTH).x,
+            )
+        place, direction = (
+            mi.Point2f(stream.next_float32(), stream.next_float32()) for _ in range(2)
+        )
+        return place, direction, stream.next_float32()
+
+    def _place(self, places: dict, lumel, sample, wavelengths):
+        """One of the places of a lumel."""
+        mine = dr.gather(mi.UInt32, places["count"], lumel)
+        chosen = dr.minimum(mi.UInt32(sample.x * mi.Float(mine)), mine - 1)
+        chosen += dr.gather(mi.UInt32, places["start"], lumel)
+
+        def fetch(made, name):
+            return made(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
+
+        return gather.receiver(
+            fetch(mi.Point3f, "p"),
+            fetch(mi.Normal3f, "n"),
+            fetch(mi.Normal3f, "g"),
+            wavelengths,
+            self.scene.extent,
+        )
 
     def _channels(self, value, wavelengths, si) -> list:
         made = [gather.photometric(self.sampler, value, wavelengths)]
@@ -375,85 +417,118 @@ class Pilot:
 
     def __init__(self, job: LuxJob):
         self.job = job
-        self.scatter: np.ndarray | None = None
+        share = np.where(job.valid, job.area, 0.0)
+        self._share = (share / max(share.sum(), 1e-300)).astype(np.float32)
+        self._scatter = np.zeros((2, job.count), dtype=np.float32)
+        # A number in 0..1 for every tile, by which some of them are chosen.
+        self._lot = np.zeros(job.count, dtype=np.float32)
 
-    def run(self, sums: ReplicateSums) -> float:
-        """Make two passes with few samples. Returns the seconds of the second, which makes no kernels. [s]
-
-        Variances of single samples by tile are left in ``scatter`` (2, n), as those of direct light and gathering.
-        """
+    def run(self, sums: ReplicateSums) -> None:
+        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind."""
         job = self.job
         levels = Levels.even(job.count, PILOT_SAMPLES, PILOT_SAMPLES)
         first = np.zeros((2, job.count), dtype=np.float32)
-        scatter = np.zeros((2, job.count), dtype=np.float32)
-        seconds = 0.0
         for number in range(2):
-            start = time.perf_counter()
-            job._refresh(number, levels)
-            for block, count in enumerate(job.table.counts):
-                part = slice(int(job.first[block]), int(job.first[block]) + count)
-                made = np.zeros((2, count, job.channels))
+            job.refresh(number, levels)
+            for block, part, values in job.estimates(number, levels):
                 own = Levels(levels.direct[part], levels.gather[part])
-                for lumels, found in job.launches(block, number, own):
-                    made[:, lumels] += found
-                sums.add(part.start, made.sum(axis=0), own.samples())
+                sums.add(part.start, values.sum(axis=0), own.samples())
                 if number == 0:
-                    first[:, part] = made[..., 0]
-                else:
-                    # Of two values each, so half their squared difference is the variance of one.
-                    square = 0.5 * (made[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
-                    tiles = tile_numbers(job.table.block(block), job.table.width(block))
-                    for kind in range(2):
-                        scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
+                    first[:, part] = values[..., 0]
+                    continue
+                # Of two values each, so half their squared difference is the variance of one.
+                square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
+                tiles = tile_numbers(job.table.block(block), job.table.width(block))
+                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, block, 5])
+                self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
+                for kind in range(2):
+                    self._scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
             sums.end_pass()
-            seconds = time.perf_counter() - start
-        self.scatter = scatter
-        return seconds
 
-    def plan(self, target: float | None, samples: float | None, passes: int) -> Levels:
-        """Samples of every lumel in the passes to come.
+    def plan(self, square: float | None = None, samples: float | None = None) -> Levels:
+        """Samples of every lumel in a pass.
 
         Parameters
         ----------
-        target : float or None    Square of the map's standard error that ``passes`` passes should reach. [lx2]
-        samples : float or None    Or mean number of samples per lumel that they should take.
-        passes : int
+        square : float or None    Square of the map's standard error that one pass should have, were its samples independent.
+            [lx2]
+        samples : float or None    Or mean number of samples of a lumel.
         """
         job, options = self.job, self.job.options
-        scatter = np.maximum(self.scatter.astype(np.float64), 0.0)
-        share = np.where(job.valid, job.area, 0.0)
-        share /= max(share.sum(), 1e-300)
-        cost = np.array([1.0, GATHER_COST])
-        wanted = np.sqrt(scatter * share / cost[:, None])
+        cost = np.array([1.0, GATHER_COST], dtype=np.float32)
+        wanted = np.sqrt(self._scatter * self._share / cost[:, None])
         if not options.direct_apart:
-            both = np.sqrt(scatter.sum(axis=0) * share / cost.sum())
+            both = np.sqrt(self._scatter.sum(axis=0) * self._share / cost.sum())
             wanted = np.stack([both, both])
-        mean = np.array([w[job.valid].mean() if job.valid.any() else 0.0 for w in wanted])
+        mean = wanted[:, job.valid].mean(axis=1) if job.valid.any() else np.zeros(2, np.float32)
         if not options.adaptive:
             wanted = np.repeat(mean[:, None], job.count, axis=1)
-        # Where one kind has no scatter at all, one sample of it will do.
         wanted = np.clip(wanted, mean[:, None] / SPREAD, mean[:, None] * SPREAD)
-        floor = 1e-6 * max(float(mean.max()), 1e-300)
-        wanted = np.maximum(wanted, floor)
+        # Where one kind has no scatter at all, one sample of it will do.
+        wanted = np.log2(np.maximum(wanted, 1e-6 * max(float(mean.max()), 1e-30)))
 
-        def levels(scale: float) -> Levels:
-            made = np.clip(np.round(np.log2(wanted * scale)), 0, np.log2(MOST_SAMPLES))
-            return Levels(made[0].astype(np.uint8), made[1].astype(np.uint8))
+        def levels(shift: float) -> Levels:
+            made = np.clip(np.round(wanted + np.float32(shift)), 0, np.log2(MOST_SAMPLES))
+            return Levels(*made.astype(np.uint8))
 
-        def excess(scale: float) -> float:
-            made = levels(scale)
-            if target is not None:
-                error = (
-                    (scatter[0] / _count(made.direct) + scatter[1] / _count(made.gather)) * share
-                ).sum() / passes
-                return target - error
-            return float(made.samples()[job.valid].mean()) * passes - samples
+        def is_enough(shift: float) -> bool:
+            made = levels(shift)
+            if square is not None:
+                return self.square(made) <= square
+            return made.total() >= samples * job.count
 
-        low, high = 1e-3 / max(float(mean.max()), 1e-300), 1e6 / max(float(mean.max()), 1e-300)
-        for _ in range(60):
-            middle = np.sqrt(low * high)
-            low, high = (low, middle) if excess(middle) >= 0.0 else (middle, high)
+        high = float(-wanted.min(initial=0.0)) + np.log2(MOST_SAMPLES)
+        low = float(-wanted.max(initial=0.0)) - 1.0
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if is_enough(middle) else (middle, high)
         return levels(high)
+
+    def square(self, levels: Levels, chosen=slice(None)) -> float:
+        """Square of the map's standard error after one pass, were its samples independent. [lx2]"""
+        total = 0.0
+        for scatter, column in zip(self._scatter, (levels.direct, levels.gather), strict=True):
+            per_sample = np.divide(1.0, _POWERS, out=np.zeros_like(_POWERS), where=_POWERS > 0.0)
+            inverse = per_sample.astype(np.float32)[column[chosen]]
+            total += float((scatter[chosen] * self._share[chosen] * inverse).sum(dtype=np.float64))
+        return total
+
+    def try_pass(self, number: int, levels: Levels, part: float) -> tuple[float, float]:
+        """Square of the map's standard error after one pass as it is, found on a part of the tiles; and what a pass takes.
+
+        Parameters
+        ----------
+        number : int    Two passes, this one and the next, are made.
+        levels : Levels
+        part : float    Share of the tiles.
+
+        Returns
+        -------
+        (square, seconds)    [lx2, s]
+        """
+        job = self.job
+        chosen = self._lot < part
+        if float(self._share[chosen].sum()) < 0.5 * part:
+            chosen = np.ones(job.count, dtype=bool)
+        few = levels.only(chosen)
+        found = np.zeros((2, job.count), dtype=np.float32)
+        seconds = []
+        for half in range(2):
+            start = time.perf_counter()
+            job.refresh(number + half, levels)
+            middle = time.perf_counter()
+            for _, span, values in job.estimates(number + half, few):
+                found[half, span] = values[..., 0].sum(axis=0)
+            scale = levels.total() / max(few.total(), 1e-9)
+            seconds.append(middle - start + (time.perf_counter() - middle) * scale)
+        measured = float(
+            (0.5 * (found[0] - found[1]) ** 2 * self._share)[chosen].sum(dtype=np.float64)
+        )
+        supposed = self.square(levels, chosen)
+        if supposed <= 0.0:
+            return measured, min(seconds)
+        # What is known of all tiles, corrected by how these few turned out.
+        return self.square(levels) * measured / supposed, min(seconds)
 
 
 def tile_numbers(block, width: int) -> np.ndarray:

@@ -4,6 +4,8 @@ Both meet light that comes straight from an emitter: next-event by choosing it, 
 are weighed by the power heuristic for as many samples as each takes (E. Veach, 1997, ch. 9), so any numbers add up.
 """
 
+from dataclasses import dataclass
+
 import drjit as dr
 import mitsuba as mi
 
@@ -12,17 +14,30 @@ from .cached_gather import incoming
 from .rays import spawn_ray
 
 
-def direct(scene, si, sample, stream, active, ratio, respond):
-    """Light by next-event.
+@dataclass(frozen=True)
+class Receiver:
+    """Where light is received, and the samples for it.
 
     Parameters
     ----------
-    si : SurfaceInteraction3f    The receiver; its normals face the receiving side.
-    sample : Point2f
+    si : SurfaceInteraction3f    Its normals face the receiving side.
+    wavelengths : Spectrum or None    Four of each path, None in photometric variants. [nm]
     stream : PCG32
-    active : Bool
+    sample : Point2f    For the choice of a light, or for a direction.
     ratio : Float    Next-event samples for every ray of `gathered`.
     respond : callable    How much radiance from a direction of the scene's frame counts, cosine included. [-]
+    """
+
+    si: object
+    wavelengths: object
+    stream: object
+    sample: object
+    ratio: object
+    respond: object
+
+
+def direct(scene, receiver: Receiver):
+    """Light by next-event.
 
     Returns
     -------
@@ -31,47 +46,54 @@ def direct(scene, si, sample, stream, active, ratio, respond):
     total = mi.Spectrum(0.0)
     if not scene.lights.count:
         return total
+    si, respond, ratio = receiver.si, receiver.respond, receiver.ratio
+    everyone = mi.Bool(True)
 
-    def weigh(direction, density):
-        competing = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
-        return paths.power_heuristic(density * ratio, competing)
+    def competing(direction):
+        return dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
 
-    ds, value = paths.sample_emitter(scene, si, sample, active)
+    ds, value = paths.sample_emitter(scene, si, receiver.sample, everyone)
     response = respond(ds.d)
-    lit = active & (ds.pdf > 0.0) & (response > 0.0)
-    amount = value * response * dr.select(ds.delta, 1.0, weigh(ds.d, ds.pdf))
-    amount = dr.select(lit, amount, 0.0)
+    lit = (ds.pdf > 0.0) & (response > 0.0)
+    weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf * ratio, competing(ds.d)))
+    amount = dr.select(lit, value * response * weight, 0.0)
     lit &= dr.any(amount != 0.0)
     total += dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
     if scene.mirrors is not None:
-        mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        stream = receiver.stream
+        sample = mi.Point2f(stream.next_float32(), stream.next_float32())
 
         def answer(direction, asked):
             # The heuristic there compares one sample of each kind.
-            competing = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
-            return respond(direction), competing / ratio
+            return respond(direction), competing(direction) / ratio
 
-        total += paths.mirrored_light(scene, si, mirror_sample, stream, answer, active)
+        total += paths.mirrored_light(scene, si, sample, stream, answer, everyone)
     return total
 
 
-def gathered(scene, cells, si, wavelengths, stream, sample, active, ratio, respond, **more):
-    """Light along one cosine-distributed ray. Parameters as of `direct` and `cached_gather.incoming`."""
-    local = mi.warp.square_to_cosine_hemisphere(sample)
+def gathered(scene, cells, receiver: Receiver, **more):
+    """Light along one cosine-distributed ray; ``cells`` and ``more`` as of `cached_gather.incoming`.
+
+    Returns
+    -------
+    Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
+    """
+    si = receiver.si
+    local = mi.warp.square_to_cosine_hemisphere(receiver.sample)
     density = mi.warp.square_to_cosine_hemisphere_pdf(local)
     direction = si.sh_frame.to_world(local)
-    response = respond(direction)
-    gathers = active & (density > 0.0) & (response > 0.0)
+    response = receiver.respond(direction)
+    sends = (density > 0.0) & (response > 0.0)
     value = incoming(
         scene,
         cells,
         spawn_ray(scene, si, direction),
-        wavelengths,
-        stream,
+        receiver.wavelengths,
+        receiver.stream,
         density,
         si.p,
-        gathers,
-        ratio,
+        sends,
+        receiver.ratio,
         **more,
     )
-    return dr.select(gathers, value * (response / density), 0.0)
+    return dr.select(sends, value * (response / density), 0.0)

@@ -8,11 +8,14 @@ from ..arrays import upload
 from ..errors import Cancelled
 from . import gather
 from .cells import PLACES, CellSet
-from .receiving import direct, gathered
+from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 
 LANES = 1 << 19
 """Samples of one launch."""
+
+FIRST_SWEEPS = 1 << 30
+"""Numbers of the sweeps that find the light; later ones have those of their passes."""
 
 FEWEST = 4
 """Samples of a cell and turn in the first sweeps."""
@@ -59,7 +62,7 @@ class Sweeper:
         """Find the light of all cells from nothing, and which cells are too uneven to be read."""
         total, gain = 0.0, None
         for number in range(MOST_SWEEPS):
-            values = self._sweep(hash((1, number)) & 0x7FFFFFFF, FEWEST).mean(axis=(2, 3))
+            values = self._sweep(FIRST_SWEEPS + number, FEWEST).mean(axis=(2, 3))
             now = self._total(values)
             self._store(values)
             added, before, total = now - total, gain, now
@@ -75,7 +78,7 @@ class Sweeper:
             # What further sweeps will add is mostly more of the same.
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
-        made = self._sweep(3, CAREFUL)
+        made = self._sweep(FIRST_SWEEPS - 1, CAREFUL)
         self._mark_uneven(made)
         values = made.mean(axis=(2, 3))
         self._store(values)
@@ -87,7 +90,24 @@ class Sweeper:
     def refresh(self, number: int, samples: int) -> None:
         """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a multiple of four."""
         if len(self._sides):
-            self._store(self._sweep(hash((2, number)) & 0x7FFFFFFF, samples).mean(axis=(2, 3)))
+            self._store(self._sweep(number, samples).mean(axis=(2, 3)))
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What `restore` needs."""
+        return {
+            "values": np.array(self.cells.values, dtype=np.float32),
+            "uneven": np.array(self.cells.uneven).astype(np.uint8),
+            "sides": self._sides,
+        }
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Go on from a state."""
+        self._sides = state["sides"]
+        self._areas = self.cells.area[self._sides // 2]
+        self._upload_sides()
+        self.cells.values = upload(mi.Float, state["values"])
+        self.cells.uneven = upload(mi.Bool, state["uneven"] > 0)
+        dr.eval(self.cells.values, self.cells.uneven)
 
     @property
     def lanes_per_sample(self) -> int:
@@ -148,12 +168,12 @@ class Sweeper:
     def _launch(self, first: int, count: int, samples: int, salt: int) -> list:
         scene, cells = self.scene, self.cells
         turns = cells.bands.turns
-        lane = dr.arange(mi.UInt32, count * turns * samples)
         many = dr.opaque(mi.UInt32, samples)
         start = dr.opaque(mi.UInt32, first)
-        seed = dr.opaque(mi.UInt32, (int(self.seed) * 747796405 + salt) & 0xFFFFFFFF)
-        sample = lane % many
-        turn = (lane // many) % turns
+        seed = dr.opaque(mi.UInt32, (int(self.seed) * 747796405 + salt * 2891336453) & 0xFFFFFFFF)
+
+        lane = dr.arange(mi.UInt32, count * turns * samples)
+        sample, turn = lane % many, (lane // many) % turns
         side = dr.gather(mi.UInt32, self._rows, start + lane // (many * turns))
         own = hash_words(side, seed)
         # Four quarters in turn, so that each sees as many samples.
@@ -163,35 +183,19 @@ class Sweeper:
         wavelengths = cells.bands.wavelengths(turn)
         if wavelengths is not None:
             si.wavelengths = wavelengths
-        stream = random_stream(lane, own)
+        stream, one = random_stream(lane, own), mi.Float(1.0)
 
         def respond(direction):
             cosine = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0)
-            above = dr.dot(direction, si.n) > 0.0
-            return dr.select(above, cosine * (1.0 - cells.matt.coat(row, cosine, True)), 0.0)
+            passes = 1.0 - cells.matt.coat(row, cosine, True)
+            return dr.select(dr.dot(direction, si.n) > 0.0, cosine * passes, 0.0)
 
-        index = turn * many + sample
-        one = mi.Float(1.0)
-        value = direct(
-            scene,
-            si,
-            sobol_pair(index, own, gather.PAIR_LIGHT),
-            stream,
-            mi.Bool(True),
-            one,
-            respond,
-        )
-        value += gathered(
-            scene,
-            cells,
-            si,
-            wavelengths,
-            stream,
-            sobol_pair(index, own, gather.PAIR_SCATTER),
-            mi.Bool(True),
-            one,
-            respond,
-        )
+        def receiver(pair: int) -> Receiver:
+            point = sobol_pair(turn * many + sample, own, pair)
+            return Receiver(si, wavelengths, stream, point, one, respond)
+
+        value = direct(scene, receiver(gather.PAIR_LIGHT))
+        value += gathered(scene, cells, receiver(gather.PAIR_SCATTER))
         ratios = [dr.select(dr.isfinite(r), r, 0.0) for r in cells.bands.ratios(value, wavelengths)]
         dr.eval(ratios)
         return ratios

@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import session
 from ..accuracy import history, stopping
-from ..atlas import unwrap
+from ..baking import order
 from ..errors import CodecError, LumenrayError
 from ..scene import (
     camera,
@@ -50,7 +50,7 @@ DTYPES = {
 
 _MODULES = (
     camera, distribution, light, material, mesh, provenance, scene, sensor, spectrum, texture, session, history, stopping,
-    unwrap, backend,
+    order, backend,
 )  # fmt: skip
 
 

@@ -1,0 +1,102 @@
+"""Files of a bake: every page as OpenEXR and in false colours, the graph of the error, the report."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..analysis.error_graph import draw_error_graph, to_rows
+from ..analysis.false_colour import nice_maximum, write_false_colour
+from ..formats import exr
+from ..formats.names import file_stem
+from ..formats.report import compose, quantity_of_map, write_json
+from .order import AtlasPage, BakeOrder, BakeResult
+
+FIRST_TILE, TILES_ACROSS = 1001, 10
+"""Numbers by which Blender and others know the tiles of a picture in several parts (UDIM)."""
+
+
+def tile_of(page: int) -> int:
+    """Number of the tile that a page is."""
+    return FIRST_TILE + page
+
+
+def write_page(folder: Path, page: AtlasPage, attributes: dict, high: float) -> AtlasPage:
+    """Write a page and its layers; returns it with the names of the files.
+
+    Raises
+    ------
+    FileFormatError    A file cannot be written.
+    """
+    tile = tile_of(page.number)
+    values = {
+        "Y": page.illuminance,
+        "standard_error.Y": page.standard_error,
+        "covered.Y": page.covered.astype(np.float32),
+    }
+    base = {"unit": "lx", "quantity": "illuminance", "page": str(page.number), **attributes}
+    path = folder / f"illuminance.{tile}.exr"
+    files = [exr.write_channels(path, values, base)]
+    files.append(
+        write_false_colour(
+            path.with_suffix(".png"),
+            page.illuminance,
+            page.covered,
+            f"Illuminance, page {page.number + 1}",
+            high=high,
+        )
+    )
+    for name, layer in page.layers.items():
+        path = folder / f"illuminance_{file_stem(name)}.{tile}.exr"
+        files.append(exr.write_channels(path, {"Y": layer}, {**base, "layer": name}))
+    if page.exitance is not None:
+        channels = {axis: page.exitance[..., k] for k, axis in enumerate("XYZ")}
+        path = folder / f"exitance.{tile}.exr"
+        more = {**base, "unit": "lm/m2", "quantity": "luminous exitance, X Y Z with Y in lm/m2"}
+        files.append(exr.write_channels(path, channels, more))
+    return replace(page, files=tuple(str(file) for file in files))
+
+
+def scale_top(illuminance: np.ndarray) -> float:
+    """Round number under which nearly all lumels lie, for false colours. [lx]"""
+    return nice_maximum(illuminance) if len(illuminance) else 1.0
+
+
+def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion) -> list[Path]:
+    """Write the graph of the error and the report.
+
+    Raises
+    ------
+    FileFormatError    A file cannot be written.
+    """
+    folder = Path(folder)
+    files = []
+    if result.history.marks:
+        graph = folder / "error.png"
+        draw_error_graph(result.history, graph)
+        files.append(graph)
+    first = result.maps[0].provenance
+    content = compose(
+        order.file,
+        first,
+        first.seconds,
+        [quantity_of_map(made) for made in result.maps],
+        conversion,
+    )
+    content["atlas"] = {
+        "pages": [[page.width, page.height] for page in result.pages],
+        "mean": result.mean,
+        "unit": "lx",
+        "relative_standard_error": result.relative_standard_error,
+        "error_over_quadratic_mean": result.quadratic_relative_error,
+        "density_factor": result.shrink,
+        "seams": {
+            "places": result.seams.pairs,
+            "step_before": result.seams.before,
+            "step_after": result.seams.after,
+            "step_standard_error": result.seams.noise,
+        },
+        "error_over_time": to_rows(result.history),
+    }
+    files.append(write_json(folder / "report.json", content))
+    return files

@@ -1,0 +1,269 @@
+"""One layer of a bake: passes of a lux map job until its rule is met, with a forecast, and with a state to go on from."""
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..accuracy.forecast import Forecaster
+from ..accuracy.history import History
+from ..accuracy.replicates import ReplicateSums, absolute_error, relative_error
+from ..accuracy.stopping import Progress, StopRule
+from ..transport.lux_job import Levels, LuxJob, Pilot
+
+PASSES = 16
+"""Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
+low-discrepancy points to pay within each."""
+
+SHORT = 32
+"""Up to so many samples there is no pilot: it would cost more than it saves."""
+
+TRIAL_PARTS = (1.0 / 16.0, 1.0 / 5.0)
+"""Shares of the tiles on which the first and the second trial of the planned pass are made."""
+
+STEEPEST, FLATTEST = 2.0, 1.0
+"""Bounds on the power of the samples of a pass by which its variance is believed to fall."""
+
+CLOSE = 1.3
+"""A trial whose samples differ by less than this factor from what is then planned is not repeated."""
+
+SMALLEST_TIME_SHARE = 0.02
+"""Part of a bake's time that is not worth another pass."""
+
+MAIN_PASSES, TRIALS = 1_000, 100_000
+"""First numbers of passes and trials: no two may use the same points."""
+
+
+@dataclass
+class LayerState:
+    """All that a layer needs to go on.
+
+    Parameters
+    ----------
+    sums : ReplicateSums
+    levels : Levels    Of the passes to come.
+    passes : int    Made so far.
+    cells : dict of str to array
+    forecaster : Forecaster
+    bias_sums : (3, m) array    By object: number, sum and sum of squares of what the cells add. [-, lx, lx2]
+    object_passes : (passes, 1 + m) array    Samples of every pass, and the mean that it gave each object. [-, lx]
+    """
+
+    sums: ReplicateSums
+    levels: Levels
+    passes: int
+    cells: dict[str, np.ndarray]
+    forecaster: Forecaster
+    bias_sums: np.ndarray
+    object_passes: np.ndarray
+    is_done: bool = False
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Everything as arrays."""
+        made = {f"sums.{name}": value for name, value in self.sums.state().items()}
+        made |= {f"forecast.{name}": value for name, value in self.forecaster.state().items()}
+        made |= {f"cells.{name}": value for name, value in self.cells.items()}
+        made |= {"levels": np.stack([self.levels.direct, self.levels.gather])}
+        made |= {"bias": self.bias_sums, "objects": self.object_passes}
+        return made | {"state": np.array([self.passes, int(self.is_done)], dtype=np.int64)}
+
+    @classmethod
+    def from_arrays(cls, rule: StopRule, arrays: dict[str, np.ndarray]) -> "LayerState":
+        """Read what `arrays` wrote."""
+
+        def part(name: str) -> dict[str, np.ndarray]:
+            head = f"{name}."
+            return {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
+
+        passes, is_done = arrays["state"].tolist()
+        return cls(
+            ReplicateSums.from_state(part("sums")),
+            Levels(*arrays["levels"]),
+            passes,
+            part("cells"),
+            Forecaster.from_state(rule, part("forecast")),
+            arrays["bias"],
+            arrays["objects"],
+            bool(is_done),
+        )
+
+
+@dataclass
+class Layer:
+    """Runs a job.
+
+    Parameters
+    ----------
+    job : LuxJob
+    rule : StopRule
+    objects : (n,) int array    Number of the object of every lumel, for the checks of the cells.
+    report : callable    Gets a `Progress`.
+    save : callable    Gets a `LayerState` after passes, and decides itself whether to write it.
+    """
+
+    job: LuxJob
+    rule: StopRule
+    objects: np.ndarray
+    report: object
+    save: object
+    object_count: int
+    _start: float = field(default_factory=time.perf_counter)
+
+    def run(self, state: LayerState | None = None) -> LayerState:
+        """Run to the end, from a state if there is one."""
+        if state is None:
+            self.job.prepare()
+            state = self._begin()
+        elif self.job.sweeper is not None:
+            self.job.sweeper.restore(state.cells)
+        while not state.is_done:
+            self._pass(state)
+            self.save(state)
+        return state
+
+    # ---- private ----
+
+    @property
+    def _seconds(self) -> float:
+        return time.perf_counter() - self._start
+
+    def _begin(self) -> LayerState:
+        job, rule = self.job, self.rule
+        sums = ReplicateSums(job.count, job.channels)
+        setup = self._seconds
+        forecaster = Forecaster(rule, setup)
+        bias = np.zeros((3, self.object_count))
+        objects = np.zeros((0, 1 + self.object_count))
+        self.report(Progress(0.0, 0, math.inf, self._seconds, None, "first samples"))
+        if rule.samples is not None and rule.samples <= SHORT:
+            # The largest power of two that leaves room for two passes at least.
+            each = 1 << max(int(math.log2(max(rule.samples / PASSES, 1.0))), 0)
+            levels = Levels.even(job.count, each, each)
+            return LayerState(sums, levels, 0, self._cells(), forecaster, bias, objects)
+        pilot = Pilot(job)
+        pilot.run(sums)
+        error = self._note(forecaster, sums, 2)
+        levels, square, seconds = self._plan(pilot, sums, rule)
+        share = max(square / max(error**2, 1e-300), 1e-12)
+        each = levels.total() / max(job.count, 1)
+        forecaster.respread(1.0, share, 1.0, each, seconds, self._seconds)
+        # So few samples tell little, and not as much for their number as those of a pass.
+        sums = ReplicateSums(job.count, job.channels)
+        state = LayerState(sums, levels, 0, self._cells(), forecaster, bias, objects)
+        state.is_done = forecaster.is_done()
+        self._show(state)
+        return state
+
+    def _plan(self, pilot: Pilot, sums: ReplicateSums, rule: StopRule):
+        """Samples of the passes to come, the square of the error of one of them, and what it takes. [lx2, s]"""
+        job = self.job
+        mean = _mean(sums.mean(), job.area)
+        targets = [
+            *([rule.error * mean] if rule.error is not None else []),
+            *([rule.absolute] if rule.absolute is not None else []),
+        ]
+        if targets and max(targets) > 0.0:
+            wanted = PASSES * max(targets) ** 2
+            levels = pilot.plan(square=wanted)
+        else:
+            wanted = None
+            each = (rule.samples or SHORT * PASSES) / PASSES
+            levels = pilot.plan(samples=each)
+        if rule.samples is not None:
+            levels = min(levels, pilot.plan(samples=rule.samples / PASSES), key=Levels.total)
+        before = Levels.even(job.count, 1, 1)
+        reference = pilot.square(before)
+        square, seconds = pilot.try_pass(TRIALS, levels, TRIAL_PARTS[0])
+        if wanted is not None and square > 0.0:
+            # How the variance falls within a pass, from single samples to this many.
+            growth = levels.total() / before.total()
+            power = FLATTEST
+            if growth > 2.0 and reference > square:
+                power = math.log(reference / square) / math.log(growth)
+                power = min(max(power, FLATTEST), STEEPEST)
+            scale = (square / wanted) ** (1.0 / power)
+            better = pilot.plan(samples=max(levels.total() * scale / max(job.count, 1), 1.0))
+            if rule.samples is None or better.total() < levels.total():
+                levels = better
+        square, seconds = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
+        if rule.seconds is not None:
+            # No pass may take more than its part of the time.
+            steps = math.ceil(math.log2(max(seconds * PASSES / rule.seconds, 1.0)))
+            levels = levels.lowered(steps)
+            square, seconds = square * 2.0**steps, seconds / 2.0**steps
+        return levels, square, seconds
+
+    def _pass(self, state: LayerState) -> None:
+        job, forecaster = self.job, state.forecaster
+        levels = state.levels.lowered(self._steps_down(state))
+        self._show(state)
+
+        def show(share: float) -> None:
+            done = forecaster.progress(self._seconds, "illuminance")
+            self.report(replace(done, history=forecaster.history))
+
+        means = job.run_pass(MAIN_PASSES + state.passes, levels, state.sums, self.objects, show)
+        row = np.append(levels.total() / max(job.count, 1), means)
+        state.object_passes = np.vstack([state.object_passes, row])
+        self._check(state)
+        state.passes += 1
+        state.cells = self._cells()
+        self._note(forecaster, state.sums, 1)
+        state.is_done = forecaster.is_done()
+        left = None
+        if self.rule.seconds is not None:
+            left = self.rule.seconds - forecaster.history.marks[-1].seconds
+            state.is_done |= left < SMALLEST_TIME_SHARE * self.rule.seconds
+        # An error needs two passes to be known.
+        state.is_done &= state.sums.passes >= 2 or (left is not None and left <= 0.0)
+        self._show(state)
+
+    def _steps_down(self, state: LayerState) -> int:
+        """How often the samples of the next pass are halved, so that the last one does not go far beyond the rule."""
+        needed = state.forecaster.passes_needed()
+        if needed is None or needed >= 1.0:
+            return 0
+        return 1 if needed <= 0.5 else 0
+
+    def _check(self, state: LayerState) -> None:
+        """Compare the cells with full paths, object by object."""
+        lumels, found = self.job.compare(MAIN_PASSES + state.passes, state.levels)
+        if len(lumels):
+            which = self.objects[lumels]
+            for row, values in enumerate((np.ones(len(found)), found, found**2)):
+                state.bias_sums[row] += np.bincount(which, values, self.object_count)
+
+    def _cells(self) -> dict[str, np.ndarray]:
+        return {} if self.job.sweeper is None else self.job.sweeper.state()
+
+    def _note(self, forecaster: Forecaster, sums: ReplicateSums, passes: int) -> float:
+        """Tell the forecaster how far things are; returns the error of everything. [lx]"""
+        job = self.job
+        mean, error = sums.mean(), sums.standard_error()
+        error[~job.valid] = 0.0
+        area = np.where(job.valid, job.area, 0.0)
+        whole = absolute_error(error, area)
+        samples = sums.samples()[job.valid]
+        forecaster.note(
+            self._seconds,
+            float(samples.mean()) if len(samples) else 0.0,
+            relative_error(mean, error, area),
+            absolute=whole,
+            passes=passes,
+        )
+        return whole
+
+    def _show(self, state: LayerState) -> None:
+        made = state.forecaster.progress(self._seconds, "illuminance")
+        self.report(replace(made, history=state.forecaster.history))
+
+
+def _mean(values: np.ndarray, area: np.ndarray) -> float:
+    total = float(area.sum())
+    return float((values * area).sum()) / total if total > 0.0 else 0.0
+
+
+def history_of(state: LayerState) -> History:
+    """Error over time of a layer."""
+    return state.forecaster.history

@@ -1,0 +1,557 @@
+"""The bake: from objects of a scene to finished pages.
+
+Charts on pages, lumels, passes until the rule is met (layer by layer where light groups are asked for), then the pages:
+filling, seams, smoothing, files.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..accuracy.history import History
+from ..accuracy.replicates import relative_error
+from ..accuracy.stopping import Progress
+from ..atlas.detail import halve_even_charts
+from ..atlas.lay_out import lay_out
+from ..atlas.layout import Atlas
+from ..atlas.lumels import LumelTable
+from ..atlas.smoothing import smooth_maps
+from ..errors import Cancelled, SceneError
+from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
+from ..scene.mesh import Mesh
+from ..scene.scene import Scene
+from ..transport.lux_job import LuxJob, Options
+from .files import scale_top, write_page, write_report
+from .layer import Layer, LayerState
+from .light_layers import split_lights
+from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
+from .pages import Estimates, lay_out_page, match_pages
+
+SAVE_INTERVAL = 20.0
+"""Shortest time between two states that are written. [s]"""
+
+METHODS = ("auto", "cells", "paths")
+SWITCH = ("auto", "on", "off")
+
+FIRST_PASS_SAMPLES = 16
+"""Samples per lumel of the pass that finds out which charts are even."""
+
+MOST_ADAPTIVE = 20_000_000
+"""Lumels beyond which all get samples alike: what is kept of every one would not fit the memory."""
+
+MOST_MATCHED = 1 << 27
+"""Pixels of all pages up to which seams are matched: all pages have to be at hand together."""
+
+WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
+"""Fields of an order that change nothing about the numbers."""
+
+
+@dataclass(frozen=True)
+class Host:
+    """What a bake needs of the session.
+
+    Parameters
+    ----------
+    scene : Scene
+    engine : callable    ``engine(transport)`` is a context that gives the compiled scene.
+    compiled : callable    ``compiled(scene, like)`` compiles another scene for the same variant.
+    cancelled : callable    Whether to end; lets others work for a moment.
+    provenance : callable    ``provenance(compiled, seed, samples, start)``.
+    """
+
+    scene: Scene
+    engine: Callable
+    compiled: Callable
+    cancelled: Callable
+    provenance: Callable
+
+
+@dataclass
+class _Item:
+    """A layout and what belongs to it."""
+
+    key: str
+    mesh: Mesh
+    density: float
+    is_back: bool
+
+
+@dataclass
+class Bake:
+    """One bake.
+
+    Parameters
+    ----------
+    host : Host
+    order : BakeOrder
+    progress : callable or None    Gets a `Progress`.
+    options : Options or None    How the job works, for measuring; None: as the order and the scene want it.
+    """
+
+    host: Host
+    order: BakeOrder
+    progress: Callable | None = None
+    options: Options | None = None
+    departures: list[Departure] = field(default_factory=list)
+    _start: float = field(default_factory=time.perf_counter)
+
+    def run(self) -> BakeResult:
+        """Bake.
+
+        Raises
+        ------
+        SceneError    Nothing of the order can be baked, or it makes no sense.
+        Cancelled    The host said so; a checkpoint stays.
+        """
+        order = self.order
+        _check(order)
+        items = self._find_items()
+        atlas = self._lay_out(items)
+        with self.host.engine(order.transport) as compiled:
+            table = self._make_table(items, atlas, compiled)
+            if order.detail > 0.0:
+                atlas = self._shrink_even(items, atlas, table, compiled)
+                table = self._make_table(items, atlas, compiled)
+            layers = self._run_layers(compiled, table, items)
+            states = [state for _, state in layers]
+            estimates = _estimates(layers, order)
+            samples = round(sum(float(s.sums.samples().mean()) for s in states))
+            provenance = self.host.provenance(compiled, order.seed, samples, self._start)
+        self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
+        maps = self._summarise(items, atlas, table, estimates, states, provenance)
+        pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
+        return self._finish(maps, pages, seams, table, estimates, states, atlas)
+
+    # ---- before the passes ----
+
+    @property
+    def _seconds(self) -> float:
+        return time.perf_counter() - self._start
+
+    def _report(self, state: Progress) -> None:
+        if self.progress is not None:
+            self.progress(state)
+
+    def _find_items(self) -> list[_Item]:
+        """Fronts of all objects, then backs of those that are baked on both sides."""
+        order, scene = self.order, self.host.scene
+        items = []
+        for key in order.objects:
+            if key not in scene.meshes:
+                self.departures.append(
+                    Departure(key, "the object has no surface that is rendered", "it is not baked", True)
+                )  # fmt: skip
+                continue
+            mesh = scene.mesh(key)
+            if len(mesh.triangles) == 0 or not mesh.areas().sum() > 0.0:
+                self.departures.append(
+                    Departure(mesh.name, "the object has no surface to bake", "it is not baked", True)
+                )  # fmt: skip
+                continue
+            items.append(_Item(key, mesh, order.densities.get(key, order.density), False))
+        if not items:
+            raise SceneError("nothing to bake: none of the objects has a surface that is rendered")
+        wanted = set(order.two_sided)
+        return items + [replace(each, is_back=True) for each in items if each.key in wanted]
+
+    def _lay_out(self, items: list[_Item], factors=None) -> Atlas:
+        order = self.order
+        fronts = [item for item in items if not item.is_back]
+        place = {item.key: number for number, item in enumerate(fronts)}
+
+        def report(number: int, name: str) -> None:
+            stage = f"laying out {number + 1} of {len(fronts)}: {name}"
+            self._report(Progress(0.0, 0, float("inf"), self._seconds, None, stage))
+
+        atlas = lay_out(
+            [item.mesh for item in fronts],
+            [item.density for item in fronts],
+            largest=order.largest,
+            pages=order.pages,
+            margin=order.margin,
+            cone=order.cone,
+            two_sided=tuple(place[item.key] for item in items if item.is_back),
+            materials=self.host.scene.materials if order.from_textures else None,
+            factors=factors,
+            progress=report,
+            cancelled=self.host.cancelled,
+        )
+        self.departures += [
+            Departure(name, message, "baked like that") for name, message in atlas.notes
+        ]
+        return atlas
+
+    def _make_table(self, items, atlas: Atlas, compiled) -> LumelTable:
+        self._report(Progress(0.0, 0, float("inf"), self._seconds, None, "finding lumels"))
+        table = LumelTable([item.mesh for item in items], atlas)
+        if sum(table.counts) == 0:
+            raise SceneError(
+                "no lumel lies on the surfaces of the objects; raise the lumels per metre"
+            )
+        table.validate(compiled, self.host.cancelled)
+        return table
+
+    def _shrink_even(self, items, atlas: Atlas, table, compiled) -> Atlas:
+        """Lay out anew with fewer lumels on charts that turn out even in a first pass."""
+        order = self.order
+        job = self._job(compiled, table)
+        rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
+        owners = _owners(table)
+        state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
+        made = _estimates([("", state)], order)
+        area = np.where(job.valid, job.area, 0.0)
+        threshold = order.detail * float((made.illuminance * area).sum() / max(area.sum(), 1e-300))
+        pages = [
+            lay_out_page(number, atlas, table, made, 0)[0] for number in range(len(atlas.sizes))
+        ]
+        factors = halve_even_charts(
+            atlas,
+            [page.illuminance for page in pages],
+            [page.covered for page in pages],
+            [page.chart for page in pages],
+            threshold,
+        )
+        return self._lay_out(items, factors)
+
+    # ---- the passes ----
+
+    def _job(self, compiled, table) -> LuxJob:
+        options = self.options
+        if options is None:
+            count = sum(table.counts)
+            options = Options(
+                cells=self.order.method != "paths",
+                exitance=self.order.exitance,
+                adaptive=count <= MOST_ADAPTIVE,
+            )
+        return LuxJob(compiled, table, self.order.seed, options, self.host.cancelled)
+
+    def _run_layers(self, compiled, table, items) -> list[tuple[str, LayerState]]:
+        """States of all layers by name; a single one without a name where no groups are asked for."""
+        order = self.order
+        scenes: list[tuple[str, Scene | None]] = [("", None)]
+        if order.groups:
+            scenes = list(split_lights(self.host.scene, order.groups))
+        if not scenes:
+            scenes = [("", None)]
+        rule = order.rule
+        if rule.seconds is not None:
+            rule = replace(rule, seconds=rule.seconds / len(scenes))
+        saver = _Saver(order, self.host.scene.hash(), [name for name, _ in scenes], rule)
+        owners = _owners(table)
+        for number, (name, scene) in enumerate(scenes):
+            if saver.is_finished(number):
+                continue
+            own = compiled if scene is None else self.host.compiled(scene, compiled)
+
+            def report(state: Progress, number=number, name=name) -> None:
+                self._report(_part_of(state, number, len(scenes), name))
+
+            layer = Layer(
+                self._job(own, table), rule, owners, report, saver.saving(number), len(items)
+            )
+            try:
+                state = layer.run(saver.state(number))
+            except Cancelled:
+                saver.write()
+                raise
+            saver.finish(number, state)
+        return [(name, saver.state(number)) for number, (name, _) in enumerate(scenes)]
+
+    # ---- after the passes ----
+
+    def _summarise(self, items, atlas, table, estimates, states, provenance) -> list[LuxMap]:
+        first = np.concatenate([[0], np.cumsum(table.counts)])
+        samples = sum(state.sums.samples() for state in states) / len(states)
+        bias = sum(state.bias_sums for state in states)
+        made = []
+        for number, item in enumerate(items):
+            layout = atlas.layouts[number]
+            parts, areas, valid = [], [], []
+            for block in range(len(table.counts)):
+                if table.layout(block) == number:
+                    lumels = table.block(block)
+                    parts.append(np.arange(first[block], first[block + 1]))
+                    areas.append(lumels.area)
+                    valid.append(lumels.valid)
+            rows = np.concatenate(parts) if parts else np.zeros(0, dtype=np.int64)
+            area = np.concatenate(areas) if areas else np.zeros(0)
+            good = np.concatenate(valid) if valid else np.zeros(0, dtype=bool)
+            rows, kept = rows[good], area[good]
+            light, error = estimates.illuminance[rows], estimates.standard_error[rows]
+            mean = float((light * kept).sum() / max(kept.sum(), 1e-300))
+            spread = _mean_error(states, number)
+            shift, shift_error = _bias(bias[:, number])
+            made.append(
+                LuxMap(
+                    id=item.key,
+                    name=item.mesh.name + (" (back)" if item.is_back else ""),
+                    number=number,
+                    lumels=len(good),
+                    charts=len(np.unique(layout.chart[layout.chart >= 0])),
+                    mean=mean,
+                    minimum=float(light.min(initial=np.inf)) if len(light) else 0.0,
+                    maximum=float(light.max(initial=0.0)),
+                    relative_standard_error=relative_error(light, error, kept),
+                    mean_standard_error=spread,
+                    bias=shift,
+                    bias_error=shift_error,
+                    samples=float(samples[rows].mean()) if len(rows) else 0.0,
+                    density=layout.density,
+                    requested_density=layout.requested_density,
+                    area=float(area.sum()),
+                    invalid=int((~good).sum()),
+                    smoothed=self.order.smooth,
+                    provenance=provenance,
+                    layout=_layout_of(item, layout, atlas.sizes),
+                )
+            )
+        return made
+
+    def _make_pages(self, items, atlas, table, estimates, provenance):
+        order = self.order
+        folder = None if order.folder is None else Path(order.folder)
+        high = scale_top(estimates.illuminance)
+        is_whole = int(np.prod(atlas.sizes, axis=1).sum()) <= MOST_MATCHED
+        attributes = {
+            "sceneHash": provenance.scene_hash,
+            "seed": str(order.seed),
+            "samples": str(provenance.samples),
+            "replicates": str(estimates.replicates),
+        }
+        pages, owners = [], []
+
+        def finish(page: AtlasPage) -> AtlasPage:
+            if order.smooth:
+                page = _smoothed(page)
+            if folder is not None:
+                page = write_page(folder, page, attributes, high)
+            return page if order.keep_pages else _emptied(page)
+
+        for number in range(len(atlas.sizes)):
+            if self.host.cancelled():
+                raise Cancelled("cancelled")
+            page, owner = lay_out_page(number, atlas, table, estimates, order.margin)
+            pages.append(page if is_whole else finish(page))
+            owners.append(owner)
+        seams = Seams(0, 0.0, 0.0, 0.0)
+        if is_whole:
+            seams = match_pages(pages, owners, [item.mesh for item in items], atlas)
+            pages = [finish(page) for page in pages]
+        else:
+            self.departures.append(
+                Departure(
+                    "atlas",
+                    "the pages are too many to be at hand together",
+                    "seams are not matched",
+                )
+            )
+        return pages, seams
+
+    def _finish(self, maps, pages, seams, table, estimates, states, atlas) -> BakeResult:
+        order = self.order
+        blocks = [table.block(number) for number in range(len(table.counts))]
+        area = np.concatenate([np.where(block.valid, block.area, 0.0) for block in blocks])
+        light, error = estimates.illuminance, estimates.standard_error
+        result = BakeResult(
+            maps=tuple(maps),
+            pages=tuple(pages),
+            departures=tuple(self.departures),
+            files=tuple(file for page in pages for file in page.files),
+            history=_joined_history([state.forecaster.history for state in states]),
+            relative_standard_error=relative_error(light, error, area),
+            quadratic_relative_error=relative_error(light, error, area, "quadratic"),
+            mean=float((light * area).sum() / max(area.sum(), 1e-300)),
+            shrink=atlas.shrink,
+            seams=seams,
+        )
+        if order.folder is not None:
+            conversion = [*order.conversion, *(_report_row(each) for each in self.departures)]
+            files = write_report(Path(order.folder), order, result, conversion)
+            result = replace(result, files=(*result.files, *(str(file) for file in files)))
+        if order.checkpoint is not None:
+            Path(order.checkpoint).unlink(missing_ok=True)
+        return result
+
+
+class _Saver:
+    """Keeps the states of layers, and writes them from time to time."""
+
+    def __init__(self, order: BakeOrder, scene_hash: str, names: list[str], rule):
+        self._path = None if order.checkpoint is None else Path(order.checkpoint)
+        self._facts = {"scene": scene_hash, "order": digest(order, WITHOUT), "layers": names}
+        self._states: dict[int, LayerState] = {}
+        self._finished: set[int] = set()
+        self._written = time.perf_counter()
+        if self._path is not None and self._path.exists():
+            arrays, _ = read_checkpoint(self._path, scene_hash, self._facts["order"])
+            for number in range(len(names)):
+                head = f"{number}."
+                own = {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
+                if own:
+                    self._states[number] = LayerState.from_arrays(rule, own)
+                    if self._states[number].is_done:
+                        self._finished.add(number)
+
+    def state(self, number: int) -> LayerState | None:
+        """State of a layer, None when it has not begun."""
+        return self._states.get(number)
+
+    def is_finished(self, number: int) -> bool:
+        """Whether a layer has met its rule."""
+        return number in self._finished
+
+    def saving(self, number: int):
+        """Return a function that takes note of a layer's state."""
+
+        def save(state: LayerState) -> None:
+            self._states[number] = state
+            if time.perf_counter() - self._written > SAVE_INTERVAL:
+                self.write()
+
+        return save
+
+    def finish(self, number: int, state: LayerState) -> None:
+        """Take note of a layer that has met its rule."""
+        self._states[number] = state
+        self._finished.add(number)
+
+    def write(self) -> None:
+        """Write what is known, if the order names a file."""
+        if self._path is None or not self._states:
+            return
+        arrays = {
+            f"{number}.{name}": value
+            for number, state in self._states.items()
+            for name, value in state.arrays().items()
+        }
+        write_checkpoint(self._path, arrays, self._facts)
+        self._written = time.perf_counter()
+
+
+def _check(order: BakeOrder) -> None:
+    for name, value, known in (
+        ("method", order.method, METHODS),
+        ("caustics", order.caustics, SWITCH),
+    ):
+        if value not in known:
+            raise SceneError(f"{name} is '{value}', expected {', '.join(known)}")
+    if not order.density > 0.0 or any(not value > 0.0 for value in order.densities.values()):
+        raise SceneError("lumels per metre must be above 0")
+    if order.largest < 16 or order.margin < 0 or order.pages < 0:
+        raise SceneError(
+            "pages need a side of 16 lumels at least, and margin and number of pages must not be negative"
+        )
+
+
+def _owners(table: LumelTable) -> np.ndarray:
+    """Number of the layout of every lumel. (n,)"""
+    return np.concatenate(
+        [
+            np.full(count, table.layout(number), dtype=np.int32)
+            for number, count in enumerate(table.counts)
+        ]
+    )
+
+
+def _estimates(layers: list[tuple[str, LayerState]], order: BakeOrder) -> Estimates:
+    """Sum of all layers; their errors are independent."""
+    total, square, exitance, named = 0.0, 0.0, None, {}
+    replicates = min(state.sums.passes for _, state in layers)
+    for name, state in layers:
+        mean = state.sums.mean()
+        total = total + mean
+        square = square + state.sums.variance()
+        if name:
+            named[name] = mean.astype(np.float32)
+        if order.exitance:
+            own = state.sums.further_means()
+            exitance = own if exitance is None else exitance + own
+    error = np.sqrt(np.where(np.isfinite(square), square, 0.0))
+    return Estimates(total, error, named, exitance, replicates)
+
+
+def _mean_error(states: list[LayerState], number: int) -> float:
+    """Standard error of an object's mean, from the scatter of the passes. [lx]"""
+    square = 0.0
+    for state in states:
+        weights, means = state.object_passes[:, 0], state.object_passes[:, 1 + number]
+        total = weights.sum()
+        rest = total**2 - (weights**2).sum()
+        if rest <= 0.0:
+            return float("inf")
+        centre = (weights * means).sum() / total
+        square += float((weights**2 * (means - centre) ** 2).sum() / rest)
+    return float(np.sqrt(square))
+
+
+def _bias(sums: np.ndarray) -> tuple[float, float]:
+    """Mean of differences and its standard error, from their number, sum and sum of squares."""
+    count, total, square = (float(each) for each in sums)
+    if count < 2:
+        return 0.0, float("inf") if count else 0.0
+    mean = total / count
+    return mean, float(np.sqrt(max(square / count - mean**2, 0.0) / (count - 1)))
+
+
+def _layout_of(item: _Item, layout, sizes: np.ndarray) -> Layout:
+    page = np.maximum(layout.page, 0)
+    uv = layout.uv / sizes[page][:, None, :]
+    return Layout(
+        uv.astype(np.float32),
+        layout.page.astype(np.int32),
+        item.mesh.triangles,
+        item.mesh.polygon,
+        len(item.mesh.vertices),
+    )
+
+
+def _smoothed(page: AtlasPage) -> AtlasPage:
+    maps = [page.illuminance, *page.layers.values()]
+    maps += [] if page.exitance is None else list(np.moveaxis(page.exitance, -1, 0))
+    made = smooth_maps(np.stack(maps), page.standard_error, page.covered, page.chart)
+    names = list(page.layers)
+    exitance = None if page.exitance is None else np.moveaxis(made[-3:], 0, -1)
+    layers = {name: made[1 + k] for k, name in enumerate(names)}
+    return replace(page, illuminance=made[0], layers=layers, exitance=exitance)
+
+
+def _emptied(page: AtlasPage) -> AtlasPage:
+    names = ("illuminance", "standard_error", "covered", "area", "object", "chart", "exitance")
+    return replace(page, layers={}, **dict.fromkeys(names))
+
+
+def _part_of(state: Progress, number: int, count: int, name: str) -> Progress:
+    """Progress of a bake of ``count`` layers from that of one of them."""
+    if count == 1:
+        return state
+    done = (number + state.done) / count
+    left = state.seconds * (1.0 - done) / done if done > 0.0 else None
+    return replace(state, done=done, seconds_left=left, stage=f"{name}: {state.stage}")
+
+
+def _joined_history(histories: list[History]) -> History:
+    """Histories one after the other; that of a single layer as it is."""
+    if len(histories) == 1:
+        return histories[0]
+    marks, offset = [], 0.0
+    for history in histories:
+        marks += [
+            replace(mark, seconds=mark.seconds + offset, forecast=None) for mark in history.marks
+        ]
+        offset = marks[-1].seconds if marks else offset
+    return History(tuple(marks), histories[0].target, histories[0].setup_seconds)
+
+
+def _report_row(departure: Departure) -> dict:
+    return {
+        "severity": "error" if departure.is_error else "warning",
+        "object": departure.name,
+        "node": "",
+        "message": departure.message,
+        "instead": departure.remedy,
+        "count": 1,
+    }
