@@ -45,10 +45,17 @@ class Failed:
 
 
 class ChartSearch:
-    """Hold on the process, which starts with the first batch and serves many; close it, or use it in a ``with``."""
+    """Hold on the process, which starts with the first batch and serves many; close it, or use it in a ``with``.
+
+    Parameters
+    ----------
+    seconds : float    How long the charts of one mesh may take at most. [s]
+    """
 
     def __init__(self, seconds: float = SECONDS):
         self.seconds = seconds
+        self.faces = 0
+        """Triangles that it was asked about so far."""
         self._process = None
 
     def __enter__(self):
@@ -88,6 +95,7 @@ class ChartSearch:
         ------
         Cancelled
         """
+        self.faces += len(triangles)
         request = io.BytesIO()
         np.savez(request, points=points, triangles=triangles, faces=faces)
         deadline = time.monotonic() + seconds
@@ -104,7 +112,7 @@ class ChartSearch:
             exchange.join(TICK)
             if cancelled is not None and cancelled():
                 self._abandon(exchange)
-                raise Cancelled("the bake was cancelled")
+                raise Cancelled("cancelled")
             if time.monotonic() > deadline and exchange.is_alive():
                 self._abandon(exchange)
                 return Failed(f"took longer than {seconds:.3g} s")

@@ -245,17 +245,16 @@ class Examiner:
         """Find the solids among the objects, for look-up by shape and triangle."""
         scene = self._scene
         corners, owners, opaque, glowing, numbers = [], [], [], [], []
-        bodies = scene._bodies.values()
-        owner_of = (number for number, body in enumerate(bodies) for _ in body.parts)
-        for owner, (part, material) in zip(owner_of, scene.parts(), strict=True):
+        owner_of: dict[str, int] = {}
+        for key, part, material in scene.parts():
             sides = 0 if part.source is None else 1 + bool(material.emission.two_sided)
             own = scene.triangles(part)
             corners.append(own)
-            owners.append(np.full(len(own), owner))
+            owners.append(np.full(len(own), owner_of.setdefault(key, len(owner_of))))
             opaque.append(np.full(len(own), not part.is_veil and is_opaque(material.surface)))
             glowing.append(np.full(len(own), sides, dtype=np.int8))
             numbers.append((part.number, len(own)))
-        glows = {id(part.source) for part, _ in scene.parts() if part.source is not None}
+        glows = {id(part.source) for _, part, _ in scene.parts() if part.source is not None}
         lamps = [
             (source.centre, source.radius)
             for source in scene.lights.sources

@@ -15,14 +15,19 @@ from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
 from ..accuracy.stopping import Progress
 from ..atlas.detail import halve_even_charts
-from ..atlas.lay_out import lay_out
-from ..atlas.layout import Atlas
+from ..atlas.finder import LumelFinder
+from ..atlas.lay_out import arrange, find_all_charts
+from ..atlas.layout import Atlas, Charts
 from ..atlas.lumels import LumelTable
 from ..atlas.smoothing import smooth_maps
+from ..atlas.texture_density import texture_density
 from ..errors import Cancelled, SceneError
 from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from ..transport.bands import TOLERANCE as BAND_TOLERANCE
+from ..transport.bands import interpolation_error
+from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
 from .files import scale_top, write_page, write_report
 from .layer import Layer, LayerState
@@ -96,6 +101,7 @@ class Bake:
     progress: Callable | None = None
     options: Options | None = None
     departures: list[Departure] = field(default_factory=list)
+    _decisions: list[str] = field(default_factory=list)
     _start: float = field(default_factory=time.perf_counter)
 
     def run(self) -> BakeResult:
@@ -109,17 +115,20 @@ class Bake:
         order = self.order
         _check(order)
         items = self._find_items()
-        atlas = self._lay_out(items)
+        charts = self._find_charts(items)
+        atlas = self._arrange(items, charts)
         with self.host.engine(order.transport) as compiled:
             table = self._make_table(items, atlas, compiled)
             if order.detail > 0.0:
-                atlas = self._shrink_even(items, atlas, table, compiled)
+                atlas = self._shrink_even(items, charts, atlas, table, compiled)
                 table = self._make_table(items, atlas, compiled)
-            layers = self._run_layers(compiled, table, items)
+            layers = self._run_layers(compiled, table, items, atlas)
             states = [state for _, state in layers]
             estimates = _estimates(layers, order)
             samples = round(sum(float(s.sums.samples().mean()) for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
+            decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
+            provenance = replace(provenance, decisions=decisions)
         self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
         maps = self._summarise(items, atlas, table, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
@@ -151,37 +160,48 @@ class Bake:
                     Departure(mesh.name, "the object has no surface to bake", "it is not baked", True)
                 )  # fmt: skip
                 continue
-            items.append(_Item(key, mesh, order.densities.get(key, order.density), False))
+            density = order.densities.get(key, order.density)
+            if order.from_textures:
+                density = max(density, texture_density(mesh, scene.materials))
+            items.append(_Item(key, mesh, density, False))
         if not items:
             raise SceneError("nothing to bake: none of the objects has a surface that is rendered")
         wanted = set(order.two_sided)
         return items + [replace(each, is_back=True) for each in items if each.key in wanted]
 
-    def _lay_out(self, items: list[_Item], factors=None) -> Atlas:
+    def _find_charts(self, items: list[_Item]) -> tuple[Charts, ...]:
+        fronts = [item for item in items if not item.is_back]
+
+        def report(done: int, count: int) -> None:
+            stage = f"laying out {done} of {count}"
+            self._report(Progress(0.0, 0, float("inf"), self._seconds, None, stage))
+
+        return find_all_charts(
+            [item.mesh for item in fronts],
+            [item.density for item in fronts],
+            cone=self.order.cone,
+            progress=report,
+            cancelled=self.host.cancelled,
+        )
+
+    def _arrange(self, items: list[_Item], charts: tuple[Charts, ...], factors=None) -> Atlas:
         order = self.order
         fronts = [item for item in items if not item.is_back]
         place = {item.key: number for number, item in enumerate(fronts)}
-
-        def report(number: int, name: str) -> None:
-            stage = f"laying out {number + 1} of {len(fronts)}: {name}"
-            self._report(Progress(0.0, 0, float("inf"), self._seconds, None, stage))
-
-        atlas = lay_out(
+        atlas = arrange(
             [item.mesh for item in fronts],
+            charts,
             [item.density for item in fronts],
             largest=order.largest,
             pages=order.pages,
             margin=order.margin,
-            cone=order.cone,
             two_sided=tuple(place[item.key] for item in items if item.is_back),
-            materials=self.host.scene.materials if order.from_textures else None,
             factors=factors,
-            progress=report,
-            cancelled=self.host.cancelled,
         )
-        self.departures += [
-            Departure(name, message, "baked like that") for name, message in atlas.notes
-        ]
+        if factors is None:
+            self.departures += [
+                Departure(name, message, "baked like that") for name, message in atlas.notes
+            ]
         return atlas
 
     def _make_table(self, items, atlas: Atlas, compiled) -> LumelTable:
@@ -194,10 +214,10 @@ class Bake:
         table.validate(compiled, self.host.cancelled)
         return table
 
-    def _shrink_even(self, items, atlas: Atlas, table, compiled) -> Atlas:
+    def _shrink_even(self, items, charts, atlas: Atlas, table, compiled) -> Atlas:
         """Lay out anew with fewer lumels on charts that turn out even in a first pass."""
         order = self.order
-        job = self._job(compiled, table)
+        job = self._job(compiled, table, items, atlas)
         rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
         owners = _owners(table)
         state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
@@ -214,22 +234,47 @@ class Bake:
             [page.chart for page in pages],
             threshold,
         )
-        return self._lay_out(items, factors)
+        return self._arrange(items, charts, factors)
 
     # ---- the passes ----
 
-    def _job(self, compiled, table) -> LuxJob:
+    def _choose_method(self, compiled) -> tuple[bool, str]:
+        """Whether to read the radiance beyond the first bounce from cells, and why."""
+        if self.order.method == "paths":
+            return False, "the order asks for full paths"
+        spectra = [] if compiled.requirements.spectral is False else compiled.light_spectra
+        error = interpolation_error(compiled.mean_light, spectra)
+        if self.order.method == "auto" and error > BAND_TOLERANCE:
+            return False, (
+                f"the lights' spectra are so unlike that cells would be wrong by up to {100.0 * error:.2g} %: full paths"
+            )
+        return True, "the radiance beyond the first bounce is read from cells; the bias is measured"
+
+    def _job(self, compiled, table, items, atlas) -> LuxJob:
         options = self.options
         if options is None:
             count = sum(table.counts)
+            cells, reason = self._choose_method(compiled)
+            self._decisions.append(reason)
             options = Options(
-                cells=self.order.method != "paths",
+                cells=cells,
                 exitance=self.order.exitance,
                 adaptive=count <= MOST_ADAPTIVE,
             )
-        return LuxJob(compiled, table, self.order.seed, options, self.host.cancelled)
+        tracer = finder = None
+        if self.order.caustics != "off":
+            tracer = LightTracer(compiled)
+            if tracer.is_needed:
+                keys, meshes = [item.key for item in items], [item.mesh for item in items]
+                finder = LumelFinder(compiled, keys, meshes, atlas, table)
+                self._decisions.append(tracer.reason)
+            else:
+                tracer = None
+        return LuxJob(
+            compiled, table, self.order.seed, options, self.host.cancelled, tracer, finder
+        )
 
-    def _run_layers(self, compiled, table, items) -> list[tuple[str, LayerState]]:
+    def _run_layers(self, compiled, table, items, atlas) -> list[tuple[str, LayerState]]:
         """States of all layers by name; a single one without a name where no groups are asked for."""
         order = self.order
         scenes: list[tuple[str, Scene | None]] = [("", None)]
@@ -251,7 +296,12 @@ class Bake:
                 self._report(_part_of(state, number, len(scenes), name))
 
             layer = Layer(
-                self._job(own, table), rule, owners, report, saver.saving(number), len(items)
+                self._job(own, table, items, atlas),
+                rule,
+                owners,
+                report,
+                saver.saving(number),
+                len(items),
             )
             try:
                 state = layer.run(saver.state(number))

@@ -217,7 +217,7 @@ def _surroundings_class():
             """Whether a direction lies on a sun's disk; chord lengths keep single precision, cosines would not."""
             return dr.squared_norm(direction - towards) <= reach
 
-        def _sun_value(self, direction, wavelengths, active):
+        def sun_value(self, direction, wavelengths, active):
             value = mi.Spectrum(0.0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = wavelengths
@@ -239,7 +239,7 @@ def _surroundings_class():
             return pdf
 
         def eval(self, si, active=True):
-            value = self._sun_value(-si.wi, si.wavelengths, active)
+            value = self.sun_value(-si.wi, si.wavelengths, active)
             if self.world is not None:
                 value += self.world.eval(si, active)
             return mi.Spectrum(value & active)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..photometry.spectra import GRID, observer
-from ..photometry.units import MINIMUM_WAVELENGTH
+from ..photometry.units import LUMINOUS_EFFICACY, MINIMUM_WAVELENGTH
 from .textures import is_spectral
 
 FIRST, LAST, WIDTH = 390.0, 710.0, 20.0
@@ -90,6 +90,19 @@ class Bands:
             )
             value[k] = dr.lerp(below, above, dr.gather(mi.Float, self._share, step)) * light[k]
         return value
+
+    def grey(self, ratio, wavelengths):
+        """Spectral irradiance whose ratio to the mean light is the same at all wavelengths."""
+        if not is_spectral():
+            return mi.Spectrum(ratio)
+        return self._light_at(wavelengths) * ratio
+
+    def illuminance(self) -> float:
+        """Illuminance of light whose ratio to the mean light is 1 at all wavelengths. [lx]"""
+        if not is_spectral():
+            return 1.0
+        light = self.light / self.light.max()
+        return LUMINOUS_EFFICACY * float((light * observer()[:, 1]).sum())
 
     def luminous(self) -> np.ndarray:
         """Weights by which ratios at the nodes add up to light, up to a factor; sum 1. (count,)"""

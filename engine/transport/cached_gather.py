@@ -47,7 +47,7 @@ def incoming(
     ratio : Float    Next-event samples at the receiver for every ray.
     without_bent_sun : bool    Whether light of the sun over ideal glass and curved mirrors is left out, because it is traced
         from the sun.
-    is_exact : bool    Whether no cells are read after all.
+    is_exact : bool    Whether no cells are read after all, but for light that was traced to them.
 
     Returns
     -------
@@ -56,6 +56,7 @@ def incoming(
     spectral = is_spectral()
     context = mi.BSDFContext()
     reads = cells is not None and bool(cells) and not is_exact
+    traced = cells is not None and bool(cells) and cells.traced is not None
     has_mirrors = scene.mirrors is not None
     ray = mi.Ray3f(ray)
     if spectral:
@@ -120,7 +121,9 @@ def incoming(
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
             if without_bent_sun:
-                value -= dr.select(bent, scene.sun_radiance(away, leaves), 0.0)
+                value -= dr.select(
+                    bent, scene.surroundings.sun_value(ray.d, away.wavelengths, leaves), 0.0
+                )
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- what a matt surface sends ----
@@ -130,15 +133,20 @@ def incoming(
         matte = mi.Spectrum(0.0)
         row = mi.UInt32(0)
         coat = mi.Float(0.0)
-        if reads:
+        if reads or traced:
             row, coat, side, readable = _meet(cells, hit, si, reference, active)
-            matte = bsdf.eval_diffuse_reflectance(si, readable) * (
-                (1.0 - coat) * cells.matt.scale(row, readable) * dr.inv_pi
+            is_matt = row > 0
+            matte = bsdf.eval_diffuse_reflectance(si, is_matt) * (
+                (1.0 - coat) * cells.matt.scale(row, is_matt) * dr.inv_pi
             )
+            if traced:
+                value = cells.traced_value(side, si.wavelengths, is_matt)
+                radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
+            readable &= reads
             value = cells.value(side, si.wavelengths, readable)
             radiance = dr.select(readable, radiance + throughput * matte * value, radiance)
-            if not cells.matt.has_coat:
-                active &= ~readable
+        if reads and not cells.matt.has_coat:
+            active &= ~readable
 
         # ---- next event ----
         smooth = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
@@ -242,13 +250,14 @@ def incoming(
 
 
 def _meet(cells, hit, si, reference, active):
-    """Row of the matt table, reflectance of the coat, side of the cell, and whether it may be read."""
-    row = cells.matt.row(si.shape, active)
-    readable = active & (row > 0) & (dr.norm(si.p - reference) > NEAR * cells.near)
+    """Row of the matt table (0: not matt), reflectance of the coat, side of the cell, and whether it may be read."""
+    row = dr.select(active, cells.matt.row(si.shape, active), 0)
+    is_matt = row > 0
     cosine = mi.Frame3f.cos_theta(si.wi)
-    side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, readable)
+    coat = mi.Float(cells.matt.coat(row, cosine, is_matt))
+    side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, is_matt)
+    readable = is_matt & (dr.norm(si.p - reference) > NEAR * cells.near)
     readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
-    coat = mi.Float(cells.matt.coat(row, cosine, readable))
     return row, coat, side, readable
 
 

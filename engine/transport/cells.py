@@ -61,7 +61,7 @@ class CellSet:
         self.matt = MattTable(scene)
         self.bands = Bands(scene.mean_light)
         wanted = set(self.matt.shapes)
-        parts = [part for part, _ in scene.parts() if part.number in wanted]
+        parts = [part for _, part, _ in scene.parts() if part.number in wanted]
         triangles = {part.number: scene.triangles(part) for part in parts}
         # By place, so that the order of ids decides nothing.
         parts.sort(key=lambda part: tuple(triangles[part.number][0].ravel().tolist()))
@@ -86,6 +86,13 @@ class CellSet:
         self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
         self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
         self.near = dr.opaque(mi.Float, self.size)
+        # Light traced from the lights, see `put_traced`.
+        self.traced = None
+        self._host_table = (
+            offsets,
+            _join([m.first for m in made]).astype(np.int64),
+            _join([m.grid for m in made]).astype(np.int64),
+        )
         dr.eval(
             self._offsets, self._first, self._grid, self._shape, self._prim, self._uv, self.values
         )
@@ -94,6 +101,23 @@ class CellSet:
     def __bool__(self) -> bool:
         """Whether there is anything to read."""
         return self.count > 0
+
+    def put_traced(self, deposits) -> None:
+        """Take the light that traced paths brought, as irradiance that passes the coat (`light_paths.Deposits`)."""
+        offsets, first, grid = self._host_table
+        shape = deposits.shape.astype(np.int64)
+        passing = self.matt.passing(shape, deposits.cosine)
+        triangle = np.where(passing > 0.0, offsets[shape] + deposits.prim.astype(np.int64), 0)
+        across, up = grid[triangle] & 0xFFFF, grid[triangle] >> 16
+        i = np.minimum((deposits.uv[:, 0] * across).astype(np.int64), across - 1)
+        j = np.minimum((deposits.uv[:, 1] * up).astype(np.int64), up - 1)
+        side = 2 * (first[triangle] + j * across + i) + deposits.back
+        flux = np.bincount(side, deposits.flux * passing, 2 * self.count)
+        area = np.repeat(self.area, 2)
+        light = np.where(area > 0.0, flux / np.where(area > 0.0, area, 1.0), 0.0)
+        # One number for all wavelengths: as if its spectrum were the mean light's.
+        self.traced = upload(mi.Float, light / self.bands.illuminance())
+        dr.eval(self.traced)
 
     # ---- inside kernels ----
 
@@ -111,6 +135,10 @@ class CellSet:
     def value(self, side, wavelengths, active):
         """Spectral irradiance that passes the coat."""
         return self.bands.read(self.values, side, wavelengths, active)
+
+    def traced_value(self, side, wavelengths, active):
+        """Spectral irradiance that traced paths bring and that passes the coat."""
+        return self.bands.grey(dr.gather(mi.Float, self.traced, side, active), wavelengths)
 
     def place(self, side, number, active=True):
         """Surface at a point of a cell's side, seen from that side, and what the matt table knows it as.

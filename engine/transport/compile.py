@@ -105,6 +105,7 @@ class CompiledScene:
         self.extent = mi.Float(1.0)
         self._extents = mi.Float(0.0)
         self.mean_light = np.ones(len(GRID)) / len(GRID)
+        self.light_spectra: list[np.ndarray] = []
         self._pool = SurfacePool()
         self.solid = Layer(self._pool)
         self._veil = Layer(self._pool)
@@ -193,10 +194,10 @@ class CompiledScene:
         return self._pool.emitter(si, mi.Bool(active) & si.is_valid())
 
     def parts(self):
-        """Yield every part of an object with its material, in a fixed order."""
-        for body in self._bodies.values():
+        """Yield every part of an object: the object's id, the part, its material."""
+        for key, body in self._bodies.items():
             for part in body.parts:
-                yield part, self._finishes.item(part.material)
+                yield key, part, self._finishes.item(part.material)
 
     @property
     def shape_count(self) -> int:
@@ -404,6 +405,8 @@ class CompiledScene:
         if self._world is not None and not isinstance(scene.world, ImageWorld):
             made = emission.luminous(self._world.mean_luminance, scene.world.spectrum)
             shining.append((made.density, made.amount * np.pi * 4.0 * disk))
+        different = {density.tobytes(): density for density, flux in shining if flux > 0.0}
+        self.light_spectra = list(different.values())
         for density, flux in shining:
             total += density / max(density.sum(), 1e-300) * flux
         if isinstance(scene.world, ImageWorld) and scene.world.luminance_per_unit > 0.0:

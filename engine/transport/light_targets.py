@@ -121,7 +121,7 @@ def find_targets(scene) -> Targets:
     """
     known = None if scene.is_mirror is None else np.array(scene.is_mirror)
     bending, mirrors, names = [], [], set()
-    for part, material in scene.parts():
+    for _, part, material in scene.parts():
         if not is_bending(material.surface) or part.triangles == 0:
             continue
         if known is not None and known[part.number]:

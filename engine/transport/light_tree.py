@@ -40,9 +40,6 @@ FINE = 2
 LEAST_INTENSITY = 0.03
 """Share of a node's mean intensity below which its map does not fall: its lights lie around the place that it is for."""
 
-LEAST_COSINE = 0.02
-"""Cosine at the receiver below which no node's falls."""
-
 NARROW = 0.01
 """Squared radius of a node over its squared distance below which it is a point."""
 
@@ -245,7 +242,7 @@ class LightTree:
 
     # ---- inside kernels ----
 
-    def descend(self, point, u, place, is_given, weigh, outside=None, normal=None):
+    def descend(self, point, u, place, is_given, weigh, outside=None):
         """Go from the root to one light.
 
         Parameters
@@ -255,7 +252,6 @@ class LightTree:
         is_given : Bool
         weigh : callable    From a place: what the light there gives at the point, 0 if there is none.
         outside : Float or None    What light from infinity gives, on the same scale.
-        normal : Normal3f or None    Of the receiver, if light from behind it counts nothing.
 
         Returns
         -------
@@ -271,7 +267,7 @@ class LightTree:
             # The levels lie behind each other: 4, 16, 64 and so on.
             before = ((ARITY << (ARITY_BITS * level)) - ARITY) // (ARITY - 1)
             first = before + node * ARITY
-            weights = [self._weigh_node(first + i, point, normal) for i in range(ARITY)]
+            weights = [self._weigh_node(first + i, point) for i in range(ARITY)]
             shift = ARITY_BITS * (self._levels - 1 - level)
             child = (leaf >> shift) & (ARITY - 1)
             if outside is not None:
@@ -292,7 +288,7 @@ class LightTree:
         found = dr.select(is_out, NOWHERE, base + member)
         return found, dr.select(is_out, share, share * chance), dr.select(is_out, u, rest)
 
-    def _weigh_node(self, number, point, normal):
+    def _weigh_node(self, number, point):
         """Give what a node's lights together give at a point."""
         first = dr.gather(mi.Vector4f, self._disks, 2 * number)
         second = dr.gather(mi.Vector4f, self._disks, 2 * number + 1)
@@ -316,12 +312,7 @@ class LightTree:
         base = number * (MAP * MAP)
         value = mi.Float(0.0)
         for direction in (away, nearer):
-            seen = dr.gather(mi.Float, self._maps, base + _cell(direction))
-            if normal is not None:
-                slack = dr.sqrt(radius)
-                rise = (slack - dr.dot(direction, normal)) / (dr.norm(direction) + slack)
-                seen *= dr.clip(rise, LEAST_COSINE, 1.0)
-            value += seen
+            value += dr.gather(mi.Float, self._maps, base + _cell(direction))
         return dr.select(value > 0.0, dr.maximum(0.5 * value * kernel, TINY), 0.0)
 
 

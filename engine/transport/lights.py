@@ -35,9 +35,6 @@ LEAST_RATIO = 0.02
 """Share of the mean ratio of what arrives to what was expected below which no light's is taken to lie: a light that no
 pilot point sees may count all the same at some other point."""
 
-GRAZING = 1e-3
-"""Cosine at the receiver below which no light's falls: rounding must not exclude what is seen."""
-
 
 @dataclass
 class Source:
@@ -250,22 +247,13 @@ class LightTable:
         first = self._first_luminaire
         return mi.Float(dr.select(index >= first, index - first, 0))
 
-    def sample(self, u, point, normal=None):
-        """Choose an emitter.
-
-        Parameters
-        ----------
-        normal : Normal3f or None    Of a receiver to which light from behind is nothing; `probability` must know it too.
-
-        Returns
-        -------
-        (UInt32, Float, Float)    Its number, its probability at the point, and the stretched remainder of ``u``.
-        """
+    def sample(self, u, point):
+        """Return an emitter's number, its probability at a point, and the stretched remainder of ``u``."""
         if self.tree is not None:
-            return self._sample_tree(u, point, normal)
+            return self._sample_tree(u, point)
         index, share, start = mi.UInt32(0), mi.Float(1.0), mi.Float(0.0)
         running = mi.Float(0.0)
-        for i, value in enumerate(self._local_shares(point, normal)):
+        for i, value in enumerate(self._local_shares(point)):
             chosen = (u >= running) & (value > 0.0)
             index = dr.select(chosen, mi.UInt32(i), index)
             share = dr.select(chosen, value, share)
@@ -273,19 +261,19 @@ class LightTable:
             running = running + value
         return index, share, dr.clip((u - start) / share, 0.0, 0.9999999)
 
-    def _sample_tree(self, u, point, normal):
+    def _sample_tree(self, u, point):
         is_even = u < EVEN_SHARE
         wanted = u * (mi.Float(self._many) / EVEN_SHARE)
         index = dr.minimum(mi.UInt32(dr.select(is_even, wanted, 0.0)), self._many - 1)
         place = dr.gather(mi.UInt32, self._place, index)
         stretched = dr.maximum(u - EVEN_SHARE, 0.0) * (1.0 / (1.0 - EVEN_SHARE))
-        place, share, rest = self._descend(stretched, place, is_even, point, normal)
+        place, share, rest = self._descend(stretched, place, is_even, point)
         at_light = place != NOWHERE
         index = dr.select(at_light, dr.gather(mi.UInt32, self._light, place, at_light), 0)
         rest = dr.select(is_even, dr.clip(wanted - dr.floor(wanted), 0.0, 0.9999999), rest)
         return index, share, rest
 
-    def probability(self, pointer, point, active, row=0, normal=None):
+    def probability(self, pointer, point, active, row=0):
         """Probability of choosing an emitter at a point. ``row``: which luminaire, if the pointer is the palette's."""
         if self.count == 0:
             return mi.Float(0.0)
@@ -295,32 +283,30 @@ class LightTable:
             place = dr.gather(mi.UInt32, self._place, index, active)
 
             def find(place):
-                return self._descend(mi.Float(0.0), place, mi.Bool(True), point, normal)[1]
+                return self._descend(mi.Float(0.0), place, mi.Bool(True), point)[1]
 
             # Most rays meet no light and need no way to it.
             return dr.if_stmt(
                 (place,), mi.Bool(active), find, lambda place: mi.Float(0.0), arg_labels=("place",)
             )
         probability = mi.Float(0.0)
-        for i, value in enumerate(self._local_shares(point, normal)):
+        for i, value in enumerate(self._local_shares(point)):
             probability = dr.select(active & (index == i), value, probability)
         return probability
 
-    def _descend(self, u, place, is_given, point, normal):
+    def _descend(self, u, place, is_given, point):
         """As `LightTree.descend`, with the share of even choices in the probability."""
 
         def weigh(place):
-            value, _ = self._weigh(place, point, normal)
+            value, _ = self._weigh(place, point)
             is_real = dr.gather(mi.UInt32, self._light, place) != NOWHERE
             return dr.select(is_real, dr.maximum(value, TINY), 0.0)
 
         outside = self._weigh_outside(point) if self._has_outside else None
-        place, share, rest = self.tree.descend(
-            point, u, place, is_given, weigh, outside=outside, normal=normal
-        )
+        place, share, rest = self.tree.descend(point, u, place, is_given, weigh, outside=outside)
         return place, EVEN_SHARE * self._even + (1.0 - EVEN_SHARE) * share, rest
 
-    def _local_shares(self, point, normal) -> list:
+    def _local_shares(self, point) -> list:
         """Probabilities of all lights at a point; 0 where the table is only filled up."""
         if self.count == 1:
             return [mi.Float(1.0)]
@@ -329,7 +315,7 @@ class LightTable:
             if i == 0 and self._has_outside:
                 weights.append(self._weigh_outside(point))
             else:
-                weights.append(self._weigh(mi.UInt32(i), point, normal)[0])
+                weights.append(self._weigh(mi.UInt32(i), point)[0])
         total = dr.maximum(sum(weights[1:], weights[0]), TINY)
         shares = [(1.0 - EVEN_SHARE) * w / total for w in weights]
         # Whatever is missing to 1 (all of it where no light shines) is spread evenly.
@@ -341,7 +327,7 @@ class LightTable:
             return self._outside
         return self._outside * self.portals.openness(point)
 
-    def _weigh(self, place, point, normal=None):
+    def _weigh(self, place, point):
         """Give what the light at a place gives at a point, unoccluded.
 
         Returns
@@ -368,9 +354,6 @@ class LightTable:
             shines = (light >= self._first_luminaire) & (light != NOWHERE)
             row = dr.minimum(dr.select(shines, light - self._first_luminaire, 0), self._last_row)
             lit = dr.select(shines, self.palette.importance(row, away, shines), lit)
-        if normal is not None:
-            rise = (radius - dr.dot(away, normal)) * dr.rsqrt(squared)
-            weight *= dr.clip(rise, GRAZING, 1.0)
         return weight * lit, lit
 
     def expect(self, index, point):

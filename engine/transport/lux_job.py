@@ -55,6 +55,24 @@ SWEEP_SHARE = 0.25
 CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 13, 1 << 17
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
 
+TRACE_SHARE = 0.5
+"""Paths from the lights in a pass, relative to its samples. [-]"""
+
+TRACED_PATHS = (1 << 16, 1 << 22)
+"""Fewest and most of them."""
+
+TRACE_SALT = 0x5EED
+"""Sets their points apart from others of the same seed."""
+
+CHECK_SALT = 19
+"""Sets the points of the checks apart."""
+
+SPAN_PLACES, KEPT_SPANS = 1 << 21, 2
+"""Places of lumels that are worked on together, and how many such lots stay on the device."""
+
+FEW = 3
+"""Level below which lumels are worked on apart from the others."""
+
 NO_SAMPLES = 255
 """Level of lumels that get nothing."""
 
@@ -140,13 +158,21 @@ class LuxJob:
     options : Options
     cancelled : callable    Asked before every launch.
     tracer : LightTracer or None    Traces from the lights what gathering cannot find.
+    finder : LumelFinder or None    Knows the lumels on which traced light lands.
     """
 
     def __init__(
-        self, scene, table, seed: int, options: Options, cancelled=lambda: False, tracer=None
+        self,
+        scene,
+        table,
+        seed: int,
+        options: Options,
+        cancelled=lambda: False,
+        tracer=None,
+        finder=None,
     ):
         self.scene, self.table, self.options, self.cancelled = scene, table, options, cancelled
-        self.seed, self.tracer = seed, tracer
+        self.seed, self.tracer, self.finder = seed, tracer, finder
         self.count = int(sum(table.counts))
         self.first = np.concatenate([[0], np.cumsum(table.counts)]).astype(np.int64)
         self.channels = 4 if options.exitance else 1
@@ -158,15 +184,18 @@ class LuxJob:
         self.valid = np.concatenate([table.block(i).valid for i in range(len(table.counts))])
         self._learn()
         self.cells = self.sweeper = None
-        if options.cells:
+        if options.cells or tracer is not None:
             wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
             self.cells = CellSet(scene, wanted)
-            if self.cells:
+            if self.cells and options.cells:
                 self.sweeper = Sweeper(scene, self.cells, seed, cancelled)
+        self.traced: np.ndarray | None = None
+        self.spans = self._find_spans()
         self._uploaded: dict[int, dict] = {}
 
     def prepare(self) -> None:
         """Find the light of the cells."""
+        self._trace(0, TRACED_PATHS[0])
         if self.sweeper is not None:
             self.sweeper.find()
 
@@ -185,7 +214,7 @@ class LuxJob:
         """
         self.refresh(number, levels)
         light, surface = np.zeros(int(objects.max()) + 1), np.zeros(int(objects.max()) + 1)
-        for _, part, values in self.estimates(number, levels, progress):
+        for part, values in self.estimates(number, levels, progress):
             own = Levels(levels.direct[part], levels.gather[part])
             made = values.sum(axis=0)
             sums.add(part.start, made, own.samples())
@@ -196,48 +225,37 @@ class LuxJob:
         return light / np.maximum(surface, 1e-300)
 
     def estimates(self, number: int, levels: Levels, progress=None):
-        """Estimates of all lumels, block by block.
+        """Estimates of all lumels, span by span.
 
         Yields
         ------
-        (block, part, values)
-            Number of the block, slice of its lumels, and (2, k, channels) values: direct light and the rest.
+        (part, values)    Slice of the lumels, and (2, k, channels) values: direct light and the rest.
         """
-        done = 0
-        for block, count in enumerate(self.table.counts):
-            part = slice(int(self.first[block]), int(self.first[block]) + count)
+        total, done = max(self.count, 1), 0.0
+        for span in self.spans:
+            count = span.stop - span.start
             values = np.zeros((2, count, self.channels))
-            own = Levels(levels.direct[part], levels.gather[part])
-            for lumels, found in self._launches(block, number, own):
-                values[:, lumels] += found
-                done += len(lumels)
-                if progress is not None:
-                    progress(min(0.5 * done / max(self.count, 1), 1.0))
-            yield block, part, values
+            columns = (levels.direct[span], levels.gather[span])
+            for kind, column in enumerate(columns):
+                for units in _batches(column, self.valid[span]):
+                    for part in units.split():
+                        if self.cancelled():
+                            raise Cancelled("cancelled")
+                        sums = self._launch(span, kind, part, number, columns)
+                        part.add(sums, values[kind])
+                    if progress is not None:
+                        progress(min((done + 0.5 * count * (kind + 0.5)) / total, 1.0))
+            done += count
+            if self.traced is not None:
+                self._add_traced(values[1], self.traced[span])
+            yield span, values
 
-    def _launches(self, block: int, number: int, levels: Levels):
-        """Estimates of the lumels of a block, launch by launch.
-
-        Yields
-        ------
-        (lumels, values)    Indices within the block (k,), and means of the launch's samples (2, k, channels) for direct
-            light and gathering, 0 for that which the launch did not estimate.
-        """
-        known = self.valid[self.first[block] : self.first[block] + len(levels.direct)]
-        for kind, column in ((0, levels.direct), (1, levels.gather)):
-            for level in np.unique(column[known]):
-                if level == NO_SAMPLES:
-                    continue
-                chosen = np.flatnonzero(known & (column == level))
-                samples = 1 << int(level)
-                per_launch = max(LANES // samples, 1)
-                for start in range(0, len(chosen), per_launch):
-                    if self.cancelled():
-                        raise Cancelled("cancelled")
-                    lumels = chosen[start : start + per_launch]
-                    values = np.zeros((2, len(lumels), self.channels))
-                    values[kind] = self._launch(block, kind, lumels, samples, number, levels)
-                    yield lumels, values
+    def _add_traced(self, values: np.ndarray, light: np.ndarray) -> None:
+        """Add traced light to the rest; the colour that leaves is that of other light, for want of a spectrum by lumel."""
+        before = values[:, :1]
+        ratio = np.divide(values, before, out=np.zeros_like(values), where=before > 0.0)
+        ratio[:, 0] = 1.0
+        values += ratio * light[:, None]
 
     def compare(self, number: int, levels: Levels) -> tuple[np.ndarray, np.ndarray]:
         """Differences between reading cells and full paths at lumels that are drawn by area. (k,) lumels, (k,) [lx]"""
@@ -250,22 +268,34 @@ class LuxJob:
         lumels = np.searchsorted(ends, draw.random(checks) * ends[-1], side="right")
         lumels = np.sort(np.minimum(lumels, self.count - 1))
         found = np.zeros(len(lumels))
-        for block, count in enumerate(self.table.counts):
-            low, high = np.searchsorted(lumels, [self.first[block], self.first[block] + count])
+        for span in self.spans:
+            low, high = np.searchsorted(lumels, [span.start, span.stop])
             if low == high:
                 continue
             if self.cancelled():
                 raise Cancelled("cancelled")
-            own = lumels[low:high] - self.first[block]
-            ones = Levels.even(count, 1, 1)
+            ones = np.zeros(span.stop - span.start, dtype=np.uint8)
+            # Numbers of their own, since some lumels are drawn more than once.
+            units = _Units(lumels[low:high] - span.start, np.arange(high - low), 1, ones)
             read, full = (
-                self._launch(block, 1, own, 1, number, ones, salt=19, is_exact=exact)[:, 0]
+                self._launch(span, 1, units, number, (ones, ones), CHECK_SALT, exact)[:, 0]
                 for exact in (False, True)
             )
             found[low:high] = read - full
         return lumels, found
 
     # ---- private ----
+
+    def _find_spans(self) -> list[slice]:
+        """Lumels that are worked on together: those of as many blocks as their places fit."""
+        spans, start, places = [], 0, 0
+        for number in range(len(self.table.counts)):
+            more = len(self.table.block(number).receivers.positions)
+            if places and places + more > SPAN_PLACES:
+                spans.append(slice(start, int(self.first[number])))
+                start, places = int(self.first[number]), 0
+            places += more
+        return [*spans, slice(start, self.count)] if self.count else []
 
     def _learn(self) -> None:
         """Let the choice of lights learn what arrives at the lumels."""
@@ -280,48 +310,76 @@ class LuxJob:
         )
 
     def refresh(self, number: int, levels: Levels) -> None:
-        """Sweep the cells anew, for a pass."""
-        if self.sweeper is None or number == 0:
+        """Trace from the lights and sweep the cells anew, for a pass."""
+        if number == 0:
+            return
+        self._trace(number, int(TRACE_SHARE * levels.total()))
+        if self.sweeper is None:
             return
         # About a quarter of the pass's work, in whole powers of two.
         work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 2, 6)))
 
-    def _block(self, number: int) -> dict:
-        """Places of a block on the device; those of a few blocks are kept."""
-        if number not in self._uploaded:
-            if len(self._uploaded) >= 4:
+    def _trace(self, number: int, paths: int) -> None:
+        """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
+        if self.tracer is None:
+            return
+        count = 1 << int(np.clip(np.log2(max(paths, 1)), *np.log2(TRACED_PATHS)))
+        found = self.tracer.trace(count, self.seed + TRACE_SALT + number)
+        lumel = self.finder.find(found.shape, found.prim, found.uv, found.back)
+        landed = (lumel >= 0) & (found.geometric_cosine > 0.0)
+        light = found.flux * found.cosine / np.maximum(found.geometric_cosine, 1e-6)
+        flux = np.bincount(lumel[landed], light[landed], self.count)
+        known = self.valid & (self.area > 0.0)
+        self.traced = np.where(known, flux / np.where(self.area > 0.0, self.area, 1.0), 0.0)
+        if self.cells:
+            self.cells.put_traced(found)
+
+    def _places(self, span: slice) -> dict:
+        """Places of a span on the device; those of a few spans are kept."""
+        if span.start not in self._uploaded:
+            if len(self._uploaded) >= KEPT_SPANS:
                 self._uploaded.pop(next(iter(self._uploaded)))
-            receivers = self.table.block(number).receivers
-            columns = self.scene.local(receivers.positions)
-            self._uploaded[number] = {
+            inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
+            parts = [self.table.block(int(i)).receivers for i in np.flatnonzero(inside)]
+            begins = np.cumsum([0, *(len(part.positions) for part in parts)])
+            columns = self.scene.local(np.concatenate([part.positions for part in parts]))
+            normals = np.concatenate([part.normals for part in parts])
+            true = np.concatenate([part.geometric_normals for part in parts])
+            start = np.concatenate(
+                [part.start + begin for part, begin in zip(parts, begins, strict=False)]
+            )
+            self._uploaded[span.start] = {
                 "p": [upload(mi.Float, columns[:, i]) for i in range(3)],
-                "n": [upload(mi.Float, receivers.normals[:, i]) for i in range(3)],
-                "g": [upload(mi.Float, receivers.geometric_normals[:, i]) for i in range(3)],
-                "start": upload(mi.UInt32, receivers.start),
-                "count": upload(mi.UInt32, receivers.count),
+                "n": [upload(mi.Float, normals[:, i]) for i in range(3)],
+                "g": [upload(mi.Float, true[:, i]) for i in range(3)],
+                "start": upload(mi.UInt32, start),
+                "count": upload(mi.UInt32, np.concatenate([part.count for part in parts])),
             }
-            dr.eval(self._uploaded[number])
-        return self._uploaded[number]
+            dr.eval(self._uploaded[span.start])
+        return self._uploaded[span.start]
 
     def _launch(
-        self, block, kind, lumels, samples, number, levels: Levels, salt=0, is_exact=False
+        self, span, kind, units: "_Units", number, columns, salt=0, is_exact=False
     ) -> np.ndarray:
-        """Means over the samples of one launch, (k, channels). ``kind``: 0 direct light, 1 gathering."""
-        scene, places = self.scene, self._block(block)
-        who = upload(mi.UInt32, lumels)
-        first = dr.opaque(mi.UInt32, int(self.first[block]) & 0xFFFFFFFF)
-        share = _count(levels.direct[lumels]) / np.maximum(_count(levels.gather[lumels]), 1e-9)
+        """Sums over the samples of units, (u, channels). ``kind``: 0 direct light, 1 gathering."""
+        scene, places = self.scene, self._places(span)
+        who = upload(mi.UInt32, units.lumel)
+        begin = upload(mi.UInt32, units.first)
+        first = dr.opaque(mi.UInt32, int(span.start) & 0xFFFFFFFF)
+        direct_count, gather_count = (_count(column[units.lumel]) for column in columns)
+        share = direct_count / np.maximum(gather_count, 1e-9)
         ratios = upload(mi.Float, np.clip(share, 1e-4, 1e4))
-        many = dr.opaque(mi.UInt32, samples)
+        many = dr.opaque(mi.UInt32, units.samples)
         seed = dr.opaque(
             mi.UInt32,
             (int(self.seed) * 2654435761 + number * 40503 + kind * 9176 + salt) & 0xFFFFFFFF,
         )
         pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER)[kind]
 
-        lane = dr.arange(mi.UInt32, len(lumels) * samples)
-        row, sample = lane // many, lane % many
+        lane = dr.arange(mi.UInt32, len(units.lumel) * units.samples)
+        row = lane // many
+        sample = dr.gather(mi.UInt32, begin, row) + lane % many
         lumel = dr.gather(mi.UInt32, who, row)
         own = hash_words(first + lumel, seed)
         stream = random_stream(sample, own)
@@ -338,13 +396,19 @@ class LuxJob:
         if kind == 0:
             value = direct(scene, receiver)
         else:
-            value = gathered(scene, self.cells, receiver, is_exact=is_exact)
+            value = gathered(
+                scene,
+                self.cells,
+                receiver,
+                is_exact=is_exact or self.sweeper is None,
+                without_bent_sun=self.tracer is not None and self.tracer.has_suns,
+            )
         sums = []
         for channel in self._channels(value, wavelengths, si):
             kept = dr.select(dr.isfinite(channel), channel, 0.0)
-            sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, samples))
+            sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, units.samples))
         dr.eval(sums)
-        return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1) / samples
+        return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
 
     def _samples(self, sample, seed, stream, pair: int):
         """Points for the place, the direction or light, and the wavelengths."""
@@ -402,6 +466,51 @@ class LuxJob:
         )
 
 
+@dataclass(frozen=True)
+class _Units:
+    """Pieces of work of equal length: samples of a lumel that follow each other.
+
+    Parameters
+    ----------
+    lumel : (u,) int array    Within the span.
+    first : (u,) int array    Number of the first sample.
+    samples : int    Of every unit.
+    levels : (n,) uint8 array    Of the lumels of the span.
+    """
+
+    lumel: np.ndarray
+    first: np.ndarray
+    samples: int
+    levels: np.ndarray
+
+    def split(self):
+        """Yield parts that fit a launch."""
+        most = max(LANES // self.samples, 1)
+        for start in range(0, len(self.lumel), most):
+            part = slice(start, start + most)
+            yield _Units(self.lumel[part], self.first[part], self.samples, self.levels)
+
+    def add(self, sums: np.ndarray, values: np.ndarray) -> None:
+        """Add the means that sums (u, channels) make to the values (n, channels) of their lumels."""
+        begins = np.flatnonzero(np.diff(self.lumel, prepend=-1))
+        rows = self.lumel[begins]
+        values[rows] += np.add.reduceat(sums, begins, axis=0) / _count(self.levels[rows])[:, None]
+
+
+def _batches(levels: np.ndarray, known: np.ndarray):
+    """Yield the work of all known lumels as `_Units`: few samples and many apart, so that units are not too small."""
+    for few in (True, False):
+        chosen = known & (levels != NO_SAMPLES) & ((levels < FEW) == few)
+        lumels = np.flatnonzero(chosen)
+        if len(lumels) == 0:
+            continue
+        lowest = int(levels[lumels].min())
+        counts = 1 << (levels[lumels].astype(np.int64) - lowest)
+        lumel = np.repeat(lumels, counts)
+        number = np.arange(len(lumel)) - np.repeat(np.cumsum(counts) - counts, counts)
+        yield _Units(lumel, number << lowest, 1 << lowest, levels)
+
+
 def _spread(count: int, most: int) -> list[int]:
     """At most so many of the numbers below ``count``, evenly spread."""
     return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most))}) if count else []
@@ -430,7 +539,7 @@ class Pilot:
         first = np.zeros((2, job.count), dtype=np.float32)
         for number in range(2):
             job.refresh(number, levels)
-            for block, part, values in job.estimates(number, levels):
+            for part, values in job.estimates(number, levels):
                 own = Levels(levels.direct[part], levels.gather[part])
                 sums.add(part.start, values.sum(axis=0), own.samples())
                 if number == 0:
@@ -438,12 +547,22 @@ class Pilot:
                     continue
                 # Of two values each, so half their squared difference is the variance of one.
                 square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
-                tiles = tile_numbers(job.table.block(block), job.table.width(block))
-                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, block, 5])
+                tiles = self._tiles(part)
+                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
                 self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
                 for kind in range(2):
                     self._scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
             sums.end_pass()
+
+    def _tiles(self, span: slice) -> np.ndarray:
+        """Number of the tile of every lumel of a span."""
+        job, made, count = self.job, [], 0
+        inside = (job.first[:-1] >= span.start) & (job.first[:-1] < span.stop)
+        for number in np.flatnonzero(inside):
+            own = tile_numbers(job.table.block(int(number)), job.table.width(int(number)))
+            made.append(own + count)
+            count += int(own.max(initial=-1)) + 1
+        return np.concatenate(made)
 
     def plan(self, square: float | None = None, samples: float | None = None) -> Levels:
         """Samples of every lumel in a pass.
@@ -517,7 +636,7 @@ class Pilot:
             start = time.perf_counter()
             job.refresh(number + half, levels)
             middle = time.perf_counter()
-            for _, span, values in job.estimates(number + half, few):
+            for span, values in job.estimates(number + half, few):
                 found[half, span] = values[..., 0].sum(axis=0)
             scale = levels.total() / max(few.total(), 1e-9)
             seconds.append(middle - start + (time.perf_counter() - middle) * scale)

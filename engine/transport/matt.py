@@ -27,7 +27,7 @@ class MattTable:
         rows: dict[tuple, int] = {}
         numbers = np.zeros(scene.shape_count, dtype=np.uint32)
         self.shapes: list[int] = []
-        for part, material in scene.parts():
+        for _, part, material in scene.parts():
             if not is_matt(material.surface) or part.is_veil:
                 continue
             self.shapes.append(part.number)
@@ -35,6 +35,7 @@ class MattTable:
             numbers[part.number] = rows.setdefault(key, len(rows)) + 1
         tables = [_table(*key) for key in rows] or [np.zeros(COSINES)]
         self.has_coat = any(table.any() for table in tables)
+        self._host = numbers, np.stack(tables)
         self._rows = upload(mi.UInt32, numbers)
         self._tables = upload(mi.Float, np.concatenate(tables))
         self._scale = upload(mi.Float, [1.0 / max(1.0 - mean_reflectance(t), 1e-6) for t in tables])
@@ -54,6 +55,16 @@ class MattTable:
         low = dr.gather(mi.Float, self._tables, index, active)
         high = dr.gather(mi.Float, self._tables, index + 1, active)
         return dr.lerp(low, high, place - mi.Float(below))
+
+    def passing(self, shape: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+        """Share of light that passes the coats of shapes, on the host; 0 where they are not matt. (n,), (n,) -> (n,)"""
+        numbers, tables = self._host
+        row = numbers[shape].astype(np.int64)
+        place = np.sqrt(np.clip(cosine, 0.0, 1.0)) * (COSINES - 1)
+        below = np.minimum(place.astype(np.int64), COSINES - 2)
+        table = tables[np.maximum(row - 1, 0)]
+        low, high = (np.take_along_axis(table, (below + k)[:, None], axis=1)[:, 0] for k in (0, 1))
+        return np.where(row > 0, 1.0 - (low + (high - low) * (place - below)), 0.0)
 
     def scale(self, row, active):
         """1 / (1 - mean reflectance of the coat). [-]"""

@@ -3,13 +3,16 @@
 import bpy
 import numpy as np
 import pytest
+from fake_bakes import make_page, make_result
 from lumenray import operators, ui
 from lumenray.blender_addon import feedback, probe
 from lumenray.blender_addon.report import ConversionReport
-from lumenray.engine.session import Layout as MapLayout
-from lumenray.engine.session import LuxMap, Provenance
+from lumenray.engine.accuracy.stopping import Progress
+from lumenray.engine.baking.order import Layout as MapLayout
+from lumenray.engine.baking.order import LuxMap
+from lumenray.engine.scene.provenance import Provenance
 from lumenray.engine.transport.backend import BackendStatus
-from lumenray.ui import compatibility, luminaire, material, sidebar
+from lumenray.ui import bake, compatibility, luminaire, material, sidebar
 from panels import Drawn, Layout, context, draw, interface, new_light
 
 
@@ -41,7 +44,7 @@ def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
         )
         for kind in ui.CLASSES:
             # Those that need a photometric file are looked at in test_luminaire_ui.
-            if issubclass(kind, luminaire.LuminaireChild):
+            if issubclass(kind, luminaire.LuminaireChild | bake.LUMENRAY_PT_luminaire_group):
                 continue
             if getattr(kind, "bl_space_type", "") == "PROPERTIES":
                 assert bool(kind.poll(where)) is expected, kind.__name__
@@ -137,11 +140,20 @@ def test_world_panels_draw(unit):
 @pytest.mark.parametrize("stop", ["SAMPLES", "ERROR", "TIME"])
 def test_render_panels_draw_what_their_choice_needs(stop):
     settings = bpy.context.scene.lumenray
-    settings.stop = settings.bake_stop = stop
+    settings.stop = stop
     assert stop.lower() in draw("LUMENRAY_PT_sampling", context())
-    assert f"bake_{stop.lower()}" in draw("LUMENRAY_PT_lux_bake", context())
     for name in ("LUMENRAY_PT_passes", "LUMENRAY_PT_advanced"):
         assert draw(name, context())
+
+
+def test_the_bake_panel_says_so_where_a_bake_would_never_end():
+    settings = bpy.context.scene.lumenray
+    seen = draw("LUMENRAY_PT_lux_bake", context())
+    for name in ("error", "absolute", "time", "samples"):
+        assert {f"bake_use_{name}", f"bake_{name}"} <= set(seen)
+    assert not any("never end" in text for text in seen)
+    settings.bake_use_error = False
+    assert any("never end" in text for text in draw("LUMENRAY_PT_lux_bake", context()))
 
 
 def test_film_says_what_becomes_white():
@@ -175,47 +187,62 @@ def test_bake_panel_shows_a_button_or_progress():
     assert "1 object selected" in seen
     assert "lumenray.bake_illuminance" in seen
     assert "Select the objects to bake" in draw("LUMENRAY_PT_bake", context())
-    job = bpy.context.window_manager.lumenray.job
-    job.running, job.progress, job.text = True, 0.42, "8 samples"
+    manager = bpy.context.window_manager
+    feedback.begin_job(manager)
+    feedback.show_progress(manager, Progress(0.4267, 8, 0.031, 20.0, 27.4, "passes"))
     seen = draw("LUMENRAY_PT_bake", where)
+    # Rounded down.
     assert "42 %" in seen
-    assert "Esc cancels" in seen
+    assert {"passes", "8", "3.10 %", "27 s"} <= set(seen)
+    assert any(text.startswith("Esc cancels") for text in seen)
     assert "lumenray.bake_illuminance" not in seen
 
 
 def lux_map(name="Floor", mean=500.0):
-    values = np.full((2, 2), mean, np.float32)
     uv = np.zeros((1, 3, 2), np.float32)
+    corners = np.array([[0, 1, 2]], np.int32)
     return LuxMap(
         id=f"object:{name}",
-        layout=MapLayout(uv, np.array([[0, 1, 2]], np.int32), None, 3),
         name=name,
-        illuminance=values,
-        standard_error=0.1 * values,
-        covered=values > 0,
-        area=np.ones_like(values),
+        number=0,
+        lumels=12500,
+        charts=1,
         mean=mean,
         minimum=0.5 * mean,
         maximum=1.5 * mean,
         relative_standard_error=0.1,
         mean_standard_error=2.0,
-        samples=64,
+        bias=-0.4,
+        bias_error=0.2,
+        samples=64.0,
         density=8.0,
+        requested_density=8.0,
+        area=10.0,
+        invalid=7,
+        smoothed=True,
         provenance=Provenance("0", "llvm_ad_mono", "hash", 0, 64, 1.5),
+        layout=MapLayout(uv, np.zeros(1, np.int32), corners, None, 3),
     )
 
 
 def test_results_are_shown_with_their_error():
     manager = bpy.context.window_manager
     assert draw("LUMENRAY_PT_results", context()) is None
-    feedback.show_results(manager, [lux_map(), lux_map("Desk", 750.0)])
+    feedback.show_results(manager, make_result([lux_map(), lux_map("Desk", 750.0)], [make_page(0)]))
     manager.lumenray.result_index = 1
     said = draw("LUMENRAY_PT_results", context())
     assert "750.0 ± 2.0 lx" in said
     assert "0.50" in said
+    assert "-0.40 ± 0.20 lx" in said
+    assert "7 lumels, filled" in said
+    assert "Smoothed" in said
+    whole = draw("LUMENRAY_PT_results_whole", context())
+    assert "2 %" in whole
+    assert "12 s" in whole
+    assert "1.00 lx (noise 1.20 lx)" in whole
     layout = Layout()
-    list_ = Drawn(sidebar.LUMENRAY_UL_results, layout)
-    sidebar.LUMENRAY_UL_results.draw_item(
+    list_ = Drawn(bake.LUMENRAY_UL_results, layout)
+    bake.LUMENRAY_UL_results.draw_item(
         list_, context(), layout, manager.lumenray, manager.lumenray.results[0], 0, None, ""
     )
     assert layout.seen == ["Floor", "500 lx"]

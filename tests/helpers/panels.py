@@ -49,6 +49,7 @@ class Layout:
         assert idname in {kind.bl_idname for kind in operators.CLASSES}
         assert icon in ICONS
         self.seen.append(idname)
+        return types.SimpleNamespace()
 
     def template_icon(self, icon_value, scale=1.0):
         assert icon_value > 0

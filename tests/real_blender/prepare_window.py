@@ -2,11 +2,13 @@
 
 The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes
 a luminaire active, ``material`` an object with a physical override, ``render`` starts F12, ``bake``
-runs the bake as a user would and writes into the log how long the window ever waited; ``viewport``
-moves an object in the rendered view, ``viewport_lux`` shows the illuminance there. ``luminaire`` has
-a scene of its own: luminaires from the library before a wall, with their polar solids and one's
-panel. ``library`` shows the luminaires in the Asset Browser. ``world`` shows houses under a clear sky of the CIE and its
-sun. In the others the sidebar shows the tab of Lumenray.
+runs the bake as a user would and writes into the log how long the window ever waited, ``bake_graph``
+shows one half-way; ``baked`` and ``baked_lux`` bake the whole office and show its light and its
+illuminance in material preview; ``viewport`` moves an object in the rendered view, ``viewport_lux``
+shows the illuminance there. ``luminaire`` has a scene of its own: luminaires from the library before
+a wall, with their polar solids and one's panel. ``library`` shows the luminaires in the Asset
+Browser. ``world`` shows houses under a clear sky of the CIE and its sun. In the others the sidebar
+shows the tab of Lumenray.
 """
 
 import importlib
@@ -22,7 +24,14 @@ PACKAGE = "bl_ext.user_default.lumenray"
 
 VIEW = sys.argv[sys.argv.index("--") + 1] if "--" in sys.argv else "light"
 
-ACTIVE = {"light": "LED Panel 1", "material": "Window Panes", "bake": "Floor"}
+ACTIVE = {
+    "light": "LED Panel 1",
+    "material": "Window Panes",
+    "bake": "Floor",
+    "bake_graph": "Floor",
+    "baked": "Floor",
+    "baked_lux": "Floor",
+}
 """Object that is made active for each view."""
 
 LUMINAIRES = (
@@ -38,10 +47,17 @@ CONTEXT = {"light": "DATA", "luminaire": "DATA", "material": "MATERIAL", "world"
 LARGE_PROPERTIES = {"luminaire", "world"}
 """Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
 
-SOLID = {"render", "bake", "luminaire"}
+SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire"}
 """Pictures in which the view is not rendered."""
 
-ZOOM = {"viewport": 20.0, "viewport_lux": 20.0, "luminaire": 29.0, "world": 29.0}
+ZOOM = {
+    "viewport": 20.0,
+    "viewport_lux": 20.0,
+    "baked": 20.0,
+    "baked_lux": 20.0,
+    "luminaire": 29.0,
+    "world": 29.0,
+}
 """Blender's zoom of the camera's frame in the view; 0 leaves room around it."""
 
 CATEGORY = "Lumenray"
@@ -73,7 +89,7 @@ def prepare_spaces(window):
                 space.region_3d.view_camera_zoom = ZOOM.get(VIEW, 0.0)
                 space.show_region_ui = VIEW not in LARGE_PROPERTIES
                 # Lines below every lamp.
-                space.overlay.show_extras = not VIEW.startswith("viewport")
+                space.overlay.show_extras = not VIEW.startswith(("viewport", "baked"))
             elif space.type == "PROPERTIES":
                 space.context = context
 
@@ -247,20 +263,62 @@ class Pulse:
         return 0.05
 
 
-def start_bake():
-    """Press the button, as it were."""
+LITTLE = "Floor,Wall South,Desk Top A,Ceiling"
+"""Objects of a short bake."""
+
+
+def press_button(operator, **options):
+    """Press a button of the sidebar, as it were."""
     window = bpy.context.window_manager.windows[0]
     area = next(a for a in window.screen.areas if a.type == "VIEW_3D")
-    with bpy.context.temp_override(window=window, area=area):
-        print(
-            bpy.ops.lumenray.bake_illuminance(
-                "INVOKE_DEFAULT",
-                objects="Floor,Wall South,Desk Top A,Ceiling",
-                samples=64,
-                folder="/out/window-bake",
-            ),
-            flush=True,
-        )
+    region = next(r for r in area.regions if r.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        print(operator("INVOKE_DEFAULT", **options), flush=True)
+
+
+def start_bake():
+    """Bake a little."""
+    press_button(
+        bpy.ops.lumenray.bake_illuminance, objects=LITTLE, samples=64, folder="/out/window-bake"
+    )
+
+
+def start_long_bake():
+    """Begin a bake that is still under way when the picture is taken."""
+    bpy.context.scene.lumenray.bake_density = 40.0
+    press_button(
+        bpy.ops.lumenray.bake_illuminance, objects=LITTLE, error=0.002, folder="/out/window-graph"
+    )
+
+
+def start_whole_bake():
+    """Bake all that can be seen, in layers, and show it when it is done."""
+    settings = bpy.context.scene.lumenray
+    settings.bake_layers = "GROUPS"
+    for source in bpy.data.objects:
+        if source.type == "LIGHT":
+            source.data.lumenray.light_group = source.name.rstrip(" 0123456789.")
+    names = [o.name for o in bpy.context.view_layer.objects if o.type == "MESH"]
+    press_button(
+        bpy.ops.lumenray.bake_illuminance,
+        objects=",".join(names),
+        error=0.03,
+        time=120.0,
+        density=8.0,
+        folder="/out/window-baked",
+    )
+    bpy.app.timers.register(show_when_done, first_interval=1.0)
+
+
+def show_when_done():
+    """Show baked light as soon as there is some; time until the next look. [s]"""
+    feedback = bpy.context.window_manager.lumenray
+    if feedback.job.running:
+        return 0.5
+    press_button(bpy.ops.lumenray.show_baked)
+    if VIEW == "baked_lux":
+        bpy.context.scene.lumenray.baked_look = "FALSE"
+    return None
 
 
 def turn_evening():
@@ -301,7 +359,11 @@ if VIEW == "render":
 if VIEW == "bake":
     bpy.app.timers.register(Pulse(), first_interval=3.0)
     bpy.app.timers.register(start_bake, first_interval=4.0)
-if VIEW.startswith("viewport"):
+if VIEW == "bake_graph":
+    bpy.app.timers.register(start_long_bake, first_interval=4.0)
+if VIEW.startswith("baked"):
+    bpy.app.timers.register(start_whole_bake, first_interval=4.0)
+if VIEW.startswith(("viewport", "baked")):
     turn_evening()
 if VIEW == "viewport":
     bpy.app.timers.register(move_basket, first_interval=15.0)
