@@ -208,6 +208,8 @@ def project_groups(units: Units, label: np.ndarray, count: int, cone: float) -> 
             break
         along = _places_along(units, label[members], members, bend.direction, turn)
         label, count = split_apart(part, halve(label, members, along))
+        # A part has a direction of its own, from which more may turn away.
+        label, count = split_cones(narrow(units, label >= 0), label, count, cone)
         turn += 1
     unfolded = _unfold_units(units, stubborn)
     here = unfolded.chart >= 0

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,8 +70,10 @@ class ChartSearch:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-            self._process.stdin.close()
             self._process.stdout.close()
+            # What it had not read yet is of no use to anyone.
+            with suppress(BrokenPipeError):
+                self._process.stdin.close()
             self._process = None
 
     def find(

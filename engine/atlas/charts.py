@@ -112,7 +112,7 @@ def find_charts(
             f"{broken} polygons cannot be laid flat in one piece; each of their triangles has a chart of its own, which a "
             "UV map of the host cannot show"
         )
-    chart = _cut_sparse(units, chosen.chart, chosen.uv, density)
+    chart = _cut_sparse(units, chosen.chart, chosen.uv, cone, density)
     return _finish(units, chart, chosen.uv, tuple(notes))
 
 
@@ -342,7 +342,9 @@ def _turn(uv: np.ndarray, vertex: np.ndarray, chart: np.ndarray, count: int) -> 
     )
 
 
-def _cut_sparse(units: Units, chart: np.ndarray, uv: np.ndarray, density: float):
+def _cut_sparse(
+    units: Units, chart: np.ndarray, uv: np.ndarray, cone: float, density: float
+) -> np.ndarray:
     """Cut charts across that fill little of a large rectangle, such as frames and corridors round a court. (r,)"""
     topology = units.topology
     vertex, area = topology.vertex[units.rows], topology.area[units.rows]
@@ -367,6 +369,8 @@ def _cut_sparse(units: Units, chart: np.ndarray, uv: np.ndarray, density: float)
         middle /= np.where(units.area > 0.0, units.area, 1.0)
         label[~whole] = -1
         label, parts = split_apart(units, halve(label, members, middle[members]))
+        # A part has a direction of its own, from which more may turn away.
+        label, parts = split_cones(narrow(units, label >= 0), label, parts, cone)
         chart = np.where(whole[units.unit], label[units.unit], parts + chart)
     return chart
 

@@ -49,10 +49,13 @@ FEWEST_CELLS, MOST_CELLS = 4_000, 1_000_000
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
+CHECK_INTERVAL = 4
+"""Passes from check to check."""
+
 SWEEP_SHARE = 0.25
 """Work of the sweep before a pass, relative to that of the pass. [-]"""
 
-CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 13, 1 << 17
+CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 15, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
 
 TRACE_SHARE = 0.5
@@ -70,8 +73,8 @@ CHECK_SALT = 19
 SPAN_PLACES, KEPT_SPANS = 1 << 21, 2
 """Places of lumels that are worked on together, and how many such lots stay on the device."""
 
-FEW = 3
-"""Level below which lumels are worked on apart from the others."""
+FEW, MOST_UNITS = 3, 1 << 22
+"""Level below which lumels are worked on apart from the others, where there are more samples than this."""
 
 NO_SAMPLES = 255
 """Level of lumels that get nothing."""
@@ -264,7 +267,10 @@ class LuxJob:
         chances = np.where(self.valid, self.area, 0.0)
         draw = np.random.default_rng([self.seed & 0xFFFFFFFF, number, 77])
         ends = np.cumsum(chances)
-        checks = int(np.clip(CHECK_SHARE * levels.total(), FEWEST_CHECKS, MOST_CHECKS))
+        if number % CHECK_INTERVAL:
+            return np.zeros(0, dtype=np.int64), np.zeros(0)
+        share = CHECK_INTERVAL * CHECK_SHARE
+        checks = int(np.clip(share * levels.total(), FEWEST_CHECKS, MOST_CHECKS))
         lumels = np.searchsorted(ends, draw.random(checks) * ends[-1], side="right")
         lumels = np.sort(np.minimum(lumels, self.count - 1))
         found = np.zeros(len(lumels))
@@ -498,12 +504,14 @@ class _Units:
 
 
 def _batches(levels: np.ndarray, known: np.ndarray):
-    """Yield the work of all known lumels as `_Units`: few samples and many apart, so that units are not too small."""
-    for few in (True, False):
-        chosen = known & (levels != NO_SAMPLES) & ((levels < FEW) == few)
-        lumels = np.flatnonzero(chosen)
-        if len(lumels) == 0:
-            continue
+    """Yield the work of all known lumels as `_Units`; those of few samples apart where units would be too many."""
+    chosen = known & (levels != NO_SAMPLES)
+    if not chosen.any():
+        return
+    few = chosen & (levels < FEW)
+    is_one = float(_count(levels[chosen]).sum()) <= MOST_UNITS or few.all() or not few.any()
+    for group in [chosen] if is_one else [few, chosen & ~few]:
+        lumels = np.flatnonzero(group)
         lowest = int(levels[lumels].min())
         counts = 1 << (levels[lumels].astype(np.int64) - lowest)
         lumel = np.repeat(lumels, counts)
