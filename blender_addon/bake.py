@@ -11,21 +11,43 @@ import bpy
 import numpy as np
 
 from ..engine.accuracy.stopping import StopRule
-from ..engine.errors import Cancelled, SceneError
-from ..engine.formats.names import file_stem
-from ..engine.session import BakeOrder, Layout, LuxMap
+from ..engine.analysis.false_colour import nice_maximum
+from ..engine.baking.order import BakeOrder, BakeResult, LuxMap
+from ..engine.errors import Cancelled, LumenrayError, SceneError
+from ..engine.scene.scene import Scene
+from . import baked_images, baked_layout, baked_look
+from .light_groups import find_groups
+from .properties import white_luminance
 from .report import ConversionReport
 from .sync.meshes import MESH_TYPES
 from .sync.scene import convert_scene
 from .sync.step import PART_BYTES, split
 
-UV_MAP = "Lumenray"
-"""Name of the UV map that a lux map lies on."""
+CHECKPOINT = "bake.checkpoint"
+"""Name of the file, in the bake's folder, that an interrupted bake goes on from."""
+
+GLTF = "baked.glb"
+"""Name of the glTF file, where no other is asked for."""
+
+
+GLTF_ENDINGS = (".glb", ".gltf")
+"""Endings of glTF files: all in one, and with its pictures beside it."""
 
 
 @dataclass(frozen=True)
 class BakeSettings:
-    """What a bake is asked for. ``densities``: lumels per metre by object name, where it is not ``density``."""
+    """What a bake is asked for; most as in `BakeOrder`.
+
+    Parameters
+    ----------
+    densities : dict of str to float    Lumels per metre by object name, where it is not ``density``.
+    two_sided : tuple of str    Names of the objects whose back sides are wanted.
+    layers : str    ``none``, ``groups`` or ``each``.
+    checkpoint : bool    Whether the state is kept in the folder.
+    resume : bool    Whether an interrupted bake there goes on; else it is forgotten.
+    gltf : Path or None    Where the objects are written with their light.
+    white : float or None    Luminance that becomes white there; None: found from the maps. [cd/m2]
+    """
 
     density: float
     largest: int
@@ -35,6 +57,20 @@ class BakeSettings:
     transport: str
     folder: Path
     densities: dict[str, float] = field(default_factory=dict)
+    from_textures: bool = False
+    pages: int = 0
+    cone: float = 1.0
+    detail: float = 0.0
+    two_sided: tuple[str, ...] = ()
+    layers: str = "none"
+    exitance: bool = False
+    smooth: bool = False
+    method: str = "auto"
+    caustics: str = "auto"
+    checkpoint: bool = False
+    resume: bool = False
+    gltf: Path | None = None
+    white: float | None = None
 
 
 @dataclass
@@ -46,10 +82,15 @@ class BakeJob:
     settings: BakeSettings
     report: ConversionReport
     order: BakeOrder
-    maps: list[LuxMap] = field(default_factory=list)
+    result: BakeResult | None = None
     files: list[Path] = field(default_factory=list)
     _session: object = None
     _cancelled: bool = False
+
+    @property
+    def maps(self) -> tuple[LuxMap, ...]:
+        """Lux maps of the finished bake."""
+        return () if self.result is None else self.result.maps
 
     def cancel(self) -> None:
         """Ask the job to end."""
@@ -57,7 +98,7 @@ class BakeJob:
         if self._session is not None:
             self._session.cancel()
 
-    def run(self, session, progress=None) -> list[LuxMap]:
+    def run(self, session, progress=None) -> BakeResult:
         """Send the scene, unwrap, compute, write the files.
 
         Parameters
@@ -70,8 +111,12 @@ class BakeJob:
         LumenrayError    One sentence on any fault.
         """
         self._session = session
+        self._prepare_checkpoint()
+        scene = None if self.settings.gltf is None else Scene()
         for part in self.parts:
             session.apply(part)
+            if scene is not None:
+                scene.apply(part)
             if self._cancelled:
                 raise Cancelled("cancelled")
         # The engine holds the scene now.
@@ -81,9 +126,48 @@ class BakeJob:
             note = self.report.error if departure.is_error else self.report.warn
             where = self.names.get(departure.name, departure.name)
             note(where, departure.message, departure.remedy)
-        self.maps = list(result.maps)
         self.files = [Path(path) for path in result.files]
-        return self.maps
+        if scene is not None:
+            self.files += self._write_gltf(scene, result)
+        self.result = result
+        return result
+
+    def _prepare_checkpoint(self) -> None:
+        path = checkpoint_path(self.settings.folder)
+        if not self.settings.resume:
+            path.unlink(missing_ok=True)
+        elif not path.is_file():
+            raise SceneError(f"{self.settings.folder} holds no interrupted bake that could go on")
+
+    def _write_gltf(self, scene: Scene, result: BakeResult) -> list[Path]:
+        from ..engine.formats.gltf import write_gltf
+
+        meshes = [scene.mesh(key) for key, item in scene.meshes.items() if item.visible_to_camera]
+        white = self.settings.white or baked_look.automatic_white(result.mean)
+        try:
+            return write_gltf(self.settings.gltf, meshes, scene.materials, result, white=white)
+        except LumenrayError as error:
+            # The maps are worth hours; they do not go with a file that comes on top.
+            self.report.error(self.settings.gltf.name, str(error), "the glTF file is not written")
+            return []
+
+
+def checkpoint_path(folder) -> Path:
+    """Return where an interrupted bake of a folder has its state."""
+    return Path(folder) / CHECKPOINT
+
+
+def gltf_path(wanted) -> Path:
+    """Return the path of a glTF file that is wanted.
+
+    Raises
+    ------
+    SceneError    It has another ending.
+    """
+    path = Path(wanted)
+    if path.suffix.lower() not in GLTF_ENDINGS:
+        raise SceneError(f"{path}: glTF files end in {' or '.join(GLTF_ENDINGS)}")
+    return path
 
 
 def bakeable(objects) -> list:
@@ -91,12 +175,63 @@ def bakeable(objects) -> list:
     return [source for source in objects if source.type in MESH_TYPES]
 
 
+def folder_of(settings, wanted: str = "") -> Path:
+    """Return the folder of a scene's bakes, or the one that is wanted instead."""
+    folder = bpy.path.abspath(wanted or settings.bake_folder)
+    if folder.startswith("//"):
+        # An unsaved file has no place of its own.
+        folder = str(Path(bpy.app.tempdir) / folder[2:])
+    return Path(folder)
+
+
+def rule_of(settings) -> StopRule:
+    """Return the stopping rule of a scene's bakes.
+
+    Raises
+    ------
+    SceneError    None is on.
+    """
+    return StopRule(
+        samples=settings.bake_samples if settings.bake_use_samples else None,
+        error=settings.bake_error if settings.bake_use_error else None,
+        seconds=settings.bake_time if settings.bake_use_time else None,
+        absolute=settings.bake_absolute if settings.bake_use_absolute else None,
+    )
+
+
+def read_settings(settings, objects, rule: StopRule, folder: Path) -> BakeSettings:
+    """Return what a scene (its `LumenraySceneSettings`) and the objects' own settings ask for."""
+    return BakeSettings(
+        density=settings.bake_density,
+        largest=settings.bake_size,
+        margin=settings.bake_margin,
+        rule=rule,
+        seed=settings.seed,
+        transport=settings.transport.lower(),
+        folder=folder,
+        densities={s.name_full: s.lumenray.density for s in objects if s.lumenray.density > 0.0},
+        from_textures=settings.bake_from_textures,
+        pages=settings.bake_pages,
+        cone=settings.bake_cone,
+        detail=settings.bake_detail,
+        two_sided=tuple(s.name_full for s in objects if s.lumenray.two_sided),
+        layers=settings.bake_layers.lower(),
+        exitance=settings.bake_exitance,
+        smooth=settings.bake_smooth,
+        method=settings.bake_method.lower(),
+        caustics=settings.bake_caustics.lower(),
+        checkpoint=settings.bake_checkpoint,
+        gltf=folder / GLTF if settings.bake_gltf else None,
+        white=white_luminance(settings),
+    )
+
+
 def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
     """Read everything that a bake needs out of Blender.
 
     Raises
     ------
-    SceneError    None of the objects has a surface.
+    SceneError    None of the objects has a surface, or there are too many light groups.
     """
     chosen = [source.name_full for source in bakeable(objects)]
     if not chosen:
@@ -111,7 +246,6 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
             )
         else:
             found[key] = name
-    file = Path(bpy.data.filepath).name if bpy.data.filepath else "(not saved)"
     order = BakeOrder(
         objects=tuple(found),
         rule=settings.rule,
@@ -121,88 +255,57 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
             for key, name in found.items()
             if name in settings.densities
         },
+        from_textures=settings.from_textures,
         largest=settings.largest,
+        pages=settings.pages,
         margin=settings.margin,
+        cone=settings.cone,
+        detail=settings.detail,
+        two_sided=tuple(key for key, name in found.items() if name in settings.two_sided),
+        groups=find_groups(converted.delta.changed, depsgraph.scene.world, settings.layers),
+        exitance=settings.exitance,
+        smooth=settings.smooth,
+        method=settings.method,
+        caustics=settings.caustics,
         seed=settings.seed,
         transport=settings.transport,
         folder=str(settings.folder),
-        file=file,
+        checkpoint=(
+            str(checkpoint_path(settings.folder))
+            if settings.checkpoint or settings.resume
+            else None
+        ),
+        file=Path(bpy.data.filepath).name if bpy.data.filepath else "(not saved)",
         conversion=tuple(converted.report.to_dicts()),
     )
     parts = list(split(converted.delta, PART_BYTES))
     return BakeJob(parts, found, settings, converted.report, order)
 
 
-def store(job: BakeJob) -> list[str]:
-    """Put the maps into the file: a UV map on every object, an image for every map. Returns the images' names."""
-    names = []
-    for made in job.maps:
-        source = bpy.data.objects.get(job.names[made.id])
-        if source is None:
-            continue
-        if not _store_uv(source, made.layout):
-            job.report.warn(
-                source.name,
-                "modifiers or its kind change the object's faces, so that its own UV maps cannot hold the layout",
-                "the lux map is only written to disk; apply the modifiers to see it on the object",
-            )
-        names.append(_store_image(source, made, job.settings.folder).name)
-    return names
+def store(job: BakeJob, scene) -> list[str]:
+    """Put a finished bake into the file: UV maps on its objects, and the atlas as images. Returns the images' names.
+
+    Baked light that is shown stays shown, with the new atlas.
+    """
+    was_shown = scene.lumenray.is_baked_shown
+    baked_look.hide()
+    result = job.result
+    sources = {key: bpy.data.objects.get(name) for key, name in job.names.items()}
+    placed = baked_layout.store_layouts(result, sources, job.report)
+    for source in placed:
+        source.lumenray.baked_image = None
+    images = baked_images.store_images(result, placed, job.report)
+    for source in placed:
+        source.lumenray.baked_image = images[0]
+    settings = scene.lumenray
+    baked_look.list_layers(settings, images)
+    settings.baked_low = 0.0
+    settings.baked_high = _scale_top(result)
+    if was_shown:
+        baked_look.show(scene)
+    return [image.name for image in images]
 
 
-def _store_uv(source, layout: Layout) -> bool:
-    """Write the layout into a UV map of the object's own mesh; false where its faces are others."""
-    if source.type != "MESH" or layout.polygon is None:
-        return False
-    data = source.data
-    corners = layout.polygon[:, None].astype(np.int64) * layout.vertex_count + layout.triangles
-    keys, first = np.unique(corners.ravel(), return_index=True)
-    if layout.vertex_count != len(data.vertices) or len(keys) != len(data.loops):
-        return False
-    vertex = np.empty(len(data.loops), dtype=np.int32)
-    data.loops.foreach_get("vertex_index", vertex)
-    total = np.empty(len(data.polygons), dtype=np.int32)
-    data.polygons.foreach_get("loop_total", total)
-    polygon = np.repeat(np.arange(len(data.polygons), dtype=np.int64), total)
-    wanted = polygon * layout.vertex_count + vertex
-    found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    if not np.array_equal(keys[found], wanted):
-        return False
-    # Objects that share one mesh are baked one by one, so each needs a layout of its own.
-    name = UV_MAP if data.users == 1 else f"{UV_MAP} {source.name}"[:60]
-    layer = data.uv_layers.get(name) or data.uv_layers.new(name=name, do_init=False)
-    if layer is None:
-        return False
-    uv = layout.uv.reshape(-1, 2)[first[found]].astype(np.float32)
-    layer.uv.foreach_set("vector", np.ascontiguousarray(uv).ravel())
-    data.update()
-    return True
-
-
-def _store_image(source, made: LuxMap, folder: Path):
-    name = f"Lux {source.name}"[:63]
-    height, width = made.illuminance.shape
-    image = bpy.data.images.get(name)
-    if image is not None and tuple(image.size) != (width, height):
-        bpy.data.images.remove(image)
-        image = None
-    if image is None:
-        image = bpy.data.images.new(
-            name, width, height, alpha=False, float_buffer=True, is_data=True
-        )
-    pixels = np.ones((height, width, 4), dtype=np.float32)
-    pixels[..., :3] = made.illuminance[..., None]
-    image.pixels.foreach_set(pixels.ravel())
-    image.update()
-    image.pack()
-    image["lumenray"] = {
-        "quantity": "illuminance",
-        "unit": "lx",
-        "mean": made.mean,
-        "relative_standard_error": made.relative_standard_error,
-        "scene_hash": made.provenance.scene_hash,
-        "seed": made.provenance.seed,
-        "samples": made.samples,
-        "file": str(folder / f"{file_stem(made.name)}_illuminance.exr"),
-    }
-    return image
+def _scale_top(result: BakeResult) -> float:
+    """Round illuminance that nearly all lumels lie under. [lx]"""
+    return nice_maximum(np.concatenate([page.illuminance[page.covered] for page in result.pages]))

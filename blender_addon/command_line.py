@@ -13,6 +13,7 @@ from . import luminaire_commands, validate_command
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --density 20 --error 0.01
+  lumenray bake office.blend -o lux --absolute 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.005
   lumenray luminaire info downlight.ies
 
@@ -62,35 +63,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     _add_rule(render, "pixel")
 
-    bake = commands.add_parser("bake", help="compute lux maps of objects")
-    _add_scene(bake)
-    bake.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        type=Path,
-        metavar="DIR",
-        help="folder for maps (.exr in lx, .png in false colours) and report.json",
-    )
-    bake.add_argument(
-        "--objects",
-        default="",
-        metavar="A,B",
-        help="objects by name (default: the collection 'Bake', else all meshes)",
-    )
-    bake.add_argument(
-        "--density",
-        type=float,
-        metavar="LUMELS_PER_METRE",
-        help="resolution on the surface (default: the scene's)",
-    )
-    bake.add_argument(
-        "--save",
-        type=Path,
-        metavar="F.blend",
-        help="save the file with UV maps and images to this place",
-    )
-    _add_rule(bake, "lumel")
+    _add_bake(commands)
 
     measure = commands.add_parser("measure", help="illuminance at sensors from a list")
     _add_scene(measure)
@@ -209,6 +182,85 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_bake(commands) -> None:
+    bake = commands.add_parser("bake", help="compute lux maps of objects")
+    _add_scene(bake)
+    bake.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="DIR",
+        help="folder for the atlas (.exr in lx, .png in false colours), report.json and error.png",
+    )
+    bake.add_argument(
+        "--objects",
+        default="",
+        metavar="A,B",
+        help="objects by name (default: the collection 'Bake', else all meshes)",
+    )
+    layout = bake.add_argument_group("layout (default: as the scene says)")
+    layout.add_argument(
+        "--density",
+        type=float,
+        metavar="LUMELS_PER_METRE",
+        help="resolution on the surface; objects' own densities are left out then",
+    )
+    layout.add_argument("--size", type=int, metavar="N", help="largest side of a page in lumels")
+    layout.add_argument(
+        "--pages", type=int, metavar="N", help="most pages, all charts shrink to fit; 0: any number"
+    )
+    layout.add_argument(
+        "--margin", type=int, metavar="N", help="lumels by which charts are extended"
+    )
+    light = bake.add_argument_group("light (default: as the scene says)")
+    light.add_argument(
+        "--layers",
+        choices=("none", "groups", "each"),
+        help="illuminance by light group, or by each luminaire, beside the whole",
+    )
+    light.add_argument(
+        "--exitance",
+        action=argparse.BooleanOptionalAction,
+        help="also the light that leaves the surfaces, in colour",
+    )
+    light.add_argument(
+        "--smooth",
+        action=argparse.BooleanOptionalAction,
+        help="smooth the maps after their error is known",
+    )
+    light.add_argument(
+        "--method",
+        choices=("auto", "cells", "paths"),
+        help="what stands for the radiance beyond the first bounce",
+    )
+    light.add_argument(
+        "--caustics", choices=("auto", "on", "off"), help="trace light from the lights as well"
+    )
+    rule = _add_rule(bake, "lumel")
+    rule.add_argument(
+        "--absolute",
+        type=float,
+        metavar="LX",
+        help="standard error in lx; the first end that is met counts",
+    )
+    bake.add_argument(
+        "--resume", action="store_true", help="go on with the interrupted bake in DIR"
+    )
+    bake.add_argument(
+        "--gltf",
+        type=Path,
+        metavar="OUT.glb",
+        help="also write the baked objects with their light, for viewers on the web (.glb or .gltf)",
+    )
+    bake.add_argument(
+        "--save",
+        type=Path,
+        metavar="F.blend",
+        help="save the file with UV maps and images to this place",
+    )
+
+
 def _add_scene(parser) -> None:
     parser.add_argument("file", type=Path, metavar="F.blend", help="Blender file")
     parser.add_argument(
@@ -221,13 +273,14 @@ def _add_scene(parser) -> None:
     )
 
 
-def _add_rule(parser, per: str) -> None:
+def _add_rule(parser, per: str):
     rule = parser.add_argument_group("when to stop (default: as the scene says)")
     rule.add_argument("--samples", type=int, metavar="N", help=f"paths per {per}")
     rule.add_argument(
         "--error", type=float, metavar="E", help="relative standard error, 0.01 is 1 %%"
     )
     rule.add_argument("--time", type=float, metavar="S", help="seconds")
+    return rule
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -485,49 +538,68 @@ def _bake(options) -> int:
     if options.save is not None:
         from . import bake
 
-        bake.store(job)
+        bake.store(job, bpy.context.scene)
         with _quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
     _print_conversion(job.report, job.maps[0].provenance)
     print_table(job.maps)
+    print_bake(job.result)
     print(f"written to {options.output}")
+    if options.gltf in job.files:
+        print(f"written to {options.gltf}")
     return 0
 
 
 def _bake_open(options, depsgraph):
     """Bake objects of the open file. Returns the finished job."""
+    from dataclasses import replace
+
     from ..engine.session import Session
     from . import bake
 
     settings = depsgraph.scene.lumenray
-    density = options.density
     objects = _chosen(options, depsgraph.scene)
-    job = bake.prepare(
-        depsgraph,
-        objects,
-        bake.BakeSettings(
-            density=settings.bake_density if density is None else density,
-            largest=settings.bake_size,
-            margin=settings.bake_margin,
-            rule=_rule(
-                options,
-                settings.bake_stop,
-                settings.bake_samples,
-                settings.bake_error,
-                settings.bake_time,
-            ),
-            seed=settings.seed if options.seed is None else options.seed,
-            transport=_transport(options, settings),
-            folder=options.output,
-            densities={}
-            if density
-            else {o.name_full: o.lumenray.density for o in objects if o.lumenray.density > 0.0},
-        ),
+    made = bake.read_settings(settings, objects, _bake_rule(options, settings), options.output)
+    stated = {
+        "density": options.density,
+        "densities": None if options.density is None else {},
+        "seed": options.seed,
+        "transport": options.transport,
+        "largest": options.size,
+        "pages": options.pages,
+        "margin": options.margin,
+        "layers": options.layers,
+        "exitance": options.exitance,
+        "smooth": options.smooth,
+        "method": options.method,
+        "caustics": options.caustics,
+    }
+    made = replace(
+        made,
+        **{name: value for name, value in stated.items() if value is not None},
+        resume=options.resume,
+        gltf=made.gltf if options.gltf is None else bake.gltf_path(options.gltf),
     )
+    job = bake.prepare(depsgraph, objects, made)
     bar = _Bar("bake")
     job.run(Session(), bar)
     bar.close()
     return job
+
+
+def _bake_rule(options, settings):
+    from ..engine.accuracy.stopping import StopRule
+    from . import bake
+
+    stated = (options.samples, options.error, options.time, options.absolute)
+    if all(value is None for value in stated):
+        return bake.rule_of(settings)
+    return StopRule(
+        samples=options.samples,
+        error=options.error,
+        seconds=options.time,
+        absolute=options.absolute,
+    )
 
 
 def _chosen(options, scene) -> list:
@@ -562,15 +634,10 @@ def _measure(options) -> int:
     session = Session()
     session.apply(converted.delta)
     bar = _Bar("measure")
-    rule = _rule(
-        options,
-        settings.bake_stop,
-        max(settings.bake_samples, 1024),
-        settings.bake_error,
-        settings.bake_time,
-    )
     if options.each is not None:
         rule = StopRule(seconds=options.time, each=options.each)
+    else:
+        rule = _rule(options, "SAMPLES", max(settings.bake_samples, 1024), 0.0, 0.0)
     if options.reflections is not None and options.reflections < 0:
         raise SceneError(f"--reflections is {options.reflections}, expected 0 or more")
     made = session.measure(
@@ -620,7 +687,9 @@ def _demo(options) -> int:
     )
     print(f"Rendering {path.name}, a bundled office, with the Lumenray engine")
     _render_open(view, depsgraph)
-    lux = argparse.Namespace(**common, output=options.output, objects="", density=None)
+    # A look at what it does, not a result to build by.
+    rule = ["--error", "0.05", "--time", "60"]
+    lux = build_parser().parse_args(["bake", str(path), "-o", str(options.output), *rule])
     job = _bake_open(lux, depsgraph)
     print_table(job.maps)
     seconds = time.perf_counter() - start
@@ -633,7 +702,7 @@ def _demo(options) -> int:
     )
     write_json(options.output / "report.json", content)
     print(
-        f"{seconds:.0f} s. Look at {options.output}/office.png and {options.output}/illuminance_atlas.png"
+        f"{seconds:.0f} s. Look at {options.output}/office.png and {options.output}/illuminance.1001.png"
     )
     return 0
 
@@ -700,8 +769,41 @@ def print_table(maps) -> None:
         mean = f"{made.mean:.1f} ± {made.mean_standard_error:.2f}"
         print(
             f"{made.name:<{width}}  {mean:>16}  {made.minimum:8.1f}  {made.maximum:8.1f}  "
-            f"{100 * made.relative_standard_error:8.2f}%  {int(made.covered.sum()):8d}"
+            f"{100 * made.relative_standard_error:8.2f}%  {made.lumels:8d}"
         )
+
+
+def print_bake(result) -> None:
+    """Print what holds for a bake as a whole: error, forecast, seams, bias, and what had to shrink."""
+    from ..engine.accuracy.stopping import format_seconds
+
+    error, mean = result.relative_standard_error, result.mean
+    print(
+        f"all maps: mean {mean:.4g} lx, error {100 * error:.2f} % ({error * mean:.3g} lx), "
+        f"{100 * result.quadratic_relative_error:.2f} % of the root mean square"
+    )
+    marks = result.history.marks
+    made = [mark for mark in marks if mark.forecast is not None]
+    if made:
+        first, taken = made[0], marks[-1].seconds
+        print(
+            f"time: {format_seconds(taken)}; after {first.seconds:.1f} s the forecast was "
+            f"{format_seconds(first.forecast)} ({100 * (first.forecast / taken - 1):+.1f} %)"
+        )
+    seams = result.seams
+    if seams.pairs:
+        print(
+            f"seams: {seams.pairs} places, steps {seams.before:.3g} lx before and {seams.after:.3g} lx "
+            f"after matching, noise {seams.noise:.3g} lx"
+        )
+    known = [made for made in result.maps if 0.0 < made.bias_error < float("inf")]
+    if known:
+        worst = max(known, key=lambda made: abs(made.bias))
+        print(
+            f"bias of a mean by the cells: {worst.bias:.3g} ± {worst.bias_error:.2g} lx at most ({worst.name})"
+        )
+    if result.shrink < 0.999:
+        print(f"density lowered to {100 * result.shrink:.0f} % to fit the pages")
 
 
 if __name__ == "__main__":

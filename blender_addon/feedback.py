@@ -16,7 +16,8 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from ..engine.session import LuxMap
+from ..engine.accuracy.stopping import Progress, format_seconds
+from ..engine.baking.order import BakeResult
 from .probe import Probe
 from .report import ConversionReport
 
@@ -31,6 +32,10 @@ FIRST_CHECK = 1.0
 
 CHECK_INTERVAL = 0.25
 """How often the check looks for its answer. [s]"""
+
+
+UNKNOWN = 1e6
+"""Relative errors from here on stand for one that is not known yet."""
 
 
 class LumenrayEngineStatus(PropertyGroup):
@@ -54,6 +59,10 @@ class LumenrayJob(PropertyGroup):
         subtype="FACTOR",
     )
     text: StringProperty(name="State", description="What the job is at")
+    stage: StringProperty(name="Stage", description="Part of the work that is being done")
+    samples: IntProperty(name="Samples", description="Per point, so far", min=0)
+    error: FloatProperty(name="Error", description="Relative standard error so far; 0 is unknown")
+    left: StringProperty(name="Time left", description="As forecast; empty while that is unknown")
 
 
 class LumenrayReportRow(PropertyGroup):
@@ -79,9 +88,38 @@ class LumenrayResultRow(PropertyGroup):
         name="Relative error",
         description="Standard error of the single values divided by the mean",
     )
-    samples: IntProperty(name="Samples", description="Paths per lumel")
-    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
+    bias: FloatProperty(
+        name="Bias", description="What the method adds to the mean on the whole, as measured"
+    )
+    bias_error: FloatProperty(name="Error of the bias", description="Standard error of the bias")
+    samples: IntProperty(name="Samples", description="Samples per lumel")
+    lumels: IntProperty(name="Lumels", description="How many lie on the surface")
+    density: FloatProperty(name="Density", description="Lumels per metre that were reached")
+    invalid: IntProperty(
+        name="Inside solids", description="Lumels that were filled from their neighbours"
+    )
+    is_smoothed: BoolProperty(
+        name="Smoothed", description="Whether the map was smoothed after its error was known"
+    )
     unit: StringProperty(name="Unit", description="Unit of the values", default="lx")
+
+
+class LumenrayBakeSummary(PropertyGroup):
+    """The last bake as a whole."""
+
+    relative_error: FloatProperty(
+        name="Relative error", description="Standard error of all lumels divided by the mean"
+    )
+    mean: FloatProperty(name="Mean", description="Of everything, in lx")
+    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
+    pages: IntProperty(name="Pages", description="Of the atlas")
+    shrink: FloatProperty(
+        name="Shrink", description="Factor on all densities that made the charts fit"
+    )
+    seam_pairs: IntProperty(name="Seam points", description="Places where charts meet")
+    seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
+    seam_after: FloatProperty(name="Steps left", description="At seams after matching, in lx")
+    seam_noise: FloatProperty(name="Noise of steps", description="Their standard error, in lx")
 
 
 class LumenrayFeedback(PropertyGroup):
@@ -94,6 +132,7 @@ class LumenrayFeedback(PropertyGroup):
     row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
     results: CollectionProperty(type=LumenrayResultRow)
     result_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
+    summary: PointerProperty(type=LumenrayBakeSummary)
 
 
 def show_report(window_manager, report: ConversionReport) -> None:
@@ -111,19 +150,47 @@ def show_report(window_manager, report: ConversionReport) -> None:
         item.count = count
 
 
-def show_results(window_manager, maps: list[LuxMap]) -> None:
-    """Show lux maps in place of those before."""
+def begin_job(window_manager) -> None:
+    """Tell that a job runs, of which nothing is known yet."""
+    feedback = window_manager.lumenray
+    feedback.property_unset("job")
+    feedback.job.running = True
+
+
+def show_progress(window_manager, progress: Progress) -> None:
+    """Show how far the running job is."""
+    job = window_manager.lumenray.job
+    # Rounded down: a job that shows 100 % is done.
+    job.progress = int(progress.done * 1000) / 1000
+    job.text, job.stage, job.samples = progress.text(), progress.stage, progress.samples
+    job.error = progress.relative_error if progress.relative_error < UNKNOWN else 0.0
+    left = progress.seconds_left
+    job.left = "" if left is None else format_seconds(left)
+
+
+def show_results(window_manager, result: BakeResult) -> None:
+    """Show a finished bake in place of the one before."""
     feedback = window_manager.lumenray
     feedback.results.clear()
     feedback.result_index = 0
-    for made in maps:
+    for made in result.maps:
         item = feedback.results.add()
         item.name = made.name
         item.mean, item.minimum, item.maximum = made.mean, made.minimum, made.maximum
         item.mean_error = made.mean_standard_error
         item.relative_error = made.relative_standard_error
-        item.samples, item.seconds = made.samples, made.provenance.seconds
+        item.bias, item.bias_error = made.bias, made.bias_error
+        item.samples, item.lumels = round(made.samples), made.lumels
+        item.density, item.invalid = made.density, made.invalid
+        item.is_smoothed = made.smoothed
         item.unit = "lx"
+    summary, seams = feedback.summary, result.seams
+    summary.relative_error, summary.mean = result.relative_standard_error, result.mean
+    marks = result.history.marks
+    summary.seconds = marks[-1].seconds if marks else 0.0
+    summary.pages, summary.shrink = len(result.pages), result.shrink
+    summary.seam_pairs, summary.seam_noise = seams.pairs, seams.noise
+    summary.seam_before, summary.seam_after = seams.before, seams.after
 
 
 def check_engine(window_manager) -> bool:
@@ -192,6 +259,7 @@ CLASSES = (
     LumenrayJob,
     LumenrayReportRow,
     LumenrayResultRow,
+    LumenrayBakeSummary,
     LumenrayFeedback,
 )
 

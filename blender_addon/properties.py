@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -30,6 +31,22 @@ def _redraw(self, context):
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
+
+
+def _redraw_all(self, context):
+    """As `_redraw`, and have drivers of the baked look evaluated: they read the property."""
+    _redraw(self, context)
+    if self.id_data.lumenray.is_baked_shown:
+        tag_owner(self, context)
+
+
+def _light_group(of: str):
+    """Property that names the layer of a bake that a light belongs to."""
+    return StringProperty(
+        name="Light group",
+        description=f"Layer of lux maps that {of} belongs to; all without a group share one layer",
+        maxlen=63,
+    )
 
 
 QUANTITIES = [
@@ -79,6 +96,7 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     luminaire: PointerProperty(type=LumenrayLuminaireSettings)
+    light_group: _light_group("this light")
 
 
 class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
@@ -235,6 +253,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         default=True,
         update=tag_owner,
     )
+    light_group: _light_group("what glows with this material")
 
 
 class LumenrayWorldSettings(PropertyGroup):
@@ -274,6 +293,7 @@ class LumenrayWorldSettings(PropertyGroup):
         max=1e6,
         update=tag_owner,
     )
+    light_group: _light_group("the surroundings, without Sun lights,")
 
 
 class LumenrayObjectSettings(PropertyGroup):
@@ -288,6 +308,24 @@ class LumenrayObjectSettings(PropertyGroup):
         min=0.0,
         max=1000.0,
         update=tag_owner,
+    )
+    two_sided: BoolProperty(
+        name="Both sides",
+        description="Compute the back sides of this object's faces too, as for a sheet that is lit from both sides",
+        default=False,
+        update=tag_owner,
+    )
+    light_group: _light_group("this luminaire")
+    baked_image: PointerProperty(
+        name="Lux atlas",
+        description="Image with the illuminance of this object",
+        type=bpy.types.Image,
+    )
+    baked_uv: StringProperty(
+        name="UV map of the atlas", description="UV map by which the atlas lies on this object"
+    )
+    baked_back_uv: StringProperty(
+        name="UV map of the back", description="UV map by which the atlas lies on the back sides"
     )
     luminaire: PointerProperty(type=LumenrayEmptySettings)
     is_luminaire_body: BoolProperty(
@@ -320,6 +358,31 @@ class LumenrayCameraSettings(PropertyGroup):
 
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
+
+
+class LumenrayBakedLayer(PropertyGroup):
+    """One light group of the baked light, dimmed and coloured without computing anew. Its ``name`` is the group's."""
+
+    strength: FloatProperty(
+        name="Strength",
+        description="Factor on the light of this group; 1 is as baked",
+        default=1.0,
+        min=0.0,
+        max=1000.0,
+        soft_max=2.0,
+        subtype="FACTOR",
+        update=tag_owner,
+    )
+    colour: FloatVectorProperty(
+        name="Colour",
+        description="Colour of this group's light as a linear colour; it never changes the amount of light",
+        subtype="COLOR",
+        size=3,
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        update=tag_owner,
+    )
 
 
 class LumenraySceneSettings(PropertyGroup):
@@ -400,7 +463,7 @@ class LumenraySceneSettings(PropertyGroup):
             ("AUTO", "Automatic", "Set white from the picture itself; never use it to compare", 2),
         ],
         default="LUMINANCE",
-        update=_redraw,
+        update=_redraw_all,
     )
     white_luminance: FloatProperty(
         name="White luminance",
@@ -409,7 +472,7 @@ class LumenraySceneSettings(PropertyGroup):
         min=1e-6,
         max=1e9,
         soft_max=20000.0,
-        update=_redraw,
+        update=_redraw_all,
     )
     ev100: FloatProperty(
         name="EV100",
@@ -417,7 +480,7 @@ class LumenraySceneSettings(PropertyGroup):
         default=8.0,
         min=-20.0,
         max=30.0,
-        update=_redraw,
+        update=_redraw_all,
     )
     viewport_display: EnumProperty(
         name="Viewport shows",
@@ -502,54 +565,150 @@ class LumenraySceneSettings(PropertyGroup):
 
     bake_density: FloatProperty(
         name="Lumels per metre",
-        description="Resolution of the lux map on the surface",
+        description="Resolution of lux maps on the surface; the one knob of the layout",
         default=8.0,
         min=0.01,
         max=1000.0,
         soft_max=100.0,
     )
+    bake_from_textures: BoolProperty(
+        name="At least as fine as textures",
+        description="Raise the density of surfaces with pictures to that of the pictures",
+        default=False,
+    )
     bake_size: IntProperty(
-        name="Largest map",
-        description="Side of the largest lux map in pixels; the density is lowered to fit, and reported",
-        default=1024,
+        name="Page size",
+        description="Side of the largest atlas page in lumels",
+        default=2048,
         min=32,
         max=8192,
     )
+    bake_pages: IntProperty(
+        name="Most pages",
+        description="All charts shrink alike to fit on so many pages, which is reported; 0: as many as it takes",
+        default=0,
+        min=0,
+        max=1000,
+    )
     bake_margin: IntProperty(
         name="Margin",
-        description="Pixels by which charts are extended so that no seam shows",
+        description="Lumels by which charts are extended so that no seam shows",
         default=4,
         min=1,
         max=64,
     )
-    bake_stop: EnumProperty(
-        name="Stop by",
-        description="When the bake is done",
-        items=[
-            ("SAMPLES", "Samples", "After a number of samples per lumel", 0),
-            ("ERROR", "Error", "When the map's relative standard error is reached", 1),
-            ("TIME", "Time", "After a number of seconds", 2),
-        ],
-        default="SAMPLES",
+    bake_cone: FloatProperty(
+        name="Cone angle",
+        description="Largest angle between a chart's direction and the normals of its faces; smaller distorts less",
+        default=1.0,
+        min=0.05,
+        max=1.5,
+        subtype="ANGLE",
     )
-    bake_samples: IntProperty(
-        name="Samples", description="Paths per lumel", default=64, min=2, max=1 << 20
+    bake_detail: FloatProperty(
+        name="Detail threshold",
+        description=(
+            "Charts whose neighbouring lumels differ by less than this share of the mean illuminance get half the "
+            "density after a first pass; 0: none do"
+        ),
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        precision=3,
+        subtype="FACTOR",
+    )
+    bake_layers: EnumProperty(
+        name="Layers",
+        description="Whose share of the illuminance is kept apart, to be dimmed and recoloured after the bake",
+        items=[
+            ("NONE", "None", "All light together", 0),
+            ("GROUPS", "Light groups", "A layer for each light group that lights name", 1),
+            ("EACH", "Each luminaire", "A layer for each light, glowing material and the sky", 2),
+        ],
+        default="NONE",
+    )
+    bake_exitance: BoolProperty(
+        name="Exitance in colour",
+        description="Also compute the light that leaves the surfaces, in colour, for real-time views and glTF",
+        default=False,
+    )
+    bake_smooth: BoolProperty(
+        name="Smooth the maps",
+        description="Smooth within charts after the error is known; the result says that it was done",
+        default=False,
+    )
+    bake_method: EnumProperty(
+        name="Method",
+        description="What stands for the radiance beyond the first bounce",
+        items=[
+            ("AUTO", "Automatic", "What suits the scene; the report says which and why", 0),
+            ("CELLS", "Cells", "Radiance kept on coarse cells: fast; its bias is measured", 1),
+            ("PATHS", "Paths", "Paths to their end: no bias at all, much slower", 2),
+        ],
+        default="AUTO",
+    )
+    bake_caustics: EnumProperty(
+        name="Caustics",
+        description="Whether light is also traced from the lights, through glass and off curved mirrors",
+        items=[
+            ("AUTO", "Automatic", "Where the scene has what bends light", 0),
+            ("ON", "On", "Always", 1),
+            ("OFF", "Off", "Never; such light is missing then", 2),
+        ],
+        default="AUTO",
+    )
+    bake_use_error: BoolProperty(
+        name="Relative error", description="Stop at a relative standard error", default=True
     )
     bake_error: FloatProperty(
         name="Relative error",
-        description="Standard error of the map divided by its mean",
+        description="Standard error of all lumels together, divided by the mean: 0.02 is 2 %",
         default=0.02,
         min=0.0001,
         max=1.0,
         precision=4,
     )
+    bake_use_absolute: BoolProperty(
+        name="Absolute error", description="Stop at a standard error in lx", default=False
+    )
+    bake_absolute: FloatProperty(
+        name="Absolute error",
+        description="Standard error of all lumels together, in lx",
+        default=5.0,
+        min=1e-6,
+        max=1e9,
+        soft_max=1000.0,
+    )
+    bake_use_time: BoolProperty(
+        name="Time", description="Stop after a number of seconds", default=False
+    )
     bake_time: FloatProperty(
         name="Time",
-        description="Seconds of baking",
-        default=60.0,
+        description="Seconds of baking, an interrupted bake's earlier ones included",
+        default=600.0,
         min=0.1,
         max=1e7,
         subtype="TIME_ABSOLUTE",
+    )
+    bake_use_samples: BoolProperty(
+        name="Samples", description="Stop after a number of samples per lumel", default=False
+    )
+    bake_samples: IntProperty(
+        name="Samples",
+        description="Samples per lumel, on the mean of all",
+        default=1024,
+        min=2,
+        max=1 << 20,
+    )
+    bake_checkpoint: BoolProperty(
+        name="Keep what is done",
+        description="Write the state into the folder from time to time, so that an interrupted bake can go on",
+        default=True,
+    )
+    bake_gltf: BoolProperty(
+        name="glTF",
+        description="Also write the baked objects with their light as baked.glb, for viewers on the web",
+        default=False,
     )
     bake_folder: StringProperty(
         name="Folder",
@@ -557,6 +716,48 @@ class LumenraySceneSettings(PropertyGroup):
         default="//lux",
         subtype="DIR_PATH",
         options=PATH_OPTIONS,
+    )
+
+    is_baked_shown: BoolProperty(
+        name="Baked light shown",
+        description="Whether materials show baked light in EEVEE and material preview",
+        options={"HIDDEN"},
+    )
+    baked_look: EnumProperty(
+        name="Look",
+        description="How baked light is shown",
+        items=[
+            ("LIGHT", "Light", "Base colour times illuminance, dimmed and coloured by layers", 0),
+            ("EXITANCE", "Exitance", "The light that leaves the surfaces, as baked in colour", 1),
+            (
+                "FALSE",
+                "False colours",
+                "Illuminance in lx on a scale; needs the view transform Standard",
+                2,
+            ),
+        ],
+        default="LIGHT",
+        update=tag_owner,
+    )
+    baked_low: FloatProperty(
+        name="From",
+        description="Illuminance at the lower end of the false colours, in lx",
+        default=0.0,
+        min=0.0,
+        max=1e9,
+        update=tag_owner,
+    )
+    baked_high: FloatProperty(
+        name="To",
+        description="Illuminance at the upper end of the false colours, in lx",
+        default=1000.0,
+        min=1e-6,
+        max=1e9,
+        update=tag_owner,
+    )
+    baked_layers: CollectionProperty(type=LumenrayBakedLayer)
+    baked_layer_index: IntProperty(
+        name="Active layer", description="Layer whose settings are shown", min=0
     )
 
 
@@ -579,6 +780,7 @@ CLASSES = (
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,
+    LumenrayBakedLayer,
     LumenraySceneSettings,
 )
 

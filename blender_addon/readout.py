@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..engine.accuracy.stopping import format_seconds
 from ..engine.photometry import units
 from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.scene.spectrum import Rgb
@@ -219,17 +220,53 @@ def describe_selection(context) -> tuple[int, str]:
     return count, "1 object selected" if count == 1 else f"{count} objects selected"
 
 
+def describe_job(job) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about the bake that runs."""
+    return (
+        ("Now", job.stage or "starting"),
+        ("Samples", f"{job.samples}" if job.samples else "–"),
+        ("Error", f"{100.0 * job.error:.2f} %" if job.error > 0.0 else "–"),
+        ("Time left", job.left or "not known yet"),
+    )
+
+
 def describe_result(row) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about one lux map."""
-    return (
+    lines = [
         ("Mean", f"{format_estimate(row.mean, row.mean_error)} {row.unit}"),
         ("Smallest", format_amount(row.minimum, row.unit)),
         ("Largest", format_amount(row.maximum, row.unit)),
         ("Uniformity", f"{row.minimum / row.mean:.2f}" if row.mean > 0.0 else "–"),
-        ("Error per lumel", f"{100.0 * row.relative_error:.1f} %"),
+        ("Error per lumel", f"{100.0 * row.relative_error:.2g} %"),
         ("Samples", f"{row.samples}"),
-        ("Time", f"{row.seconds:.1f} s"),
-    )
+        ("Lumels", f"{row.lumels:,}".replace(",", "\u2009")),
+        ("Lumels per m", f"{row.density:.3g}"),
+    ]
+    if 0.0 < row.bias_error < float("inf"):
+        lines.append(("Bias", f"{format_estimate(row.bias, row.bias_error)} {row.unit}"))
+    if row.invalid:
+        lines.append(("Inside solids", f"{row.invalid} lumels, filled"))
+    if row.is_smoothed:
+        lines.append(("Smoothed", "after the error was known"))
+    return tuple(lines)
+
+
+def describe_bake(summary) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about the last bake as a whole."""
+    lines = [
+        ("Mean of all", format_amount(summary.mean, "lx")),
+        ("Error of all", f"{100.0 * summary.relative_error:.2g} %"),
+        ("Pages", f"{summary.pages}"),
+        ("Time", format_seconds(summary.seconds)),
+    ]
+    if summary.shrink < 0.999:
+        lines.append(("Density lowered", f"to {100.0 * summary.shrink:.0f} %"))
+    if summary.seam_pairs:
+        noise = format_amount(summary.seam_noise, "lx")
+        lines.append(
+            ("Steps at seams", f"{format_amount(summary.seam_after, 'lx')} (noise {noise})")
+        )
+    return tuple(lines)
 
 
 def describe_edit(status) -> tuple[tuple[str, str], ...]:

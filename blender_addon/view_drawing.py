@@ -1,5 +1,7 @@
 """Frames of the rendered view on the screen: pictures under Blender's view transform, false colours above it."""
 
+from dataclasses import dataclass
+
 import blf
 import bpy
 import gpu
@@ -19,6 +21,9 @@ OVERLAY_POWER = 2.2
 
 TEXT_SIZE = 13
 """Height of the scale's numbers. [point]"""
+
+EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
+"""Names of Blender's own engine for real time; versions 4.2 to 4.5 call it by the second."""
 
 _textures: dict[int, tuple[int, object]] = {}
 
@@ -51,8 +56,30 @@ def draw_colours() -> None:
 def draw_scale() -> None:
     """Draw the scale of false colours; called by Blender for every 3D view, in pixels."""
     view = _view_in_false_colours()
-    if view is not None:
-        _draw_scale(view.frame, bpy.context.region)
+    scale = _baked_scale() if view is None else view.frame
+    if scale is not None:
+        _draw_scale(scale, bpy.context.region)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What a scale of false colours tells, as a `session.Frame` does."""
+
+    low: float
+    high: float
+    unit: str
+    is_logarithmic: bool = False
+
+
+def _baked_scale() -> Scale | None:
+    """Return the scale of baked light in false colours, None where the view shows none."""
+    settings = bpy.context.scene.lumenray
+    if not settings.is_baked_shown or settings.baked_look != "FALSE":
+        return None
+    kind = bpy.context.space_data.shading.type
+    if kind != "MATERIAL" and (kind != "RENDERED" or bpy.context.engine not in EEVEE):
+        return None
+    return Scale(settings.baked_low, settings.baked_high, "lx")
 
 
 def _view_in_false_colours():

@@ -7,6 +7,7 @@ from . import (
     copy_report,
     luminaire_files,
     restart_engine,
+    show_baked,
 )
 
 CLASSES = (
@@ -16,4 +17,5 @@ CLASSES = (
     *copy_report.CLASSES,
     *luminaire_files.CLASSES,
     *restart_engine.CLASSES,
+    *show_baked.CLASSES,
 )

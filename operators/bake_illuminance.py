@@ -2,13 +2,13 @@
 
 import logging
 import threading
-from pathlib import Path
+from dataclasses import replace
 
 import bpy
-from bpy.props import FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..blender_addon import bake, engine_process, feedback
-from ..blender_addon.render_engine import stop_rule
+from ..blender_addon import bake, baked_look, engine_process, feedback
+from ..blender_addon.error_graphs import graph
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
 
@@ -33,10 +33,27 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     error: FloatProperty(
         name="Relative error", description="0 takes the scene's rule", default=0.0, min=0.0, max=1.0
     )
+    absolute: FloatProperty(
+        name="Absolute error",
+        description="In lx; 0 takes the scene's rule",
+        default=0.0,
+        min=0.0,
+    )
     time: FloatProperty(
         name="Seconds", description="0 takes the scene's rule", default=0.0, min=0.0
     )
     folder: StringProperty(name="Folder", description="Empty takes the scene's", subtype="DIR_PATH")
+    gltf: StringProperty(
+        name="glTF",
+        description="Also write the baked objects with their light to this .glb or .gltf; empty does as the scene says",
+        subtype="FILE_PATH",
+    )
+    resume: BoolProperty(
+        name="Resume",
+        description="Go on with the interrupted bake in the folder; all settings must be as they were",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -44,6 +61,11 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             cls.poll_message_set("A bake is running already; press Esc to end it")
             return False
         return True
+
+    @classmethod
+    def description(cls, context, properties):
+        """Say what the button does, which is one of two things."""
+        return cls.bl_rna.properties["resume"].description if properties.resume else ""
 
     def execute(self, context):
         """Bake at once and return when done; for scripts."""
@@ -71,10 +93,11 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             return {"CANCELLED"}
         self._error = None
         self._progress = None
+        graph.note(None)
         self._thread = threading.Thread(target=self._work, name="lumenray bake", daemon=True)
         self._thread.start()
         manager = context.window_manager
-        manager.lumenray.job.running = True
+        feedback.begin_job(manager)
         manager.progress_begin(0, 1000)
         self._timer = manager.event_timer_add(0.1, window=context.window)
         manager.modal_handler_add(self)
@@ -91,8 +114,8 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             return {"PASS_THROUGH"}
         self._clean(context)
         if self._error is not None:
-            level = "WARNING" if isinstance(self._error, Cancelled) else "ERROR"
-            self.report({level}, "Bake cancelled" if level == "WARNING" else str(self._error))
+            level, text = self._describe_end()
+            self.report({level}, text)
             return {"CANCELLED"}
         return self._finish(context, self._job)
 
@@ -107,22 +130,17 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     def _prepare(self, context):
         settings = context.scene.lumenray
         chosen = self._objects(context)
-        densities = {s.name_full: s.lumenray.density for s in chosen if s.lumenray.density > 0.0}
-        folder = bpy.path.abspath(self.folder or settings.bake_folder)
-        if folder.startswith("//"):
-            # An unsaved file has no place of its own.
-            folder = str(Path(bpy.app.tempdir) / folder[2:])
-        made = bake.BakeSettings(
-            density=self.density or settings.bake_density,
-            largest=settings.bake_size,
-            margin=settings.bake_margin,
-            rule=self._rule(settings),
-            seed=settings.seed,
-            transport=settings.transport.lower(),
-            folder=Path(folder),
-            densities={} if self.density else densities,
-        )
-        return bake.prepare(context.evaluated_depsgraph_get(), chosen, made)
+        folder = bake.folder_of(settings, self.folder)
+        made = bake.read_settings(settings, chosen, self._rule(settings), folder)
+        if self.density:
+            made = replace(made, density=self.density, densities={})
+        if self.gltf:
+            made = replace(made, gltf=bake.gltf_path(bpy.path.abspath(self.gltf)))
+        if self.resume:
+            made = replace(made, resume=True)
+        # Objects without a material have one while baked light is shown.
+        with baked_look.hidden(context.scene):
+            return bake.prepare(context.evaluated_depsgraph_get(), chosen, made)
 
     def _objects(self, context) -> list:
         if not self.objects.strip():
@@ -134,11 +152,14 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         return [context.scene.objects[name] for name in names]
 
     def _rule(self, settings) -> StopRule:
-        if self.samples or self.error or self.time:
-            return StopRule(self.samples or None, self.error or None, self.time or None)
-        return stop_rule(
-            settings.bake_stop, settings.bake_samples, settings.bake_error, settings.bake_time
-        )
+        if self.samples or self.error or self.time or self.absolute:
+            return StopRule(
+                samples=self.samples or None,
+                error=self.error or None,
+                seconds=self.time or None,
+                absolute=self.absolute or None,
+            )
+        return bake.rule_of(settings)
 
     def _work(self):
         try:
@@ -159,14 +180,21 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         progress = self._progress
         if progress is None:
             return
-        job = context.window_manager.lumenray.job
-        # Rounded down: a job that shows 100 % is done.
-        job.progress = int(progress.done * 1000) / 1000
-        job.text = progress.text()
+        feedback.show_progress(context.window_manager, progress)
+        if progress.history is not None:
+            graph.note(progress.history)
         context.window_manager.progress_update(int(progress.done * 1000))
         for area in context.screen.areas:
             if area.type in {"VIEW_3D", "PROPERTIES"}:
                 area.tag_redraw()
+
+    def _describe_end(self) -> tuple[str, str]:
+        """Say how a bake ended that did not come to its end."""
+        if not isinstance(self._error, Cancelled):
+            return "ERROR", str(self._error)
+        if bake.checkpoint_path(self._job.settings.folder).is_file():
+            return "WARNING", "Bake cancelled; what is done was kept, and Resume goes on with it"
+        return "WARNING", "Bake cancelled"
 
     def _clean(self, context):
         manager = context.window_manager
@@ -175,10 +203,15 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         manager.lumenray.job.running = False
 
     def _finish(self, context, job):
-        images = bake.store(job)
+        images = bake.store(job, context.scene)
         feedback.show_report(context.window_manager, job.report)
-        feedback.show_results(context.window_manager, job.maps)
-        self.report({"INFO"}, f"{len(images)} lux maps, written to {job.settings.folder}")
+        feedback.show_results(context.window_manager, job.result)
+        graph.note(job.result.history)
+        error = 100.0 * job.result.relative_standard_error
+        self.report(
+            {"INFO"},
+            f"{len(job.maps)} lux maps to {error:.2g} % in {len(images)} images, written to {job.settings.folder}",
+        )
         return {"FINISHED"}
 
 

@@ -1,8 +1,9 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
-from ..blender_addon import luminaire_pictures
+from ..blender_addon import error_graphs, luminaire_pictures
 from . import (
     add_menu,
+    bake,
     compatibility,
     light,
     luminaire,
@@ -20,6 +21,7 @@ CLASSES = (
     *world.CLASSES,
     *render.CLASSES,
     *sidebar.CLASSES,
+    *bake.CLASSES,
 )
 
 
@@ -35,4 +37,5 @@ def detach():
     add_menu.detach()
     luminaire_overlay.detach()
     luminaire_pictures.close()
+    error_graphs.close()
     compatibility.detach()

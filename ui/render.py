@@ -1,4 +1,4 @@
-"""Render tab: how long, how bright, which passes, how baked."""
+"""Render tab: how long, how bright, which passes."""
 
 import bpy
 
@@ -67,26 +67,12 @@ class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
         column.prop(context.view_layer, "use_pass_material_index", text="Material index")
 
 
-class LUMENRAY_PT_lux_bake(RenderPanel, bpy.types.Panel):
-    """Lux maps; the button is in the sidebar of the 3D view and here."""
-
-    bl_label = "Lux Bake"
-
-    def draw_settings(self, layout, context, settings):
-        """Draw the maps' layout, stopping rule and folder."""
-        column = layout.column()
-        column.prop(settings, "bake_density", text="Lumels per m")
-        column.prop(settings, "bake_size", text="Largest [px]")
-        column.prop(settings, "bake_margin", text="Margin [px]")
-        draw_stop(layout.column(), settings, "bake_")
-        layout.prop(settings, "bake_folder")
-        layout.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
-
-
 class LUMENRAY_PT_advanced(RenderPanel, bpy.types.Panel):
     """What is rarely changed."""
 
     bl_label = "Advanced"
+    # Below the panel of the bake, which is registered later.
+    bl_order = 1
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_settings(self, layout, context, settings):
@@ -100,6 +86,5 @@ CLASSES = (
     LUMENRAY_PT_sampling,
     LUMENRAY_PT_film,
     LUMENRAY_PT_passes,
-    LUMENRAY_PT_lux_bake,
     LUMENRAY_PT_advanced,
 )

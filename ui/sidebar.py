@@ -1,4 +1,4 @@
-"""Tab 'Lumenray' in the sidebar of the 3D view: state of the engine, active light, bake, results, report."""
+"""Tab 'Lumenray' in the sidebar of the 3D view: state of the engine, rendered view, active light, report."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..blender_addon.sync.portals import is_portal
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
-from .parts import draw_description, draw_lines, draw_stop, draw_text
+from .parts import draw_description, draw_lines, draw_text
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 """Icon of every severity."""
@@ -152,72 +152,6 @@ class LUMENRAY_PT_active_luminaire(SidebarPanel, bpy.types.Panel):
         draw_description(layout.box(), context, output)
 
 
-class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
-    """Illuminance of the selected objects."""
-
-    bl_label = "Bake Illuminance"
-
-    def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        feedback = context.window_manager.lumenray
-        if feedback.job.running:
-            layout.progress(
-                factor=feedback.job.progress, text=f"{100.0 * feedback.job.progress:.0f} %"
-            )
-            if feedback.job.text:
-                draw_text(layout, context, feedback.job.text)
-            layout.label(text="Esc cancels", icon="INFO")
-            return
-        settings = context.scene.lumenray
-        count, text = readout.describe_selection(context)
-        layout.label(text=text, icon="OBJECT_DATA" if count else "INFO")
-        column = layout.column()
-        column.prop(settings, "bake_density", text="Lumels per m")
-        if readout.is_bakeable(context.object):
-            column.prop(context.object.lumenray, "density", text="Active object")
-        draw_stop(column, settings, "bake_")
-        column = layout.column()
-        column.scale_y = 1.4
-        engine = feedback.engine
-        column.enabled = bool(count) and (engine.usable or not engine.checked)
-        column.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
-        if engine.checked and not engine.usable:
-            draw_text(layout, context, "Not possible: the engine cannot run, see above", "INFO")
-
-
-class LUMENRAY_UL_results(bpy.types.UIList):
-    """Lux maps: name, mean, range."""
-
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        split = layout.split(factor=0.45)
-        split.label(text=item.name, icon="TEXTURE")
-        row = split.row()
-        row.alignment = "RIGHT"
-        row.label(text=readout.format_amount(item.mean, item.unit))
-
-
-class LUMENRAY_PT_results(SidebarPanel, bpy.types.Panel):
-    """What was baked last."""
-
-    bl_label = "Lux Maps"
-
-    @classmethod
-    def poll(cls, context):
-        return len(context.window_manager.lumenray.results) > 0
-
-    def draw(self, context):
-        layout = self.layout
-        feedback = context.window_manager.lumenray
-        layout.template_list(
-            "LUMENRAY_UL_results", "", feedback, "results", feedback, "result_index", rows=3
-        )
-        if feedback.result_index < len(feedback.results):
-            row = feedback.results[feedback.result_index]
-            draw_lines(layout.box(), readout.describe_result(row))
-
-
 class LUMENRAY_UL_report(bpy.types.UIList):
     """Rows of the conversion report."""
 
@@ -245,6 +179,8 @@ class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
     """What of the scene could not be taken over as it is."""
 
     bl_label = "Conversion Report"
+    # Below the panels of the bake, which are registered later.
+    bl_order = 1
 
     def draw(self, context):
         layout = self.layout
@@ -272,13 +208,10 @@ class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
 
 
 CLASSES = (
-    LUMENRAY_UL_results,
     LUMENRAY_UL_report,
     LUMENRAY_PT_engine,
     LUMENRAY_PT_view,
     LUMENRAY_PT_active_light,
     LUMENRAY_PT_active_luminaire,
-    LUMENRAY_PT_bake,
-    LUMENRAY_PT_results,
     LUMENRAY_PT_report,
 )

@@ -350,17 +350,18 @@ def _cut_sparse(
     vertex, area = topology.vertex[units.rows], topology.area[units.rows]
     for _ in range(8):
         chart, count = compress(chart)
-        turned = _turn(uv, vertex, chart, count)
-        size = _bounds(turned, chart, count)[1]
-        box = size[:, 0] * size[:, 1]
         label = np.full(units.count, -1, dtype=np.int64)
         label[units.unit] = chart
         # A polygon whose triangles lie apart belongs to no single chart.
         whole = np.ones(units.count, dtype=bool)
         whole[units.unit[label[units.unit] != chart]] = False
         several = np.bincount(label[(label >= 0) & whole], minlength=count) > 1
-        sparse = several & (sum_by(chart, area, count) < SPARSE * box)
-        sparse &= box * density**2 > SPARSE_AREA
+        filled = sum_by(chart, area, count)
+        # The smallest rectangle is no larger than the one that the chart has as it lies.
+        if not (several & _find_sparse(uv, chart, filled, density)).any():
+            break
+        turned = _turn(uv, vertex, chart, count)
+        sparse = several & _find_sparse(turned, chart, filled, density)
         members = np.flatnonzero((label >= 0) & whole)
         members = members[sparse[label[members]]]
         if len(members) == 0:
@@ -373,6 +374,12 @@ def _cut_sparse(
         label, parts = split_cones(narrow(units, label >= 0), label, parts, cone)
         chart = np.where(whole[units.unit], label[units.unit], parts + chart)
     return chart
+
+
+def _find_sparse(uv, chart, filled: np.ndarray, density: float) -> np.ndarray:
+    """Charts whose area is a small share of a large upright rectangle. (count,)"""
+    box = _bounds(uv, chart, len(filled))[1].prod(axis=1)
+    return (filled < SPARSE * box) & (box * density**2 > SPARSE_AREA)
 
 
 def _finish(units: Units, chart: np.ndarray, uv: np.ndarray, notes: tuple[str, ...]) -> Charts:

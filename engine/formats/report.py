@@ -1,13 +1,14 @@
 """The machine-readable report that goes with pictures and lux maps."""
 
 import json
+import math
 from pathlib import Path
 
 from ..errors import FileFormatError
 
 
 def quantity_of_map(made) -> dict:
-    """Row of a `session.LuxMap`."""
+    """Row of a `baking.order.LuxMap`. Errors that are not known are null: JSON has no infinity."""
     return {
         "name": made.name,
         "quantity": "illuminance",
@@ -15,11 +16,21 @@ def quantity_of_map(made) -> dict:
         "mean": made.mean,
         "minimum": made.minimum,
         "maximum": made.maximum,
-        "relative_standard_error": made.relative_standard_error,
-        "mean_standard_error": made.mean_standard_error,
+        "relative_standard_error": _known(made.relative_standard_error),
+        "mean_standard_error": _known(made.mean_standard_error),
+        "bias": made.bias,
+        "bias_error": _known(made.bias_error),
         "samples": made.samples,
+        "lumels": made.lumels,
+        "invalid": made.invalid,
+        "area": made.area,
         "lumels_per_metre": made.density,
+        "smoothed": made.smoothed,
     }
+
+
+def _known(error: float) -> float | None:
+    return error if math.isfinite(error) else None
 
 
 def compose(file: str, provenance, seconds: float, quantities: list[dict], conversion=()) -> dict:

@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
@@ -36,7 +37,7 @@ from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.analysis.false_colour import colours
 from lumenray.engine.baking.order import BakeOrder
-from lumenray.engine.errors import LumenrayError
+from lumenray.engine.errors import Cancelled, LumenrayError
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.session import Session
 from lumenray.libraries.scenes import tiny
@@ -815,6 +816,15 @@ def test_the_command_line_orders_what_it_is_told(monkeypatch, tmp_path, capsys):
     assert "Lux atlas: Ceiling" in bpy.data.images
 
 
+def test_a_gltf_file_that_cannot_be_written_costs_a_message_only(fake, tmp_path, paint):
+    floor = add_quad("Floor", material=paint)
+    (tmp_path / "folder").write_text("no folder")
+    bake_all(tmp_path, gltf=str(tmp_path / "folder" / "room.glb"))
+    assert floor.lumenray.baked_image is not None
+    rows = bpy.context.window_manager.lumenray.rows
+    assert any("glTF file is not written" in row.remedy for row in rows)
+
+
 def test_gltf_is_written_on_request(fake, tmp_path, paint):
     add_quad("Floor", material=paint)
     add_quad("Wall", 2.0)
@@ -882,3 +892,30 @@ def test_a_real_bake_is_shown_as_bright_as_it_was_computed(tmp_path, monkeypatch
     # The box is of reflectance 0.5.
     shown = render().mean() * np.pi * 100.0 / 0.5
     assert shown == pytest.approx(made.illuminance[0], rel=0.03)
+
+
+@pytest.mark.mitsuba
+def test_a_cancelled_bake_goes_on_to_the_same_map(tmp_path):
+    tiny.build_closed_box()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    objects = [bpy.data.objects["Floor"]]
+    rule = StopRule(samples=2048)
+
+    def prepared(folder, resume=False):
+        settings = bake.read_settings(bpy.context.scene.lumenray, objects, rule, tmp_path / folder)
+        return bake.prepare(depsgraph, objects, replace(settings, density=8.0, resume=resume))
+
+    whole = prepared("whole").run(Session()).pages[0]
+    job = prepared("halves")
+
+    def stop_half_way(progress):
+        if progress.samples > 256:
+            job.cancel()
+
+    with pytest.raises(Cancelled):
+        job.run(Session(), stop_half_way)
+    assert bake.checkpoint_path(tmp_path / "halves").is_file()
+    page = prepared("halves", resume=True).run(Session()).pages[0]
+    assert not bake.checkpoint_path(tmp_path / "halves").exists()
+    np.testing.assert_array_equal(page.illuminance, whole.illuminance)
+    np.testing.assert_array_equal(page.standard_error, whole.standard_error)

@@ -66,7 +66,9 @@ def test_the_forecast_learns_how_the_error_falls(monkeypatch, power):
     assert clock.progress(1000, 1.0).seconds_left == pytest.approx(needed - 10.0)
 
 
+@pytest.mark.mitsuba
 def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
+    from lumenray.engine.baking.order import BakeOrder
     from lumenray.engine.scene.light import Output, PointLight, Quantity
     from small_scenes import box, paint, quad, session_of
 
@@ -77,20 +79,22 @@ def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
         paint(0.5),
         PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 100.0), np.ones(3), 0.1),
     )
-    from lumenray.engine.atlas.unwrap import unwrap
-    from lumenray.engine.session import BakeTarget
-
-    target = BakeTarget(floor, unwrap(floor, 16.0, 64, 2))
     session = session_of(*items)
+
+    def bake(progress=None, **rule):
+        order = BakeOrder(("floor",), StopRule(**rule), density=16.0)
+        return session.bake_objects(order, progress)
+
     seen = []
-    made = session.bake([target], StopRule(error=0.01), progress=seen.append)[0]
+    made = bake(seen.append, error=0.01)
     assert made.relative_standard_error <= 0.01
-    assert made.samples > 16
+    assert made.maps[0].relative_standard_error <= 0.01
+    assert made.maps[0].samples > 4
     assert all(a.done <= b.done + 0.2 for a, b in zip(seen, seen[1:], strict=False))
     with pytest.raises(Cancelled):
-        session.bake([target], StopRule(samples=1 << 20), progress=lambda _: session.cancel())
+        bake(lambda _: session.cancel(), samples=1 << 20)
     # The session goes on after a cancel.
-    assert session.bake([target], StopRule(samples=4))[0].samples == 4
+    assert bake(samples=4).maps[0].samples == pytest.approx(4, abs=1)
 
 
 def test_a_render_can_be_cancelled_and_shows_its_first_pass_on_the_way():

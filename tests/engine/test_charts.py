@@ -274,7 +274,7 @@ def test_a_polygon_bent_beyond_the_cone_stays_in_one_piece():
         np.concatenate([[0.0], np.cumsum(np.sin(angle))]),
     )
     low = np.stack([x, 0 * x, z], axis=1)[:4]
-    high = low + (0.0, 1.0, 0.0)
+    high = low + np.array([0.0, 1.0, 0.0])
     vertices = np.concatenate([low, high])
     triangles = [t for i in range(3) for t in ((i, i + 1, 5 + i), (i, 5 + i, 4 + i))]
     mesh = mesh_of(vertices, triangles, np.zeros(6))

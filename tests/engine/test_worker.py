@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import Cancelled, CodecError, EngineFault, EngineLost, SceneError
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
-from lumenray.engine.session import BakeOrder, Display, ViewSettings
+from lumenray.engine.session import Display, ViewSettings
 from lumenray.engine.worker import faults
 from lumenray.engine.worker.client import Worker
 from lumenray.engine.worker.process import Process
@@ -568,9 +569,11 @@ def test_answers_are_those_of_a_session_in_this_process(engine):
     for name in ("tristimulus", "depth", "normal", "illuminance"):
         assert np.array_equal(getattr(made, name), getattr(expected, name)), name
     asked = BakeOrder(("box",), StopRule(samples=64), density=4.0)
-    (made,), (expected,) = (each.bake_objects(asked).maps for each in (session, here))
-    assert np.array_equal(made.illuminance, expected.illuminance)
-    assert np.array_equal(made.layout.uv, expected.layout.uv)
+    made, expected = (each.bake_objects(asked) for each in (session, here))
+    for name in ("illuminance", "standard_error", "covered", "object"):
+        assert np.array_equal(getattr(made.pages[0], name), getattr(expected.pages[0], name)), name
+    assert np.array_equal(made.maps[0].layout.uv, expected.maps[0].layout.uv)
+    assert made.maps[0].mean == expected.maps[0].mean
     session.close()
 
 
@@ -586,7 +589,7 @@ def test_a_view_a_render_and_a_bake_of_the_engine_go_on_together(engine, jobs):
     wait_for(begun(states), 30)
     view_session.watch(camera(64, 48), live(1 << 16), Display())
     assert np.isfinite(wait_for(view_session.frame, 30).pixels).all()
-    assert np.array_equal(bake.result(60).maps[0].illuminance, alone.maps[0].illuminance)
+    assert np.array_equal(bake.result(60).pages[0].illuminance, alone.pages[0].illuminance)
     view_session.close()
     bake_session.close()
 

@@ -12,9 +12,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import Cancelled, EngineFault, EngineLost
 from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.session import BakeOrder, Display, ViewSettings
+from lumenray.engine.session import Display, ViewSettings
 from lumenray.engine.worker.client import Worker
 from small_scenes import session_of
 from workers import (

@@ -7,17 +7,12 @@ import sys
 import time
 
 import numpy as np
+from lumenray.engine.accuracy.history import History
 from lumenray.engine.accuracy.stopping import Progress
+from lumenray.engine.baking.order import BakeResult, Departure, Seams
 from lumenray.engine.errors import Cancelled, SceneError
-from lumenray.engine.session import (
-    BakeResult,
-    Commit,
-    Departure,
-    Frame,
-    Measurement,
-    Picture,
-    Provenance,
-)
+from lumenray.engine.scene.provenance import Provenance
+from lumenray.engine.session import Commit, Frame, Measurement, Picture
 
 STEP = 0.005
 """Duration of a step of a job. [s]"""
@@ -67,7 +62,9 @@ class FakeSession:
 
     def bake_objects(self, order, progress=None):
         self._work("bake", order.rule.samples, order.transport, progress)
-        return BakeResult((), (Departure("x", ", ".join(EVENTS), ""),), order.objects)
+        events = Departure("x", ", ".join(EVENTS), "")
+        seams = Seams(0, 0.0, 0.0, 0.0)
+        return BakeResult((), (), (events,), order.objects, History(), 0.0, 0.0, 0.0, 1.0, seams)
 
     def watch(self, camera, settings, display):
         EVENTS.append(f"watch {settings.seed}")

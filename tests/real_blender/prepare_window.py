@@ -285,25 +285,27 @@ def start_bake():
 
 def start_long_bake():
     """Begin a bake that is still under way when the picture is taken."""
-    bpy.context.scene.lumenray.bake_density = 40.0
     press_button(
-        bpy.ops.lumenray.bake_illuminance, objects=LITTLE, error=0.002, folder="/out/window-graph"
+        bpy.ops.lumenray.bake_illuminance, objects=LITTLE, error=0.01, folder="/out/window-graph"
     )
 
 
 def start_whole_bake():
-    """Bake all that can be seen, in layers, and show it when it is done."""
+    """Bake the room and all that is in it, in layers, and show it when it is done."""
     settings = bpy.context.scene.lumenray
     settings.bake_layers = "GROUPS"
     for source in bpy.data.objects:
         if source.type == "LIGHT":
             source.data.lumenray.light_group = source.name.rstrip(" 0123456789.")
-    names = [o.name for o in bpy.context.view_layer.objects if o.type == "MESH"]
+    outside = set(bpy.data.collections["Exterior"].objects)
+    names = [
+        o.name for o in bpy.context.view_layer.objects if o.type == "MESH" and o not in outside
+    ]
     press_button(
         bpy.ops.lumenray.bake_illuminance,
         objects=",".join(names),
         error=0.03,
-        time=120.0,
+        time=60.0,
         density=8.0,
         folder="/out/window-baked",
     )

@@ -182,6 +182,7 @@ def test_a_baked_box_inside_a_lit_box_is_dark(scale, offset):
     assert made.lumels(made.maps[0].number).illuminance.max() < 1e-3 * means["lit"]
 
 
+@pytest.mark.slow
 def test_hard_geometry_bakes_to_finite_numbers():
     tangled = faulty_floor()
     more = np.array([(0, 1, 2), (2, 1, 0)], np.int32)

@@ -172,6 +172,25 @@ def test_plain_gathering_and_the_reference_agree(cornell, tmp_path):
     assert np.array_equal(again.values, reference.values)
 
 
+def test_the_plain_variant_has_the_flux_of_the_scene():
+    """Illuminance straight below a small Lambertian square: flux / (pi d^2) (inverse square and cosine law)."""
+    from lumenray.benchmarks.atlas_scenes import AtlasScene
+    from lumenray.benchmarks.atlas_shapes import rigid_frame
+    from lumenray.benchmarks.atlas_stage import Stage
+    from lumenray.benchmarks.atlas_variants import make_plain
+    from lumenray.engine.accuracy.stopping import StopRule
+    from lumenray.engine.scene.light import AreaLight, Output, Quantity
+    from lumenray.engine.transport.illuminance import Receivers, compute
+
+    output = Output(Quantity.LUMINOUS_FLUX, 1000.0)
+    frame = rigid_frame((0.0, 0.0, 4.0), (0.0, 0.0, -1.0))
+    lamp = AreaLight("lamp", "lamp", output, frame, 0.02, 0.02)
+    stage = Stage(make_plain(AtlasScene("", "", (lamp,), (), 1.0, 1)))
+    receivers = Receivers.at_points([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
+    made = compute(stage.compiled, receivers, StopRule(samples=1 << 12))
+    assert made.mean[0] == pytest.approx(1000.0 / (np.pi * 16.0), rel=1e-3)
+
+
 @pytest.mark.blender
 @pytest.mark.slow
 def test_cycles_bakes_the_same_page(cornell, tmp_path):
@@ -208,7 +227,7 @@ def test_radiance_reads_the_same_lumels(cornell, tmp_path, kind):
     reference = find_reference(stage, chosen, 0.01, 60.0, lambda _: None, tmp_path)
     radiance = RadianceRace(scene, chosen)
     try:
-        values, seconds = radiance.run(EXACT[2] if kind == "exact" else CACHED[0])
+        values, seconds = radiance.run(EXACT[3] if kind == "exact" else CACHED[0], 250.0)
     finally:
         radiance.close()
     assert seconds > 0.0

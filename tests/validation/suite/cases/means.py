@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.atlas.unwrap import unwrap
+from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.mesh import Mesh
-from lumenray.engine.session import BakeTarget
 
 from ..bench import MARGIN, Bench
 
@@ -49,13 +48,15 @@ def mean_at_points(
 def mean_by_bake(bench: Bench, items, meshes: tuple[Mesh, ...], allowed: float, area: float):
     """Flux that the lux maps of meshes hold, over an area, and its standard error. [lx]"""
     session = bench.engine.stage(items)
-    targets = [BakeTarget(mesh, unwrap(mesh, DENSITY)) for mesh in meshes]
     shares = np.array([mesh.areas().sum() for mesh in meshes]) / area
+    objects = tuple(mesh.id for mesh in meshes)
 
     def bake(samples: int) -> tuple[float, float]:
-        maps = session.bake(targets, StopRule(samples=samples), bench.seed)
+        order = BakeOrder(objects, StopRule(samples=samples), density=DENSITY, seed=bench.seed)
+        maps = session.bake_objects(order).maps
         means, errors = np.array([(m.mean, m.mean_standard_error) for m in maps]).T
-        return float(shares @ means), float(np.sqrt(shares**2 @ errors**2))
+        # The maps of a bake share the light of its cells, so their errors add up like numbers at the worst.
+        return float(shares @ means), float(shares @ errors)
 
     return _refine(bake, allowed)
 

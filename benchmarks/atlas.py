@@ -1,0 +1,138 @@
+"""Lux maps beside references and other programs: stated errors, forecasts, speed, leaks, scale; in one run."""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+from ..engine.errors import LumenrayError
+from .machine import OtherLoad, describe_machine
+
+
+def run(options) -> int:
+    """Carry out ``lumenray benchmark atlas`` and return its exit code.
+
+    Parameters
+    ----------
+    options : argparse.Namespace    ``json``, ``check`` and ``output``: paths or None; ``quick``, ``peers`` and ``scale``.
+
+    Raises
+    ------
+    LumenrayError    A file cannot be read, or a part of the benchmark cannot run.
+    """
+    from .atlas_bars import check_bars, compare_results
+    from .luminaire_bars import tell_bars
+
+    # The file may be the one that is written.
+    earlier = read_results(options.check) if options.check else None
+    folder = options.output or Path("out" if options.quick else "docs/benchmarks")
+    result = measure(options.quick, options.peers, options.scale, say=report_progress)
+    write_results(result, folder, options.json)
+    print(tell_bars(check_bars(result)))
+    print(f"written to {folder / 'atlas.md'}")
+    if earlier is None:
+        return 0
+    compared = compare_results(earlier, result)
+    print(tell_bars(compared))
+    return int(not all(bar.passed for bar in compared))
+
+
+def measure(
+    is_quick: bool = False,
+    with_peers: bool = True,
+    with_scale: bool = False,
+    scenes: tuple[str, ...] | None = None,
+    say=None,
+) -> dict:
+    """Measure everything.
+
+    Parameters
+    ----------
+    is_quick : bool    Fewer scenes, bakes and samples.
+    with_peers : bool    Whether other programs are run too, where they are installed.
+    with_scale : bool    Whether large buildings are baked anew; else the results of the last time are taken.
+    scenes : tuple of str or None    Out of `atlas_scenes.BUILDERS`; None: all, or those of a quick run.
+    say : callable or None    Told in one line what was done.
+
+    Returns
+    -------
+    dict    Plain data, for JSON: the numbers of `atlas_summary.summarise`, and ``machine``, ``is_quick``, ``scenes``,
+        ``races``, ``geometry``, ``scale``, ``seconds`` and ``other_load``.
+    """
+    from ..engine.transport import backend
+
+    # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
+    backend.start(spectral=False)
+    from . import atlas_geometry, atlas_scale
+    from .atlas_calibration import measure_scene
+    from .atlas_race import race
+    from .atlas_scenes import BUILDERS, QUICK, RACE, build
+    from .atlas_summary import summarise
+    from .atlas_variants import make_plain
+
+    say = say or (lambda _line: None)
+    chosen = scenes or (QUICK if is_quick else tuple(BUILDERS))
+    start, load = time.perf_counter(), OtherLoad()
+    races, calibration = [], []
+    for key in chosen:
+        scene = build(key)
+        if key in RACE:
+            races.append(race(make_plain(scene), with_peers, is_quick, say))
+        calibration.append(measure_scene(scene, is_quick, say))
+    geometry = {
+        "leaks": atlas_geometry.measure_leaks(say),
+        "seams": atlas_geometry.measure_seams(say),
+        "hard": atlas_geometry.measure_hard_cases(say),
+    }
+    share, seconds = load.share(), time.perf_counter() - start
+    scale = atlas_scale.measure_scale(say) if with_scale else atlas_scale.read_scale()
+    return {
+        **summarise(calibration, races),
+        "machine": describe_machine(),
+        "is_quick": is_quick,
+        "scenes": calibration,
+        "races": races,
+        "geometry": geometry,
+        "scale": scale,
+        "seconds": round(seconds, 1),
+        "other_load": share,
+    }
+
+
+def read_results(path: Path) -> dict:
+    """Read the numbers of an earlier run.
+
+    Raises
+    ------
+    LumenrayError    The file is not there or not one of ours.
+    """
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LumenrayError(f"{path}: cannot be read ({error})") from None
+    if not isinstance(result, dict) or not {"calibration", "speedup", "races"} <= result.keys():
+        raise LumenrayError(f"{path}: holds no results of this benchmark")
+    return result
+
+
+def write_results(result: dict, folder: Path, path: Path | None) -> None:
+    """Write the document and its pictures to a folder, and all numbers to a JSON file if one is named."""
+    from .atlas_chart import draw_calibration, draw_races, draw_scale
+    from .atlas_document import write_document
+
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    if result["races"]:
+        draw_races(result["races"], folder / "atlas_races.png")
+    if result["scenes"]:
+        draw_calibration(result["scenes"], folder / "atlas_calibration.png")
+    if result["scale"] is not None:
+        draw_scale(result["scale"], folder / "atlas_scale.png")
+    write_document(result, folder / "atlas.md")
+
+
+def report_progress(line: str) -> None:
+    """Tell whoever watches what was done."""
+    print(line, file=sys.stderr, flush=True)

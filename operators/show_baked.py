@@ -1,0 +1,84 @@
+"""Show baked light in EEVEE and material preview, and take it away again."""
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..blender_addon import baked_images, baked_look
+from ..blender_addon.properties import LumenraySceneSettings
+from ..blender_addon.report import Severity
+from ..engine.errors import LumenrayError
+
+LOOKS = LumenraySceneSettings.__annotations__["baked_look"].keywords["items"]
+
+
+MOST_NAMES = 4
+"""Materials that are named in the status line."""
+
+
+class LUMENRAY_OT_show_baked(bpy.types.Operator):
+    """Let the materials of baked objects show the baked light in EEVEE and in material preview; renders do not change"""
+
+    bl_idname = "lumenray.show_baked"
+    bl_label = "Show in EEVEE"
+    bl_options = {"REGISTER", "UNDO"}
+
+    look: EnumProperty(name="Look", description="How baked light is shown", items=LOOKS)
+
+    @classmethod
+    def poll(cls, context):
+        if not baked_images.has_atlas():
+            cls.poll_message_set("Bake objects of this scene first")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        self.look = context.scene.lumenray.baked_look
+        return self.execute(context)
+
+    def execute(self, context):
+        context.scene.lumenray.baked_look = self.look
+        try:
+            report = baked_look.show(context.scene)
+        except LumenrayError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._tell(report)
+        space = context.space_data
+        if space is not None and space.type == "VIEW_3D":
+            space.shading.type = "MATERIAL"
+            # Else glass mirrors Blender's own studio.
+            space.shading.use_scene_lights = space.shading.use_scene_world = True
+        return {"FINISHED"}
+
+    def _tell(self, report):
+        """Say which materials do not show baked light."""
+        if not report.rows:
+            return
+        names = ", ".join(row.datablock for row, _ in report.rows[:MOST_NAMES])
+        more = " and others" if len(report.rows) > MOST_NAMES else ""
+        is_grave = any(row.severity is not Severity.INFO for row, _ in report.rows)
+        self.report(
+            {"WARNING" if is_grave else "INFO"}, f"{names}{more}: {report.rows[0][0].remedy}"
+        )
+
+
+class LUMENRAY_OT_hide_baked(bpy.types.Operator):
+    """Let materials look as they did before baked light was shown"""
+
+    bl_idname = "lumenray.hide_baked"
+    bl_label = "Back"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.lumenray.is_baked_shown:
+            cls.poll_message_set("No baked light is shown")
+            return False
+        return True
+
+    def execute(self, context):
+        baked_look.hide()
+        return {"FINISHED"}
+
+
+CLASSES = (LUMENRAY_OT_show_baked, LUMENRAY_OT_hide_baked)

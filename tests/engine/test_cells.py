@@ -1,0 +1,291 @@
+"""Cells of matt surfaces: how they divide triangles, and the light that sweeps find on them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
+from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
+from lumenray.engine.scene.material import Coated, Emission, Material
+from lumenray.engine.scene.mesh import Mesh
+from lumenray.engine.scene.spectrum import Constant
+from small_scenes import box, paint, quad, session_of
+
+pytestmark = pytest.mark.mitsuba
+
+
+def prepare(*items, transport="auto"):
+    """Session, which has to stay, and its compiled scene."""
+    session = session_of(*items)
+    compiled = session._prepare(transport, False)
+    compiled.settle()
+    return session, compiled
+
+
+def sweep(compiled, count):
+    """Cells with their light (sides,) [lx] on fronts and backs in turns."""
+    from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.sweeps import Sweeper
+
+    cells = CellSet(compiled, count)
+    sweeper = Sweeper(compiled, cells, 3)
+    sweeper.find()
+    ratios = sweeper.state()["values"].reshape(-1, cells.bands.count).astype(float)
+    return cells, ratios @ cells.bands.luminous() * cells.bands.illuminance()
+
+
+def soup(seed, count=40, largest=3.0):
+    """Triangles of all shapes and sizes."""
+    rng = np.random.default_rng(seed)
+    size = largest * rng.uniform(0.02, 1.0, (count, 1, 1)) ** 2
+    return (rng.normal(size=(count, 1, 3)) + size * rng.normal(size=(count, 3, 3))).astype("f4")
+
+
+def areas_of(triangles):
+    edges = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return 0.5 * np.linalg.norm(edges.astype(float), axis=1)
+
+
+def look_up(made, prim, uv):
+    """Cells at places of triangles."""
+    across, up = (made.grid[prim] & 0xFFFF).astype(int), (made.grid[prim] >> 16).astype(int)
+    i = np.minimum((uv[:, 0] * across).astype(int), across - 1)
+    j = np.minimum((uv[:, 1] * up).astype(int), up - 1)
+    return made.first[prim].astype(int) + j * across + i
+
+
+def random_places(triangles, count, seed=1):
+    """Evenly spread places: triangles (count,) and barycentric coordinates (count, 2)."""
+    rng = np.random.default_rng(seed)
+    areas = areas_of(triangles)
+    prim = rng.choice(len(triangles), count, p=areas / areas.sum())
+    uv = rng.random((count, 2))
+    over = uv.sum(axis=1) > 1.0
+    uv[over] = 1.0 - uv[over]
+    return prim, uv
+
+
+def in_space(triangles, prim, uv):
+    a, b, c = np.moveaxis(triangles[prim].astype(float), -2, 0)
+    return a + uv[..., :1] * (b - a) + uv[..., 1:] * (c - a)
+
+
+# ---- division ----
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("size", [0.1, 0.4])
+def test_the_areas_of_cells_add_up_to_their_triangles(seed, size):
+    from lumenray.engine.transport.cells import divide
+
+    triangles = soup(seed)
+    made = divide(triangles, 0, size, 0)
+    areas = areas_of(triangles)
+    assert made.area.sum() == pytest.approx(areas.sum(), rel=1e-5)
+    across, up = made.grid & 0xFFFF, made.grid >> 16
+    for k in np.flatnonzero(across * up > 1):
+        own = made.area[made.first[k] : made.first[k] + across[k] * up[k]]
+        assert own.sum() == pytest.approx(areas[k], rel=1e-5)
+        assert own.max() <= 2.0 * areas[k] / (across[k] * up[k]) * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("size", [0.15, 0.5])
+def test_even_light_falls_on_cells_by_their_areas(size):
+    from lumenray.engine.transport.cells import divide
+
+    triangles = soup(5)
+    made = divide(triangles, 0, size, 0)
+    count = 2_000_000
+    found = np.bincount(look_up(made, *random_places(triangles, count)), minlength=len(made.area))
+    assert found[made.area == 0.0].sum() == 0
+    expected = count * made.area / areas_of(triangles).sum()
+    many = expected > 20.0
+    assert many.sum() > 100
+    chi_square = ((found - expected)[many] ** 2 / expected[many]).sum()
+    # Mean m and variance 2 m of the sum of m squares.
+    assert abs(chi_square - many.sum()) < 5.0 * np.sqrt(2.0 * many.sum())
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_every_place_lies_among_the_points_of_its_cell(seed):
+    from lumenray.engine.transport.cells import divide
+
+    size, triangles = 0.3, soup(seed)
+    made = divide(triangles, 0, size, 0)
+    # The points of a cell belong to it.
+    some = np.flatnonzero(made.area > 0.0)
+    own = look_up(made, made.prim[some].ravel(), made.uv[some].reshape(-1, 2).astype(float))
+    np.testing.assert_array_equal(own, np.repeat(some, made.prim.shape[1]))
+    assert made.uv.sum(axis=2)[some].max() <= 1.0 + 1e-6
+    # And no place is far from all points of its cell: a quarter of the cell, for divided triangles.
+    prim, uv = random_places(triangles, 20_000)
+    cell = look_up(made, prim, uv)
+    points = in_space(triangles, made.prim[cell].astype(int), made.uv[cell].astype(float))
+    away = np.linalg.norm(points - in_space(triangles, prim, uv)[:, None], axis=2)
+    divided = made.grid[prim] > 1 + (1 << 16)
+    assert divided.mean() > 0.9
+    # In the corners of triangles a cell's few points may be further off, but never out of it.
+    assert np.percentile(away[divided].min(axis=1), 98.0) < 0.36 * size
+    assert away[divided].max() < 2.0 * size
+
+
+def test_kernels_find_the_same_cells():
+    """Corners and borders too; and surfaces at their points are seen from the side that was asked for."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.cells import PLACES, CellSet, divide
+
+    triangles = soup(2, 12)
+    mesh = Mesh(
+        "m", "m", triangles.reshape(-1, 3).astype(float), np.arange(36, dtype=np.int32).reshape(-1, 3),
+        ("paint",), np.zeros(12, np.int32),
+    )  # fmt: skip
+    _session, compiled = prepare(mesh, paint(0.5), UniformWorld(1.0))
+    cells = CellSet(compiled, 300)
+    ((_, part, _),) = compiled.parts()
+    stored = compiled.triangles(part)
+    made = divide(stored, part.number, cells.size, 0)
+    assert 100 < (cells.area > 0.0).sum() < 600
+    prim, uv = random_places(stored, 5_000)
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])
+    prim = np.concatenate([prim, np.repeat(np.arange(12), 4)])
+    uv = np.concatenate([uv, np.tile(corners, (12, 1))]).astype(np.float32)
+    shape = dr.reinterpret_array(mi.ShapePtr, dr.full(mi.UInt32, part.number, len(prim)))
+    found = {
+        is_back: np.array(
+            cells.side(shape, mi.UInt32(prim), mi.Point2f(uv.T.copy()), mi.Bool(is_back), True)
+        )
+        for is_back in (False, True)
+    }
+    expected = look_up(made, prim, uv)
+    np.testing.assert_array_equal(found[False], 2 * expected)
+    np.testing.assert_array_equal(found[True], 2 * expected + 1)
+    for is_back in (False, True):
+        sides = mi.UInt32(2 * np.repeat(expected[:500], PLACES) + int(is_back))
+        si, _ = cells.place(sides, mi.UInt32(np.tile(np.arange(PLACES), 500)))
+        seen = np.array(si.p).T.reshape(500, PLACES, 3)
+        points = in_space(
+            stored, made.prim[expected[:500]].astype(int), made.uv[expected[:500]].astype(float)
+        )
+        assert np.abs(seen - points).max() < 1e-5
+        edges = stored[prim[:500]]
+        normal = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+        facing = np.einsum("nx,nkx->nk", normal, np.array(si.n).T.reshape(500, PLACES, 3))
+        grouped = made.grid[prim[:500]] == 1 + (1 << 16)
+        assert ((facing[~grouped] < 0.0) == is_back).all()
+
+
+def grid(steps, side=2.0, name="fine", material="paint"):
+    """Level square of many triangles."""
+    x, y = (c.ravel() for c in np.meshgrid(*2 * [np.linspace(0.0, side, steps + 1)], indexing="ij"))
+    i, j = (c.ravel() for c in np.mgrid[0:steps, 0:steps])
+    a = i * (steps + 1) + j
+    b, c, d = a + steps + 1, a + steps + 2, a + 1
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return Mesh(
+        name, name, np.stack([x, y, 0.0 * x], axis=1), triangles.astype(np.int32), (material,),
+        np.zeros(len(triangles), np.int32),
+    )  # fmt: skip
+
+
+def test_small_triangles_that_lie_together_and_face_alike_share_a_cell():
+    from lumenray.engine.transport.cells import divide
+
+    mesh = grid(64)
+    lower = mesh.vertices[mesh.triangles].astype("f4")
+    # The same square again from below: another direction, so other cells.
+    triangles = np.concatenate([lower, lower[:, ::-1]])
+    made = divide(triangles, 0, 0.25, 0)
+    assert (made.grid == 1 + (1 << 16)).all()
+    assert 2 * 8 * 8 <= len(made.area) <= 2 * 9 * 9
+    assert made.area.sum() == pytest.approx(8.0, rel=1e-5)
+    upper, under = np.split(made.first, 2)
+    assert not np.isin(upper, under).any()
+    centre = triangles.mean(axis=1)
+    for cell in np.unique(made.first):
+        own = centre[made.first == cell]
+        assert np.ptp(own, axis=0).max() < 0.2501
+    # Their points are spread by area over the members.
+    points = in_space(triangles, made.prim.astype(int), made.uv.astype(float))
+    whole = made.area > 0.9 * 0.25**2
+    assert np.ptp(points[whole], axis=1)[:, :2].min() > 0.12
+
+
+# ---- light ----
+
+
+@pytest.mark.parametrize("reflectance", [0.5, 0.9])
+def test_cells_of_a_furnace_hold_its_closed_form(transport, reflectance):
+    luminance = 40.0
+    walls = paint(reflectance, emission=Emission(Constant(1.0), luminance))
+    _session, compiled = prepare(box(3.0, 2.0, 2.5), walls, transport=transport)
+    cells, light = sweep(compiled, 1_500)
+    expected = np.pi * luminance / (1.0 - reflectance)
+    inside, outside = light[0::2], light[1::2]
+    known = cells.area > 0.0
+    mean = (inside * cells.area).sum() / cells.area.sum()
+    assert mean == pytest.approx(expected, rel=0.004)
+    # Single cells: 32 samples, of which few leave something to chance.
+    assert np.sqrt(np.mean((inside[known] / expected - 1.0) ** 2)) < 0.03
+    assert outside.max() == 0.0
+
+
+def test_the_two_sides_of_a_sheet_hold_their_own_light():
+    height, half = 1.0, 2.0
+    floor = quad("floor", (-half, -half, 0), (2 * half, 0, 0), (0, 2 * half, 0), "paint")
+    above = PointLight(
+        "a", "a", Output(Quantity.LUMINOUS_INTENSITY, 100.0), np.array([0, 0, height])
+    )
+    below = replace(above, id="b", position=np.array([0, 0, -height]),
+                    output=Output(Quantity.LUMINOUS_INTENSITY, 3.0))  # fmt: skip
+    _session, compiled = prepare(floor, paint(0.5), above, below)
+    cells, light = sweep(compiled, 2_000)
+    # Flux of a point through a square under it.
+    steradian = 4.0 * np.arcsin(half**2 / (half**2 + height**2))
+    front, back = (float((light[k::2] * cells.area).sum()) for k in (0, 1))
+    assert front == pytest.approx(100.0 * steradian, rel=0.005)
+    assert back == pytest.approx(3.0 * steradian, rel=0.005)
+
+
+@pytest.mark.parametrize(("roughness", "ior", "specular"), [(0.3, 1.5, 1.0), (0.7, 1.8, 0.5)])
+def test_what_passes_a_coat_is_what_its_surface_does_not_mirror(roughness, ior, specular):
+    """Over a black base all that a coated surface reflects is the coat's; the base of another gets the rest."""
+    from lumenray.engine.transport.matt import MattTable
+
+    varnish = Coated(Constant(0.0), ior, roughness, specular)
+    session, compiled = prepare(
+        quad("floor", (0, 0, 0), (1, 0, 0), (0, 1, 0), "varnish"),
+        Material("varnish", "varnish", varnish),
+        UniformWorld(1.0),
+    )
+    ((_, part, _),) = compiled.parts()
+    angles = np.array([0.0, 20.0, 40.0, 60.0, 75.0, 85.0])
+    table = MattTable(compiled)
+    passing = table.passing(np.full(6, part.number), np.cos(np.radians(angles)))
+    mirrored = session.probe(varnish, angles, 1 << 16, transport="mono")
+    error = 5.0 * mirrored.reflectance_error
+    assert (np.abs(passing + mirrored.reflectance - 1.0) < error + 0.006).all()
+    # The base's light: rho (1 - C(i)) (1 - mean C) / (1 - mean C) comes out again.
+    white = session.probe(replace(varnish, reflectance=Constant(0.8)), angles, 1 << 16,
+                          transport="mono")  # fmt: skip
+    error = 5.0 * np.hypot(white.reflectance_error, mirrored.reflectance_error)
+    base = white.reflectance - mirrored.reflectance
+    assert (np.abs(base - 0.8 * passing) < error + 0.006).all()
+
+
+def test_a_room_behind_a_wall_that_stands_on_a_shared_floor_stays_dark():
+    """Floor, ceiling and two walls are single polygons of both rooms; the wall stands across the cells anyhow."""
+    rooms = box(4.0, 2.0, 2.0)
+    wall = box(0.07, 2.0, 2.0, inwards=False)
+    wall = replace(wall, id="wall", name="wall", vertices=wall.vertices + np.array([2.03, 0, 0]))
+    lamp = PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.0, 1.0, 1.5]))
+    screens = [
+        replace(quad(name, (x, 0.1, 0.001), (1.7, 0, 0), (0, 1.8, 0), "paint"), id=name)
+        for name, x in (("lit", 0.1), ("dark", 2.2))
+    ]
+    session = session_of(rooms, wall, *screens, paint(0.8), lamp)
+    order = BakeOrder(("lit", "dark"), StopRule(samples=256), density=6.0, method="cells")
+    lit, dark = session.bake_objects(order).maps
+    assert lit.mean > 100.0
+    assert dark.maximum < 1e-3 * lit.mean

@@ -1,0 +1,355 @@
+"""The bake: settings in the render tab; button, progress and results in the sidebar; light groups where lights are."""
+
+import bpy
+
+from ..blender_addon import bake, baked_images, readout
+from ..blender_addon.error_graphs import graph
+from ..blender_addon.luminaire_pictures import has_dark_theme, side_of
+from ..blender_addon.luminaires.settings import is_luminaire
+from .light import LightPanel
+from .luminaire import ICON_BORDER, ICON_UNIT, MARGIN
+from .material import MaterialPanel
+from .parts import PropertiesPanel, draw_lines, draw_text
+from .sidebar import SidebarPanel
+from .world import WorldPanel
+
+STOPS = (
+    ("error", "Relative error"),
+    ("absolute", "Error [lx]"),
+    ("time", "Seconds"),
+    ("samples", "Samples"),
+)
+"""Ends of a bake, of which the first that is met counts, and what they are called."""
+
+PLAIN_VIEW = "Standard"
+"""View transform under which false colours are what the scale shows."""
+
+
+def draw_stop(layout, settings) -> None:
+    """Draw what ends a bake; several ends may be on."""
+    column = layout.column(align=True)
+    for name, label in STOPS:
+        row = column.row(align=True, heading=label)
+        row.prop(settings, f"bake_use_{name}", text="")
+        part = row.row(align=True)
+        part.active = getattr(settings, f"bake_use_{name}")
+        part.prop(settings, f"bake_{name}", text="")
+    if not any(getattr(settings, f"bake_use_{name}") for name, _ in STOPS):
+        layout.label(text="Switch one on: it would never end", icon="ERROR")
+
+
+def draw_buttons(layout, context, is_ready: bool) -> None:
+    """Draw what starts a bake, and what goes on with an interrupted one."""
+    settings = context.scene.lumenray
+    column = layout.column()
+    column.scale_y = 1.4
+    column.enabled = is_ready
+    column.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
+    if not bake.checkpoint_path(bake.folder_of(settings)).is_file():
+        return
+    column = layout.column()
+    column.enabled = is_ready
+    column.label(text="The folder holds an interrupted bake", icon="INFO")
+    column.operator("lumenray.bake_illuminance", text="Resume", icon="PLAY").resume = True
+
+
+def draw_graph(layout, context) -> None:
+    """Draw the graph of the error over time about as wide as the panel."""
+    if not graph.has_history:
+        return
+    scale = context.preferences.system.ui_scale
+    side = side_of(context.region.width - MARGIN * scale)
+    icon = graph.icon(side, has_dark_theme(context.preferences))
+    if icon == 0:
+        layout.label(text="Drawing the graph…", icon="TIME")
+        return
+    layout.template_icon(icon, scale=(side / scale + ICON_BORDER) / ICON_UNIT)
+
+
+# ---- render tab ----
+
+
+class BakePanel(PropertiesPanel):
+    """Panel of the render tab."""
+
+    bl_context = "render"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_settings(layout, context, context.scene.lumenray)
+
+
+class LUMENRAY_PT_lux_bake(BakePanel, bpy.types.Panel):
+    """Lux maps; the button is in the sidebar of the 3D view and here."""
+
+    bl_label = "Lux Bake"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw density, ends and the button."""
+        layout.prop(settings, "bake_density", text="Lumels per m")
+        draw_stop(layout, settings)
+        draw_buttons(layout, context, not context.window_manager.lumenray.job.running)
+
+
+class LUMENRAY_PT_lux_bake_layout(BakePanel, bpy.types.Panel):
+    """How surfaces lie on pages."""
+
+    bl_label = "Layout"
+    bl_parent_id = "LUMENRAY_PT_lux_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_settings(self, layout, context, settings):
+        """Draw pages and charts."""
+        layout.prop(settings, "bake_from_textures", text="As fine as textures")
+        column = layout.column(align=True)
+        column.prop(settings, "bake_size", text="Page size [px]")
+        column.prop(settings, "bake_pages", text="Most pages")
+        column.prop(settings, "bake_margin", text="Margin [px]")
+        layout.prop(settings, "bake_cone")
+        layout.prop(settings, "bake_detail")
+
+
+class LUMENRAY_PT_lux_bake_light(BakePanel, bpy.types.Panel):
+    """What of the light is computed, and how."""
+
+    bl_label = "Light"
+    bl_parent_id = "LUMENRAY_PT_lux_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_settings(self, layout, context, settings):
+        """Draw layers, exitance and method."""
+        layout.prop(settings, "bake_layers")
+        layout.prop(settings, "bake_exitance")
+        layout.prop(settings, "bake_method")
+        layout.prop(settings, "bake_caustics")
+        layout.prop(settings, "bake_smooth")
+
+
+class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
+    """What is written where."""
+
+    bl_label = "Files"
+    bl_parent_id = "LUMENRAY_PT_lux_bake"
+
+    def draw_settings(self, layout, context, settings):
+        """Draw the folder and what else goes there."""
+        layout.prop(settings, "bake_folder")
+        layout.prop(settings, "bake_checkpoint")
+        layout.prop(settings, "bake_gltf", text=f"glTF ({bake.GLTF})")
+
+
+# ---- light groups ----
+
+
+class LightGroupPanel:
+    """Panel with the light group of something luminous: what of the context ``owner`` names."""
+
+    bl_label = "Light Group"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(getattr(context, self.owner).lumenray, "light_group", text="Group")
+        if context.scene.lumenray.bake_layers != "GROUPS":
+            layout.prop_enum(
+                context.scene.lumenray, "bake_layers", "GROUPS", text="Bake Light Groups as Layers"
+            )
+
+
+class LUMENRAY_PT_light_group(LightGroupPanel, LightPanel, bpy.types.Panel):
+    """Layer of a light."""
+
+    owner = "light"
+
+
+class LUMENRAY_PT_material_group(LightGroupPanel, MaterialPanel, bpy.types.Panel):
+    """Layer of what glows with a material."""
+
+    bl_context = "material"
+
+    owner = "material"
+
+
+class LUMENRAY_PT_world_group(LightGroupPanel, WorldPanel, bpy.types.Panel):
+    """Layer of the surroundings."""
+
+    owner = "world"
+
+
+class LUMENRAY_PT_luminaire_group(LightGroupPanel, PropertiesPanel, bpy.types.Panel):
+    """Layer of an empty that is a luminaire."""
+
+    bl_context = "data"
+    owner = "object"
+
+    @classmethod
+    def poll(cls, context):
+        source = context.object
+        is_empty = source is not None and source.type == "EMPTY" and is_luminaire(source)
+        return is_empty and super().poll(context)
+
+
+# ---- sidebar ----
+
+
+class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
+    """Illuminance of the selected objects."""
+
+    bl_label = "Bake Illuminance"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        if context.window_manager.lumenray.job.running:
+            self._draw_job(layout, context)
+        else:
+            self._draw_settings(layout, context)
+
+    def _draw_job(self, layout, context):
+        job = context.window_manager.lumenray.job
+        # Rounded down, but for the last digit of what Blender keeps.
+        layout.progress(factor=job.progress, text=f"{int(100.0 * job.progress + 1e-4)} %")
+        draw_lines(layout, readout.describe_job(job), 0.35)
+        draw_graph(layout, context)
+        if context.scene.lumenray.bake_checkpoint:
+            layout.label(text="Esc cancels; Resume goes on later", icon="INFO")
+        else:
+            layout.label(text="Esc cancels", icon="INFO")
+
+    def _draw_settings(self, layout, context):
+        settings, engine = context.scene.lumenray, context.window_manager.lumenray.engine
+        count, text = readout.describe_selection(context)
+        layout.label(text=text, icon="OBJECT_DATA" if count else "INFO")
+        column = layout.column()
+        column.prop(settings, "bake_density", text="Lumels per m")
+        if readout.is_bakeable(context.object):
+            column.prop(context.object.lumenray, "density", text="Active object")
+            column.prop(context.object.lumenray, "two_sided")
+        column.prop(settings, "bake_layers")
+        draw_stop(layout, settings)
+        draw_buttons(layout, context, bool(count) and (engine.usable or not engine.checked))
+        if engine.checked and not engine.usable:
+            draw_text(layout, context, "Not possible: the engine cannot run, see above", "INFO")
+
+
+class LUMENRAY_UL_results(bpy.types.UIList):
+    """Lux maps: name, mean."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.45)
+        split.label(text=item.name, icon="TEXTURE")
+        row = split.row()
+        row.alignment = "RIGHT"
+        row.label(text=readout.format_amount(item.mean, item.unit))
+
+
+class LUMENRAY_PT_results(SidebarPanel, bpy.types.Panel):
+    """What was baked last."""
+
+    bl_label = "Lux Maps"
+
+    @classmethod
+    def poll(cls, context):
+        return len(context.window_manager.lumenray.results) > 0
+
+    def draw(self, context):
+        layout = self.layout
+        feedback = context.window_manager.lumenray
+        layout.template_list(
+            "LUMENRAY_UL_results", "", feedback, "results", feedback, "result_index", rows=3
+        )
+        if feedback.result_index < len(feedback.results):
+            row = feedback.results[feedback.result_index]
+            draw_lines(layout.box(), readout.describe_result(row))
+
+
+class LUMENRAY_PT_results_whole(SidebarPanel, bpy.types.Panel):
+    """The last bake as a whole, and how its error fell."""
+
+    bl_label = "Whole Bake"
+    bl_parent_id = "LUMENRAY_PT_results"
+
+    def draw(self, context):
+        layout = self.layout
+        draw_lines(layout, readout.describe_bake(context.window_manager.lumenray.summary))
+        if not context.window_manager.lumenray.job.running:
+            draw_graph(layout, context)
+
+
+class LUMENRAY_UL_layers(bpy.types.UIList):
+    """Layers of baked light: name, strength, colour."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.4)
+        split.label(text=item.name, icon="LIGHT")
+        row = split.row(align=True)
+        row.prop(item, "strength", text="", slider=True)
+        colour = row.row(align=True)
+        colour.scale_x = 0.5
+        colour.prop(item, "colour", text="")
+
+
+class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
+    """Baked light in EEVEE and material preview."""
+
+    bl_label = "Baked Light"
+
+    @classmethod
+    def poll(cls, context):
+        return baked_images.has_atlas()
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.lumenray
+        if not settings.is_baked_shown:
+            layout.operator("lumenray.show_baked", icon="SHADING_TEXTURE")
+            return
+        layout.operator("lumenray.hide_baked", icon="LOOP_BACK")
+        shading = context.space_data.shading
+        if shading.type not in {"MATERIAL", "RENDERED"}:
+            layout.prop_enum(shading, "type", "MATERIAL", text="Show Material Preview")
+        layout.row().prop(settings, "baked_look", expand=True)
+        if settings.baked_look == "FALSE":
+            self._draw_scale(layout, context)
+        elif settings.baked_layers and settings.baked_look == "LIGHT":
+            layout.template_list(
+                "LUMENRAY_UL_layers", "", settings, "baked_layers", settings, "baked_layer_index",
+                rows=3,
+            )  # fmt: skip
+
+    def _draw_scale(self, layout, context):
+        settings = context.scene.lumenray
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(align=True)
+        column.prop(settings, "baked_low", text="From [lx]")
+        column.prop(settings, "baked_high", text="To [lx]")
+        view = context.scene.view_settings
+        if view.view_transform != PLAIN_VIEW:
+            draw_text(
+                layout, context, "Colours differ from the scale under this view transform", "ERROR"
+            )
+            layout.prop(view, "view_transform")
+
+
+CLASSES = (
+    LUMENRAY_UL_results,
+    LUMENRAY_UL_layers,
+    LUMENRAY_PT_lux_bake,
+    LUMENRAY_PT_lux_bake_layout,
+    LUMENRAY_PT_lux_bake_light,
+    LUMENRAY_PT_lux_bake_output,
+    LUMENRAY_PT_light_group,
+    LUMENRAY_PT_material_group,
+    LUMENRAY_PT_world_group,
+    LUMENRAY_PT_luminaire_group,
+    LUMENRAY_PT_bake,
+    LUMENRAY_PT_baked_light,
+    LUMENRAY_PT_results,
+    LUMENRAY_PT_results_whole,
+)
