@@ -30,8 +30,11 @@ SWITCH_LEVELS = (0.02, 0.01)
 LEAST_SAMPLES, GROWTH = 16, 4
 """Of plain gathering and Cycles, per lumel; and of a run over that of the run before."""
 
+LEAST_RUNS = 3
+"""Of others: fewer tell no slope."""
+
 LONGEST, QUICK_LONGEST = 20.0, 3.0
-"""Runs of others that would take longer are not made. [s]"""
+"""Further runs of others that would take longer are not made. [s]"""
 
 SEED = 301
 
@@ -101,7 +104,7 @@ def _run_plain(scene: AtlasScene, judge: Judge, _result, longest: float) -> dict
     gather = PlainGather(stage, judge.judged)
     scale = len(judge.places) / len(judge.rows)
     points, work, samples, last = [], [], LEAST_SAMPLES, 0.0
-    while GROWTH * last <= longest:
+    while len(points) < LEAST_RUNS or GROWTH * last <= longest:
         if not points or samples <= LEAST_SAMPLES * GROWTH**2:
             # Each length of a launch is a kernel of its own.
             gather.run(samples, SEED)
@@ -126,7 +129,7 @@ def _run_cycles(scene: AtlasScene, judge: Judge, result, longest: float) -> dict
         # Loading, building and one sample: not the bake's own.
         start_up = min(cycles.run(1)[1] for _ in range(2))
         points, work, samples, last = [], [], LEAST_SAMPLES, 0.0
-        while GROWTH * last <= longest:
+        while len(points) < LEAST_RUNS or GROWTH * last <= longest:
             page, seconds = cycles.run(samples)
             last = max(seconds - start_up, 1e-3)
             values = page[judged.y, judged.x]
@@ -161,7 +164,7 @@ def _run_radiance(scene: AtlasScene, judge: Judge, _result, longest: float) -> d
         points, work, last = [], [], 0.0
         try:
             for setting in settings:
-                if GROWTH * last > longest:
+                if len(points) >= LEAST_RUNS and GROWTH * last > longest:
                     break
                 answer = radiance.run(setting, GROWTH * longest)
                 if answer is None:

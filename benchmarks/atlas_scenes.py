@@ -96,7 +96,7 @@ def build_cabin() -> AtlasScene:
     above = _arc(np.linspace(cove, np.pi - cove, 17))
     left = _arc(np.linspace(np.pi - cove, np.pi - edge, 9))
     sides = make_mesh("side walls", [_vault(right), _vault(left)], "lining")
-    ceiling = make_mesh("ceiling", [_vault(above)], "ceiling")
+    ceiling = make_mesh("ceiling", [_vault(above)], "vault")
     outline = np.concatenate([right, above[1:], left[1:]])
     ends = [
         np.column_stack([np.full(len(outline), x), line])
@@ -128,7 +128,7 @@ def build_cabin() -> AtlasScene:
     materials = [
         _matt("carpet", Constant(0.6)),
         _matt("lining", Constant(0.7)),
-        _matt("ceiling", Constant(0.8)),
+        _matt("vault", Constant(0.8)),
         _matt("cloth", Constant(0.6)),
     ]
     return AtlasScene(
@@ -155,7 +155,7 @@ def build_window() -> AtlasScene:
     for left, right in zip((0.0, *x), (*x, 6.0), strict=True):
         for low, high in zip((0.0, *z), (*z, 3.0), strict=True):
             if (left, low) != (x[0], z[0]):
-                fields.append(quad((left, 4, low), (0, 0, high - low), (right - left, 0, 0)))
+                fields.append(quad((left, 4, low), (right - left, 0, 0), (0, 0, high - low)))
     walls.append(make_mesh("wall +y", fields, "wall"))
     across, up, out = (x[1] - x[0], 0, 0), (0, 0, z[1] - z[0]), (0, depth, 0)
     reveal = [
@@ -165,14 +165,14 @@ def build_window() -> AtlasScene:
         quad((x[1], 4, z[0]), up, out),
     ]
     opening = make_mesh("opening", [quad((x[0], 4 + depth, z[0]), up, across)], "air")
-    table = make_mesh("table", [box((2.0, 1.4, 0.70), (3.8, 2.3, 0.74))], "table")
-    cupboard = make_mesh("cupboard", [box((0.05, 0.6, FEET), (0.6, 2.4, 1.8))], "table")
+    table = make_mesh("table", [box((2.0, 1.4, 0.70), (3.8, 2.3, 0.74))], "board")
+    cupboard = make_mesh("cupboard", [box((0.05, 0.6, FEET), (0.6, 2.4, 1.8))], "board")
     sky = CieSky(12, np.array([0.4, -0.6, 0.7]), 12_000.0, 0.2)
     materials = [
         _matt("floor", Constant(0.5)),
         _matt("ceiling", Constant(0.8)),
         _matt("wall", Constant(0.7)),
-        _matt("table", Constant(0.5)),
+        _matt("board", Constant(0.5)),
         Material("air", "air", Transparent()),
     ]
     objects = (*(mesh.id for mesh in walls), "table", "cupboard")

@@ -151,7 +151,6 @@ class Layer:
         # So few samples tell little, and not as much for their number as those of a pass.
         sums = ReplicateSums(job.count, job.channels)
         state = LayerState(sums, levels, 0, self._cells(), forecaster, bias, objects)
-        state.is_done = forecaster.is_done()
         self._show(state)
         return state
 

@@ -41,6 +41,9 @@ SAVE_INTERVAL = 20.0
 METHODS = ("auto", "cells", "paths")
 SWITCH = ("auto", "on", "off")
 
+LAYER_SEEDS = 1_000_003
+"""Distance between the seeds of layers."""
+
 FIRST_PASS_SAMPLES = 16
 """Samples per lumel of the pass that finds out which charts are even."""
 
@@ -102,6 +105,7 @@ class Bake:
     options: Options | None = None
     departures: list[Departure] = field(default_factory=list)
     _decisions: list[str] = field(default_factory=list)
+    _found: set[str] = field(default_factory=set)
     _start: float = field(default_factory=time.perf_counter)
 
     def run(self) -> BakeResult:
@@ -128,7 +132,8 @@ class Bake:
             samples = round(sum(float(s.sums.samples().mean()) for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
-            provenance = replace(provenance, decisions=decisions)
+            notes = tuple(note for note in provenance.notes if note not in self._found)
+            provenance = replace(provenance, decisions=decisions, notes=notes)
         self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
         maps = self._summarise(items, atlas, table, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
@@ -250,7 +255,7 @@ class Bake:
             )
         return True, "the radiance beyond the first bounce is read from cells; the bias is measured"
 
-    def _job(self, compiled, table, items, atlas) -> LuxJob:
+    def _job(self, compiled, table, items, atlas, layer: int = 0) -> LuxJob:
         options = self.options
         if options is None:
             count = sum(table.counts)
@@ -268,11 +273,20 @@ class Bake:
                 keys, meshes = [item.key for item in items], [item.mesh for item in items]
                 finder = LumelFinder(compiled, keys, meshes, atlas, table)
                 self._decisions.append(tracer.reason)
+                self._found |= set(compiled.unfound)
             else:
                 tracer = None
-        return LuxJob(
-            compiled, table, self.order.seed, options, self.host.cancelled, tracer, finder
-        )
+                if self.order.caustics == "on":
+                    self.departures.append(
+                        Departure(
+                            "caustics",
+                            "no ideal light can reach a surface over smooth glass or a curved mirror",
+                            "nothing is traced from the lights",
+                        )
+                    )
+        # Errors of layers add up as those of independent estimates.
+        seed = self.order.seed + LAYER_SEEDS * layer
+        return LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, finder)
 
     def _run_layers(self, compiled, table, items, atlas) -> list[tuple[str, LayerState]]:
         """States of all layers by name; a single one without a name where no groups are asked for."""
@@ -296,7 +310,7 @@ class Bake:
                 self._report(_part_of(state, number, len(scenes), name))
 
             layer = Layer(
-                self._job(own, table, items, atlas),
+                self._job(own, table, items, atlas, number),
                 rule,
                 owners,
                 report,

@@ -117,6 +117,7 @@ class CompiledScene:
         self.is_mirror = None
         self.indices: dict = {}
         self.notes: list[str] = []
+        self.unfound: list[str] = []
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
         # Mitsuba visits every emitter that lives, so there is none without luminaires.
@@ -501,11 +502,13 @@ class CompiledScene:
             or (isinstance(light, PointLight) and light.radius < DELTA_RADIUS)
             or (isinstance(light, Luminaire) and light.opening.shape == "point")
         )
+        self.unfound = []
         if glass and points:
-            self.notes.append(
+            self.unfound.append(
                 f"light of '{points[0]}' that passes solid glass ('{glass[0]}') is missing: no path finds an ideal "
                 "point or spot through it; use a point light with a radius, or a pane"
             )
+        self.notes += self.unfound
 
 
 def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:

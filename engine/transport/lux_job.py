@@ -49,13 +49,16 @@ FEWEST_CELLS, MOST_CELLS = 4_000, 1_000_000
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
+FEWEST_SWEPT, MOST_SHARING = 4, 4
+"""Fewest samples of a cell in a sweep, and most passes that share one."""
+
 CHECK_INTERVAL = 4
 """Passes from check to check."""
 
 SWEEP_SHARE = 0.25
 """Work of the sweep before a pass, relative to that of the pass. [-]"""
 
-CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 15, 1 << 19
+CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 14, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
 
 TRACE_SHARE = 0.5
@@ -185,13 +188,14 @@ class LuxJob:
             self.sampler = WavelengthSampler(scene.mean_light, kind)
         self.area = np.concatenate([table.block(i).area for i in range(len(table.counts))])
         self.valid = np.concatenate([table.block(i).valid for i in range(len(table.counts))])
+        self._leaves_sun = tracer is not None and tracer.has_suns
         self._learn()
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
             wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
             self.cells = CellSet(scene, wanted)
             if self.cells and options.cells:
-                self.sweeper = Sweeper(scene, self.cells, seed, cancelled)
+                self.sweeper = Sweeper(scene, self.cells, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
         self.spans = self._find_spans()
         self._uploaded: dict[int, dict] = {}
@@ -324,7 +328,13 @@ class LuxJob:
             return
         # About a quarter of the pass's work, in whole powers of two.
         work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
-        self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 2, 6)))
+        if work < FEWEST_SWEPT:
+            # Where cells are many for the lumels, some passes share a sweep; what its noise adds is little.
+            every = min(int(np.ceil(FEWEST_SWEPT / max(work, 1e-6))), MOST_SHARING)
+            if number % every:
+                return
+        lowest = int(np.log2(FEWEST_SWEPT))
+        self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), lowest, 6)))
 
     def _trace(self, number: int, paths: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
@@ -407,7 +417,7 @@ class LuxJob:
                 self.cells,
                 receiver,
                 is_exact=is_exact or self.sweeper is None,
-                without_bent_sun=self.tracer is not None and self.tracer.has_suns,
+                without_bent_sun=self._leaves_sun,
             )
         sums = []
         for channel in self._channels(value, wavelengths, si):

@@ -48,10 +48,19 @@ class Sweeper:
     cells : CellSet
     seed : int
     cancelled : callable    Asked before every launch.
+    without_bent_sun : bool    As of `cached_gather.incoming`.
     """
 
-    def __init__(self, scene, cells: CellSet, seed: int, cancelled=lambda: False):
+    def __init__(
+        self,
+        scene,
+        cells: CellSet,
+        seed: int,
+        cancelled=lambda: False,
+        without_bent_sun: bool = False,
+    ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
+        self._without_bent_sun = without_bent_sun
         self.seed = seed
         self._weights = cells.bands.luminous()
         self._sides = cells.sides
@@ -195,7 +204,12 @@ class Sweeper:
             return Receiver(si, wavelengths, stream, point, one, respond)
 
         value = direct(scene, receiver(gather.PAIR_LIGHT))
-        value += gathered(scene, cells, receiver(gather.PAIR_SCATTER))
+        value += gathered(
+            scene,
+            cells,
+            receiver(gather.PAIR_SCATTER),
+            without_bent_sun=self._without_bent_sun,
+        )
         ratios = [dr.select(dr.isfinite(r), r, 0.0) for r in cells.bands.ratios(value, wavelengths)]
         dr.eval(ratios)
         return ratios

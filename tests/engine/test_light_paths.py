@@ -94,7 +94,7 @@ def tracer_of(*items, transport="auto"):
 
 def landings(tracer, deposits, material):
     """Places in the scene's frame (m, 3) and fluxes (m,) of what landed on a material, and its rows."""
-    for part, item in tracer.scene.parts():
+    for _, part, item in tracer.scene.parts():
         if item.id == material:
             rows = np.flatnonzero(deposits.shape == part.number)
             corners = tracer.scene.triangles(part).astype(float)[deposits.prim[rows]]

@@ -291,9 +291,9 @@ def start_long_bake():
 
 
 def start_whole_bake():
-    """Bake the room and all that is in it, in layers, and show it when it is done."""
+    """Bake the room and all that is in it, and show it when it is done; its light in layers."""
     settings = bpy.context.scene.lumenray
-    settings.bake_layers = "GROUPS"
+    settings.bake_layers = "GROUPS" if VIEW == "baked" else "NONE"
     for source in bpy.data.objects:
         if source.type == "LIGHT":
             source.data.lumenray.light_group = source.name.rstrip(" 0123456789.")

@@ -133,6 +133,27 @@ def test_scenes_are_closed_and_seen_from_inside(cornell):
     assert not stage.are_inside(places.positions[::7], places.geometric_normals[::7]).any()
 
 
+@pytest.mark.parametrize("key", ["cornell", "cabin", "window", "hall", "lamp"])
+def test_rooms_face_inwards(key):
+    from lumenray.benchmarks.atlas_scenes import build
+    from lumenray.engine.scene.mesh import Mesh
+
+    scene = build(key)
+    assert len({item.id for item in scene.items}) == len(scene.items)
+    shells = [
+        item
+        for item in scene.items
+        if isinstance(item, Mesh) and item.id.split()[0] in {"wall", "side", "ceiling", "floor"}
+    ]
+    points = np.concatenate([mesh.vertices for mesh in shells])
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    for mesh in shells:
+        corners = mesh.vertices[mesh.triangles]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        inwards = np.einsum("ti,ti->t", normal, middle - corners.mean(axis=1))
+        assert (inwards > 0.0).all(), mesh.id
+
+
 def test_places_below_a_lid_are_inside():
     from lumenray.benchmarks.atlas_scenes import AtlasScene
     from lumenray.benchmarks.atlas_shapes import box, make_mesh, quad
