@@ -10,7 +10,7 @@ from ..accuracy.forecast import Forecaster
 from ..accuracy.history import History
 from ..accuracy.replicates import ReplicateSums, absolute_error, relative_error
 from ..accuracy.stopping import Progress, StopRule
-from ..transport.lux_job import Levels, LuxJob, Pilot
+from ..transport.lux_job import Levels, LuxJob, Pilot, Trial
 
 PASSES = 16
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
@@ -24,9 +24,6 @@ TRIAL_PARTS = (1.0 / 16.0, 1.0 / 5.0)
 
 STEEPEST, FLATTEST = 2.0, 1.0
 """Bounds on the power of the samples of a pass by which its variance is believed to fall."""
-
-CLOSE = 1.3
-"""A trial whose samples differ by less than this factor from what is then planned is not repeated."""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -173,7 +170,8 @@ class Layer:
             levels = min(levels, pilot.plan(samples=rule.samples / PASSES), key=Levels.total)
         before = Levels.even(job.count, 1, 1)
         reference = pilot.square(before)
-        square, seconds = pilot.try_pass(TRIALS, levels, TRIAL_PARTS[0])
+        first = pilot.try_pass(TRIALS, levels, TRIAL_PARTS[0])
+        square = first.square
         if wanted is not None and square > 0.0:
             # How the variance falls within a pass, from single samples to this many.
             growth = levels.total() / before.total()
@@ -185,7 +183,8 @@ class Layer:
             better = pilot.plan(samples=max(levels.total() * scale / max(job.count, 1), 1.0))
             if rule.samples is None or better.total() < levels.total():
                 levels = better
-        square, seconds = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
+        trial = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
+        square, seconds = trial.square, _pass_seconds(first, trial, levels.total())
         if rule.seconds is not None:
             # No pass may take more than its part of the time.
             steps = math.ceil(math.log2(max(seconds * PASSES / rule.seconds, 1.0)))
@@ -256,6 +255,15 @@ class Layer:
     def _show(self, state: LayerState) -> None:
         made = state.forecaster.progress(self._seconds, "illuminance")
         self.report(replace(made, history=state.forecaster.history))
+
+
+def _pass_seconds(first: Trial, second: Trial, samples: float) -> float:
+    """What a pass of so many samples takes: launches have a price of their own, besides that of samples. [s]"""
+    more = second.samples - first.samples
+    each = second.seconds / max(second.samples, 1e-9)
+    if abs(more) > 0.2 * second.samples:
+        each = min(max((second.seconds - first.seconds) / more, 0.5 * each), each)
+    return second.sweep_seconds + second.seconds + each * (samples - second.samples)
 
 
 def _mean(values: np.ndarray, area: np.ndarray) -> float:

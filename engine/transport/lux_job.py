@@ -79,6 +79,9 @@ SPAN_PLACES, KEPT_SPANS = 1 << 21, 2
 FEW, MOST_UNITS = 3, 1 << 22
 """Level below which lumels are worked on apart from the others, where there are more samples than this."""
 
+FEWEST_TRIED = 2_000
+"""Lumels on which passes are tried, at least."""
+
 NO_SAMPLES = 255
 """Level of lumels that get nothing."""
 
@@ -534,6 +537,24 @@ def _spread(count: int, most: int) -> list[int]:
     return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most))}) if count else []
 
 
+@dataclass(frozen=True)
+class Trial:
+    """What a planned pass would give and take.
+
+    Parameters
+    ----------
+    square : float    Square of the map's standard error after one such pass. [lx2]
+    sweep_seconds : float    For the cells. [s]
+    seconds : float    For the part of the lumels that was tried. [s]
+    samples : float    Sum over that part.
+    """
+
+    square: float
+    sweep_seconds: float
+    seconds: float
+    samples: float
+
+
 class Pilot:
     """First passes that find how lumels scatter, and from it how many samples each should get.
 
@@ -630,42 +651,38 @@ class Pilot:
             total += float((scatter[chosen] * self._share[chosen] * inverse).sum(dtype=np.float64))
         return total
 
-    def try_pass(self, number: int, levels: Levels, part: float) -> tuple[float, float]:
-        """Square of the map's standard error after one pass as it is, found on a part of the tiles; and what a pass takes.
+    def try_pass(self, number: int, levels: Levels, part: float) -> Trial:
+        """Make a planned pass twice on a part of the tiles.
 
         Parameters
         ----------
-        number : int    Two passes, this one and the next, are made.
+        number : int    Of the first; the second has the next one.
         levels : Levels
-        part : float    Share of the tiles.
-
-        Returns
-        -------
-        (square, seconds)    [lx2, s]
+        part : float    Share of the tiles, at least.
         """
         job = self.job
-        chosen = self._lot < part
+        chosen = self._lot < max(part, FEWEST_TRIED / max(job.count, 1))
         if float(self._share[chosen].sum()) < 0.5 * part:
             chosen = np.ones(job.count, dtype=bool)
         few = levels.only(chosen)
         found = np.zeros((2, job.count), dtype=np.float32)
-        seconds = []
+        sweeping, sampling = [], []
         for half in range(2):
             start = time.perf_counter()
             job.refresh(number + half, levels)
             middle = time.perf_counter()
             for span, values in job.estimates(number + half, few):
                 found[half, span] = values[..., 0].sum(axis=0)
-            scale = levels.total() / max(few.total(), 1e-9)
-            seconds.append(middle - start + (time.perf_counter() - middle) * scale)
-        measured = float(
+            sweeping.append(middle - start)
+            sampling.append(time.perf_counter() - middle)
+        square = float(
             (0.5 * (found[0] - found[1]) ** 2 * self._share)[chosen].sum(dtype=np.float64)
         )
         supposed = self.square(levels, chosen)
-        if supposed <= 0.0:
-            return measured, min(seconds)
-        # What is known of all tiles, corrected by how these few turned out.
-        return self.square(levels) * measured / supposed, min(seconds)
+        if supposed > 0.0:
+            # What is known of all tiles, corrected by how these few turned out.
+            square *= self.square(levels) / supposed
+        return Trial(square, sum(sweeping) / 2.0, min(sampling), few.total())
 
 
 def tile_numbers(block, width: int) -> np.ndarray:
