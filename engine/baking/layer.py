@@ -97,6 +97,8 @@ class Layer:
     objects : (n,) int array    Number of the object of every lumel, for the checks of the cells.
     report : callable    Gets a `Progress`.
     save : callable    Gets a `LayerState` after passes, and decides itself whether to write it.
+    object_count : int
+    start : float    When the work began, by `time.perf_counter`. [s]
     """
 
     job: LuxJob
@@ -105,7 +107,7 @@ class Layer:
     report: object
     save: object
     object_count: int
-    _start: float = field(default_factory=time.perf_counter)
+    start: float = field(default_factory=time.perf_counter)
 
     def run(self, state: LayerState | None = None) -> LayerState:
         """Run to the end, from a state if there is one."""
@@ -123,7 +125,7 @@ class Layer:
 
     @property
     def _seconds(self) -> float:
-        return time.perf_counter() - self._start
+        return time.perf_counter() - self.start
 
     def _begin(self) -> LayerState:
         job, rule = self.job, self.rule

@@ -28,7 +28,7 @@ from ..scene.scene import Scene
 from ..transport.bands import TOLERANCE as BAND_TOLERANCE
 from ..transport.bands import interpolation_error
 from ..transport.light_paths import LightTracer
-from ..transport.lux_job import LuxJob, Options
+from ..transport.lux_job import LuxJob, Options, tile_numbers
 from .files import scale_top, write_page, write_report
 from .layer import Layer, LayerState
 from .light_layers import split_lights
@@ -52,6 +52,9 @@ MOST_ADAPTIVE = 20_000_000
 
 MOST_MATCHED = 1 << 27
 """Pixels of all pages up to which seams are matched: all pages have to be at hand together."""
+
+TILE_FREEDOM = 12.0
+"""Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
 
 WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
 """Fields of an order that change nothing about the numbers."""
@@ -128,7 +131,7 @@ class Bake:
                 table = self._make_table(items, atlas, compiled)
             layers = self._run_layers(compiled, table, items, atlas)
             states = [state for _, state in layers]
-            estimates = _estimates(layers, order)
+            estimates = _estimates(layers, order, table)
             samples = round(sum(float(s.sums.samples().mean()) for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
@@ -226,7 +229,7 @@ class Bake:
         rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
         owners = _owners(table)
         state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
-        made = _estimates([("", state)], order)
+        made = _estimates([("", state)], order, table)
         area = np.where(job.valid, job.area, 0.0)
         threshold = order.detail * float((made.illuminance * area).sum() / max(area.sum(), 1e-300))
         pages = [
@@ -316,6 +319,7 @@ class Bake:
                 report,
                 saver.saving(number),
                 len(items),
+                self._start if number == 0 else time.perf_counter(),
             )
             try:
                 state = layer.run(saver.state(number))
@@ -521,14 +525,16 @@ def _owners(table: LumelTable) -> np.ndarray:
     )
 
 
-def _estimates(layers: list[tuple[str, LayerState]], order: BakeOrder) -> Estimates:
+def _estimates(
+    layers: list[tuple[str, LayerState]], order: BakeOrder, table: LumelTable
+) -> Estimates:
     """Sum of all layers; their errors are independent."""
     total, square, exitance, named = 0.0, 0.0, None, {}
     replicates = min(state.sums.passes for _, state in layers)
     for name, state in layers:
         mean = state.sums.mean()
         total = total + mean
-        square = square + state.sums.variance()
+        square = square + pool_variance(state.sums, table)
         if name:
             named[name] = mean.astype(np.float32)
         if order.exitance:
@@ -536,6 +542,28 @@ def _estimates(layers: list[tuple[str, LayerState]], order: BakeOrder) -> Estima
             exitance = own if exitance is None else exitance + own
     error = np.sqrt(np.where(np.isfinite(square), square, 0.0))
     return Estimates(total, error, named, exitance, replicates)
+
+
+def pool_variance(sums, table: LumelTable) -> np.ndarray:
+    """Variance of every lumel's mean, from its own passes and those of its tile. (n,) [lx2]
+
+    Where rare bright paths make the error, the passes of most lumels have seen none of them, and would state too little
+    by themselves. So the mean over the tile counts as so many degrees of freedom; the mean over the map stays what it is.
+    """
+    variance = sums.variance()
+    freedom = max(sums.passes - 1, 1)
+    first = 0
+    for number, count in enumerate(table.counts):
+        part = slice(first, first + count)
+        first += count
+        block = table.block(number)
+        tiles = tile_numbers(block, table.width(number))
+        own = np.where(block.valid & np.isfinite(variance[part]), variance[part], 0.0)
+        total = np.bincount(tiles, own * block.valid)
+        known = np.bincount(tiles, block.valid.astype(np.float64))
+        mean = (total / np.maximum(known, 1.0))[tiles]
+        variance[part] = (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
+    return variance
 
 
 def _mean_error(states: list[LayerState], number: int) -> float:

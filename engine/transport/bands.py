@@ -13,14 +13,17 @@ from ..photometry.spectra import GRID, observer
 from ..photometry.units import LUMINOUS_EFFICACY, MINIMUM_WAVELENGTH
 from .textures import is_spectral
 
-FIRST, LAST, WIDTH = 390.0, 710.0, 20.0
+FIRST, LAST, WIDTH = 390.0, 710.0, 10.0
 """Range of the nodes and the width of the bands that hold one each. [nm]"""
 
 PER_PATH = 4
 """Wavelengths of a path."""
 
-TOLERANCE = 0.002
-"""Largest error of luminance, relative, by which lights may be interpolated between the nodes. [-]"""
+TOLERANCE = 0.003
+"""Largest error of luminance, relative, by which any single light may be interpolated between the nodes. [-]"""
+
+LINE = 5.0
+"""A wavelength with so many times the light of the middle of its band is a line, and takes the node."""
 
 
 class Bands:
@@ -125,17 +128,18 @@ def _step(wavelength):
 
 
 def choose_nodes(light: np.ndarray) -> np.ndarray:
-    """Wavelengths of the nodes: in every band the one with most light, so that lines are met. Whole numbers. (n,) [nm]
+    """Wavelengths of the nodes: the middles of bands, and lines where bands have some. Whole numbers. (n,) [nm]
 
     Their number is a multiple of four.
     """
-    edges = np.arange(FIRST, LAST + 1.0, WIDTH)
+    middles = np.arange(FIRST + 0.5 * WIDTH, LAST, WIDTH)
     nodes = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
-        inside = np.abs(GRID - 0.5 * (low + high) + 0.25) < 0.5 * WIDTH
-        # Even bands take the middle.
-        near = light[inside] * (1.0 - 1e-3 * np.abs(GRID[inside] - 0.5 * (low + high)) / WIDTH)
-        nodes.append(int(GRID[inside][np.argmax(near)]))
+    for middle in middles:
+        inside = np.flatnonzero(np.abs(GRID - middle + 0.25) < 0.5 * WIDTH)
+        brightest = inside[np.argmax(light[inside])]
+        here = int(middle - MINIMUM_WAVELENGTH)
+        is_line = light[brightest] > LINE * light[here]
+        nodes.append(int(GRID[brightest if is_line else here]))
     return np.array(nodes)
 
 

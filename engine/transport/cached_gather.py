@@ -256,7 +256,7 @@ def _meet(cells, hit, si, reference, active):
     cosine = mi.Frame3f.cos_theta(si.wi)
     coat = mi.Float(cells.matt.coat(row, cosine, is_matt))
     side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, is_matt)
-    readable = is_matt & (dr.norm(si.p - reference) > NEAR * cells.near)
+    readable = is_matt & (dr.norm(si.p - reference) > NEAR * cells.near(si.shape, is_matt))
     readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
     return row, coat, side, readable
 

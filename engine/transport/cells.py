@@ -21,6 +21,9 @@ from .matt import MattTable
 PLACES = 16
 """Points of every cell from which it gathers, four for each quarter of it."""
 
+EVEN_SHARE = 0.1
+"""Share of the cells that is spread over all surfaces by area."""
+
 LARGEST_GRID = 2048
 """Most cells along an edge of a triangle."""
 
@@ -37,6 +40,7 @@ class _Elements:
     grid : (t,) uint32    Cells along its first edge, plus 65536 times those along the second.
     shape, prim : (c, PLACES) uint32; uv : (c, PLACES, 2) float32    Points of every cell.
     area : (c,) float64    0 for cells outside their triangle. [m2]
+    has_next : (c,) bool; to_above : (c,) int    Neighbours in the grid of a triangle, see `CellSet`.
     """
 
     first: np.ndarray
@@ -45,6 +49,8 @@ class _Elements:
     prim: np.ndarray
     uv: np.ndarray
     area: np.ndarray
+    has_next: np.ndarray
+    to_above: np.ndarray
 
 
 class CellSet:
@@ -54,9 +60,11 @@ class CellSet:
     ----------
     scene : CompiledScene
     count : int    About how many cells there may be.
+    importance : callable
+        Says how often a job looks at each shape: numbers of shapes (n,) to shares (n,). The more often, the finer.
     """
 
-    def __init__(self, scene, count: int):
+    def __init__(self, scene, count: int, importance):
         self.scene = scene
         self.matt = MattTable(scene)
         self.bands = Bands(scene.mean_light)
@@ -65,14 +73,19 @@ class CellSet:
         triangles = {part.number: scene.triangles(part) for part in parts}
         # By place, so that the order of ids decides nothing.
         parts.sort(key=lambda part: tuple(triangles[part.number][0].ravel().tolist()))
-        area = sum(float(_areas(t).sum()) for t in triangles.values())
-        self.size = max(np.sqrt(2.0 * area / max(count, 1)), 1e-9)
+        areas = np.array([float(_areas(triangles[part.number]).sum()) for part in parts])
+        shares = np.asarray(importance([part.number for part in parts]), dtype=np.float64)
+        # A share of the cells for every part by its area, so that nothing is coarse beyond all measure.
+        shares = EVEN_SHARE * areas / max(areas.sum(), 1e-300) + (1.0 - EVEN_SHARE) * shares
+        sizes = np.sqrt(2.0 * areas / np.maximum(count * shares, 1e-9))
+        sizes = np.maximum(sizes, 1e-9)
         offsets = np.zeros(scene.shape_count, dtype=np.uint32)
         start, made, cells = 0, [], 0
-        for part in parts:
-            offsets[part.number] = start
+        near = np.zeros(scene.shape_count)
+        for part, size in zip(parts, sizes, strict=True):
+            offsets[part.number], near[part.number] = start, size
             start += len(triangles[part.number])
-            made.append(divide(triangles[part.number], part.number, self.size, cells))
+            made.append(divide(triangles[part.number], part.number, float(size), cells))
             cells += len(made[-1].area)
         self.count = cells
         self.area = np.concatenate([m.area for m in made]) if made else np.zeros(0)
@@ -85,7 +98,10 @@ class CellSet:
         self.sides = np.flatnonzero(np.repeat(self.area > 0.0, 2)).astype(np.uint32)
         self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
         self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
-        self.near = dr.opaque(mi.Float, self.size)
+        self._near = upload(mi.Float, near)
+        # By cell: whether the next one is its neighbour, and how far on the one above is (0: there is none).
+        self.has_next = _join([m.has_next for m in made]).astype(bool)
+        self.to_above = _join([m.to_above for m in made]).astype(np.int64)
         # Light traced from the lights, see `put_traced`.
         self.traced = None
         self._host_table = (
@@ -96,7 +112,7 @@ class CellSet:
         dr.eval(
             self._offsets, self._first, self._grid, self._shape, self._prim, self._uv, self.values
         )
-        dr.eval(self.uneven, self.near)
+        dr.eval(self.uneven, self._near)
 
     def __bool__(self) -> bool:
         """Whether there is anything to read."""
@@ -131,6 +147,10 @@ class CellSet:
         j = dr.minimum(mi.UInt32(uv.y * mi.Float(up)), up - 1)
         cell = dr.gather(mi.UInt32, self._first, triangle, active) + j * across + i
         return 2 * cell + dr.select(is_back, mi.UInt32(BACK), mi.UInt32(FRONT))
+
+    def near(self, shape, active):
+        """Size of the cells of a shape. [m]"""
+        return dr.gather(mi.Float, self._near, dr.reinterpret_array(mi.UInt32, shape), active)
 
     def value(self, side, wavelengths, active):
         """Spectral irradiance that passes the coat."""
@@ -203,6 +223,11 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
     starts[small] = counts.sum() + group_of
     grouped = _points_of_groups(small, group_of, groups, areas)
     prim, uv, area = (np.concatenate(pair) for pair in zip(divided, grouped, strict=True))
+    which = np.repeat(large, counts)
+    local = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+    alone = np.zeros(groups, dtype=np.int64)
+    has_next = local % across[which] < across[which] - 1
+    to_above = np.where(local // across[which] < up[which] - 1, across[which], 0)
     return _Elements(
         (starts + first).astype(np.uint32),
         grid.astype(np.uint32),
@@ -210,6 +235,8 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
         prim.astype(np.uint32),
         uv.astype(np.float32),
         area,
+        np.concatenate([has_next, alone > 0]),
+        np.concatenate([to_above, alone]),
     )
 
 

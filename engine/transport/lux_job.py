@@ -21,6 +21,7 @@ from ..photometry.spectra import observer
 from . import gather
 from .cells import CellSet
 from .lights import learn
+from .rays import spawn_ray
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 from .sweeps import Sweeper
@@ -49,8 +50,11 @@ FEWEST_CELLS, MOST_CELLS = 4_000, 1_000_000
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
-FEWEST_SWEPT, MOST_SHARING = 4, 4
-"""Fewest samples of a cell in a sweep, and most passes that share one."""
+MOST_SHARING = 4
+"""Most passes that share a sweep."""
+
+LOOKS = 1 << 15
+"""Rays that find which surfaces a job looks at."""
 
 CHECK_INTERVAL = 4
 """Passes from check to check."""
@@ -196,7 +200,7 @@ class LuxJob:
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
             wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
-            self.cells = CellSet(scene, wanted)
+            self.cells = CellSet(scene, wanted, self._importance)
             if self.cells and options.cells:
                 self.sweeper = Sweeper(scene, self.cells, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
@@ -299,6 +303,36 @@ class LuxJob:
 
     # ---- private ----
 
+    def _importance(self, numbers: list[int]) -> np.ndarray:
+        """How often rays from the lumels, and from where these land, meet each shape. (n,) of sum 1"""
+        draw = np.random.default_rng([self.seed & 0xFFFFFFFF, 3])
+        parts = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 64)]
+        places = np.concatenate([self.scene.local(part.positions) for part in parts])
+        normals = np.concatenate([part.normals for part in parts])
+        weights = np.concatenate(
+            [np.repeat(part.weights / part.count, part.count) for part in parts]
+        )
+        rows = draw.choice(len(places), LOOKS, p=weights / weights.sum())
+        si = dr.zeros(mi.SurfaceInteraction3f, LOOKS)
+        si.p = mi.Point3f(*(upload(mi.Float, places[rows, i]) for i in range(3)))
+        si.n = mi.Normal3f(*(upload(mi.Float, normals[rows, i]) for i in range(3)))
+        si.sh_frame = mi.Frame3f(si.n)
+        stream = mi.PCG32(size=LOOKS, initstate=self.seed & 0xFFFFFFFF)
+        found = np.zeros(self.scene.shape_count)
+        active = mi.Bool(True)
+        for weight in (1.0, 0.5):
+            sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+            away = si.to_world(mi.warp.square_to_cosine_hemisphere(sample))
+            hit = self.scene.solid.ray_intersect(spawn_ray(self.scene, si, away), active)
+            active &= hit.is_valid()
+            met = np.array(dr.reinterpret_array(mi.UInt32, hit.shape))
+            found += weight * np.bincount(met[np.array(active)], minlength=len(found))
+            facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
+            si = dr.zeros(mi.SurfaceInteraction3f, LOOKS)
+            si.p, si.n, si.sh_frame = hit.p, facing, mi.Frame3f(facing)
+        own = found[numbers]
+        return own / max(own.sum(), 1e-300)
+
     def _find_spans(self) -> list[slice]:
         """Lumels that are worked on together: those of as many blocks as their places fit."""
         spans, start, places = [], 0, 0
@@ -331,13 +365,11 @@ class LuxJob:
             return
         # About a quarter of the pass's work, in whole powers of two.
         work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
-        if work < FEWEST_SWEPT:
+        if work < 1.0:
             # Where cells are many for the lumels, some passes share a sweep; what its noise adds is little.
-            every = min(int(np.ceil(FEWEST_SWEPT / max(work, 1e-6))), MOST_SHARING)
-            if number % every:
+            if number % min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING):
                 return
-        lowest = int(np.log2(FEWEST_SWEPT))
-        self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), lowest, 6)))
+        self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
 
     def _trace(self, number: int, paths: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""

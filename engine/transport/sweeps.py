@@ -18,10 +18,13 @@ FIRST_SWEEPS = 1 << 30
 """Numbers of the sweeps that find the light; later ones have those of their passes."""
 
 FEWEST = 4
-"""Samples of a cell and turn in the first sweeps."""
+"""Samples of a cell in the first sweeps, over all turns."""
 
 CAREFUL = 32
-"""Samples by which the quarters of a cell are compared."""
+"""Samples by which the quarters of a cell are compared, likewise; eight of each turn at least."""
+
+EARLY = 3
+"""Sweeps after which sides that no light was found on are left alone."""
 
 MOST_SWEEPS = 100
 """Stops the search for the light of rooms whose surfaces lose next to nothing."""
@@ -34,6 +37,9 @@ SIGNIFICANT = 3.5
 
 UNEVEN = 1.6
 """Ratio between the brightest and the darkest quarter of a cell from which it is not read."""
+
+EDGE = 3.0
+"""Ratio between neighbouring cells from which neither is read."""
 
 DARK = 1e-3
 """Light of a quarter, relative to the mean of all cells, below which differences do not matter. [-]"""
@@ -70,8 +76,13 @@ class Sweeper:
     def find(self) -> None:
         """Find the light of all cells from nothing, and which cells are too uneven to be read."""
         total, gain = 0.0, None
+        turns = self.cells.bands.turns
+        lit = np.zeros(len(self._sides), dtype=bool)
         for number in range(MOST_SWEEPS):
-            values = self._sweep(FIRST_SWEEPS + number, FEWEST).mean(axis=(2, 3))
+            values = self._sweep(FIRST_SWEEPS + number, max(FEWEST // turns, 1)).mean(axis=(2, 3))
+            lit |= values.max(axis=1, initial=0.0) > 0.0
+            if number == EARLY - 1 and not lit.all():
+                values, lit = values[lit], self._keep(lit)
             now = self._total(values)
             self._store(values)
             added, before, total = now - total, gain, now
@@ -87,17 +98,12 @@ class Sweeper:
             # What further sweeps will add is mostly more of the same.
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
-        made = self._sweep(FIRST_SWEEPS - 1, CAREFUL)
+        made = self._sweep(FIRST_SWEEPS - 1, max(CAREFUL // turns, 8))
         self._mark_uneven(made)
-        values = made.mean(axis=(2, 3))
-        self._store(values)
-        # Sides that no light was ever found on lie inside solids.
-        lit = values.max(axis=1, initial=0.0) > 0.0
-        self._sides, self._areas = self._sides[lit], self._areas[lit]
-        self._upload_sides()
+        self._store(made.mean(axis=(2, 3)))
 
     def refresh(self, number: int, samples: int) -> None:
-        """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a multiple of four."""
+        """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two."""
         if len(self._sides):
             self._store(self._sweep(number, samples).mean(axis=(2, 3)))
 
@@ -125,6 +131,12 @@ class Sweeper:
 
     # ---- private ----
 
+    def _keep(self, lit: np.ndarray) -> np.ndarray:
+        """Work on these sides only from now on: on others no light was ever found, as inside solids."""
+        self._sides, self._areas = self._sides[lit], self._areas[lit]
+        self._upload_sides()
+        return np.ones(len(self._sides), dtype=bool)
+
     def _upload_sides(self) -> None:
         self._rows = upload(mi.UInt32, self._sides if len(self._sides) else [0])
         dr.eval(self._rows)
@@ -148,10 +160,29 @@ class Sweeper:
         mean = float((quarters.mean(axis=1) * self._areas).sum() / max(self._areas.sum(), 1e-300))
         marked = brightest - darkest > SIGNIFICANT * np.sqrt(2.0) * noise
         marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
+        marked |= self._edges(quarters.mean(axis=1), noise, mean)
         flags = np.zeros(max(2 * self.cells.count, 1), dtype=bool)
         flags[self._sides] = marked
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)
+
+    def _edges(self, light: np.ndarray, noise: np.ndarray, mean: float) -> np.ndarray:
+        """Sides that differ much from a neighbour in their triangle: what parts them may run through either. (n,) bool"""
+        cells = self.cells
+        values, errors = np.zeros(2 * cells.count), np.zeros(2 * cells.count)
+        values[self._sides], errors[self._sides] = light, 0.5 * noise
+        marked = np.zeros(2 * cells.count, dtype=bool)
+        cell = np.arange(cells.count)
+        to_next = np.where(cells.has_next, 1, 0)
+        for step in (to_next, cells.to_above):
+            here = np.flatnonzero((step > 0) & (cells.area > 0.0) & (cells.area[cell + step] > 0.0))
+            for face in (0, 1):
+                a, b = 2 * here + face, 2 * (here + step[here]) + face
+                high, low = np.maximum(values[a], values[b]), np.minimum(values[a], values[b])
+                far = high - low > SIGNIFICANT * np.hypot(errors[a], errors[b])
+                far &= (high > EDGE * low) & (high > DARK * mean)
+                marked[a[far]] = marked[b[far]] = True
+        return marked[self._sides]
 
     def _sweep(self, salt: int, samples: int) -> np.ndarray:
         """Ratios by side, node, quarter and half: (sides, nodes, 4, 2) of ``samples`` (at least 8), else (.., 1, 1)."""
@@ -185,9 +216,10 @@ class Sweeper:
         sample, turn = lane % many, (lane // many) % turns
         side = dr.gather(mi.UInt32, self._rows, start + lane // (many * turns))
         own = hash_words(side, seed)
-        # Four quarters in turn, so that each sees as many samples.
-        quarter = (sample * 4) // many
-        number = quarter * (PLACES // 4) + hash_words(sample, own) % (PLACES // 4)
+        # Four quarters in turn, so that each sees as many samples; the first by chance, for as few samples as one.
+        chance = hash_words(sample, own)
+        quarter = ((sample * 4) // many + hash_words(own, turn) * mi.UInt32(many < 4)) % 4
+        number = quarter * (PLACES // 4) + chance % (PLACES // 4)
         si, row = cells.place(side, number)
         wavelengths = cells.bands.wavelengths(turn)
         if wavelengths is not None:
