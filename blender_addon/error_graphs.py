@@ -12,7 +12,7 @@ import bpy.utils.previews
 import numpy as np
 
 from ..engine.accuracy.history import History
-from ..engine.analysis.error_graph import graph_pixels
+from ..engine.analysis.error_graph import BASE, LEAST_ZOOM, graph_pixels
 
 INTERVAL = 1.0
 """Shortest time between two graphs. [s]"""
@@ -22,6 +22,9 @@ POLL_INTERVAL = 0.1
 
 ASPECT = 0.75
 """Height of the graph over its width."""
+
+HEAD = 62
+"""Height of the words above the graph, which the panel tells by itself, where letters have their nominal size. [pixel]"""
 
 
 class ErrorGraph:
@@ -108,7 +111,10 @@ class ErrorGraph:
 
 def _draw(history: History, side: int, is_dark: bool) -> np.ndarray:
     """Draw a graph. Returns (h, w, 4) float32, row 0 at the bottom."""
-    return graph_pixels(history, size=(side, int(ASPECT * side)), dark=is_dark)
+    height = int(ASPECT * side)
+    # The words make the picture higher, and so larger themselves.
+    head = round(max(HEAD * height / (BASE - HEAD), HEAD * LEAST_ZOOM))
+    return graph_pixels(history, size=(side, height + head), dark=is_dark)[:height]
 
 
 def _redraw_panels() -> None:

@@ -220,6 +220,11 @@ def describe_selection(context) -> tuple[int, str]:
     return count, "1 object selected" if count == 1 else f"{count} objects selected"
 
 
+def format_error(error: float) -> str:
+    """Return a relative standard error in per cent; one of too few samples is not known."""
+    return f"{100.0 * error:.2g} %" if np.isfinite(error) else "not known"
+
+
 def describe_job(job) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the bake that runs."""
     return (
@@ -237,7 +242,7 @@ def describe_result(row) -> tuple[tuple[str, str], ...]:
         ("Smallest", format_amount(row.minimum, row.unit)),
         ("Largest", format_amount(row.maximum, row.unit)),
         ("Uniformity", f"{row.minimum / row.mean:.2f}" if row.mean > 0.0 else "–"),
-        ("Error per lumel", f"{100.0 * row.relative_error:.2g} %"),
+        ("Error per lumel", format_error(row.relative_error)),
         ("Samples", f"{row.samples}"),
         ("Lumels", f"{row.lumels:,}".replace(",", "\u2009")),
         ("Lumels per m", f"{row.density:.3g}"),
@@ -255,7 +260,7 @@ def describe_bake(summary) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the last bake as a whole."""
     lines = [
         ("Mean of all", format_amount(summary.mean, "lx")),
-        ("Error of all", f"{100.0 * summary.relative_error:.2g} %"),
+        ("Error of all", format_error(summary.relative_error)),
         ("Pages", f"{summary.pages}"),
         ("Time", format_seconds(summary.seconds)),
     ]

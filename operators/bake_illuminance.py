@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..blender_addon import bake, baked_look, engine_process, feedback
+from ..blender_addon import bake, baked_look, engine_process, feedback, readout
 from ..blender_addon.error_graphs import graph
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
@@ -207,10 +207,10 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         feedback.show_report(context.window_manager, job.report)
         feedback.show_results(context.window_manager, job.result)
         graph.note(job.result.history)
-        error = 100.0 * job.result.relative_standard_error
+        error = readout.format_error(job.result.relative_standard_error)
         self.report(
             {"INFO"},
-            f"{len(job.maps)} lux maps to {error:.2g} % in {len(images)} images, written to {job.settings.folder}",
+            f"{len(job.maps)} lux maps in {len(images)} images, error {error}, written to {job.settings.folder}",
         )
         return {"FINISHED"}
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..accuracy.forecast import Forecaster
 from ..accuracy.history import History
-from ..accuracy.replicates import ReplicateSums, absolute_error, relative_error
+from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..transport.lux_job import Levels, LuxJob, Pilot, Trial
 
@@ -27,6 +27,12 @@ STEEPEST, FLATTEST = 2.0, 1.0
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
+
+CHUNK = 1 << 22
+"""Lumels that are summed up in one go."""
+
+MOST_PILOTED = 20_000_000
+"""Lumels up to which a pilot fits the memory."""
 
 MAIN_PASSES, TRIALS = 1_000, 100_000
 """First numbers of passes and trials: no two may use the same points."""
@@ -61,7 +67,7 @@ class LayerState:
         made = {f"sums.{name}": value for name, value in self.sums.state().items()}
         made |= {f"forecast.{name}": value for name, value in self.forecaster.state().items()}
         made |= {f"cells.{name}": value for name, value in self.cells.items()}
-        made |= {"levels": np.stack([self.levels.direct, self.levels.gather])}
+        made |= {"levels": self.levels.columns}
         made |= {"bias": self.bias_sums, "objects": self.object_passes}
         return made | {"state": np.array([self.passes, int(self.is_done)], dtype=np.int64)}
 
@@ -76,7 +82,7 @@ class LayerState:
         passes, is_done = arrays["state"].tolist()
         return cls(
             ReplicateSums.from_state(part("sums")),
-            Levels(*arrays["levels"]),
+            Levels(arrays["levels"]),
             passes,
             part("cells"),
             Forecaster.from_state(rule, part("forecast")),
@@ -114,8 +120,8 @@ class Layer:
         if state is None:
             self.job.prepare()
             state = self._begin()
-        elif self.job.sweeper is not None:
-            self.job.sweeper.restore(state.cells)
+        else:
+            self.job.restore(state.cells)
         while not state.is_done:
             self._pass(state)
             self.save(state)
@@ -135,21 +141,25 @@ class Layer:
         bias = np.zeros((3, self.object_count))
         objects = np.zeros((0, 1 + self.object_count))
         self.report(Progress(0.0, 0, math.inf, self._seconds, None, "first samples"))
-        if rule.samples is not None and rule.samples <= SHORT:
-            # The largest power of two that leaves room for two passes at least.
-            each = 1 << max(int(math.log2(max(rule.samples / PASSES, 1.0))), 0)
-            levels = Levels.even(job.count, each, each)
-            return LayerState(sums, levels, 0, self._cells(), forecaster, bias, objects)
+        is_short = rule.samples is not None and rule.samples <= SHORT
+        if is_short or (not job.options.adaptive and job.count > MOST_PILOTED):
+            # Passes of a power of two, at least two of them.
+            each = (rule.samples or SHORT * PASSES) / PASSES
+            levels = Levels.even(
+                job.count, 1 << max(int(math.log2(max(each, 1.0))), 0), job.guide is not None
+            )
+            return LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
         pilot = Pilot(job)
         pilot.run(sums)
-        error = self._note(forecaster, sums, 2)
+        error = self._note(forecaster, sums, 2, is_pilot=True)
         levels, square, seconds = self._plan(pilot, sums, rule)
-        share = max(square / max(error**2, 1e-300), 1e-12)
-        each = levels.total() / max(job.count, 1)
-        forecaster.respread(1.0, share, 1.0, each, seconds, self._seconds)
+        if square > 0.0 and 0.0 < error < math.inf:
+            each = levels.total() / max(job.count, 1)
+            share = max(square / error**2, 1e-9)
+            forecaster.respread(1.0, share, 1.0, each, seconds, self._seconds)
         # So few samples tell little, and not as much for their number as those of a pass.
         sums = ReplicateSums(job.count, job.channels)
-        state = LayerState(sums, levels, 0, self._cells(), forecaster, bias, objects)
+        state = LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
         self._show(state)
         return state
 
@@ -170,7 +180,7 @@ class Layer:
             levels = pilot.plan(samples=each)
         if rule.samples is not None:
             levels = min(levels, pilot.plan(samples=rule.samples / PASSES), key=Levels.total)
-        before = Levels.even(job.count, 1, 1)
+        before = Levels.even(job.count, 1, job.guide is not None)
         reference = pilot.square(before)
         first = pilot.try_pass(TRIALS, levels, TRIAL_PARTS[0])
         square = first.square
@@ -188,8 +198,9 @@ class Layer:
         trial = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
         square, seconds = trial.square, _pass_seconds(first, trial, levels.total())
         if rule.seconds is not None:
-            # No pass may take more than its part of the time.
-            steps = math.ceil(math.log2(max(seconds * PASSES / rule.seconds, 1.0)))
+            # No pass may take more than its part of the time that is left.
+            left = max(rule.seconds - self._seconds, 0.1 * rule.seconds)
+            steps = math.ceil(math.log2(max(seconds * PASSES / left, 1.0)))
             levels = levels.lowered(steps)
             square, seconds = square * 2.0**steps, seconds / 2.0**steps
         return levels, square, seconds
@@ -203,20 +214,27 @@ class Layer:
             done = forecaster.progress(self._seconds, "illuminance")
             self.report(replace(done, history=forecaster.history))
 
-        means = job.run_pass(MAIN_PASSES + state.passes, levels, state.sums, self.objects, show)
+        number = MAIN_PASSES + state.passes
+        made = job.run_pass(number, levels, show)
+        checked = job.compare(number, levels)
+        # Nothing of the state changes before the pass is whole: a cancel leaves what a checkpoint can go on from.
+        for part, values in made:
+            state.sums.add(part.start, values, levels.samples(part))
+        state.sums.end_pass()
+        means = job.object_means(made, self.objects, self.object_count)
         row = np.append(levels.total() / max(job.count, 1), means)
         state.object_passes = np.vstack([state.object_passes, row])
-        self._check(state)
+        self._note_checks(state, *checked)
         state.passes += 1
-        state.cells = self._cells()
-        self._note(forecaster, state.sums, 1)
+        state.cells = job.state()
+        error = self._note(forecaster, state.sums, 1)
         state.is_done = forecaster.is_done()
-        left = None
         if self.rule.seconds is not None:
             left = self.rule.seconds - forecaster.history.marks[-1].seconds
             state.is_done |= left < SMALLEST_TIME_SHARE * self.rule.seconds
-        # An error needs two passes to be known.
-        state.is_done &= state.sums.passes >= 2 or (left is not None and left <= 0.0)
+        # Where nothing scatters, no light at all for one, more passes tell no more; and one pass tells no error.
+        state.is_done |= error == 0.0
+        state.is_done &= state.sums.passes >= 2
         self._show(state)
 
     def _steps_down(self, state: LayerState) -> int:
@@ -226,29 +244,32 @@ class Layer:
             return 0
         return 1 if needed <= 0.5 else 0
 
-    def _check(self, state: LayerState) -> None:
-        """Compare the cells with full paths, object by object."""
-        lumels, found = self.job.compare(MAIN_PASSES + state.passes, state.levels)
-        if len(lumels):
-            which = self.objects[lumels]
-            for row, values in enumerate((np.ones(len(found)), found, found**2)):
-                state.bias_sums[row] += np.bincount(which, values, self.object_count)
+    def _note_checks(self, state: LayerState, lumels: np.ndarray, found: np.ndarray) -> None:
+        """Take note of what comparing the cells with full paths has found, object by object."""
+        which = self.objects[lumels]
+        for row, values in enumerate((np.ones(len(found)), found, found**2)):
+            state.bias_sums[row] += np.bincount(which, values, self.object_count)
 
-    def _cells(self) -> dict[str, np.ndarray]:
-        return {} if self.job.sweeper is None else self.job.sweeper.state()
-
-    def _note(self, forecaster: Forecaster, sums: ReplicateSums, passes: int) -> float:
+    def _note(
+        self, forecaster: Forecaster, sums: ReplicateSums, passes: int, is_pilot: bool = False
+    ) -> float:
         """Tell the forecaster how far things are; returns the error of everything. [lx]"""
         job = self.job
-        mean, error = sums.mean(), sums.standard_error()
-        error[~job.valid] = 0.0
-        area = np.where(job.valid, job.area, 0.0)
-        whole = absolute_error(error, area)
-        samples = sums.samples()[job.valid]
+        area = light = square = samples = 0.0
+        for first in range(0, job.count, CHUNK):
+            part = slice(first, min(first + CHUNK, job.count))
+            own = np.where(job.valid[part], job.area[part], 0.0)
+            known = own > 0.0
+            area += float(own.sum())
+            light += float((sums.mean(part) * own).sum())
+            square += float((sums.variance(part)[known] * own[known]).sum())
+            samples += float(sums.samples(part).sum())
+        whole = math.sqrt(square / area) if area > 0.0 else 0.0
         forecaster.note(
             self._seconds,
-            float(samples.mean()) if len(samples) else 0.0,
-            relative_error(mean, error, area),
+            # What the pilot found is not kept.
+            0.0 if is_pilot else samples / max(job.count, 1),
+            whole * area / light if light > 0.0 else math.inf,
             absolute=whole,
             passes=passes,
         )

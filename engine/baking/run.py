@@ -220,6 +220,8 @@ class Bake:
                 "no lumel lies on the surfaces of the objects; raise the lumels per metre"
             )
         table.validate(compiled, self.host.cancelled)
+        if not any(table.block(number).valid.any() for number in range(len(table.counts))):
+            raise SceneError("all lumels lie inside solids: nothing of the objects can be seen")
         return table
 
     def _shrink_even(self, items, charts, atlas: Atlas, table, compiled) -> Atlas:
@@ -334,7 +336,6 @@ class Bake:
     def _summarise(self, items, atlas, table, estimates, states, provenance) -> list[LuxMap]:
         first = np.concatenate([[0], np.cumsum(table.counts)])
         samples = sum(state.sums.samples() for state in states) / len(states)
-        bias = sum(state.bias_sums for state in states)
         made = []
         for number, item in enumerate(items):
             layout = atlas.layouts[number]
@@ -352,7 +353,9 @@ class Bake:
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
             mean = float((light * kept).sum() / max(kept.sum(), 1e-300))
             spread = _mean_error(states, number)
-            shift, shift_error = _bias(bias[:, number])
+            shifts = [_bias(state.bias_sums[:, number]) for state in states]
+            shift = sum(value for value, _ in shifts)
+            shift_error = float(np.sqrt(sum(each**2 for _, each in shifts)))
             made.append(
                 LuxMap(
                     id=item.key,
@@ -421,18 +424,16 @@ class Bake:
 
     def _finish(self, maps, pages, seams, table, estimates, states, atlas) -> BakeResult:
         order = self.order
-        blocks = [table.block(number) for number in range(len(table.counts))]
-        area = np.concatenate([np.where(block.valid, block.area, 0.0) for block in blocks])
-        light, error = estimates.illuminance, estimates.standard_error
+        mean, rms, error = _whole(estimates, table)
         result = BakeResult(
             maps=tuple(maps),
             pages=tuple(pages),
             departures=tuple(self.departures),
             files=tuple(file for page in pages for file in page.files),
             history=_joined_history([state.forecaster.history for state in states]),
-            relative_standard_error=relative_error(light, error, area),
-            quadratic_relative_error=relative_error(light, error, area, "quadratic"),
-            mean=float((light * area).sum() / max(area.sum(), 1e-300)),
+            relative_standard_error=error / mean if mean > 0.0 else float("inf"),
+            quadratic_relative_error=error / rms if rms > 0.0 else float("inf"),
+            mean=mean,
             shrink=atlas.shrink,
             seams=seams,
         )
@@ -578,6 +579,20 @@ def _mean_error(states: list[LayerState], number: int) -> float:
         centre = (weights * means).sum() / total
         square += float((weights**2 * (means - centre) ** 2).sum() / rest)
     return float(np.sqrt(square))
+
+
+def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:
+    """Mean, root mean square and standard error of everything, by area. [lx]"""
+    sums, first = np.zeros(4), 0
+    for number, count in enumerate(table.counts):
+        part = slice(first, first + count)
+        first += count
+        block = table.block(number)
+        area = np.where(block.valid, block.area, 0.0)
+        light, error = estimates.illuminance[part], estimates.standard_error[part]
+        sums += [area.sum(), (light * area).sum(), (light**2 * area).sum(), (error**2 * area).sum()]
+    mean, square, variance = sums[1:] / max(sums[0], 1e-300)
+    return float(mean), float(np.sqrt(square)), float(np.sqrt(variance))
 
 
 def _bias(sums: np.ndarray) -> tuple[float, float]:

@@ -31,6 +31,8 @@ def incoming(
     ratio,
     without_bent_sun=False,
     is_exact=False,
+    guide=None,
+    guided_ratio=1.0,
 ):
     """Radiance that arrives along rays from receivers.
 
@@ -48,6 +50,8 @@ def incoming(
     without_bent_sun : bool    Whether light of the sun over ideal glass and curved mirrors is left out, because it is traced
         from the sun.
     is_exact : bool    Whether no cells are read after all, but for light that was traced to them.
+    guide : Guide or None    Competes with the rays of the receiver for what they read; None: nothing does.
+    guided_ratio : Float    Samples of it for every ray.
 
     Returns
     -------
@@ -73,6 +77,8 @@ def incoming(
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
         "bent": mi.Bool(False),
+        # Traced light lands on receivers and matt surfaces only.
+        "traceable": mi.Bool(True),
         "dispersed": mi.Bool(False),
         "eta": mi.Float(1.0),
         "active": mi.Bool(active),
@@ -90,6 +96,7 @@ def incoming(
         steps,
         chain,
         bent,
+        traceable,
         dispersed,
         eta,
         active,
@@ -144,9 +151,18 @@ def incoming(
                 radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
             readable &= reads
             value = cells.value(side, si.wavelengths, readable)
+            if guide is not None:
+                # Only what a straight line from the receiver meets could have been chosen.
+                first = readable & (depth == 1)
+                away = si.p - origin.p
+                facing = dr.abs(dr.dot(dr.normalize(away), si.n))
+                found = guide.density(side, first) * dr.squared_norm(away)
+                found *= guided_ratio / dr.maximum(facing, 1e-9)
+                value *= dr.select(first, paths.power_heuristic(pdf, found), 1.0)
             radiance = dr.select(readable, radiance + throughput * matte * value, radiance)
-        if reads and not cells.matt.has_coat:
-            active &= ~readable
+        if reads:
+            # Only coats mirror what has not been read.
+            active &= ~readable | (coat > 0.0)
 
         # ---- next event ----
         smooth = active & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
@@ -221,7 +237,9 @@ def incoming(
             anew &= ~mirrored
             bends &= ~mirrored
         if without_bent_sun:
-            bent = dr.select(turned & ~delta, False, bent | bends)
+            spreads = turned & ~delta
+            bent = dr.select(spreads, False, bent | bends)
+            traceable = dr.select(spreads, row > 0, traceable)
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
         ratio = dr.select(anew, 1.0, ratio)
@@ -237,7 +255,8 @@ def incoming(
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
         return (
-            ray, stream, throughput, radiance, pdf, reference, ratio, depth, steps, chain, bent, dispersed, eta, active
+            ray, stream, throughput, radiance, pdf, reference, ratio, depth, steps, chain, bent, traceable, dispersed, eta,
+            active,
         )  # fmt: skip
 
     result = dr.while_loop(

@@ -21,6 +21,9 @@ from .matt import MattTable
 PLACES = 16
 """Points of every cell from which it gathers, four for each quarter of it."""
 
+GROUPED = 0.02
+"""Triangles of less than this share of a cell's area join others. [-]"""
+
 EVEN_SHARE = 0.1
 """Share of the cells that is spread over all surfaces by area."""
 
@@ -41,6 +44,7 @@ class _Elements:
     shape, prim : (c, PLACES) uint32; uv : (c, PLACES, 2) float32    Points of every cell.
     area : (c,) float64    0 for cells outside their triangle. [m2]
     has_next : (c,) bool; to_above : (c,) int    Neighbours in the grid of a triangle, see `CellSet`.
+    whole : (c,) float64    Area of a cell of the grid, the part outside the triangle included; 0 for grouped ones. [m2]
     """
 
     first: np.ndarray
@@ -51,6 +55,7 @@ class _Elements:
     area: np.ndarray
     has_next: np.ndarray
     to_above: np.ndarray
+    whole: np.ndarray
 
 
 class CellSet:
@@ -81,6 +86,7 @@ class CellSet:
         sizes = np.maximum(sizes, 1e-9)
         offsets = np.zeros(scene.shape_count, dtype=np.uint32)
         start, made, cells = 0, [], 0
+        sizes *= _growth(triangles, parts, sizes, 4 * max(count, 1))
         near = np.zeros(scene.shape_count)
         for part, size in zip(parts, sizes, strict=True):
             offsets[part.number], near[part.number] = start, size
@@ -95,6 +101,7 @@ class CellSet:
         self._shape = upload(mi.UInt32, _join([m.shape for m in made]))
         self._prim = upload(mi.UInt32, _join([m.prim for m in made]))
         self._uv = upload(mi.Float, _join([m.uv for m in made]))
+        self.whole = np.concatenate([m.whole for m in made]) if made else np.zeros(0)
         self.sides = np.flatnonzero(np.repeat(self.area > 0.0, 2)).astype(np.uint32)
         self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
         self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
@@ -160,6 +167,24 @@ class CellSet:
         """Spectral irradiance that traced paths bring and that passes the coat."""
         return self.bands.grey(dr.gather(mi.Float, self.traced, side, active), wavelengths)
 
+    def point(self, side, sample):
+        """Surface at a point of a cell of a grid, seen from that side; its row; and whether it lies in the triangle.
+
+        Points are even over the whole cell of the grid. ``sample``: Point2f.
+        """
+        cell = side // 2
+        shape = dr.gather(mi.UInt32, self._shape, cell * PLACES)
+        prim = dr.gather(mi.UInt32, self._prim, cell * PLACES)
+        triangle = dr.gather(mi.UInt32, self._offsets, shape) + prim
+        grid = dr.gather(mi.UInt32, self._grid, triangle)
+        # Lanes that are not there read zero, and must not divide by it.
+        across, up = dr.maximum(grid & 0xFFFF, 1), dr.maximum(grid >> 16, 1)
+        local = cell - dr.gather(mi.UInt32, self._first, triangle)
+        u = (mi.Float(local % across) + sample.x) / mi.Float(across)
+        v = (mi.Float(local // across) + sample.y) / mi.Float(up)
+        si = self._turned(self.scene.interaction_at(shape, prim, mi.Point2f(u, v)), side)
+        return si, self.matt.row(si.shape, True), u + v < 1.0
+
     def place(self, side, number, active=True):
         """Surface at a point of a cell's side, seen from that side, and what the matt table knows it as.
 
@@ -176,11 +201,16 @@ class CellSet:
             dr.gather(mi.Point2f, self._uv, point, active),
             active,
         )
+        si = self._turned(si, side)
+        return si, self.matt.row(si.shape, active)
+
+    @staticmethod
+    def _turned(si, side):
         turn = dr.select(side % 2 == BACK, -1.0, 1.0)
         si.n *= turn
         si.sh_frame = mi.Frame3f(si.sh_frame.n * turn)
         si.t = mi.Float(0.0)
-        return si, self.matt.row(si.shape, active)
+        return si
 
 
 def _join(arrays) -> np.ndarray:
@@ -203,15 +233,8 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
     first : int    Number of the first cell.
     """
     areas = _areas(triangles)
-    across, up = (
-        np.clip(
-            np.ceil(np.linalg.norm(triangles[:, k] - triangles[:, 0], axis=1) / size - 1e-3),
-            1,
-            LARGEST_GRID,
-        ).astype(np.int64)
-        for k in (1, 2)
-    )
-    large = np.flatnonzero((across * up > 1) & (areas > 0.25 * size**2))
+    across, up = _grid(triangles, areas, size)
+    large = np.flatnonzero(areas > GROUPED * size**2)
     small = np.setdiff1d(np.arange(len(triangles)), large, assume_unique=True)
     starts = np.zeros(len(triangles), dtype=np.int64)
     grid = np.full(len(triangles), 1 + (1 << 16), dtype=np.int64)
@@ -237,7 +260,35 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
         area,
         np.concatenate([has_next, alone > 0]),
         np.concatenate([to_above, alone]),
+        np.concatenate([np.repeat(2.0 * areas[large] / counts, counts), alone.astype(np.float64)]),
     )
+
+
+def _growth(triangles: dict, parts, sizes: np.ndarray, most: int) -> float:
+    """Factor on all sizes by which there are not more cells than ``most`` besides one for each large triangle."""
+    factor = 1.0
+    for _ in range(24):
+        total = 0
+        for part, size in zip(parts, sizes * factor, strict=True):
+            across, up = _grid(triangles[part.number], _areas(triangles[part.number]), float(size))
+            total += int((across * up - 1).sum())
+        if total <= most:
+            break
+        factor *= 1.5
+    return factor
+
+
+def _grid(triangles: np.ndarray, areas: np.ndarray, size: float):
+    """Cells along the first and the second edge of every triangle: their number follows the area, also of slivers."""
+    lengths = [np.linalg.norm(triangles[:, k] - triangles[:, 0], axis=1) for k in (1, 2)]
+    longest = np.maximum(np.maximum(*lengths), 1e-30)
+    heights = 2.0 * areas / longest
+    is_first = lengths[0] >= lengths[1]
+    counts = [
+        np.where(is_first == (k == 0), longest, np.minimum(heights, lengths[k])) / size
+        for k in (0, 1)
+    ]
+    return tuple(np.clip(np.ceil(each - 1e-3), 1, LARGEST_GRID).astype(np.int64) for each in counts)
 
 
 def _divide_large(large, across, up, areas):

@@ -20,6 +20,7 @@ from ..errors import Cancelled
 from ..photometry.spectra import observer
 from . import gather
 from .cells import CellSet
+from .guide import Guide
 from .lights import learn
 from .rays import spawn_ray
 from .receiving import Receiver, direct, gathered
@@ -34,8 +35,16 @@ LANES = 1 << 19
 TILE = 8
 """Side of the squares that are given samples alike. [lumel]"""
 
-GATHER_COST = 2.5
-"""What a gathering ray costs, in next-event samples; measured in rooms."""
+KINDS = ("direct", "gathered", "guided")
+"""Ways in which light is sampled: next-event to lights, rays by the cosine law, points on bright cells."""
+
+DIRECT, GATHERED, GUIDED = range(3)
+
+COSTS = (1.0, 2.5, 1.5)
+"""What a sample of each kind costs, relative to next-event; measured in rooms."""
+
+SAMPLE_COST = COSTS[DIRECT] + COSTS[GATHERED]
+"""Cost of what counts as one sample."""
 
 SPREAD = 8.0
 """Largest factor between a tile's samples and the mean of all."""
@@ -44,7 +53,7 @@ MOST_SAMPLES = 1024
 """Most samples of a lumel in a pass."""
 
 CELLS_PER_LUMEL = 1.0 / 8.0
-FEWEST_CELLS, MOST_CELLS = 4_000, 1_000_000
+FEWEST_CELLS, MOST_CELLS = 4_000, 300_000
 """How many cells there are: as many as serve the lumels, within bounds."""
 
 PILOT_SAMPLES = 2
@@ -71,8 +80,8 @@ TRACE_SHARE = 0.5
 TRACED_PATHS = (1 << 16, 1 << 22)
 """Fewest and most of them."""
 
-TRACE_SALT = 0x5EED
-"""Sets their points apart from others of the same seed."""
+TRACE_STRIDE = 1_000_003
+"""Distance between the points of one seed and the next."""
 
 CHECK_SALT = 19
 """Sets the points of the checks apart."""
@@ -101,6 +110,7 @@ class Options:
     qmc : bool    Low-discrepancy points instead of random numbers.
     direct_apart : bool    Numbers of samples of direct light and interreflection of their own.
     adaptive : bool    Numbers of samples by tile.
+    guided : bool    Points on bright cells beside rays by the cosine law.
     """
 
     cells: bool = True
@@ -108,52 +118,50 @@ class Options:
     qmc: bool = True
     direct_apart: bool = True
     adaptive: bool = True
+    guided: bool = True
 
 
 _POWERS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Levels:
-    """Samples of every lumel in a pass: two to the power of the level, for direct light and for gathering. (n,) uint8"""
+    """Samples of every lumel in a pass: two to the power of the level, by `KINDS`. (3, n) uint8"""
 
-    direct: np.ndarray
-    gather: np.ndarray
+    columns: np.ndarray
 
     @classmethod
-    def even(cls, count: int, direct: int, gathering: int) -> "Levels":
-        """As many for all; both powers of two."""
-        return cls(
-            np.full(count, direct.bit_length() - 1, dtype=np.uint8),
-            np.full(count, gathering.bit_length() - 1, dtype=np.uint8),
-        )
+    def even(cls, count: int, samples: int, is_guided: bool) -> "Levels":
+        """As many of each kind for all; a power of two."""
+        columns = np.full((len(KINDS), count), samples.bit_length() - 1, dtype=np.uint8)
+        if not is_guided:
+            columns[GUIDED] = NO_SAMPLES
+        return cls(columns)
 
     def total(self) -> float:
         """Sum of `samples`."""
         sums = [
-            float(np.bincount(each, minlength=NO_SAMPLES + 1) @ _POWERS)
-            for each in (self.direct, self.gather)
+            float(np.bincount(each, minlength=NO_SAMPLES + 1) @ _POWERS) for each in self.columns
         ]
-        return (sums[0] + GATHER_COST * sums[1]) / (1.0 + GATHER_COST)
+        return float(np.dot(sums, COSTS)) / SAMPLE_COST
 
     def lowered(self, steps: int) -> "Levels":
         """Samples halved so many times, but at least one."""
         lower = np.arange(NO_SAMPLES + 1, dtype=np.int64) - steps
         lower = np.maximum(lower, 0)
         lower[NO_SAMPLES] = NO_SAMPLES
-        table = lower.astype(np.uint8)
-        return Levels(table[self.direct], table[self.gather])
+        return Levels(lower.astype(np.uint8)[self.columns])
 
     def only(self, chosen: np.ndarray) -> "Levels":
         """None outside the chosen lumels. (n,) bool"""
-        return Levels(
-            np.where(chosen, self.direct, np.uint8(NO_SAMPLES)),
-            np.where(chosen, self.gather, np.uint8(NO_SAMPLES)),
-        )
+        return Levels(np.where(chosen, self.columns, np.uint8(NO_SAMPLES)))
 
-    def samples(self) -> np.ndarray:
-        """Samples by lumel: as many pairs of one of each kind would cost as much. (n,)"""
-        return (_count(self.direct) + GATHER_COST * _count(self.gather)) / (1.0 + GATHER_COST)
+    def samples(self, part=slice(None)) -> np.ndarray:
+        """Samples by lumel: as many pairs of one next-event and one gathering ray would cost as much. (n,)"""
+        return (
+            sum(c * _count(each[part]) for c, each in zip(COSTS, self.columns, strict=True))
+            / SAMPLE_COST
+        )
 
 
 def _count(levels: np.ndarray) -> np.ndarray:
@@ -204,6 +212,7 @@ class LuxJob:
             if self.cells and options.cells:
                 self.sweeper = Sweeper(scene, self.cells, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
+        self.guide: Guide | None = None
         self.spans = self._find_spans()
         self._uploaded: dict[int, dict] = {}
 
@@ -212,30 +221,61 @@ class LuxJob:
         self._trace(0, TRACED_PATHS[0])
         if self.sweeper is not None:
             self.sweeper.find()
+            self._set_guide(None)
+
+    def _set_guide(self, powers) -> None:
+        if self.options.guided:
+            guide = Guide(self.cells, powers)
+            self.guide = guide if guide.is_useful else None
+            self.sweeper.guide = self.guide
+
+    def drop_guide(self) -> None:
+        """Do without points on bright cells from now on."""
+        self.guide = None
+        if self.sweeper is not None:
+            self.sweeper.guide = None
+
+    def state(self) -> dict[str, np.ndarray]:
+        """State of the cells and of what is derived from them."""
+        if self.sweeper is None:
+            return {}
+        made = self.sweeper.state()
+        return made if self.guide is None else {**made, "powers": self.guide.powers}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Go on from a state, in place of `prepare`."""
+        if self.sweeper is not None:
+            self.sweeper.restore(state)
+            if "powers" in state:
+                self._set_guide(state["powers"])
 
     def run_pass(
-        self, number: int, levels: Levels, sums: ReplicateSums, objects: np.ndarray, progress=None
-    ) -> np.ndarray:
-        """Add one replicate. Returns the mean that it gave each object. (m,) [lx]
+        self, number: int, levels: Levels, progress=None
+    ) -> list[tuple[slice, np.ndarray]]:
+        """Make one replicate.
 
         Parameters
         ----------
         number : int    Of the pass; no two may be alike.
         levels : Levels
-        sums : ReplicateSums    Of all lumels.
-        objects : (n,) int array    Number of the object of every lumel.
         progress : callable or None    Called with the share of the pass that is done.
+
+        Returns
+        -------
+        list of (slice, (k, channels) array)    Estimates of all lumels, span by span.
         """
         self.refresh(number, levels)
-        light, surface = np.zeros(int(objects.max()) + 1), np.zeros(int(objects.max()) + 1)
-        for part, values in self.estimates(number, levels, progress):
-            own = Levels(levels.direct[part], levels.gather[part])
-            made = values.sum(axis=0)
-            sums.add(part.start, made, own.samples())
+        return [
+            (part, values.sum(axis=0)) for part, values in self.estimates(number, levels, progress)
+        ]
+
+    def object_means(self, made, objects: np.ndarray, count: int) -> np.ndarray:
+        """Means that a pass gave the objects. ``objects``: number of the object of every lumel. (count,) [lx]"""
+        light, surface = np.zeros(count), np.zeros(count)
+        for part, values in made:
             area = np.where(self.valid[part], self.area[part], 0.0)
-            light += np.bincount(objects[part], made[:, 0] * area, len(light))
-            surface += np.bincount(objects[part], area, len(surface))
-        sums.end_pass()
+            light += np.bincount(objects[part], values[:, 0] * area, count)
+            surface += np.bincount(objects[part], area, count)
         return light / np.maximum(surface, 1e-300)
 
     def estimates(self, number: int, levels: Levels, progress=None):
@@ -243,13 +283,13 @@ class LuxJob:
 
         Yields
         ------
-        (part, values)    Slice of the lumels, and (2, k, channels) values: direct light and the rest.
+        (part, values)    Slice of the lumels, and (3, k, channels) values by kind.
         """
         total, done = max(self.count, 1), 0.0
         for span in self.spans:
             count = span.stop - span.start
-            values = np.zeros((2, count, self.channels))
-            columns = (levels.direct[span], levels.gather[span])
+            values = np.zeros((len(KINDS), count, self.channels))
+            columns = levels.columns[:, span]
             for kind, column in enumerate(columns):
                 for units in _batches(column, self.valid[span]):
                     for part in units.split():
@@ -258,10 +298,10 @@ class LuxJob:
                         sums = self._launch(span, kind, part, number, columns)
                         part.add(sums, values[kind])
                     if progress is not None:
-                        progress(min((done + 0.5 * count * (kind + 0.5)) / total, 1.0))
+                        progress(min((done + count * (kind + 0.5) / len(KINDS)) / total, 1.0))
             done += count
             if self.traced is not None:
-                self._add_traced(values[1], self.traced[span])
+                self._add_traced(values[GATHERED], self.traced[span])
             yield span, values
 
     def _add_traced(self, values: np.ndarray, light: np.ndarray) -> None:
@@ -278,7 +318,7 @@ class LuxJob:
         chances = np.where(self.valid, self.area, 0.0)
         draw = np.random.default_rng([self.seed & 0xFFFFFFFF, number, 77])
         ends = np.cumsum(chances)
-        if number % CHECK_INTERVAL:
+        if number % CHECK_INTERVAL or not self.valid.any():
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         share = CHECK_INTERVAL * CHECK_SHARE
         checks = int(np.clip(share * levels.total(), FEWEST_CHECKS, MOST_CHECKS))
@@ -291,11 +331,11 @@ class LuxJob:
                 continue
             if self.cancelled():
                 raise Cancelled("cancelled")
-            ones = np.zeros(span.stop - span.start, dtype=np.uint8)
+            ones = Levels.even(span.stop - span.start, 1, False).columns
             # Numbers of their own, since some lumels are drawn more than once.
-            units = _Units(lumels[low:high] - span.start, np.arange(high - low), 1, ones)
+            units = _Units(lumels[low:high] - span.start, np.arange(high - low), 1, ones[GATHERED])
             read, full = (
-                self._launch(span, 1, units, number, (ones, ones), CHECK_SALT, exact)[:, 0]
+                self._launch(span, GATHERED, units, number, ones, CHECK_SALT, exact)[:, 0]
                 for exact in (False, True)
             )
             found[low:high] = read - full
@@ -306,7 +346,7 @@ class LuxJob:
     def _importance(self, numbers: list[int]) -> np.ndarray:
         """How often rays from the lumels, and from where these land, meet each shape. (n,) of sum 1"""
         draw = np.random.default_rng([self.seed & 0xFFFFFFFF, 3])
-        parts = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 64)]
+        parts = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 12)]
         places = np.concatenate([self.scene.local(part.positions) for part in parts])
         normals = np.concatenate([part.normals for part in parts])
         weights = np.concatenate(
@@ -346,7 +386,7 @@ class LuxJob:
 
     def _learn(self) -> None:
         """Let the choice of lights learn what arrives at the lumels."""
-        chosen = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 16)]
+        chosen = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 12)]
         if not chosen:
             return
         learn(
@@ -365,10 +405,10 @@ class LuxJob:
             return
         # About a quarter of the pass's work, in whole powers of two.
         work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
-        if work < 1.0:
-            # Where cells are many for the lumels, some passes share a sweep; what its noise adds is little.
-            if number % min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING):
-                return
+        # Where cells are many for the lumels, some passes share a sweep; what its noise adds is little.
+        every = 1 if work >= 1.0 else min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING)
+        if number % every:
+            return
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
 
     def _trace(self, number: int, paths: int) -> None:
@@ -376,7 +416,7 @@ class LuxJob:
         if self.tracer is None:
             return
         count = 1 << int(np.clip(np.log2(max(paths, 1)), *np.log2(TRACED_PATHS)))
-        found = self.tracer.trace(count, self.seed + TRACE_SALT + number)
+        found = self.tracer.trace(count, (self.seed * TRACE_STRIDE + number) & 0xFFFFFFFF)
         lumel = self.finder.find(found.shape, found.prim, found.uv, found.back)
         landed = (lumel >= 0) & (found.geometric_cosine > 0.0)
         light = found.flux * found.cosine / np.maximum(found.geometric_cosine, 1e-6)
@@ -413,20 +453,23 @@ class LuxJob:
     def _launch(
         self, span, kind, units: "_Units", number, columns, salt=0, is_exact=False
     ) -> np.ndarray:
-        """Sums over the samples of units, (u, channels). ``kind``: 0 direct light, 1 gathering."""
+        """Sums over the samples of units, (u, channels). ``kind``: one of `KINDS`."""
         scene, places = self.scene, self._places(span)
         who = upload(mi.UInt32, units.lumel)
         begin = upload(mi.UInt32, units.first)
         first = dr.opaque(mi.UInt32, int(span.start) & 0xFFFFFFFF)
-        direct_count, gather_count = (_count(column[units.lumel]) for column in columns)
-        share = direct_count / np.maximum(gather_count, 1e-9)
-        ratios = upload(mi.Float, np.clip(share, 1e-4, 1e4))
+        counts = [_count(column[units.lumel]) for column in columns]
+        ratios, guided = (
+            upload(mi.Float, np.clip(counts[k] / np.maximum(counts[GATHERED], 1e-9), 1e-4, 1e4))
+            for k in (DIRECT, GUIDED)
+        )
         many = dr.opaque(mi.UInt32, units.samples)
         seed = dr.opaque(
             mi.UInt32,
             (int(self.seed) * 2654435761 + number * 40503 + kind * 9176 + salt) & 0xFFFFFFFF,
         )
-        pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER)[kind]
+        has_guide = self.guide is not None and bool((columns[GUIDED] != NO_SAMPLES).any())
+        pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER, gather.PAIR_LENS)[kind]
 
         lane = dr.arange(mi.UInt32, len(units.lumel) * units.samples)
         row = lane // many
@@ -442,10 +485,12 @@ class LuxJob:
             above = dr.dot(direction, si.n) > 0.0
             return dr.select(above, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0)
 
-        ratio = dr.gather(mi.Float, ratios, row)
+        ratio = dr.gather(mi.Float, guided if kind == GUIDED else ratios, row)
         receiver = Receiver(si, wavelengths, stream, point, ratio, respond)
-        if kind == 0:
+        if kind == DIRECT:
             value = direct(scene, receiver)
+        elif kind == GUIDED:
+            value = self.guide.light(scene, receiver, stream)
         else:
             value = gathered(
                 scene,
@@ -453,10 +498,13 @@ class LuxJob:
                 receiver,
                 is_exact=is_exact or self.sweeper is None,
                 without_bent_sun=self._leaves_sun,
+                guide=self.guide if has_guide else None,
+                guided_ratio=dr.gather(mi.Float, guided, row) if has_guide else 1.0,
             )
         sums = []
         for channel in self._channels(value, wavelengths, si):
-            kept = dr.select(dr.isfinite(channel), channel, 0.0)
+            # At the full width of the launch, also where there is no light to choose.
+            kept = dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
             sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, units.samples))
         dr.eval(sums)
         return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
@@ -599,21 +647,45 @@ class Pilot:
         self.job = job
         share = np.where(job.valid, job.area, 0.0)
         self._share = (share / max(share.sum(), 1e-300)).astype(np.float32)
-        self._scatter = np.zeros((2, job.count), dtype=np.float32)
+        self._scatter = np.zeros((len(KINDS), job.count), dtype=np.float32)
         # A number in 0..1 for every tile, by which some of them are chosen.
         self._lot = np.zeros(job.count, dtype=np.float32)
 
     def run(self, sums: ReplicateSums) -> None:
-        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind."""
+        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind.
+
+        Where there is a guide two more are made without it, and it is kept only if it pays.
+        """
         job = self.job
-        levels = Levels.even(job.count, PILOT_SAMPLES, PILOT_SAMPLES)
-        first = np.zeros((2, job.count), dtype=np.float32)
-        for number in range(2):
-            job.refresh(number, levels)
-            for part, values in job.estimates(number, levels):
-                own = Levels(levels.direct[part], levels.gather[part])
-                sums.add(part.start, values.sum(axis=0), own.samples())
-                if number == 0:
+        self._scatter = self._find_scatter(sums, 0)
+        if job.guide is None:
+            return
+        guide = job.guide
+        job.guide = None
+        alone = self._find_scatter(None, 2)
+        if self._price(alone) <= self._price(self._scatter):
+            job.drop_guide()
+            self._scatter = alone
+        else:
+            job.guide = guide
+
+    def _price(self, scatter: np.ndarray) -> float:
+        """Work for a given error with the best numbers of samples of each kind, up to a factor."""
+        total = (scatter * self._share).sum(axis=1, dtype=np.float64)
+        return float(np.sqrt(total * np.array(COSTS)).sum())
+
+    def _find_scatter(self, sums: ReplicateSums | None, first_number: int) -> np.ndarray:
+        """Variances of single samples, mean over tiles. (kinds, n) [lx2]"""
+        job = self.job
+        levels = Levels.even(job.count, PILOT_SAMPLES, job.guide is not None)
+        first = np.zeros((len(KINDS), job.count), dtype=np.float32)
+        scatter = np.zeros_like(first)
+        for half in range(2):
+            job.refresh(first_number + half, levels)
+            for part, values in job.estimates(first_number + half, levels):
+                if sums is not None:
+                    sums.add(part.start, values.sum(axis=0), levels.samples(part))
+                if half == 0:
                     first[:, part] = values[..., 0]
                     continue
                 # Of two values each, so half their squared difference is the variance of one.
@@ -621,9 +693,11 @@ class Pilot:
                 tiles = self._tiles(part)
                 draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
                 self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
-                for kind in range(2):
-                    self._scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
-            sums.end_pass()
+                for kind in range(len(KINDS)):
+                    scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
+            if sums is not None:
+                sums.end_pass()
+        return scatter
 
     def _tiles(self, span: slice) -> np.ndarray:
         """Number of the tile of every lumel of a span."""
@@ -645,21 +719,25 @@ class Pilot:
         samples : float or None    Or mean number of samples of a lumel.
         """
         job, options = self.job, self.job.options
-        cost = np.array([1.0, GATHER_COST], dtype=np.float32)
+        cost = np.array(COSTS, dtype=np.float32)
         wanted = np.sqrt(self._scatter * self._share / cost[:, None])
         if not options.direct_apart:
             both = np.sqrt(self._scatter.sum(axis=0) * self._share / cost.sum())
-            wanted = np.stack([both, both])
-        mean = wanted[:, job.valid].mean(axis=1) if job.valid.any() else np.zeros(2, np.float32)
+            wanted = np.stack([both] * len(KINDS))
+        mean = wanted[:, job.valid].mean(axis=1)
         if not options.adaptive:
             wanted = np.repeat(mean[:, None], job.count, axis=1)
+        # Of what little was seen not too much is believed.
         wanted = np.clip(wanted, mean[:, None] / SPREAD, mean[:, None] * SPREAD)
         # Where one kind has no scatter at all, one sample of it will do.
         wanted = np.log2(np.maximum(wanted, 1e-6 * max(float(mean.max()), 1e-30)))
 
         def levels(shift: float) -> Levels:
             made = np.clip(np.round(wanted + np.float32(shift)), 0, np.log2(MOST_SAMPLES))
-            return Levels(*made.astype(np.uint8))
+            made = made.astype(np.uint8)
+            if job.guide is None:
+                made[GUIDED] = NO_SAMPLES
+            return Levels(made)
 
         def is_enough(shift: float) -> bool:
             made = levels(shift)
@@ -677,7 +755,7 @@ class Pilot:
     def square(self, levels: Levels, chosen=slice(None)) -> float:
         """Square of the map's standard error after one pass, were its samples independent. [lx2]"""
         total = 0.0
-        for scatter, column in zip(self._scatter, (levels.direct, levels.gather), strict=True):
+        for scatter, column in zip(self._scatter, levels.columns, strict=True):
             per_sample = np.divide(1.0, _POWERS, out=np.zeros_like(_POWERS), where=_POWERS > 0.0)
             inverse = per_sample.astype(np.float32)[column[chosen]]
             total += float((scatter[chosen] * self._share[chosen] * inverse).sum(dtype=np.float64))

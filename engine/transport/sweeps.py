@@ -20,17 +20,23 @@ FIRST_SWEEPS = 1 << 30
 FEWEST = 4
 """Samples of a cell in the first sweeps, over all turns."""
 
-CAREFUL = 32
+CAREFUL = 128
 """Samples by which the quarters of a cell are compared, likewise; eight of each turn at least."""
 
-EARLY = 3
-"""Sweeps after which sides that no light was found on are left alone."""
+GROWING = 0.005
+"""Share of cells that a sweep must have lit anew for light to be still on its way. [-]"""
+
+MOST_SCALED = 2.0
+"""A scale beyond this, or below its inverse, is no error of the cells but chance."""
 
 MOST_SWEEPS = 100
 """Stops the search for the light of rooms whose surfaces lose next to nothing."""
 
 NEGLIGIBLE = 1e-3
 """Share of all light that further sweeps would add. [-]"""
+
+MEMORY = 0.5
+"""Share of what a cell held before that it keeps at a sweep: noise of cells is noise of all that reads them. [-]"""
 
 SIGNIFICANT = 3.5
 """Difference between quarters of a cell, in standard errors, that is not taken for chance."""
@@ -67,6 +73,7 @@ class Sweeper:
     ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
         self._without_bent_sun = without_bent_sun
+        self.guide = None
         self.seed = seed
         self._weights = cells.bands.luminous()
         self._sides = cells.sides
@@ -79,17 +86,17 @@ class Sweeper:
         turns = self.cells.bands.turns
         lit = np.zeros(len(self._sides), dtype=bool)
         for number in range(MOST_SWEEPS):
-            values = self._sweep(FIRST_SWEEPS + number, max(FEWEST // turns, 1)).mean(axis=(2, 3))
+            values = _whole(self._sweep(FIRST_SWEEPS + number, max(FEWEST // turns, 1)))
+            before_lit = int(lit.sum())
             lit |= values.max(axis=1, initial=0.0) > 0.0
-            if number == EARLY - 1 and not lit.all():
-                values, lit = values[lit], self._keep(lit)
+            grows = lit.sum() > (1.0 + GROWING) * before_lit
             now = self._total(values)
             self._store(values)
             added, before, total = now - total, gain, now
             gain = added
-            if now <= 0.0:
+            if now <= 0.0 and number > 0:
                 break
-            if before is None or before <= 0.0 or number < 2:
+            if before is None or before <= 0.0 or number < 2 or grows:
                 continue
             share = min(max(added / before, 0.0), 0.98)
             rest = max(added, 0.0) * share / (1.0 - share)
@@ -99,13 +106,38 @@ class Sweeper:
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
         made = self._sweep(FIRST_SWEEPS - 1, max(CAREFUL // turns, 8))
-        self._mark_uneven(made)
-        self._store(made.mean(axis=(2, 3)))
+        values = self._balanced(made)
+        lit |= values.max(axis=1, initial=0.0) > 0.0
+        self._mark_uneven(made.sum(axis=0))
+        self._store(values)
+        # Sides that no light was ever found on lie inside solids.
+        self._sides, self._areas = self._sides[lit], self._areas[lit]
+        self._upload_sides()
 
     def refresh(self, number: int, samples: int) -> None:
         """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two."""
         if len(self._sides):
-            self._store(self._sweep(number, samples).mean(axis=(2, 3)))
+            held = self._held()
+            self._store(
+                MEMORY * held + (1.0 - MEMORY) * self._balanced(self._sweep(number, samples))
+            )
+
+    def _held(self) -> np.ndarray:
+        """Ratios (sides, nodes) of the sides at work, as they are."""
+        return np.array(self.cells.values).reshape(2 * self.cells.count, -1)[self._sides]
+
+    def _balanced(self, made: np.ndarray) -> np.ndarray:
+        """Direct light plus what was gathered, the latter scaled so that light gained is light lost.
+
+        What the cells held before may have been too much or too little all over, and in bright rooms such an error dies away
+        slowly. The light T that they held should have been the direct light D plus the part G that came back of it; so its
+        scale was off by D / (T - G).
+        """
+        straight, back = _whole(made[:1]), _whole(made[1:])
+        lost = self._total(self._held()) - self._total(back)
+        gained = self._total(straight)
+        scale = gained / lost if lost > 0.0 and gained > 0.0 else 1.0
+        return straight + back * (scale if 1.0 / MOST_SCALED < scale < MOST_SCALED else 1.0)
 
     def state(self) -> dict[str, np.ndarray]:
         """What `restore` needs."""
@@ -131,12 +163,6 @@ class Sweeper:
 
     # ---- private ----
 
-    def _keep(self, lit: np.ndarray) -> np.ndarray:
-        """Work on these sides only from now on: on others no light was ever found, as inside solids."""
-        self._sides, self._areas = self._sides[lit], self._areas[lit]
-        self._upload_sides()
-        return np.ones(len(self._sides), dtype=bool)
-
     def _upload_sides(self) -> None:
         self._rows = upload(mi.UInt32, self._sides if len(self._sides) else [0])
         dr.eval(self._rows)
@@ -153,7 +179,7 @@ class Sweeper:
         dr.eval(self.cells.values)
 
     def _mark_uneven(self, made: np.ndarray) -> None:
-        light = np.tensordot(self._weights, made, axes=(0, 1))
+        light = np.tensordot(self._weights, made.astype(np.float64), axes=(0, 1))
         quarters = light.mean(axis=2)
         noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)
         brightest, darkest = quarters.max(axis=1), quarters.min(axis=1)
@@ -185,27 +211,31 @@ class Sweeper:
         return marked[self._sides]
 
     def _sweep(self, salt: int, samples: int) -> np.ndarray:
-        """Ratios by side, node, quarter and half: (sides, nodes, 4, 2) of ``samples`` (at least 8), else (.., 1, 1)."""
+        """Ratios, direct and gathered apart, by side, node, quarter and half.
+
+        Returns
+        -------
+        (2, sides, nodes, 4, 2) float32 array of ``samples`` of 8 and more, (.., 1, 1) of fewer.
+        """
         turns = self.cells.bands.turns
         split = (4, 2) if samples >= 8 else (1, 1)
         block = samples // (split[0] * split[1])
         per_launch = max(LANES // (turns * samples), 1)
-        found = np.empty((len(self._sides), turns, 4, *split), dtype=np.float64)
+        nodes = self.cells.bands.count
+        found = np.empty((2, len(self._sides), nodes, *split), dtype=np.float32)
         for first in range(0, len(self._sides), per_launch):
             if self.cancelled():
                 raise Cancelled("cancelled")
             count = min(per_launch, len(self._sides) - first)
-            ratios = self._launch(first, count, samples, salt)
-            for k, ratio in enumerate(ratios):
-                sums = dr.block_reduce(dr.ReduceOp.Add, ratio, block)
-                made = np.array(sums, dtype=np.float64) / block
-                found[first : first + count, :, k] = made.reshape(count, turns, *split)
-        nodes = self.cells.bands.count
-        # Node number = turn + turns * place in the path.
-        found = found[:, :, : max(nodes // turns, 1)]
-        return found.transpose(0, 2, 1, 3, 4).reshape(len(self._sides), nodes, *split)
+            for part, ratios in zip(found, self._launch(first, count, samples, salt), strict=True):
+                for k, ratio in enumerate(ratios):
+                    sums = dr.block_reduce(dr.ReduceOp.Add, ratio, block)
+                    made = np.array(sums).reshape(count, turns, *split) / block
+                    # Number of a node = turn + turns * place in the path.
+                    part[first : first + count, k * turns : (k + 1) * turns] = made
+        return found
 
-    def _launch(self, first: int, count: int, samples: int, salt: int) -> list:
+    def _launch(self, first: int, count: int, samples: int, salt: int) -> list[list]:
         scene, cells = self.scene, self.cells
         turns = cells.bands.turns
         many = dr.opaque(mi.UInt32, samples)
@@ -235,13 +265,27 @@ class Sweeper:
             point = sobol_pair(turn * many + sample, own, pair)
             return Receiver(si, wavelengths, stream, point, one, respond)
 
-        value = direct(scene, receiver(gather.PAIR_LIGHT))
-        value += gathered(
-            scene,
-            cells,
-            receiver(gather.PAIR_SCATTER),
-            without_bent_sun=self._without_bent_sun,
-        )
-        ratios = [dr.select(dr.isfinite(r), r, 0.0) for r in cells.bands.ratios(value, wavelengths)]
-        dr.eval(ratios)
-        return ratios
+        parts = [
+            direct(scene, receiver(gather.PAIR_LIGHT)),
+            gathered(
+                scene,
+                cells,
+                receiver(gather.PAIR_SCATTER),
+                without_bent_sun=self._without_bent_sun,
+                guide=self.guide,
+            ),
+        ]
+        if self.guide is not None:
+            parts[1] += self.guide.light(scene, receiver(gather.PAIR_LENS), stream)
+        found = []
+        for value in parts:
+            ratios = cells.bands.ratios(value, wavelengths)
+            # At the full width of the launch, also where there is no light to choose.
+            found.append([dr.select(dr.isfinite(r), r, 0.0) + mi.Float(lane) * 0.0 for r in ratios])
+        dr.eval(found)
+        return found
+
+
+def _whole(made: np.ndarray) -> np.ndarray:
+    """Sum of the kinds of light, mean over quarters and halves: (sides, nodes)."""
+    return made.sum(axis=0, dtype=np.float64).mean(axis=(2, 3))

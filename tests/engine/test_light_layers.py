@@ -33,7 +33,7 @@ def test_every_light_shines_in_one_layer():
     assert [name for name, _ in layers] == ["lamps", "day", "rest"]
     assert [shining(each) for _, each in layers] == [{"a", "glow"}, {"world"}, {"b"}]
     for _, each in layers:
-        assert set(each.placements) == set(scene.placements)
+        assert set(each.meshes) == set(scene.meshes)
         assert each.materials["glow"].surface is scene.materials["glow"].surface
 
 
@@ -75,8 +75,8 @@ def test_layers_add_up_and_each_is_the_light_of_its_lamps_alone():
         expected, error = alone.pages[0].illuminance[known], alone.pages[0].standard_error[known]
         gap = page.layers[name][known].astype(float) - expected
         lit = error > 0.0
-        # Like estimates have like errors.
-        assert 0.85 < np.sqrt(np.mean(gap[lit] ** 2) / np.mean(2.0 * error[lit] ** 2)) < 1.15
+        # Like estimates have like errors, but samples are spread by those of their own layer.
+        assert 0.8 < np.sqrt(np.mean(gap[lit] ** 2) / np.mean(2.0 * error[lit] ** 2)) < 1.3
         mean = float((gap * area).sum() / (expected * area).sum())
         assert abs(mean) < 0.02
     whole = bake((*ROOM, *LAMPS), objects, 64, seed=5)

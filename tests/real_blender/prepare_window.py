@@ -285,8 +285,13 @@ def start_bake():
 
 def start_long_bake():
     """Begin a bake that is still under way when the picture is taken."""
+    names = [o.name for o in bpy.data.collections["Bake"].objects]
     press_button(
-        bpy.ops.lumenray.bake_illuminance, objects=LITTLE, error=0.01, folder="/out/window-graph"
+        bpy.ops.lumenray.bake_illuminance,
+        objects=",".join(names),
+        error=0.05,
+        density=8.0,
+        folder="/out/window-graph",
     )
 
 
@@ -304,8 +309,7 @@ def start_whole_bake():
     press_button(
         bpy.ops.lumenray.bake_illuminance,
         objects=",".join(names),
-        error=0.03,
-        time=60.0,
+        error=0.05,
         density=8.0,
         folder="/out/window-baked",
     )
@@ -320,6 +324,7 @@ def show_when_done():
     press_button(bpy.ops.lumenray.show_baked)
     if VIEW == "baked_lux":
         bpy.context.scene.lumenray.baked_look = "FALSE"
+        bpy.context.scene.view_settings.view_transform = "Standard"
     return None
 
 

@@ -5,7 +5,7 @@
 #   screenshots.sh [SECONDS [VIEW...]]   how long the window may take before the picture (default: 60), and which
 #                                        pictures: light, luminaire, library, material, world, render, bake, bake_graph, baked,
 #                                        baked_lux, viewport, viewport_lux (default: all); the baked ones
-#                                        want 200 seconds or more
+#                                        want 300 seconds or more
 #   VENV, LUMENRAY_OUT                   as for run_smoke.sh
 set -euo pipefail
 
