@@ -55,7 +55,9 @@ def incoming(
 
     Returns
     -------
-    Spectrum    Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants.
+    (Spectrum, Spectrum)
+        Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants: what was met otherwise, and what
+        was read from cells. Their sum is what arrives.
     """
     spectral = is_spectral()
     context = mi.BSDFContext()
@@ -70,6 +72,7 @@ def incoming(
         "stream": mi.PCG32(stream),
         "throughput": mi.Spectrum(1.0),
         "radiance": mi.Spectrum(0.0),
+        "read": mi.Spectrum(0.0),
         "pdf": mi.Float(scatter_pdf),
         "reference": mi.Point3f(reference),
         "ratio": mi.Float(ratio),
@@ -89,6 +92,7 @@ def incoming(
         stream,
         throughput,
         radiance,
+        read,
         pdf,
         reference,
         ratio,
@@ -159,7 +163,7 @@ def incoming(
                 found = guide.density(side, first) * dr.squared_norm(away)
                 found *= guided_ratio / dr.maximum(facing, 1e-9)
                 value *= dr.select(first, paths.power_heuristic(pdf, found), 1.0)
-            radiance = dr.select(readable, radiance + throughput * matte * value, radiance)
+            read = dr.select(readable, read + throughput * matte * value, read)
         if reads:
             # Only coats mirror what has not been read.
             active &= ~readable | (coat > 0.0)
@@ -255,8 +259,8 @@ def incoming(
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
         return (
-            ray, stream, throughput, radiance, pdf, reference, ratio, depth, steps, chain, bent, traceable, dispersed, eta,
-            active,
+            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, bent, traceable, dispersed,
+            eta, active,
         )  # fmt: skip
 
     result = dr.while_loop(
@@ -265,7 +269,7 @@ def incoming(
         body=body,
         labels=tuple(state),
     )
-    return result[3]
+    return result[3], result[4]
 
 
 def _meet(cells, hit, si, reference, active):

@@ -24,11 +24,25 @@ PLACES = 16
 GROUPED = 0.02
 """Triangles of less than this share of a cell's area join others. [-]"""
 
+REACH, SAME_WAY = 1.5, 0.9
+"""Cells are neighbours whose middles are nearer than this, in sizes, and whose normals have this cosine at least. [-]"""
+
+_HALF = [
+    (x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) >= (0, 0, 0)
+]
+"""Half of the cubes round a cube, and itself, so that every pair is found once."""
+
 EVEN_SHARE = 0.1
 """Share of the cells that is spread over all surfaces by area."""
 
 LARGEST_GRID = 2048
 """Most cells along an edge of a triangle."""
+
+EDGE = 1e-3
+"""Distance from a triangle's third edge at which no points of cells lie, in sides of a cell. [-]"""
+
+CURVE = 6
+"""Halvings of a group's cube by which its triangles are put in order."""
 
 FRONT, BACK = 0, 1
 
@@ -40,10 +54,10 @@ class _Elements:
     Parameters
     ----------
     first : (t,) uint32    First cell of every triangle.
-    grid : (t,) uint32    Cells along its first edge, plus 65536 times those along the second.
+    grid : (t,) uint32    Cells along two of its edges and the corner from which these go, see `pack_grid`.
     shape, prim : (c, PLACES) uint32; uv : (c, PLACES, 2) float32    Points of every cell.
     area : (c,) float64    0 for cells outside their triangle. [m2]
-    has_next : (c,) bool; to_above : (c,) int    Neighbours in the grid of a triangle, see `CellSet`.
+    centre, normal : (c, 3) float32    Mean of the points [m], and the direction of the front.
     whole : (c,) float64    Area of a cell of the grid, the part outside the triangle included; 0 for grouped ones. [m2]
     """
 
@@ -53,8 +67,8 @@ class _Elements:
     prim: np.ndarray
     uv: np.ndarray
     area: np.ndarray
-    has_next: np.ndarray
-    to_above: np.ndarray
+    centre: np.ndarray
+    normal: np.ndarray
     whole: np.ndarray
 
 
@@ -106,9 +120,7 @@ class CellSet:
         self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
         self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
         self._near = upload(mi.Float, near)
-        # By cell: whether the next one is its neighbour, and how far on the one above is (0: there is none).
-        self.has_next = _join([m.has_next for m in made]).astype(bool)
-        self.to_above = _join([m.to_above for m in made]).astype(np.int64)
+        self.neighbours = _find_neighbours(made, sizes)
         # Light traced from the lights, see `put_traced`.
         self.traced = None
         self._host_table = (
@@ -131,9 +143,10 @@ class CellSet:
         shape = deposits.shape.astype(np.int64)
         passing = self.matt.passing(shape, deposits.cosine)
         triangle = np.where(passing > 0.0, offsets[shape] + deposits.prim.astype(np.int64), 0)
-        across, up = grid[triangle] & 0xFFFF, grid[triangle] >> 16
-        i = np.minimum((deposits.uv[:, 0] * across).astype(np.int64), across - 1)
-        j = np.minimum((deposits.uv[:, 1] * up).astype(np.int64), up - 1)
+        across, up, corner = unpack_grid(grid[triangle])
+        u, v = turn(deposits.uv[:, 0], deposits.uv[:, 1], corner)
+        i = np.minimum((u * across).astype(np.int64), across - 1)
+        j = np.minimum((v * up).astype(np.int64), up - 1)
         side = 2 * (first[triangle] + j * across + i) + deposits.back
         flux = np.bincount(side, deposits.flux * passing, 2 * self.count)
         area = np.repeat(self.area, 2)
@@ -149,9 +162,12 @@ class CellSet:
         number = dr.reinterpret_array(mi.UInt32, shape)
         triangle = dr.gather(mi.UInt32, self._offsets, number, active) + prim
         grid = dr.gather(mi.UInt32, self._grid, triangle, active)
-        across, up = grid & 0xFFFF, grid >> 16
-        i = dr.minimum(mi.UInt32(uv.x * mi.Float(across)), across - 1)
-        j = dr.minimum(mi.UInt32(uv.y * mi.Float(up)), up - 1)
+        across, up, corner = unpack_grid(grid)
+        w = 1.0 - uv.x - uv.y
+        u = dr.select(corner == 0, uv.x, dr.select(corner == 1, uv.y, w))
+        v = dr.select(corner == 0, uv.y, dr.select(corner == 1, w, uv.x))
+        i = dr.minimum(mi.UInt32(dr.maximum(u, 0.0) * mi.Float(across)), across - 1)
+        j = dr.minimum(mi.UInt32(dr.maximum(v, 0.0) * mi.Float(up)), up - 1)
         cell = dr.gather(mi.UInt32, self._first, triangle, active) + j * across + i
         return 2 * cell + dr.select(is_back, mi.UInt32(BACK), mi.UInt32(FRONT))
 
@@ -178,12 +194,18 @@ class CellSet:
         triangle = dr.gather(mi.UInt32, self._offsets, shape) + prim
         grid = dr.gather(mi.UInt32, self._grid, triangle)
         # Lanes that are not there read zero, and must not divide by it.
-        across, up = dr.maximum(grid & 0xFFFF, 1), dr.maximum(grid >> 16, 1)
+        across, up, corner = unpack_grid(grid)
+        across, up = dr.maximum(across, 1), dr.maximum(up, 1)
         local = cell - dr.gather(mi.UInt32, self._first, triangle)
         u = (mi.Float(local % across) + sample.x) / mi.Float(across)
         v = (mi.Float(local // across) + sample.y) / mi.Float(up)
-        si = self._turned(self.scene.interaction_at(shape, prim, mi.Point2f(u, v)), side)
-        return si, self.matt.row(si.shape, True), u + v < 1.0
+        w = 1.0 - u - v
+        place = mi.Point2f(
+            dr.select(corner == 0, u, dr.select(corner == 1, w, v)),
+            dr.select(corner == 0, v, dr.select(corner == 1, u, w)),
+        )
+        si = self._turned(self.scene.interaction_at(shape, prim, place), side)
+        return si, self.matt.row(si.shape, True), w > 0.0
 
     def place(self, side, number, active=True):
         """Surface at a point of a cell's side, seen from that side, and what the matt table knows it as.
@@ -213,6 +235,37 @@ class CellSet:
         return si
 
 
+def _find_neighbours(made: list[_Elements], sizes) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of cells of one shape that lie next to each other and face the same way, by their numbers. (m,), (m,)"""
+    first, second, start = [], [], 0
+    for elements, size in zip(made, sizes, strict=True):
+        count = len(elements.area)
+        place = np.floor(elements.centre / size).astype(np.int64)
+        place -= place.min(axis=0, initial=0) - 1
+        reach = place.max(axis=0, initial=0) + 2
+        key = (place[:, 0] * reach[1] + place[:, 1]) * reach[2] + place[:, 2]
+        order = np.argsort(key, kind="stable")
+        ordered = key[order]
+        for offset in _HALF:
+            wanted = key + (offset[0] * reach[1] + offset[1]) * reach[2] + offset[2]
+            low = np.searchsorted(ordered, wanted, side="left")
+            here = np.flatnonzero(np.searchsorted(ordered, wanted, side="right") - low)
+            found = np.searchsorted(ordered, wanted[here], side="right") - low[here]
+            a = np.repeat(here, found)
+            b = np.repeat(low[here] - (np.cumsum(found) - found), found) + np.arange(found.sum())
+            b = order[b]
+            apart = np.linalg.norm(elements.centre[a] - elements.centre[b], axis=1)
+            alike = np.einsum("mx,mx->m", elements.normal[a], elements.normal[b]) > SAME_WAY
+            near = (a != b) & (apart < REACH * size) & alike
+            near &= (elements.area[a] > 0.0) & (elements.area[b] > 0.0)
+            first.append(a[near] + start)
+            second.append(b[near] + start)
+        start += count
+    if not first:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    return np.concatenate(first), np.concatenate(second)
+
+
 def _join(arrays) -> np.ndarray:
     return np.concatenate([a.reshape(-1) for a in arrays]) if arrays else np.zeros(4, np.uint32)
 
@@ -233,24 +286,28 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
     first : int    Number of the first cell.
     """
     areas = _areas(triangles)
-    across, up = _grid(triangles, areas, size)
+    corner, turned = _turn_corners(triangles)
+    across, up = _grid(turned, areas, size)
     large = np.flatnonzero(areas > GROUPED * size**2)
     small = np.setdiff1d(np.arange(len(triangles)), large, assume_unique=True)
     starts = np.zeros(len(triangles), dtype=np.int64)
-    grid = np.full(len(triangles), 1 + (1 << 16), dtype=np.int64)
-    grid[large] = across[large] + (up[large] << 16)
+    one = np.ones(len(triangles), dtype=np.int64)
+    grid = pack_grid(one, one, 0 * one)
+    grid[large] = pack_grid(across[large], up[large], corner[large])
     counts = across[large] * up[large]
     starts[large] = np.cumsum(counts) - counts
-    divided = _divide_large(large, across[large], up[large], areas)
-    groups, group_of = _group_small(triangles, small, size)
+    divided = _divide_large(large, across[large], up[large], areas, corner[large])
+    groups, group_of, place_of = _group_small(triangles, small, size)
     starts[small] = counts.sum() + group_of
-    grouped = _points_of_groups(small, group_of, groups, areas)
+    grouped = _points_of_groups(small, group_of, place_of, groups, areas)
     prim, uv, area = (np.concatenate(pair) for pair in zip(divided, grouped, strict=True))
-    which = np.repeat(large, counts)
-    local = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
-    alone = np.zeros(groups, dtype=np.int64)
-    has_next = local % across[which] < across[which] - 1
-    to_above = np.where(local // across[which] < up[which] - 1, across[which], 0)
+    corners = triangles[prim]
+    weights = np.stack([1.0 - uv.sum(axis=2), uv[..., 0], uv[..., 1]], axis=2)
+    centre = np.einsum("cpk,cpkx->cx", weights, corners) / PLACES
+    edges = corners[:, 0, 1:] - corners[:, 0, :1]
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    alone = np.zeros(groups)
     return _Elements(
         (starts + first).astype(np.uint32),
         grid.astype(np.uint32),
@@ -258,10 +315,37 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
         prim.astype(np.uint32),
         uv.astype(np.float32),
         area,
-        np.concatenate([has_next, alone > 0]),
-        np.concatenate([to_above, alone]),
-        np.concatenate([np.repeat(2.0 * areas[large] / counts, counts), alone.astype(np.float64)]),
+        centre.astype(np.float32),
+        normal.astype(np.float32),
+        np.concatenate([np.repeat(2.0 * areas[large] / counts, counts), alone]),
     )
+
+
+def pack_grid(across, up, corner):
+    """Numbers of cells along the first and the second edge from a corner, and which corner it is, in one number."""
+    return across | up << 16 | corner << 30
+
+
+def unpack_grid(grid):
+    """Undo `pack_grid`, of arrays on the host or the device."""
+    return grid & 0xFFFF, (grid >> 16) & 0x3FFF, grid >> 30
+
+
+def turn(u, v, corner):
+    """Barycentric coordinates of the second and third corner, counted from another corner on. Arrays of one shape."""
+    w = 1.0 - u - v
+    return (
+        np.where(corner == 0, u, np.where(corner == 1, v, w)),
+        np.where(corner == 0, v, np.where(corner == 1, w, u)),
+    )
+
+
+def _turn_corners(triangles: np.ndarray):
+    """Corner with the widest angle, from which edges make cells that are least askew; triangles beginning there."""
+    edges = [((triangles[:, k - 2] - triangles[:, k - 1]) ** 2).sum(axis=1) for k in range(3)]
+    corner = np.argmax(edges, axis=0)
+    order = (corner[:, None] + np.arange(3)) % 3
+    return corner, np.take_along_axis(triangles, order[..., None], axis=1)
 
 
 def _growth(triangles: dict, parts, sizes: np.ndarray, most: int) -> float:
@@ -270,7 +354,8 @@ def _growth(triangles: dict, parts, sizes: np.ndarray, most: int) -> float:
     for _ in range(24):
         total = 0
         for part, size in zip(parts, sizes * factor, strict=True):
-            across, up = _grid(triangles[part.number], _areas(triangles[part.number]), float(size))
+            own = triangles[part.number]
+            across, up = _grid(_turn_corners(own)[1], _areas(own), float(size))
             total += int((across * up - 1).sum())
         if total <= most:
             break
@@ -291,7 +376,7 @@ def _grid(triangles: np.ndarray, areas: np.ndarray, size: float):
     return tuple(np.clip(np.ceil(each - 1e-3), 1, LARGEST_GRID).astype(np.int64) for each in counts)
 
 
-def _divide_large(large, across, up, areas):
+def _divide_large(large, across, up, areas, begin):
     """Points (c, PLACES, 2) and areas of the cells of large triangles, triangle after triangle, row after row."""
     counts = across * up
     total = int(counts.sum())
@@ -306,45 +391,67 @@ def _divide_large(large, across, up, areas):
     x, y = x[order], y[order]
     u = low_u[:, None] + x / nu[:, None]
     v = low_v[:, None] + y / nv[:, None]
-    inside = u + v < 1.0
-    share = inside.mean(axis=1)
+    # Points on the third edge are outside: from there rays pass the surfaces that meet it.
+    inside = u + v < 1.0 - EDGE / np.maximum(nu, nv)[:, None]
     # Slivers of cells whose points are all outside get one near the corner, if that is inside.
-    corner = low_u + low_v < 1.0 - 1e-9
-    lost = corner & (share == 0.0)
     rest = np.clip(1.0 - low_u - low_v, 0.0, None)
+    corner = rest * np.maximum(nu, nv) > EDGE
+    lost = corner & ~inside.any(axis=1)
     u[lost], v[lost] = (low_u + rest / 3.0)[lost, None], (low_v + rest / 3.0)[lost, None]
     inside[lost] = True
-    share[lost] = (0.5 * rest**2 * nu * nv)[lost]
+    share = _share_inside(low_u, low_v, nu, nv)
     slots = np.argsort(~inside, axis=1, kind="stable")
     filled = np.take_along_axis(slots, np.arange(PLACES) % np.maximum(inside.sum(axis=1), 1)[:, None], axis=1)  # fmt: skip
     # Points that are inside stay in their quarter.
     chosen = np.where(inside, np.arange(PLACES), filled)
     u, v = np.take_along_axis(u, chosen, axis=1), np.take_along_axis(v, chosen, axis=1)
+    # Back to the triangle's own corners: turning twice more makes a whole turn.
+    begin = begin[which][:, None]
+    u, v = turn(*turn(u, v, begin), begin)
     uv = np.clip(np.stack([u, v], axis=2), 0.0, 1.0)
     area = np.where(corner, share * 2.0 * areas[large][which] / (nu * nv), 0.0)
     return np.repeat(large[which][:, None], PLACES, axis=1), uv, area
 
 
+def _share_inside(u, v, nu, nv):
+    """Shares of cells, by their low corners and the cells along both edges, that lie within the third edge u + v = 1."""
+
+    def beyond(a, b):
+        return 0.5 * np.clip(1.0 - a - b, 0.0, None) ** 2
+
+    cut = beyond(u, v) - beyond(u + 1.0 / nu, v) - beyond(u, v + 1.0 / nv)
+    return np.maximum(cut + beyond(u + 1.0 / nu, v + 1.0 / nv), 0.0) * nu * nv
+
+
 def _group_small(triangles, small, size):
-    """Number of groups, and the group of every small triangle: together in space, facing the same way."""
+    """Number of groups, and of every small triangle its group and its place there.
+
+    A group lies together in space and faces the same way. Places are numbers along a curve that fills the group's cube
+    octant by octant, so that a quarter of them lies together too, whatever the order of the triangles.
+    """
     if len(small) == 0:
-        return 0, np.zeros(0, dtype=np.int64)
+        return 0, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
     corners = triangles[small].astype(np.float64)
     centre = corners.mean(axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(axis=1)
     facing = 2 * axis + (np.take_along_axis(normal, axis[:, None], axis=1)[:, 0] < 0.0)
-    cell = np.floor((centre - centre.min(axis=0)) / size).astype(np.int64)
+    within = (centre - centre.min(axis=0)) / size
+    cell = np.floor(within).astype(np.int64)
+    fine = np.minimum(((within - cell) * (1 << CURVE)).astype(np.int64), (1 << CURVE) - 1)
+    place = np.zeros(len(small), dtype=np.int64)
+    for bit in range(CURVE - 1, -1, -1):
+        place = place << 3 | (fine >> bit & 1) @ np.array([4, 2, 1])
     reach = cell.max(axis=0) + 1
     key = ((cell[:, 0] * reach[1] + cell[:, 1]) * reach[2] + cell[:, 2]) * 6 + facing
     found, group = np.unique(key, return_inverse=True)
-    return len(found), group.reshape(-1)
+    return len(found), group.reshape(-1), place
 
 
-def _points_of_groups(small, group, count, areas):
+def _points_of_groups(small, group, place_of, count, areas):
     """Points and areas of grouped cells: points fall on the triangles by their areas."""
     own = areas[small]
-    order = np.argsort(group, kind="stable")
+    order = np.lexsort((place_of, group))
     ends = np.cumsum(own[order])
     total = np.bincount(group, weights=own, minlength=count)
     begin = np.cumsum(total) - total

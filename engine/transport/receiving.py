@@ -71,12 +71,14 @@ def direct(scene, receiver: Receiver):
     return total
 
 
-def gathered(scene, cells, receiver: Receiver, **more):
+def gathered(scene, cells, receiver: Receiver, is_apart: bool = False, **more):
     """Light along one cosine-distributed ray; ``cells`` and ``more`` as of `cached_gather.incoming`.
 
     Returns
     -------
-    Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
+    Spectrum or (Spectrum, Spectrum)
+        Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants; what was read from cells apart
+        from the rest where that is asked for.
     """
     si = receiver.si
     local = mi.warp.square_to_cosine_hemisphere(receiver.sample)
@@ -84,7 +86,7 @@ def gathered(scene, cells, receiver: Receiver, **more):
     direction = si.sh_frame.to_world(local)
     response = receiver.respond(direction)
     sends = (density > 0.0) & (response > 0.0)
-    value = incoming(
+    rest, read = incoming(
         scene,
         cells,
         spawn_ray(scene, si, direction),
@@ -96,4 +98,5 @@ def gathered(scene, cells, receiver: Receiver, **more):
         receiver.ratio,
         **more,
     )
-    return dr.select(sends, value * (response / density), 0.0)
+    rest, read = (dr.select(sends, each * (response / density), 0.0) for each in (rest, read))
+    return (rest, read) if is_apart else rest + read

@@ -23,6 +23,9 @@ FEWEST = 4
 CAREFUL = 128
 """Samples by which the quarters of a cell are compared, likewise; eight of each turn at least."""
 
+CAREFUL_SWEEPS = 3
+"""How many sweeps of as many samples are made at last."""
+
 GROWING = 0.005
 """Share of cells that a sweep must have lit anew for light to be still on its way. [-]"""
 
@@ -44,7 +47,7 @@ SIGNIFICANT = 3.5
 UNEVEN = 1.6
 """Ratio between the brightest and the darkest quarter of a cell from which it is not read."""
 
-EDGE = 3.0
+EDGE = 10.0
 """Ratio between neighbouring cells from which neither is read."""
 
 DARK = 1e-3
@@ -105,9 +108,15 @@ class Sweeper:
             # What further sweeps will add is mostly more of the same.
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
-        made = self._sweep(FIRST_SWEEPS - 1, max(CAREFUL // turns, 8))
-        values = self._balanced(made)
-        lit |= values.max(axis=1, initial=0.0) > 0.0
+        values = 0.0
+        for number in range(CAREFUL_SWEEPS):
+            made = self._sweep(FIRST_SWEEPS - 1 - number, max(CAREFUL // turns, 8))
+            own = self._balanced(made)
+            lit |= own.max(axis=1, initial=0.0) > 0.0
+            self._store(own)
+            # The first goes by what is still rough.
+            if number > 0:
+                values = values + own / (CAREFUL_SWEEPS - 1)
         self._mark_uneven(made.sum(axis=0))
         self._store(values)
         # Sides that no light was ever found on lie inside solids.
@@ -127,10 +136,10 @@ class Sweeper:
         return np.array(self.cells.values).reshape(2 * self.cells.count, -1)[self._sides]
 
     def _balanced(self, made: np.ndarray) -> np.ndarray:
-        """Direct light plus what was gathered, the latter scaled so that light gained is light lost.
+        """Light of all other kinds plus that of the cells, the latter scaled so that light gained is light lost.
 
         What the cells held before may have been too much or too little all over, and in bright rooms such an error dies away
-        slowly. The light T that they held should have been the direct light D plus the part G that came back of it; so its
+        slowly. The light T that they held should have been the other light D plus the part G that came back of it; so its
         scale was off by D / (T - G).
         """
         straight, back = _whole(made[:1]), _whole(made[1:])
@@ -193,25 +202,21 @@ class Sweeper:
         dr.eval(self.cells.uneven)
 
     def _edges(self, light: np.ndarray, noise: np.ndarray, mean: float) -> np.ndarray:
-        """Sides that differ much from a neighbour in their triangle: what parts them may run through either. (n,) bool"""
+        """Sides that differ much from a neighbour: what parts them may run through either. (n,) bool"""
         cells = self.cells
         values, errors = np.zeros(2 * cells.count), np.zeros(2 * cells.count)
         values[self._sides], errors[self._sides] = light, 0.5 * noise
         marked = np.zeros(2 * cells.count, dtype=bool)
-        cell = np.arange(cells.count)
-        to_next = np.where(cells.has_next, 1, 0)
-        for step in (to_next, cells.to_above):
-            here = np.flatnonzero((step > 0) & (cells.area > 0.0) & (cells.area[cell + step] > 0.0))
-            for face in (0, 1):
-                a, b = 2 * here + face, 2 * (here + step[here]) + face
-                high, low = np.maximum(values[a], values[b]), np.minimum(values[a], values[b])
-                far = high - low > SIGNIFICANT * np.hypot(errors[a], errors[b])
-                far &= (high > EDGE * low) & (high > DARK * mean)
-                marked[a[far]] = marked[b[far]] = True
+        for face in (0, 1):
+            a, b = (2 * each + face for each in cells.neighbours)
+            high, low = np.maximum(values[a], values[b]), np.minimum(values[a], values[b])
+            far = high - low > SIGNIFICANT * np.hypot(errors[a], errors[b])
+            far &= (high > EDGE * low) & (high > DARK * mean)
+            marked[a[far]] = marked[b[far]] = True
         return marked[self._sides]
 
     def _sweep(self, salt: int, samples: int) -> np.ndarray:
-        """Ratios, direct and gathered apart, by side, node, quarter and half.
+        """Ratios, that of the cells apart from the rest, by side, node, quarter and half.
 
         Returns
         -------
@@ -267,14 +272,17 @@ class Sweeper:
 
         parts = [
             direct(scene, receiver(gather.PAIR_LIGHT)),
-            gathered(
+            *gathered(
                 scene,
                 cells,
                 receiver(gather.PAIR_SCATTER),
+                is_apart=True,
                 without_bent_sun=self._without_bent_sun,
                 guide=self.guide,
             ),
         ]
+        # Light of the cells last, all other before.
+        parts = [parts[0] + parts[1], parts[2]]
         if self.guide is not None:
             parts[1] += self.guide.light(scene, receiver(gather.PAIR_LENS), stream)
         found = []

@@ -55,9 +55,14 @@ def areas_of(triangles):
 
 def look_up(made, prim, uv):
     """Cells at places of triangles."""
-    across, up = (made.grid[prim] & 0xFFFF).astype(int), (made.grid[prim] >> 16).astype(int)
-    i = np.minimum((uv[:, 0] * across).astype(int), across - 1)
-    j = np.minimum((uv[:, 1] * up).astype(int), up - 1)
+    from lumenray.engine.transport.cells import unpack_grid
+
+    across, up, corner = unpack_grid(made.grid[prim].astype(int))
+    # Coordinates are those of the two corners after the one that the grid begins at.
+    weights = np.stack([1.0 - uv.sum(axis=1), uv[:, 0], uv[:, 1]], axis=1)
+    u, v = (weights[np.arange(len(uv)), (corner + k) % 3] for k in (1, 2))
+    i = np.minimum((u * across).astype(int), across - 1)
+    j = np.minimum((v * up).astype(int), up - 1)
     return made.first[prim].astype(int) + j * across + i
 
 
@@ -83,13 +88,13 @@ def in_space(triangles, prim, uv):
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("size", [0.1, 0.4])
 def test_the_areas_of_cells_add_up_to_their_triangles(seed, size):
-    from lumenray.engine.transport.cells import divide
+    from lumenray.engine.transport.cells import divide, unpack_grid
 
     triangles = soup(seed)
     made = divide(triangles, 0, size, 0)
     areas = areas_of(triangles)
     assert made.area.sum() == pytest.approx(areas.sum(), rel=1e-5)
-    across, up = made.grid & 0xFFFF, made.grid >> 16
+    across, up, _ = unpack_grid(made.grid.astype(int))
     for k in np.flatnonzero(across * up > 1):
         own = made.area[made.first[k] : made.first[k] + across[k] * up[k]]
         assert own.sum() == pytest.approx(areas[k], rel=1e-5)
@@ -129,11 +134,12 @@ def test_every_place_lies_among_the_points_of_its_cell(seed):
     cell = look_up(made, prim, uv)
     points = in_space(triangles, made.prim[cell].astype(int), made.uv[cell].astype(float))
     away = np.linalg.norm(points - in_space(triangles, prim, uv)[:, None], axis=2)
-    divided = made.grid[prim] > 1 + (1 << 16)
+    divided = made.grid[prim].astype(int) & 0x3FFFFFFF > 1 + (1 << 16)
     assert divided.mean() > 0.9
     # In the corners of triangles a cell's few points may be further off, but never out of it.
     assert np.percentile(away[divided].min(axis=1), 98.0) < 0.36 * size
-    assert away[divided].max() < 2.0 * size
+    # Cells of blunt triangles are askew: no longer than their height allows.
+    assert away[divided].max() < 4.0 * size
 
 
 def test_kernels_find_the_same_cells():
