@@ -179,6 +179,36 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for accuracy.md and its pictures (default: docs/benchmarks, with --quick out)",
     )
+    atlas = kinds.add_parser(
+        "atlas",
+        help="stated errors, forecasts, speed and leaks of lux maps, beside references and other programs",
+    )
+    atlas.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    atlas.add_argument("--quick", action="store_true", help="few scenes and short runs")
+    atlas.add_argument(
+        "--peers",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="run other programs too, where they are installed (default: yes)",
+    )
+    atlas.add_argument(
+        "--scale",
+        action="store_true",
+        help="also bake large buildings anew, up to 50 pages (about an hour)",
+    )
+    atlas.add_argument(
+        "--check",
+        type=Path,
+        metavar="EARLIER.json",
+        help="compare with the numbers of an earlier run; exit code 1 where they differ by more than chance",
+    )
+    atlas.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for atlas.md and its pictures (default: docs/benchmarks, with --quick out)",
+    )
     return parser
 
 
@@ -718,6 +748,10 @@ def _benchmark(options) -> int:
         ) from None
     if options.kind == "luminaires":
         return _benchmark_luminaires(options)
+    if options.kind == "atlas":
+        from ..benchmarks import atlas
+
+        return atlas.run(options)
     if options.kind == "accuracy":
         return _benchmark_accuracy(options)
     try:

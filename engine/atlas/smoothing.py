@@ -12,7 +12,7 @@ KERNEL = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
 LEVELS = 3
 """Steps of 1, 2 and 4 lumels."""
 
-TOLERANCE = 2.0
+TOLERANCE = 3.0
 """Differences of so many standard errors of a difference count half."""
 
 

@@ -87,8 +87,8 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         "pages": [[page.width, page.height] for page in result.pages],
         "mean": result.mean,
         "unit": "lx",
-        "relative_standard_error": result.relative_standard_error,
-        "error_over_quadratic_mean": result.quadratic_relative_error,
+        "relative_standard_error": _known(result.relative_standard_error),
+        "error_over_quadratic_mean": _known(result.quadratic_relative_error),
         "density_factor": result.shrink,
         "seams": {
             "places": result.seams.pairs,
@@ -100,3 +100,8 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
     }
     files.append(write_json(folder / "report.json", content))
     return files
+
+
+def _known(value: float) -> float | None:
+    """A number that JSON can hold; what is infinite is unknown."""
+    return value if np.isfinite(value) else None

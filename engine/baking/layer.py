@@ -51,6 +51,8 @@ class LayerState:
     forecaster : Forecaster
     bias_sums : (3, m) array    By object: number, sum and sum of squares of what the cells add. [-, lx, lx2]
     object_passes : (passes, 1 + m) array    Samples of every pass, and the mean that it gave each object. [-, lx]
+    is_done : bool
+    sharing : int    Passes that share a sweep of the cells.
     """
 
     sums: ReplicateSums
@@ -61,6 +63,7 @@ class LayerState:
     bias_sums: np.ndarray
     object_passes: np.ndarray
     is_done: bool = False
+    sharing: int = 1
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays."""
@@ -69,7 +72,9 @@ class LayerState:
         made |= {f"cells.{name}": value for name, value in self.cells.items()}
         made |= {"levels": self.levels.columns}
         made |= {"bias": self.bias_sums, "objects": self.object_passes}
-        return made | {"state": np.array([self.passes, int(self.is_done)], dtype=np.int64)}
+        return made | {
+            "state": np.array([self.passes, int(self.is_done), self.sharing], dtype=np.int64)
+        }
 
     @classmethod
     def from_arrays(cls, rule: StopRule, arrays: dict[str, np.ndarray]) -> "LayerState":
@@ -79,7 +84,7 @@ class LayerState:
             head = f"{name}."
             return {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
 
-        passes, is_done = arrays["state"].tolist()
+        passes, is_done, sharing = arrays["state"].tolist()
         return cls(
             ReplicateSums.from_state(part("sums")),
             Levels(arrays["levels"]),
@@ -89,6 +94,7 @@ class LayerState:
             arrays["bias"],
             arrays["objects"],
             bool(is_done),
+            sharing,
         )
 
 
@@ -225,6 +231,7 @@ class Layer:
         row = np.append(levels.total() / max(job.count, 1), means)
         state.object_passes = np.vstack([state.object_passes, row])
         self._note_checks(state, *checked)
+        state.sharing = job.sharing(levels)
         state.passes += 1
         state.cells = job.state()
         error = self._note(forecaster, state.sums, 1)

@@ -53,6 +53,9 @@ MOST_ADAPTIVE = 20_000_000
 MOST_MATCHED = 1 << 27
 """Pixels of all pages up to which seams are matched: all pages have to be at hand together."""
 
+SHARED = 4.0
+"""Passes that count for one where sweeps of the cells remember, for every pass that shares a sweep."""
+
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
 
@@ -107,6 +110,7 @@ class Bake:
     progress: Callable | None = None
     options: Options | None = None
     departures: list[Departure] = field(default_factory=list)
+    _done: float = 0.0
     _decisions: list[str] = field(default_factory=list)
     _found: set[str] = field(default_factory=set)
     _start: float = field(default_factory=time.perf_counter)
@@ -150,7 +154,9 @@ class Bake:
 
     def _report(self, state: Progress) -> None:
         if self.progress is not None:
-            self.progress(state)
+            # Forecasts go up and down; what people see goes up.
+            self._done = max(self._done, state.done)
+            self.progress(replace(state, done=self._done))
 
     def _find_items(self) -> list[_Item]:
         """Fronts of all objects, then backs of those that are baked on both sides."""
@@ -352,7 +358,7 @@ class Bake:
             rows, kept = rows[good], area[good]
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
             mean = float((light * kept).sum() / max(kept.sum(), 1e-300))
-            spread = _mean_error(states, number)
+            spread = _mean_error(states, number, rows, kept)
             shifts = [_bias(state.bias_sums[:, number]) for state in states]
             shift = sum(value for value, _ in shifts)
             shift_error = float(np.sqrt(sum(each**2 for _, each in shifts)))
@@ -567,17 +573,26 @@ def pool_variance(sums, table: LumelTable) -> np.ndarray:
     return variance
 
 
-def _mean_error(states: list[LayerState], number: int) -> float:
-    """Standard error of an object's mean, from the scatter of the passes. [lx]"""
+def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: np.ndarray) -> float:
+    """Standard error of an object's mean. [lx]
+
+    The scatter of the passes' means has two parts. That of the lumels themselves is known from their own variances and
+    differs from pass to pass. The rest comes from the cells, which all lumels share, and which passes that follow each other
+    share in part; so it counts for fewer passes.
+    """
+    total = max(float(area.sum()), 1e-300)
     square = 0.0
     for state in states:
         weights, means = state.object_passes[:, 0], state.object_passes[:, 1 + number]
-        total = weights.sum()
-        rest = total**2 - (weights**2).sum()
+        rest = weights.sum() ** 2 - (weights**2).sum()
         if rest <= 0.0:
             return float("inf")
-        centre = (weights * means).sum() / total
-        square += float((weights**2 * (means - centre) ** 2).sum() / rest)
+        centre = (weights * means).sum() / weights.sum()
+        whole = float((weights**2 * (means - centre) ** 2).sum() / rest)
+        variance = state.sums.variance(rows)
+        own = float((np.where(np.isfinite(variance), variance, 0.0) * area**2).sum()) / total**2
+        shared = min(SHARED * state.sharing, len(means))
+        square += own + max(whole - own, 0.0) * shared
     return float(np.sqrt(square))
 
 

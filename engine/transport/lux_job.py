@@ -59,7 +59,7 @@ FEWEST_CELLS, MOST_CELLS = 4_000, 300_000
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
-MOST_SHARING = 4
+MOST_SHARING = 2
 """Most passes that share a sweep."""
 
 LOOKS = 1 << 15
@@ -403,13 +403,22 @@ class LuxJob:
         self._trace(number, int(TRACE_SHARE * levels.total()))
         if self.sweeper is None:
             return
-        # About a quarter of the pass's work, in whole powers of two.
-        work = SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
-        # Where cells are many for the lumels, some passes share a sweep; what its noise adds is little.
-        every = 1 if work >= 1.0 else min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING)
-        if number % every:
+        if number % self.sharing(levels):
             return
+        # About a quarter of the pass's work, in whole powers of two.
+        work = self._sweep_work(levels)
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
+
+    def sharing(self, levels: Levels) -> int:
+        """Passes that share a sweep, where cells are many for the lumels; what noise it has adds little."""
+        if self.sweeper is None:
+            return 1
+        work = self._sweep_work(levels)
+        return 1 if work >= 1.0 else min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING)
+
+    def _sweep_work(self, levels: Levels) -> float:
+        """Samples of every cell and turn that a sweep may take."""
+        return SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
 
     def _trace(self, number: int, paths: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
