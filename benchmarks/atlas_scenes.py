@@ -75,7 +75,7 @@ def build_cornell() -> AtlasScene:
         "Box with two coloured walls",
         (*materials, *walls, *boxes, lamp),
         objects,
-        6.0,
+        16.0,
         768,
     )
 
@@ -177,7 +177,7 @@ def build_window() -> AtlasScene:
     ]
     objects = (*(mesh.id for mesh in walls), "table", "cupboard")
     items = (*materials, *walls, make_mesh("reveal", reveal, "wall"), opening, table, cupboard, sky)
-    return AtlasScene("window", "Room with a small window", items, objects, 8.0, 1024)
+    return AtlasScene("window", "Room with a small window", items, objects, 16.0, 1024)
 
 
 def build_hall() -> AtlasScene:
@@ -281,7 +281,7 @@ def build_office() -> AtlasScene:
     from .atlas_office import load_office
 
     items, objects = load_office()
-    return AtlasScene("office", "Bundled office", items, objects, 8.0, 320)
+    return AtlasScene("office", "Bundled office", items, objects, 16.0, 320)
 
 
 BUILDERS: dict[str, Callable[[], AtlasScene]] = {

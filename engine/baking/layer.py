@@ -10,7 +10,7 @@ from ..accuracy.forecast import Forecaster
 from ..accuracy.history import History
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
-from ..transport.lux_job import Levels, LuxJob, Pilot, Trial
+from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob, Pilot, Trial
 
 PASSES = 16
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
@@ -203,6 +203,9 @@ class Layer:
                 levels = better
         trial = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
         square, seconds = trial.square, _pass_seconds(first, trial, levels.total())
+        begin = time.perf_counter()
+        job.compare(TRIALS, levels)
+        seconds += (time.perf_counter() - begin) / CHECK_INTERVAL
         if rule.seconds is not None:
             # No pass may take more than its part of the time that is left.
             left = max(rule.seconds - self._seconds, 0.1 * rule.seconds)

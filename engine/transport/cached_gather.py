@@ -15,7 +15,7 @@ from . import paths
 from .rays import spawn_ray
 from .textures import is_spectral
 
-NEAR = 1.5
+NEAR = 2.0
 """Distance within which cells are not read, in their sizes."""
 
 

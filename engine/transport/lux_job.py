@@ -53,7 +53,7 @@ MOST_SAMPLES = 1024
 """Most samples of a lumel in a pass."""
 
 CELLS_PER_LUMEL = 1.0 / 8.0
-FEWEST_CELLS, MOST_CELLS = 4_000, 300_000
+FEWEST_CELLS, MOST_CELLS = 8_000, 300_000
 """How many cells there are: as many as serve the lumels, within bounds."""
 
 PILOT_SAMPLES = 2
