@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires test validate mutations lint extension smoke viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires test validate mutations lint extension smoke viewer viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -46,6 +46,10 @@ extension: setup ## build the extension's zips for this platform into dist/
 
 smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time)
 	@tests/real_blender/run_smoke.sh
+
+viewer: setup ## load an exported scene in three.js in a headless Chromium (root the first time)
+	@tests/viewer/setup.sh
+	$(PYTHON_IN_VENV) -m pytest tests/viewer
 
 viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
 	@tests/real_blender/run_viewport.sh

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.util import find_spec
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 import numpy as np
@@ -134,7 +134,8 @@ def _index(ior) -> float:
 @lru_cache
 def _metal(name: str) -> np.ndarray:
     """Reflectance of a polished metal head-on, from the refractive indices that come with Mitsuba. (3,)"""
-    found = find_spec("mitsuba")
+    # Asked of the files: once loaded, the module itself does not tell.
+    found = PathFinder.find_spec("mitsuba")
     if found is None:
         raise BackendError("Mitsuba, which has the refractive indices of metals, is not installed")
     folder = Path(found.submodule_search_locations[0]) / "data" / "ior"
