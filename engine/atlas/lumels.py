@@ -137,13 +137,14 @@ class LumelTable:
             self._held += made.size()
         return made
 
-    def validate(self, scene, cancelled=lambda: False) -> None:
+    def validate(self, scene, cancelled=lambda: False, progress=None) -> None:
         """Find lumels that are inside solids or covered, and push places off the surfaces beside them.
 
         Parameters
         ----------
         scene : CompiledScene    With the meshes of the table in it.
         cancelled : callable    Asked before every launch.
+        progress : callable or None    Told the number of each block before its turn, and how many there are.
 
         Raises
         ------
@@ -157,6 +158,8 @@ class LumelTable:
         for number, (layout, *_) in enumerate(self._bands):
             if cancelled():
                 raise Cancelled("cancelled")
+            if progress is not None:
+                progress(number, len(self._bands))
             block = self._make(number)
             axes = self._axes(block, self._atlas.layouts[layout])
             dropped, moved, shift = examiner.examine(block.receivers, *axes)

@@ -225,7 +225,12 @@ class Bake:
             raise SceneError(
                 "no lumel lies on the surfaces of the objects; raise the lumels per metre"
             )
-        table.validate(compiled, self.host.cancelled)
+
+        def report(number: int, count: int) -> None:
+            stage = f"finding lumels, {100 * number // count} %"
+            self._report(Progress(0.0, 0, float("inf"), self._seconds, None, stage))
+
+        table.validate(compiled, self.host.cancelled, report)
         if not any(table.block(number).valid.any() for number in range(len(table.counts))):
             raise SceneError("all lumels lie inside solids: nothing of the objects can be seen")
         return table
