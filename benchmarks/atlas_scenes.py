@@ -296,7 +296,7 @@ BUILDERS: dict[str, Callable[[], AtlasScene]] = {
 RACE = ("office", "cornell", "cabin", "window")
 """Scenes in which programs race."""
 
-QUICK = ("cornell", "cabin")
+QUICK = ("cornell", "window")
 """Scenes of a quick run."""
 
 
