@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..accuracy.forecast import Forecaster
-from ..accuracy.history import History
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob, Pilot, Trial
@@ -302,8 +301,3 @@ def _pass_seconds(first: Trial, second: Trial, samples: float) -> float:
 def _mean(values: np.ndarray, area: np.ndarray) -> float:
     total = float(area.sum())
     return float((values * area).sum()) / total if total > 0.0 else 0.0
-
-
-def history_of(state: LayerState) -> History:
-    """Error over time of a layer."""
-    return state.forecaster.history
