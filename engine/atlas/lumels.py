@@ -128,14 +128,7 @@ class LumelTable:
         """Return a block; the same whether it is made for the first time or anew."""
         if number in self._kept:
             return self._kept[number]
-        made = self._make(number)
-        if number in self._corrections:
-            made = _correct(made, self._corrections[number])
-        # The first ones are kept for good: blocks are asked for in turns, so what came last is needed last.
-        if self._held + made.size() <= self._memory:
-            self._kept[number] = made
-            self._held += made.size()
-        return made
+        return self._corrected(number, self._make(number))
 
     def validate(self, scene, cancelled=lambda: False, progress=None) -> None:
         """Find lumels that are inside solids or covered, and push places off the surfaces beside them.
@@ -168,8 +161,19 @@ class LumelTable:
                 self._corrections[number] = Correction(
                     bits, moved.astype(np.int32), shift.astype(np.float32)
                 )
+            self._corrected(number, block)
 
     # ---- private ----
+
+    def _corrected(self, number: int, block: LumelBlock) -> LumelBlock:
+        """A block that was just made, corrected and kept."""
+        if number in self._corrections:
+            block = _correct(block, self._corrections[number])
+        # The first ones are kept for good: blocks are asked for in turns, so what came last is needed last.
+        if self._held + block.size() <= self._memory:
+            self._kept[number] = block
+            self._held += block.size()
+        return block
 
     def _axes(self, block: LumelBlock, layout: SurfaceLayout):
         """Steps on the surface from lumel to lumel, in a row and from row to row. (n, 3), (n, 3) [m]"""

@@ -9,9 +9,10 @@ import numpy as np
 from ..accuracy.forecast import Forecaster
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
-from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob, Pilot, Trial
+from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
+from ..transport.pilot import Pilot, Trial
 
-PASSES = 16
+PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
 low-discrepancy points to pay within each."""
 
@@ -20,9 +21,6 @@ SHORT = 32
 
 TRIAL_PARTS = (1.0 / 16.0, 1.0 / 5.0)
 """Shares of the tiles on which the first and the second trial of the planned pass are made."""
-
-STEEPEST, FLATTEST = 2.0, 1.0
-"""Bounds on the power of the samples of a pass by which its variance is believed to fall."""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -176,32 +174,21 @@ class Layer:
             *([rule.error * mean] if rule.error is not None else []),
             *([rule.absolute] if rule.absolute is not None else []),
         ]
-        if targets and max(targets) > 0.0:
-            wanted = PASSES * max(targets) ** 2
-            levels = pilot.plan(square=wanted)
-        else:
-            wanted = None
+        wanted = PASSES * max(targets) ** 2 if targets and max(targets) > 0.0 else None
+
+        def plan() -> Levels:
             each = (rule.samples or SHORT * PASSES) / PASSES
-            levels = pilot.plan(samples=each)
-        if rule.samples is not None:
-            levels = min(levels, pilot.plan(samples=rule.samples / PASSES), key=Levels.total)
-        before = Levels.even(job.count, 1, job.guide is not None)
-        reference = pilot.square(before)
-        first = pilot.try_pass(TRIALS, levels, TRIAL_PARTS[0])
-        square = first.square
-        if wanted is not None and square > 0.0:
-            # How the variance falls within a pass, from single samples to this many.
-            growth = levels.total() / before.total()
-            power = FLATTEST
-            if growth > 2.0 and reference > square:
-                power = math.log(reference / square) / math.log(growth)
-                power = min(max(power, FLATTEST), STEEPEST)
-            scale = (square / wanted) ** (1.0 / power)
-            better = pilot.plan(samples=max(levels.total() * scale / max(job.count, 1), 1.0))
-            if rule.samples is None or better.total() < levels.total():
-                levels = better
-        trial = pilot.try_pass(TRIALS + 2, levels, TRIAL_PARTS[1])
-        square, seconds = trial.square, _pass_seconds(first, trial, levels.total())
+            if wanted is None:
+                return pilot.plan(samples=each)
+            levels = pilot.plan(square=wanted)
+            if rule.samples is not None:
+                levels = min(levels, pilot.plan(samples=each), key=Levels.total)
+            return levels
+
+        first = pilot.try_pass(TRIALS, plan(), TRIAL_PARTS[0])
+        trial = pilot.try_pass(TRIALS + 2, plan(), TRIAL_PARTS[1])
+        levels = plan()
+        square, seconds = pilot.square(levels), _pass_seconds(first, trial, levels.total())
         begin = time.perf_counter()
         job.compare(TRIALS, levels)
         seconds += (time.perf_counter() - begin) / CHECK_INTERVAL

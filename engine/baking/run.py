@@ -28,7 +28,8 @@ from ..scene.scene import Scene
 from ..transport.bands import TOLERANCE as BAND_TOLERANCE
 from ..transport.bands import interpolation_error
 from ..transport.light_paths import LightTracer
-from ..transport.lux_job import LuxJob, Options, tile_numbers
+from ..transport.lux_job import LuxJob, Options
+from ..transport.pilot import tile_numbers
 from .files import scale_top, write_page, write_report
 from .layer import Layer, LayerState
 from .light_layers import split_lights

@@ -7,33 +7,29 @@ found best for every tile of the maps: in proportion to the scatter, and to the 
 allocation).
 """
 
-import time
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..accuracy.replicates import ReplicateSums
 from ..arrays import upload
 from ..errors import Cancelled
 from ..photometry.spectra import observer
 from . import gather
+from .cached_gather import NEAR
 from .cells import CellSet
 from .guide import Guide
 from .lights import learn
-from .rays import spawn_ray
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
+from .sight import Sight
 from .sweeps import Sweeper
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
 
-LANES = 1 << 19
+LANES = 1 << 20
 """Samples of one launch: a fraction of a second each, so that a cancel is heard soon."""
-
-TILE = 8
-"""Side of the squares that are given samples alike. [lumel]"""
 
 KINDS = ("direct", "gathered", "guided")
 """Ways in which light is sampled: next-event to lights, rays by the cosine law, points on bright cells."""
@@ -46,24 +42,18 @@ COSTS = (1.0, 2.5, 1.5)
 SAMPLE_COST = COSTS[DIRECT] + COSTS[GATHERED]
 """Cost of what counts as one sample."""
 
-SPREAD = 8.0
-"""Largest factor between a tile's samples and the mean of all."""
-
-MOST_SAMPLES = 1024
-"""Most samples of a lumel in a pass."""
-
 CELLS_PER_LUMEL = 1.0 / 8.0
 FEWEST_CELLS, MOST_CELLS = 8_000, 300_000
 """How many cells there are: as many as serve the lumels, within bounds."""
 
-PILOT_SAMPLES = 2
-"""Samples of a lumel in a pass of the pilot, of each kind."""
-
 MOST_SHARING = 2
 """Most passes that share a sweep."""
 
-LOOKS = 1 << 15
-"""Rays that find which surfaces a job looks at."""
+NEAR_SHARE, MOST_FINER = 0.15, 4.0
+"""Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
+
+LOOKS = 4
+"""Rays for every cell that find which surfaces a job looks at."""
 
 CHECK_INTERVAL = 4
 """Passes from check to check."""
@@ -92,9 +82,6 @@ SPAN_PLACES, KEPT_SPANS = 1 << 21, 2
 FEW, MOST_UNITS = 3, 1 << 22
 """Level below which lumels are worked on apart from the others, where there are more samples than this."""
 
-FEWEST_TRIED = 2_000
-"""Lumels on which passes are tried, at least."""
-
 NO_SAMPLES = 255
 """Level of lumels that get nothing."""
 
@@ -121,7 +108,8 @@ class Options:
     guided: bool = True
 
 
-_POWERS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
+SAMPLE_COUNTS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
+"""By level."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +129,8 @@ class Levels:
     def total(self) -> float:
         """Sum of `samples`."""
         sums = [
-            float(np.bincount(each, minlength=NO_SAMPLES + 1) @ _POWERS) for each in self.columns
+            float(np.bincount(each, minlength=NO_SAMPLES + 1) @ SAMPLE_COUNTS)
+            for each in self.columns
         ]
         return float(np.dot(sums, COSTS)) / SAMPLE_COST
 
@@ -165,7 +154,7 @@ class Levels:
 
 
 def _count(levels: np.ndarray) -> np.ndarray:
-    return _POWERS[levels]
+    return SAMPLE_COUNTS[levels]
 
 
 class LuxJob:
@@ -208,9 +197,16 @@ class LuxJob:
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
             wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
-            self.cells = CellSet(scene, wanted, self._importance)
+            sight = self._look(wanted)
+            self.cells = CellSet(scene, wanted, sight.shares)
+            # Where much is near at hand, such as seats in rows, finer cells can be read more often.
+            finer = (sight.near_share(self.cells, NEAR) / NEAR_SHARE) ** 2
+            if finer > 1.0:
+                wanted = int(min(wanted * min(finer, MOST_FINER), max(MOST_CELLS, wanted)))
+                self.cells = CellSet(scene, wanted, sight.shares)
             if self.cells and options.cells:
-                self.sweeper = Sweeper(scene, self.cells, seed, cancelled, self._leaves_sun)
+                sides = sight.sides(self.cells)
+                self.sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
         self.spans = self._find_spans()
@@ -343,35 +339,10 @@ class LuxJob:
 
     # ---- private ----
 
-    def _importance(self, numbers: list[int]) -> np.ndarray:
-        """How often rays from the lumels, and from where these land, meet each shape. (n,) of sum 1"""
-        draw = np.random.default_rng([self.seed & 0xFFFFFFFF, 3])
+    def _look(self, cells: int) -> Sight:
+        """What there is to be seen, for so many cells."""
         parts = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 12)]
-        places = np.concatenate([self.scene.local(part.positions) for part in parts])
-        normals = np.concatenate([part.normals for part in parts])
-        weights = np.concatenate(
-            [np.repeat(part.weights / part.count, part.count) for part in parts]
-        )
-        rows = draw.choice(len(places), LOOKS, p=weights / weights.sum())
-        si = dr.zeros(mi.SurfaceInteraction3f, LOOKS)
-        si.p = mi.Point3f(*(upload(mi.Float, places[rows, i]) for i in range(3)))
-        si.n = mi.Normal3f(*(upload(mi.Float, normals[rows, i]) for i in range(3)))
-        si.sh_frame = mi.Frame3f(si.n)
-        stream = mi.PCG32(size=LOOKS, initstate=self.seed & 0xFFFFFFFF)
-        found = np.zeros(self.scene.shape_count)
-        active = mi.Bool(True)
-        for weight in (1.0, 0.5):
-            sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-            away = si.to_world(mi.warp.square_to_cosine_hemisphere(sample))
-            hit = self.scene.solid.ray_intersect(spawn_ray(self.scene, si, away), active)
-            active &= hit.is_valid()
-            met = np.array(dr.reinterpret_array(mi.UInt32, hit.shape))
-            found += weight * np.bincount(met[np.array(active)], minlength=len(found))
-            facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
-            si = dr.zeros(mi.SurfaceInteraction3f, LOOKS)
-            si.p, si.n, si.sh_frame = hit.p, facing, mi.Frame3f(facing)
-        own = found[numbers]
-        return own / max(own.sum(), 1e-300)
+        return Sight(self.scene, parts, LOOKS * cells, self.seed)
 
     def _find_spans(self) -> list[slice]:
         """Lumels that are worked on together: those of as many blocks as their places fit."""
@@ -396,14 +367,14 @@ class LuxJob:
             gather.typical_wavelengths(),
         )
 
+    def trace(self, number: int, levels: Levels) -> None:
+        """Trace from the lights anew, for a pass."""
+        self._trace(number, int(TRACE_SHARE * levels.total()))
+
     def refresh(self, number: int, levels: Levels) -> None:
         """Trace from the lights and sweep the cells anew, for a pass."""
-        if number == 0:
-            return
-        self._trace(number, int(TRACE_SHARE * levels.total()))
-        if self.sweeper is None:
-            return
-        if number % self.sharing(levels):
+        self.trace(number, levels)
+        if self.sweeper is None or number % self.sharing(levels):
             return
         # About a quarter of the pass's work, in whole powers of two.
         work = self._sweep_work(levels)
@@ -624,196 +595,3 @@ def _batches(levels: np.ndarray, known: np.ndarray):
 def _spread(count: int, most: int) -> list[int]:
     """At most so many of the numbers below ``count``, evenly spread."""
     return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most))}) if count else []
-
-
-@dataclass(frozen=True)
-class Trial:
-    """What a planned pass would give and take.
-
-    Parameters
-    ----------
-    square : float    Square of the map's standard error after one such pass. [lx2]
-    sweep_seconds : float    For the cells. [s]
-    seconds : float    For the part of the lumels that was tried. [s]
-    samples : float    Sum over that part.
-    """
-
-    square: float
-    sweep_seconds: float
-    seconds: float
-    samples: float
-
-
-class Pilot:
-    """First passes that find how lumels scatter, and from it how many samples each should get.
-
-    Parameters
-    ----------
-    job : LuxJob
-    """
-
-    def __init__(self, job: LuxJob):
-        self.job = job
-        share = np.where(job.valid, job.area, 0.0)
-        self._share = (share / max(share.sum(), 1e-300)).astype(np.float32)
-        self._scatter = np.zeros((len(KINDS), job.count), dtype=np.float32)
-        # A number in 0..1 for every tile, by which some of them are chosen.
-        self._lot = np.zeros(job.count, dtype=np.float32)
-
-    def run(self, sums: ReplicateSums) -> None:
-        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind.
-
-        Where there is a guide two more are made without it, and it is kept only if it pays.
-        """
-        job = self.job
-        self._scatter = self._find_scatter(sums, 0)
-        if job.guide is None:
-            return
-        guide = job.guide
-        job.guide = None
-        alone = self._find_scatter(None, 2)
-        if self._price(alone) <= self._price(self._scatter):
-            job.drop_guide()
-            self._scatter = alone
-        else:
-            job.guide = guide
-
-    def _price(self, scatter: np.ndarray) -> float:
-        """Work for a given error with the best numbers of samples of each kind, up to a factor."""
-        total = (scatter * self._share).sum(axis=1, dtype=np.float64)
-        return float(np.sqrt(total * np.array(COSTS)).sum())
-
-    def _find_scatter(self, sums: ReplicateSums | None, first_number: int) -> np.ndarray:
-        """Variances of single samples, mean over tiles. (kinds, n) [lx2]"""
-        job = self.job
-        levels = Levels.even(job.count, PILOT_SAMPLES, job.guide is not None)
-        first = np.zeros((len(KINDS), job.count), dtype=np.float32)
-        scatter = np.zeros_like(first)
-        for half in range(2):
-            job.refresh(first_number + half, levels)
-            for part, values in job.estimates(first_number + half, levels):
-                if sums is not None:
-                    sums.add(part.start, values.sum(axis=0), levels.samples(part))
-                if half == 0:
-                    first[:, part] = values[..., 0]
-                    continue
-                # Of two values each, so half their squared difference is the variance of one.
-                square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
-                tiles = self._tiles(part)
-                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
-                self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
-                for kind in range(len(KINDS)):
-                    scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
-            if sums is not None:
-                sums.end_pass()
-        return scatter
-
-    def _tiles(self, span: slice) -> np.ndarray:
-        """Number of the tile of every lumel of a span."""
-        job, made, count = self.job, [], 0
-        inside = (job.first[:-1] >= span.start) & (job.first[:-1] < span.stop)
-        for number in np.flatnonzero(inside):
-            own = tile_numbers(job.table.block(int(number)), job.table.width(int(number)))
-            made.append(own + count)
-            count += int(own.max(initial=-1)) + 1
-        return np.concatenate(made)
-
-    def plan(self, square: float | None = None, samples: float | None = None) -> Levels:
-        """Samples of every lumel in a pass.
-
-        Parameters
-        ----------
-        square : float or None    Square of the map's standard error that one pass should have, were its samples independent.
-            [lx2]
-        samples : float or None    Or mean number of samples of a lumel.
-        """
-        job, options = self.job, self.job.options
-        cost = np.array(COSTS, dtype=np.float32)
-        wanted = np.sqrt(self._scatter * self._share / cost[:, None])
-        if not options.direct_apart:
-            both = np.sqrt(self._scatter.sum(axis=0) * self._share / cost.sum())
-            wanted = np.stack([both] * len(KINDS))
-        mean = wanted[:, job.valid].mean(axis=1)
-        if not options.adaptive:
-            wanted = np.repeat(mean[:, None], job.count, axis=1)
-        # Of what little was seen not too much is believed.
-        wanted = np.clip(wanted, mean[:, None] / SPREAD, mean[:, None] * SPREAD)
-        # Where one kind has no scatter at all, one sample of it will do.
-        wanted = np.log2(np.maximum(wanted, 1e-6 * max(float(mean.max()), 1e-30)))
-
-        def levels(shift: float) -> Levels:
-            made = np.clip(np.round(wanted + np.float32(shift)), 0, np.log2(MOST_SAMPLES))
-            made = made.astype(np.uint8)
-            if job.guide is None:
-                made[GUIDED] = NO_SAMPLES
-            return Levels(made)
-
-        def is_enough(shift: float) -> bool:
-            made = levels(shift)
-            if square is not None:
-                return self.square(made) <= square
-            return made.total() >= samples * job.count
-
-        high = float(-wanted.min(initial=0.0)) + np.log2(MOST_SAMPLES)
-        low = float(-wanted.max(initial=0.0)) - 1.0
-        for _ in range(30):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if is_enough(middle) else (middle, high)
-        return levels(high)
-
-    def square(self, levels: Levels, chosen=slice(None)) -> float:
-        """Square of the map's standard error after one pass, were its samples independent. [lx2]"""
-        total = 0.0
-        for scatter, column in zip(self._scatter, levels.columns, strict=True):
-            per_sample = np.divide(1.0, _POWERS, out=np.zeros_like(_POWERS), where=_POWERS > 0.0)
-            inverse = per_sample.astype(np.float32)[column[chosen]]
-            total += float((scatter[chosen] * self._share[chosen] * inverse).sum(dtype=np.float64))
-        return total
-
-    def try_pass(self, number: int, levels: Levels, part: float) -> Trial:
-        """Make a planned pass twice on a part of the tiles.
-
-        Parameters
-        ----------
-        number : int    Of the first; the second has the next one.
-        levels : Levels
-        part : float    Share of the tiles, at least.
-        """
-        job = self.job
-        chosen = self._lot < max(part, FEWEST_TRIED / max(job.count, 1))
-        if float(self._share[chosen].sum()) < 0.5 * part:
-            chosen = np.ones(job.count, dtype=bool)
-        few = levels.only(chosen)
-        found = np.zeros((2, job.count), dtype=np.float32)
-        sweeping, sampling = [], []
-        for half in range(2):
-            start = time.perf_counter()
-            job.refresh(number + half, levels)
-            middle = time.perf_counter()
-            for span, values in job.estimates(number + half, few):
-                found[half, span] = values[..., 0].sum(axis=0)
-            sweeping.append(middle - start)
-            sampling.append(time.perf_counter() - middle)
-        square = float(
-            (0.5 * (found[0] - found[1]) ** 2 * self._share)[chosen].sum(dtype=np.float64)
-        )
-        supposed = self.square(levels, chosen)
-        if supposed > 0.0:
-            # What is known of all tiles, corrected by how these few turned out.
-            square *= self.square(levels) / supposed
-        return Trial(square, sum(sweeping) / 2.0, min(sampling), few.total())
-
-
-def tile_numbers(block, width: int) -> np.ndarray:
-    """Number of the tile of every lumel of a block: a square of its chart. (n,) ``width``: of the page. [lumel]"""
-    y, x = np.divmod(block.index, width)
-    across = width // TILE + 1
-    key = (block.chart.astype(np.int64) * across + y // TILE) * across + x // TILE
-    return np.unique(key, return_inverse=True)[1].reshape(-1)
-
-
-def _mean_by(group: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Mean of a lumel's group at every lumel. (n,)"""
-    total = np.bincount(group, weights=values * counts)
-    number = np.bincount(group, weights=counts.astype(np.float64))
-    return (total / np.maximum(number, 1.0))[group]

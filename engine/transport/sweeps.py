@@ -20,10 +20,10 @@ FIRST_SWEEPS = 1 << 30
 FEWEST = 4
 """Samples of a cell in the first sweeps, over all turns."""
 
-CAREFUL = 128
+CAREFUL = 64
 """Samples by which the quarters of a cell are compared, likewise; eight of each turn at least."""
 
-CAREFUL_SWEEPS = 3
+CAREFUL_SWEEPS = 2
 """How many sweeps of as many samples are made at last."""
 
 GROWING = 0.005
@@ -61,6 +61,7 @@ class Sweeper:
     ----------
     scene : CompiledScene
     cells : CellSet
+    sides : (n,) array    Sides of cells that may be seen; all others are not read.
     seed : int
     cancelled : callable    Asked before every launch.
     without_bent_sun : bool    As of `cached_gather.incoming`.
@@ -70,6 +71,7 @@ class Sweeper:
         self,
         scene,
         cells: CellSet,
+        sides: np.ndarray,
         seed: int,
         cancelled=lambda: False,
         without_bent_sun: bool = False,
@@ -79,7 +81,7 @@ class Sweeper:
         self.guide = None
         self.seed = seed
         self._weights = cells.bands.luminous()
-        self._sides = cells.sides
+        self._sides = sides
         self._areas = cells.area[self._sides // 2]
         self._upload_sides()
 
@@ -108,16 +110,15 @@ class Sweeper:
             # What further sweeps will add is mostly more of the same.
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
-        values = 0.0
+        values, parts = 0.0, 0.0
         for number in range(CAREFUL_SWEEPS):
             made = self._sweep(FIRST_SWEEPS - 1 - number, max(CAREFUL // turns, 8))
             own = self._balanced(made)
             lit |= own.max(axis=1, initial=0.0) > 0.0
             self._store(own)
-            # The first goes by what is still rough.
-            if number > 0:
-                values = values + own / (CAREFUL_SWEEPS - 1)
-        self._mark_uneven(made.sum(axis=0))
+            values = values + own / CAREFUL_SWEEPS
+            parts = parts + made.sum(axis=0) / CAREFUL_SWEEPS
+        self._mark_uneven(parts)
         self._store(values)
         # Sides that no light was ever found on lie inside solids.
         self._sides, self._areas = self._sides[lit], self._areas[lit]
@@ -196,7 +197,7 @@ class Sweeper:
         marked = brightest - darkest > SIGNIFICANT * np.sqrt(2.0) * noise
         marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
         marked |= self._edges(quarters.mean(axis=1), noise, mean)
-        flags = np.zeros(max(2 * self.cells.count, 1), dtype=bool)
+        flags = np.ones(max(2 * self.cells.count, 1), dtype=bool)
         flags[self._sides] = marked
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)

@@ -35,7 +35,7 @@ def sweep(compiled, count):
     from lumenray.engine.transport.sweeps import Sweeper
 
     cells = CellSet(compiled, count, alike)
-    sweeper = Sweeper(compiled, cells, 3)
+    sweeper = Sweeper(compiled, cells, cells.sides, 3)
     sweeper.find()
     ratios = sweeper.state()["values"].reshape(-1, cells.bands.count).astype(float)
     return cells, ratios @ cells.bands.luminous() * cells.bands.illuminance()

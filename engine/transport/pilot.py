@@ -1,0 +1,257 @@
+"""The pilot of a lux map job: first passes that find how lumels scatter, and from it how many samples each should get."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..accuracy.replicates import ReplicateSums
+from .lux_job import COSTS, GUIDED, KINDS, NO_SAMPLES, SAMPLE_COUNTS, Levels, LuxJob
+
+TILE = 8
+"""Side of the squares that are given samples alike. [lumel]"""
+
+STEEPEST, FLATTEST = 2.0, 1.0
+"""Bounds on the power of the samples of a pass by which a variance is believed to fall."""
+
+SPREAD = 8.0
+"""Largest factor between a tile's samples and the mean of all."""
+
+MOST_SAMPLES = 1024
+"""Most samples of a lumel in a pass."""
+
+PILOT_SAMPLES = 2
+"""Samples of a lumel in a pass of the pilot, of each kind."""
+
+FEWEST_TRIED = 2_000
+"""Lumels on which passes are tried, at least."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a planned pass takes.
+
+    Parameters
+    ----------
+    sweep_seconds : float    For the cells. [s]
+    seconds : float    For the part of the lumels that was tried. [s]
+    samples : float    Sum over that part.
+    """
+
+    sweep_seconds: float
+    seconds: float
+    samples: float
+
+
+class Pilot:
+    """First passes that find how lumels scatter, and from it how many samples each should get.
+
+    Parameters
+    ----------
+    job : LuxJob
+    """
+
+    def __init__(self, job: LuxJob):
+        self.job = job
+        share = np.where(job.valid, job.area, 0.0)
+        self._share = (share / max(share.sum(), 1e-300)).astype(np.float32)
+        self._scatter = np.zeros((len(KINDS), job.count), dtype=np.float32)
+        # By which power of its samples the variance of each kind falls.
+        self._powers = np.ones(len(KINDS))
+        # A number in 0..1 for every tile, by which some of them are chosen.
+        self._lot = np.zeros(job.count, dtype=np.float32)
+
+    def run(self, sums: ReplicateSums) -> None:
+        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind.
+
+        Where there is a guide two more are made without it, and it is kept only if it pays.
+        """
+        job = self.job
+        self._scatter = self._find_scatter(sums, 0)
+        if job.guide is None:
+            return
+        guide = job.guide
+        job.guide = None
+        alone = self._find_scatter(None, 2)
+        if self._price(alone) <= self._price(self._scatter):
+            job.drop_guide()
+            self._scatter = alone
+        else:
+            job.guide = guide
+
+    def _price(self, scatter: np.ndarray) -> float:
+        """Work for a given error with the best numbers of samples of each kind, up to a factor."""
+        total = (scatter * self._share).sum(axis=1, dtype=np.float64)
+        return float(np.sqrt(total * np.array(COSTS)).sum())
+
+    def _find_scatter(self, sums: ReplicateSums | None, first_number: int) -> np.ndarray:
+        """Variances of single samples, mean over tiles. (kinds, n) [lx2]"""
+        job = self.job
+        levels = Levels.even(job.count, PILOT_SAMPLES, job.guide is not None)
+        first = np.zeros((len(KINDS), job.count), dtype=np.float32)
+        scatter = np.zeros_like(first)
+        for half in range(2):
+            # Sweeps of so few samples would make the cells worse.
+            if first_number + half > 0:
+                job.trace(first_number + half, levels)
+            for part, values in job.estimates(first_number + half, levels):
+                if sums is not None:
+                    sums.add(part.start, values.sum(axis=0), levels.samples(part))
+                if half == 0:
+                    first[:, part] = values[..., 0]
+                    continue
+                # Of two values each, so half their squared difference is the variance of one.
+                square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
+                tiles = self._tiles(part)
+                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
+                self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
+                for kind in range(len(KINDS)):
+                    scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
+            if sums is not None:
+                sums.end_pass()
+        return scatter
+
+    def _tiles(self, span: slice) -> np.ndarray:
+        """Number of the tile of every lumel of a span."""
+        job, made, count = self.job, [], 0
+        inside = (job.first[:-1] >= span.start) & (job.first[:-1] < span.stop)
+        for number in np.flatnonzero(inside):
+            own = tile_numbers(job.table.block(int(number)), job.table.width(int(number)))
+            made.append(own + count)
+            count += int(own.max(initial=-1)) + 1
+        return np.concatenate(made)
+
+    def plan(self, square: float | None = None, samples: float | None = None) -> Levels:
+        """Samples of every lumel in a pass.
+
+        Parameters
+        ----------
+        square : float or None    Square of the map's standard error that one pass should have. [lx2]
+        samples : float or None    Or mean number of samples of a lumel.
+        """
+        job, options = self.job, self.job.options
+        power = self._powers[:, None].astype(np.float32)
+        cost = np.array(COSTS, dtype=np.float32)[:, None]
+        scatter = self._scatter
+        if not options.direct_apart:
+            power, cost = np.float32(power.min()), cost.sum()
+            scatter = np.repeat(scatter.sum(axis=0)[None, :], len(KINDS), axis=0)
+        # Least work for an error: samples such that another one of any kind and tile is worth the same.
+        worth = power * scatter * self._share * PILOT_SAMPLES ** (power - 1.0) / cost
+        wanted = worth ** (1.0 / (1.0 + power))
+        mean = wanted[:, job.valid].mean(axis=1)
+        if not options.adaptive:
+            wanted = np.repeat(mean[:, None], job.count, axis=1)
+        # Of what little was seen not too much is believed.
+        wanted = np.clip(wanted, mean[:, None] / SPREAD, mean[:, None] * SPREAD)
+        # Where one kind has no scatter at all, one sample of it will do.
+        wanted = np.log2(np.maximum(wanted, 1e-6 * max(float(mean.max()), 1e-30)))
+
+        def levels(shift: float) -> Levels:
+            made = wanted + np.float32(shift) / (1.0 + power)
+            made = np.clip(np.round(made), 0, np.log2(MOST_SAMPLES))
+            made = made.astype(np.uint8)
+            if job.guide is None:
+                made[GUIDED] = NO_SAMPLES
+            return Levels(made)
+
+        def is_enough(shift: float) -> bool:
+            made = levels(shift)
+            if square is not None:
+                return self.square(made) <= square
+            return made.total() >= samples * job.count
+
+        most = 1.0 + STEEPEST
+        high = most * (float(-wanted.min(initial=0.0)) + np.log2(MOST_SAMPLES))
+        low = most * (float(-wanted.max(initial=0.0)) - 1.0)
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if is_enough(middle) else (middle, high)
+        return levels(high)
+
+    def square(self, levels: Levels) -> float:
+        """Square of the map's standard error after one pass. [lx2]"""
+        return float(sum(self._squares(levels, slice(None), self._powers)))
+
+    def _squares(self, levels: Levels, chosen, powers) -> list[float]:
+        """What each kind contributes to `square` over some lumels. [lx2]"""
+        made = []
+        for scatter, column, power in zip(self._scatter, levels.columns, powers, strict=True):
+            inverse = _variance(power).astype(np.float32)[column[chosen]]
+            products = scatter[chosen] * self._share[chosen] * inverse
+            made.append(float(products.sum(dtype=np.float64)))
+        return made
+
+    def try_pass(self, number: int, levels: Levels, part: float) -> Trial:
+        """Make a planned pass twice on a part of the tiles, and learn from it how the variances fall.
+
+        Parameters
+        ----------
+        number : int    Of the first; the second has the next one.
+        levels : Levels
+        part : float    Share of the tiles, at least.
+        """
+        job = self.job
+        chosen = self._lot < max(part, FEWEST_TRIED / max(job.count, 1))
+        if float(self._share[chosen].sum()) < 0.5 * part:
+            chosen = np.ones(job.count, dtype=bool)
+        few = levels.only(chosen)
+        place = np.cumsum(chosen) - chosen
+        found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
+        sweeping, sampling = [], []
+        for half in range(2):
+            start = time.perf_counter()
+            job.refresh(number + half, levels)
+            middle = time.perf_counter()
+            for span, values in job.estimates(number + half, few):
+                own = chosen[span]
+                found[half][:, place[span][own]] = values[:, own, 0]
+            sweeping.append(middle - start)
+            sampling.append(time.perf_counter() - middle)
+        self._learn(levels, chosen, found[0] - found[1])
+        return Trial(sum(sweeping) / 2.0, min(sampling), few.total())
+
+    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> None:
+        """Find the powers by which variances fall from differences of two passes on chosen lumels. (kinds, n) [lx]"""
+        share = self._share[chosen]
+        measured = (0.5 * differences**2 * share).sum(axis=1, dtype=np.float64)
+        for kind, square in enumerate(measured):
+
+            def supposed(power: float, kind=kind) -> float:
+                powers = np.where(np.arange(len(KINDS)) == kind, power, self._powers)
+                return self._squares(levels, chosen, powers)[kind]
+
+            low, high = FLATTEST, STEEPEST
+            for _ in range(8):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if supposed(middle) > square else (low, middle)
+            self._powers[kind] = 0.5 * (low + high)
+        # Kinds that hang together by the cells, and what the powers cannot say.
+        whole = float((0.5 * differences.sum(axis=0) ** 2 * share).sum(dtype=np.float64))
+        known = sum(self._squares(levels, chosen, self._powers))
+        if whole > 0.0 and known > 0.0:
+            self._scatter *= np.float32(whole / known)
+
+
+def _variance(power: float) -> np.ndarray:
+    """Variance of the mean of 2^level samples, relative to that of one, by level; 0 for none."""
+    count = np.where(SAMPLE_COUNTS > 0.0, SAMPLE_COUNTS, 1.0)
+    made = np.where(
+        count > PILOT_SAMPLES, (count / PILOT_SAMPLES) ** -power / PILOT_SAMPLES, 1.0 / count
+    )
+    return np.where(SAMPLE_COUNTS > 0.0, made, 0.0)
+
+
+def tile_numbers(block, width: int) -> np.ndarray:
+    """Number of the tile of every lumel of a block: a square of its chart. (n,) ``width``: of the page. [lumel]"""
+    y, x = np.divmod(block.index, width)
+    across = width // TILE + 1
+    key = (block.chart.astype(np.int64) * across + y // TILE) * across + x // TILE
+    return np.unique(key, return_inverse=True)[1].reshape(-1)
+
+
+def _mean_by(group: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Mean of a lumel's group at every lumel. (n,)"""
+    total = np.bincount(group, weights=values * counts)
+    number = np.bincount(group, weights=counts.astype(np.float64))
+    return (total / np.maximum(number, 1.0))[group]

@@ -1,0 +1,100 @@
+"""What a job looks at: rays leave the lumels and wander on from surface to surface.
+
+Of most objects only one side is seen, such as the inner one of the walls of a room. Where nobody looks, cells need no
+light, and the outside of a house in the sun must not be taken for a lamp.
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import upload
+from .matt import MattTable
+from .rays import spawn_ray
+
+BOUNCES = 8
+"""Surfaces that a ray meets one after the other."""
+
+FEWEST_RAYS = 1 << 15
+
+WEIGHTS = (1.0, 0.5)
+"""How much the first and the second surface count for how often a shape is looked at."""
+
+SPREADING = 2
+"""Times that what is seen is taken to reach to the neighbours: what few rays may have missed."""
+
+
+class Sight:
+    """Hits of wandering rays.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    parts : list of Receivers    Where the rays start.
+    count : int    Of rays, at least.
+    seed : int
+    """
+
+    def __init__(self, scene, parts: list, count: int, seed: int):
+        count = max(count, FEWEST_RAYS)
+        draw = np.random.default_rng([seed & 0xFFFFFFFF, 3])
+        places = np.concatenate([scene.local(part.positions) for part in parts])
+        normals = np.concatenate([part.normals for part in parts])
+        weights = np.concatenate(
+            [np.repeat(part.weights / part.count, part.count) for part in parts]
+        )
+        rows = draw.choice(len(places), count, p=weights / weights.sum())
+        stream = mi.PCG32(size=count, initstate=seed & 0xFFFFFFFF)
+        si = dr.zeros(mi.SurfaceInteraction3f, count)
+        si.p = mi.Point3f(*(upload(mi.Float, places[rows, i]) for i in range(3)))
+        si.n = mi.Normal3f(*(upload(mi.Float, normals[rows, i]) for i in range(3)))
+        si.sh_frame = mi.Frame3f(si.n)
+        matt, active = MattTable(scene), mi.Bool(True)
+        self._shape_count = scene.shape_count
+        self._hits = []
+        for _ in range(BOUNCES):
+            sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+            away = si.to_world(mi.warp.square_to_cosine_hemisphere(sample))
+            ray = spawn_ray(scene, si, away)
+            hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), active)
+            active &= hit.is_valid()
+            met = scene.surface(hit, ray, active)
+            is_back = mi.Frame3f.cos_theta(met.wi) < 0.0
+            # What is not matt may let light through.
+            passes = (matt.row(met.shape, active) == 0) & (stream.next_float32() < 0.5)
+            turn = dr.select((dr.dot(met.n, away) < 0.0) ^ passes, 1.0, -1.0)
+            si = dr.zeros(mi.SurfaceInteraction3f, count)
+            si.p, si.n, si.t = met.p, met.n * turn, met.t
+            si.sh_frame = mi.Frame3f(si.n)
+            dr.eval(hit, is_back, active, si, stream)
+            self._hits.append((hit, is_back, mi.Bool(active)))
+
+    def shares(self, shapes: list[int]) -> np.ndarray:
+        """How often the rays, and those that go on from where they land, meet each of some shapes. (n,) of sum 1"""
+        found = np.zeros(self._shape_count)
+        for weight, (hit, _, active) in zip(WEIGHTS, self._hits, strict=False):
+            met = np.array(dr.reinterpret_array(mi.UInt32, hit.shape))[np.array(active)]
+            found += weight * np.bincount(met, minlength=len(found))
+        own = found[shapes]
+        return own / max(own.sum(), 1e-300)
+
+    def near_share(self, cells, distance: float) -> float:
+        """Share of the rays that land so near that cells are not read there. ``distance``: in sizes of cells. [-]"""
+        hit, _, active = self._hits[0]
+        near = active & (hit.t < distance * cells.near(hit.shape, active))
+        return float(np.array(near).mean())
+
+    def sides(self, cells) -> np.ndarray:
+        """Sides of cells that were met, and their neighbours. (n,) ascending"""
+        seen = np.zeros(2 * cells.count, dtype=bool)
+        for hit, is_back, active in self._hits:
+            is_matt = active & (cells.matt.row(hit.shape, active) > 0)
+            side = cells.side(hit.shape, hit.prim_index, hit.prim_uv, is_back, is_matt)
+            seen[np.array(side)[np.array(is_matt)]] = True
+        for _ in range(SPREADING):
+            before = seen.copy()
+            for face in (0, 1):
+                a, b = (2 * each + face for each in cells.neighbours)
+                seen[a[before[b]]] = True
+                seen[b[before[a]]] = True
+        return cells.sides[seen[cells.sides]]
