@@ -8,6 +8,8 @@ What is read holds light of all earlier reflections, so the estimate is unbiased
 sweeps before left out. `lux_job` measures that difference against full paths.
 """
 
+from dataclasses import dataclass, fields
+
 import drjit as dr
 import mitsuba as mi
 
@@ -59,23 +61,110 @@ def incoming(
         Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants: what was met otherwise, and what
         was read from cells. Their sum is what arrives.
     """
+    reads = cells is not None and bool(cells) and not is_exact
+    ray = mi.Ray3f(ray)
+    if is_spectral():
+        ray.wavelengths = wavelengths
+    rays = _Rays(
+        ray,
+        mi.PCG32(stream),
+        mi.Float(scatter_pdf),
+        mi.Point3f(reference),
+        mi.Float(ratio),
+        mi.Float(guided_ratio),
+    )
+    if not reads:
+        return _follow(scene, cells, rays, active, without_bent_sun, False, guide)
+    # Most rays end where they land. The others are few, and go on in a kernel of their own.
+    read, goes_on = _look_up(scene, cells, rays, active, guide)
+    dr.eval(rays, read, goes_on)
+    rest = dr.zeros(mi.Spectrum, dr.width(read))
+    few = dr.compress(goes_on)
+    if len(few):
+        found = _follow(scene, cells, rays.take(few), mi.Bool(True), without_bent_sun, True, guide)
+        dr.scatter(rest, found[0], few)
+        dr.scatter(read, found[1], few)
+    return rest, read
+
+
+@dataclass
+class _Rays:
+    """Rays from receivers; parameters as of `incoming`."""
+
+    ray: object
+    stream: object
+    scatter_pdf: object
+    reference: object
+    ratio: object
+    guided_ratio: object
+
+    def take(self, index) -> "_Rays":
+        """Some of the rays."""
+        return _Rays(
+            *(
+                value if dr.width(value) == 1 else dr.gather(type(value), value, index)
+                for value in (getattr(self, field.name) for field in fields(self))
+            )
+        )
+
+
+def _look_up(scene, cells, rays: _Rays, active, guide):
+    """What is read where rays land on a cell that may be read, is not coated and has no light of its own.
+
+    Returns
+    -------
+    (Spectrum, Bool)    Read; and which rays have to be followed.
+    """
+    hit, si = _hit(scene, rays.ray, active)
+    if is_spectral():
+        si.wavelengths = rays.ray.wavelengths
+    valid = active & si.is_valid()
+    row, coat, side, readable = _meet(cells, hit, si, rays.reference, valid)
+    emitter = scene.emitter(si, valid)
+    readable &= (coat == 0.0) & (emitter == None)  # noqa: E711 - element-wise
+    if cells.traced is not None:
+        readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
+    bsdf = scene.bsdf(si, readable)
+    matte = _matte(cells, bsdf, si, row, coat, readable)
+    value = matte * cells.value(side, si.wavelengths, readable)
+    if guide is not None:
+        value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
+    leaves = active & ~si.is_valid()
+    goes_on = (valid & ~readable) | (leaves & (scene.surroundings is not None))
+    return dr.select(readable, value, 0.0), goes_on
+
+
+def _matte(cells, bsdf, si, row, coat, active):
+    """Radiance that a matt surface sends for the irradiance that passes its coat. [sr-1]"""
+    return bsdf.eval_diffuse_reflectance(si, active) * (
+        (1.0 - coat) * cells.matt.scale(row, active) * dr.inv_pi
+    )
+
+
+def _against_guide(guide, rays: _Rays, si, side, pdf, active):
+    """Weight of what a ray from a receiver has read, beside points that the guide chooses. [-]"""
+    away = si.p - rays.reference
+    facing = dr.abs(dr.dot(dr.normalize(away), si.n))
+    found = guide.density(side, active) * dr.squared_norm(away)
+    found *= rays.guided_ratio / dr.maximum(facing, 1e-9)
+    return dr.select(active, paths.power_heuristic(pdf, found), 1.0)
+
+
+def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
+    """Follow rays to their ends; returns as `incoming`."""
     spectral = is_spectral()
     context = mi.BSDFContext()
-    reads = cells is not None and bool(cells) and not is_exact
     traced = cells is not None and bool(cells) and cells.traced is not None
     has_mirrors = scene.mirrors is not None
-    ray = mi.Ray3f(ray)
-    if spectral:
-        ray.wavelengths = wavelengths
     state = {
-        "ray": ray,
-        "stream": mi.PCG32(stream),
+        "ray": mi.Ray3f(rays.ray),
+        "stream": mi.PCG32(rays.stream),
         "throughput": mi.Spectrum(1.0),
         "radiance": mi.Spectrum(0.0),
         "read": mi.Spectrum(0.0),
-        "pdf": mi.Float(scatter_pdf),
-        "reference": mi.Point3f(reference),
-        "ratio": mi.Float(ratio),
+        "pdf": mi.Float(rays.scatter_pdf),
+        "reference": mi.Point3f(rays.reference),
+        "ratio": mi.Float(rays.ratio),
         "depth": mi.UInt32(1),
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
@@ -147,9 +236,7 @@ def incoming(
         if reads or traced:
             row, coat, side, readable = _meet(cells, hit, si, reference, active)
             is_matt = row > 0
-            matte = bsdf.eval_diffuse_reflectance(si, is_matt) * (
-                (1.0 - coat) * cells.matt.scale(row, is_matt) * dr.inv_pi
-            )
+            matte = _matte(cells, bsdf, si, row, coat, is_matt)
             if traced:
                 value = cells.traced_value(side, si.wavelengths, is_matt)
                 radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
@@ -158,11 +245,7 @@ def incoming(
             if guide is not None:
                 # Only what a straight line from the receiver meets could have been chosen.
                 first = readable & (depth == 1)
-                away = si.p - origin.p
-                facing = dr.abs(dr.dot(dr.normalize(away), si.n))
-                found = guide.density(side, first) * dr.squared_norm(away)
-                found *= guided_ratio / dr.maximum(facing, 1e-9)
-                value *= dr.select(first, paths.power_heuristic(pdf, found), 1.0)
+                value *= _against_guide(guide, rays, si, side, pdf, first)
             read = dr.select(readable, read + throughput * matte * value, read)
         if reads:
             # Only coats mirror what has not been read.
