@@ -81,7 +81,7 @@ def judge_run(judge: Judge, made: Made, level: float, seed: int) -> dict:
         reference; ``mean``: of the judged lumels over the reference; ``replicates``.
     """
     values, errors = judge.judged.values(made.result), judge.judged.errors(made.result)
-    replicates = made.result.pages[0].replicates
+    page = made.result.pages[0]
     reference = judge.reference
     true, stated = reference.error_of(values), reference.stated(errors)
     return {
@@ -92,15 +92,13 @@ def judge_run(judge: Judge, made: Made, level: float, seed: int) -> dict:
         "stated_here": stated,
         "true": true,
         "ratio": true / stated,
-        "covered": covered_share(
-            values - reference.values, errors, reference.errors, replicates - 1
-        ),
+        "covered": covered_share(values - reference.values, errors, reference.errors, page.freedom),
         "mean": reference.ratio(values)[0],
-        "replicates": replicates,
+        "replicates": page.replicates,
     }
 
 
-def covered_share(differences, errors, reference_errors, freedom: int) -> float:
+def covered_share(differences, errors, reference_errors, freedom: float) -> float:
     """Share of lumels whose interval of 95 % holds the reference.
 
     The reference's own error is small and widens the interval by its share.

@@ -20,7 +20,7 @@ LARGEST = 2048
 REFERENCE_ERROR = 0.002
 """Relative standard error of references: a fifth of the least that is tested. [-]"""
 
-REFERENCE_SECONDS = 30.0
+REFERENCE_SECONDS = 120.0
 """Longest that a reference may take. [s]"""
 
 PLACES_SEED = 11

@@ -70,7 +70,7 @@ def median(values) -> float | None:
     return float(np.median(list(values))) if len(values) else None
 
 
-def student_quantile(probability: float, freedom: int) -> float:
+def student_quantile(probability: float, freedom: float) -> float:
     """Quantile of Student's t, by the integral of its density. ``freedom``: at least 1; ``probability`` above 1/2."""
     low, high = 0.0, 1.0
     while _student_share(high, freedom) < probability:
@@ -84,7 +84,7 @@ def student_quantile(probability: float, freedom: int) -> float:
     return 0.5 * (low + high)
 
 
-def _student_share(t: float, freedom: int) -> float:
+def _student_share(t: float, freedom: float) -> float:
     """Probability of being below t.
 
     With t = sqrt(n) tan(a) the density becomes a power of a cosine, smooth between finite ends.

@@ -157,6 +157,7 @@ class AtlasPage:
     layers : dict of str to (h, w) float32    Illuminance by light group. [lx]
     exitance : (h, w, 3) float32 or None    X, Y, Z of the light that leaves, Y the luminous exitance. [lm/m2]
     replicates : int    Independent repetitions that the errors come from.
+    freedom : float    Degrees of freedom of the errors: those of the repetitions and of the lumels around. [-]
     files : tuple of str    Where it was written.
 
     The arrays are None where the order kept them in files only.
@@ -174,6 +175,7 @@ class AtlasPage:
     layers: dict[str, np.ndarray]
     exitance: np.ndarray | None
     replicates: int
+    freedom: float
     files: tuple[str, ...] = ()
 
 

@@ -21,6 +21,7 @@ class Estimates:
     layers : dict of str to (n,) array    [lx]
     exitance : (n, 3) array or None    X, Y, Z. [lm/m2]
     replicates : int
+    freedom : float    Of the errors. [-]
     """
 
     illuminance: np.ndarray
@@ -28,6 +29,7 @@ class Estimates:
     layers: dict[str, np.ndarray]
     exitance: np.ndarray | None
     replicates: int
+    freedom: float
 
 
 def lay_out_page(
@@ -80,6 +82,7 @@ def lay_out_page(
         layers={name: filled[2 + k] for k, name in enumerate(estimates.layers)},
         exitance=exitance,
         replicates=estimates.replicates,
+        freedom=estimates.freedom,
     )
     return made, rims
 

@@ -404,6 +404,7 @@ class Bake:
             "seed": str(order.seed),
             "samples": str(provenance.samples),
             "replicates": str(estimates.replicates),
+            "freedom": f"{estimates.freedom:g}",
         }
         pages, owners = [], []
 
@@ -554,7 +555,9 @@ def _estimates(
             own = state.sums.further_means()
             exitance = own if exitance is None else exitance + own
     error = np.sqrt(np.where(np.isfinite(square), square, 0.0))
-    return Estimates(total, error, named, exitance, replicates)
+    return Estimates(
+        total, error, named, exitance, replicates, max(replicates - 1, 1) + TILE_FREEDOM
+    )
 
 
 def pool_variance(sums, table: LumelTable) -> np.ndarray:

@@ -20,10 +20,13 @@ FIRST_SWEEPS = 1 << 30
 FEWEST = 4
 """Samples of a cell in the first sweeps, over all turns."""
 
-CAREFUL = 64
-"""Samples by which the quarters of a cell are compared, likewise; eight of each turn at least."""
+CAREFUL, CAREFUL_PATHS = 64, 1 << 19
+"""Samples by which the quarters of a cell are compared, likewise, eight of each turn at least; and paths of a sweep, where
+cells are few."""
 
-CAREFUL_SWEEPS = 2
+MOST_CAREFUL = 256
+
+CAREFUL_SWEEPS = 3
 """How many sweeps of as many samples are made at last."""
 
 GROWING = 0.005
@@ -111,13 +114,17 @@ class Sweeper:
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
         values, parts = 0.0, 0.0
+        wanted = max(CAREFUL // turns, 8, CAREFUL_PATHS // max(self.lanes_per_sample, 1))
+        samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number in range(CAREFUL_SWEEPS):
-            made = self._sweep(FIRST_SWEEPS - 1 - number, max(CAREFUL // turns, 8))
+            made = self._sweep(FIRST_SWEEPS - 1 - number, samples)
             own = self._balanced(made)
             lit |= own.max(axis=1, initial=0.0) > 0.0
             self._store(own)
-            values = values + own / CAREFUL_SWEEPS
-            parts = parts + made.sum(axis=0) / CAREFUL_SWEEPS
+            # The first goes by what is still rough.
+            if number > 0:
+                values = values + own / (CAREFUL_SWEEPS - 1)
+                parts = parts + made.sum(axis=0) / (CAREFUL_SWEEPS - 1)
         self._mark_uneven(parts)
         self._store(values)
         # Sides that no light was ever found on lie inside solids.

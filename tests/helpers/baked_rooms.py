@@ -143,6 +143,7 @@ def make_page(number, lux, covered, chart, exitance=None):
         layers={},
         exitance=exitance,
         replicates=16,
+        freedom=27.0,
     )
 
 

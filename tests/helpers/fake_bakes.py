@@ -97,6 +97,7 @@ def make_page(number: int, layers=(), exitance: bool = False) -> AtlasPage:
         layers={name: values * share_of(i, len(layers)) for i, name in enumerate(layers)},
         exitance=leaves,
         replicates=8,
+        freedom=19.0,
     )
 
 
