@@ -148,22 +148,41 @@ class LumelTable:
         self._corrections = {}
         self._kept, self._held = {}, 0
         examiner = Examiner(scene, cancelled)
-        for number, (layout, *_) in enumerate(self._bands):
+        group: list[tuple[int, LumelBlock]] = []
+        for number in range(len(self._bands)):
             if cancelled():
                 raise Cancelled("cancelled")
             if progress is not None:
                 progress(number, len(self._bands))
-            block = self._make(number)
-            axes = self._axes(block, self._atlas.layouts[layout])
-            dropped, moved, shift = examiner.examine(block.receivers, *axes)
-            if dropped.any() or len(moved):
-                bits = np.packbits(dropped) if dropped.any() else None
-                self._corrections[number] = Correction(
-                    bits, moved.astype(np.int32), shift.astype(np.float32)
-                )
-            self._corrected(number, block)
+            group.append((number, self._make(number)))
+            # Small objects are examined together.
+            places = sum(len(block.triangle) for _, block in group)
+            if places >= BLOCK_PLACES // 2 or number == len(self._bands) - 1:
+                self._examine(examiner, group)
+                group = []
 
     # ---- private ----
+
+    def _examine(self, examiner, group: list[tuple[int, LumelBlock]]) -> None:
+        """Find the corrections of some blocks, and keep these corrected."""
+        axes = [self._axes(block) for _, block in group]
+        receivers = _join([block.receivers for _, block in group])
+        dropped, moved, shift = examiner.examine(
+            receivers, *(np.concatenate(column) for column in zip(*axes, strict=True))
+        )
+        first = 0
+        for number, block in group:
+            end = first + len(block.triangle)
+            low, high = np.searchsorted(moved, [first, end])
+            own = dropped[first:end]
+            if own.any() or high > low:
+                self._corrections[number] = Correction(
+                    np.packbits(own) if own.any() else None,
+                    (moved[low:high] - first).astype(np.int32),
+                    shift[low:high].astype(np.float32),
+                )
+            self._corrected(number, block)
+            first = end
 
     def _corrected(self, number: int, block: LumelBlock) -> LumelBlock:
         """A block that was just made, corrected and kept."""
@@ -175,9 +194,10 @@ class LumelTable:
             self._held += block.size()
         return block
 
-    def _axes(self, block: LumelBlock, layout: SurfaceLayout):
+    def _axes(self, block: LumelBlock):
         """Steps on the surface from lumel to lumel, in a row and from row to row. (n, 3), (n, 3) [m]"""
         first = block.triangle[block.receivers.start]
+        layout = self._atlas.layouts[block.layout]
         return _lumel_axes(self._meshes[block.layout], layout, first)
 
     def _make(self, number: int) -> LumelBlock:
@@ -213,6 +233,22 @@ class LumelTable:
             receivers,
             triangle.astype(np.int32),
         )
+
+
+def _join(parts: list[Receivers]) -> Receivers:
+    """Receivers of several blocks in a row."""
+    if len(parts) == 1:
+        return parts[0]
+    ends = np.cumsum([0, *(len(part.positions) for part in parts)])
+    return Receivers(
+        *(
+            np.concatenate([getattr(part, name) for part in parts])
+            for name in ("positions", "normals", "geometric_normals")
+        ),
+        np.concatenate([part.start + end for part, end in zip(parts, ends, strict=False)]),
+        np.concatenate([part.count for part in parts]),
+        np.concatenate([part.weights for part in parts]),
+    )
 
 
 def _check(meshes, atlas: Atlas) -> None:

@@ -121,7 +121,7 @@ class Layer:
     def run(self, state: LayerState | None = None) -> LayerState:
         """Run to the end, from a state if there is one."""
         if state is None:
-            self.job.prepare()
+            self.job.prepare(self.rule.samples)
             state = self._begin()
         else:
             self.job.restore(state.cells)

@@ -212,11 +212,11 @@ class LuxJob:
         self.spans = self._find_spans()
         self._uploaded: dict[int, dict] = {}
 
-    def prepare(self) -> None:
-        """Find the light of the cells."""
+    def prepare(self, samples: float | None = None) -> None:
+        """Find the light of the cells. ``samples``: how many each lumel will get at most, where it is known."""
         self._trace(0, TRACED_PATHS[0])
         if self.sweeper is not None:
-            self.sweeper.find()
+            self.sweeper.find(None if samples is None else samples * self.count)
             self._set_guide(None)
 
     def _set_guide(self, powers) -> None:

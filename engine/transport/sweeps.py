@@ -88,8 +88,13 @@ class Sweeper:
         self._areas = cells.area[self._sides // 2]
         self._upload_sides()
 
-    def find(self) -> None:
-        """Find the light of all cells from nothing, and which cells are too uneven to be read."""
+    def find(self, work: float | None = None) -> None:
+        """Find the light of all cells from nothing, and which cells are too uneven to be read.
+
+        Parameters
+        ----------
+        work : float or None    Samples of the job, where they are known: sweeps need not be more careful than that.
+        """
         total, gain = 0.0, None
         turns = self.cells.bands.turns
         lit = np.zeros(len(self._sides), dtype=bool)
@@ -114,7 +119,11 @@ class Sweeper:
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
         values, parts = 0.0, 0.0
-        wanted = max(CAREFUL // turns, 8, CAREFUL_PATHS // max(self.lanes_per_sample, 1))
+        lanes = max(self.lanes_per_sample, 1)
+        wanted = max(CAREFUL // turns, CAREFUL_PATHS // lanes)
+        if work is not None:
+            wanted = min(wanted, max(work, CAREFUL_PATHS) / lanes)
+        wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number in range(CAREFUL_SWEEPS):
             made = self._sweep(FIRST_SWEEPS - 1 - number, samples)
