@@ -36,6 +36,9 @@ LEAST_RUNS = 3
 LONGEST, QUICK_LONGEST = 8.0, 3.0
 """Further runs of others that would take longer are not made. [s]"""
 
+OUR_LONGEST = 30.0
+"""After a bake of ours that takes longer no finer one is made. [s]"""
+
 SEED = 301
 
 
@@ -93,7 +96,7 @@ def _run_ours(ours: Ours, judge: Judge, levels, options=None) -> dict:
         values = judge.judged.values(made.result)
         points.append((made.seconds, judge.reference.error_of(values)))
         means.append(judge.reference.ratio(values)[0])
-        if made.seconds > LONGEST:
+        if made.seconds > OUR_LONGEST:
             # The next one would take four times as long; its time follows from those that were run.
             break
     work = [f"{100 * level:g} %" for level in levels[: len(points)]]
