@@ -46,6 +46,7 @@ class BakeSettings:
     checkpoint : bool    Whether the state is kept in the folder.
     resume : bool    Whether an interrupted bake there goes on; else it is forgotten.
     gltf : Path or None    Where the objects are written with their light.
+    gltf_textures, gltf_size : int    Most textures of that file, and the largest side of one. [-, texel]
     white : float or None    Luminance that becomes white there; None: found from the maps. [cd/m2]
     """
 
@@ -70,6 +71,8 @@ class BakeSettings:
     checkpoint: bool = False
     resume: bool = False
     gltf: Path | None = None
+    gltf_textures: int = 16
+    gltf_size: int = 2048
     white: float | None = None
 
 
@@ -140,12 +143,15 @@ class BakeJob:
             raise SceneError(f"{self.settings.folder} holds no interrupted bake that could go on")
 
     def _write_gltf(self, scene: Scene, result: BakeResult) -> list[Path]:
-        from ..engine.formats.gltf import write_gltf
+        from ..engine.formats.gltf import GltfLimits, write_gltf
 
+        limits = GltfLimits(self.settings.gltf_textures, self.settings.gltf_size)
         meshes = [scene.mesh(key) for key, item in scene.meshes.items() if item.visible_to_camera]
         white = self.settings.white or baked_look.automatic_white(result.mean)
         try:
-            return write_gltf(self.settings.gltf, meshes, scene.materials, result, white=white)
+            return write_gltf(
+                self.settings.gltf, meshes, scene.materials, result, white=white, limits=limits
+            )
         except LumenrayError as error:
             # The maps are worth hours; they do not go with a file that comes on top.
             self.report.error(self.settings.gltf.name, str(error), "the glTF file is not written")
@@ -222,6 +228,8 @@ def read_settings(settings, objects, rule: StopRule, folder: Path) -> BakeSettin
         caustics=settings.bake_caustics.lower(),
         checkpoint=settings.bake_checkpoint,
         gltf=folder / GLTF if settings.bake_gltf else None,
+        gltf_textures=settings.bake_gltf_textures,
+        gltf_size=settings.bake_gltf_size,
         white=white_luminance(settings),
     )
 

@@ -283,6 +283,10 @@ def _add_bake(commands) -> None:
         metavar="OUT.glb",
         help="also write the baked objects with their light, for viewers on the web (.glb or .gltf)",
     )
+    bake.add_argument("--gltf-textures", type=int, metavar="N", help="most textures of that file")
+    bake.add_argument(
+        "--gltf-size", type=int, metavar="N", help="largest side of one of them, in texels"
+    )
     bake.add_argument(
         "--save",
         type=Path,
@@ -603,6 +607,8 @@ def _bake_open(options, depsgraph):
         "smooth": options.smooth,
         "method": options.method,
         "caustics": options.caustics,
+        "gltf_textures": options.gltf_textures,
+        "gltf_size": options.gltf_size,
     }
     made = replace(
         made,

@@ -710,6 +710,21 @@ class LumenraySceneSettings(PropertyGroup):
         description="Also write the baked objects with their light as baked.glb, for viewers on the web",
         default=False,
     )
+    bake_gltf_textures: IntProperty(
+        name="Most textures",
+        description="Textures that the glTF file may have, both looks together; pages are put together to keep to it",
+        default=16,
+        min=1,
+        soft_max=64,
+    )
+    bake_gltf_size: IntProperty(
+        name="Texture size",
+        description="Largest side of a texture of the glTF file; larger pages are halved",
+        default=2048,
+        min=1,
+        max=16384,
+        subtype="PIXEL",
+    )
     bake_folder: StringProperty(
         name="Folder",
         description="Where lux maps are written as EXR",

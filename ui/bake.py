@@ -138,6 +138,10 @@ class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
         layout.prop(settings, "bake_folder")
         layout.prop(settings, "bake_checkpoint")
         layout.prop(settings, "bake_gltf", text=f"glTF ({bake.GLTF})")
+        column = layout.column(align=True)
+        column.active = settings.bake_gltf
+        column.prop(settings, "bake_gltf_textures")
+        column.prop(settings, "bake_gltf_size")
 
 
 # ---- light groups ----

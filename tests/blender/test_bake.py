@@ -839,6 +839,22 @@ def test_gltf_is_written_on_request(fake, tmp_path, paint):
         bake_all(tmp_path, gltf=str(tmp_path / "room.obj"))
 
 
+def test_the_textures_of_a_gltf_file_keep_to_the_limits(fake, tmp_path, paint):
+    add_quad("Floor", material=paint)
+    settings = bpy.context.scene.lumenray
+    settings.bake_gltf_textures, settings.bake_gltf_size = 2, SIZE // 2
+    bake_all(tmp_path, gltf=str(tmp_path / "room.gltf"))
+    content = json.loads((tmp_path / "room.gltf").read_text())
+    pictures = [bpy.data.images.load(str(tmp_path / each["uri"])) for each in content["images"]]
+    assert 1 <= len(pictures) <= 2
+    assert max(max(picture.size) for picture in pictures) == SIZE // 2
+    # Two looks do not fit into one texture.
+    settings.bake_gltf_textures = 1
+    bake_all(tmp_path, gltf=str(tmp_path / "other.gltf"))
+    rows = bpy.context.window_manager.lumenray.rows
+    assert any("allow more textures" in row.message for row in rows)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -289,8 +289,8 @@ def start_long_bake():
     press_button(
         bpy.ops.lumenray.bake_illuminance,
         objects=",".join(names),
-        error=0.05,
-        density=8.0,
+        error=0.01,
+        density=16.0,
         folder="/out/window-graph",
     )
 
@@ -299,6 +299,7 @@ def start_whole_bake():
     """Bake the room and all that is in it, and show it when it is done; its light in layers."""
     settings = bpy.context.scene.lumenray
     settings.bake_layers = "GROUPS" if VIEW == "baked" else "NONE"
+    settings.bake_smooth = True
     for source in bpy.data.objects:
         if source.type == "LIGHT":
             source.data.lumenray.light_group = source.name.rstrip(" 0123456789.")
@@ -309,8 +310,8 @@ def start_whole_bake():
     press_button(
         bpy.ops.lumenray.bake_illuminance,
         objects=",".join(names),
-        error=0.05,
-        density=8.0,
+        samples=24,
+        density=4.0,
         folder="/out/window-baked",
     )
     bpy.app.timers.register(show_when_done, first_interval=1.0)
