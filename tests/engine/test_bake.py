@@ -107,8 +107,17 @@ def assert_same(one, other):
         assert a.samples == b.samples
 
 
-@pytest.mark.parametrize("groups", [(), (LightGroup("sky", ("world",)),)], ids=["one", "layers"])
-def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(tmp_path, groups, monkeypatch):
+@pytest.mark.parametrize(
+    ("groups", "shares"),
+    [
+        ((), (0.5, 0.75, 0.86, 0.93, 0.98)),
+        ((LightGroup("sky", ("world",)),), (0.55, 0.9, 0.98)),
+    ],
+    ids=["one", "layers"],
+)
+def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(
+    tmp_path, groups, shares, monkeypatch
+):
     """Each turn is a place where a bake may end: in the middle of a pass, of its sweep, or of a check."""
     # Lumels are worked on in several lots, so that passes have a middle.
     monkeypatch.setattr("lumenray.engine.transport.lux_job.SPAN_PLACES", 1 << 12)
@@ -118,7 +127,7 @@ def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(tmp_path, gr
     expected = bake_in(whole.session, objects, **more)
     path = tmp_path / "state"
     went_on = 0
-    for share in (0.5, 0.75, 0.86, 0.93, 0.98):
+    for share in shares:
         stopped = Stopper(items, int(share * whole.turns))
         with pytest.raises(Cancelled):
             bake_in(stopped.session, objects, checkpoint=str(path), **more)
@@ -128,7 +137,7 @@ def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(tmp_path, gr
         assert_same(made, expected)
         assert not path.exists()
         assert fresh.turns < whole.turns or not went_on
-    assert went_on >= 3
+    assert went_on > len(shares) // 2
 
 
 def test_a_state_of_another_bake_is_refused(tmp_path):
