@@ -24,6 +24,7 @@ from .lights import learn
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 from .sight import Sight
+from .survey import Survey, survey
 from .sweeps import Sweeper
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -52,8 +53,11 @@ MOST_SHARING = 2
 NEAR_SHARE, MOST_FINER = 0.15, 4.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
-LOOKS = 4
-"""Rays for every cell that find which surfaces a job looks at."""
+LOOKS, FEWEST_LOOKS = 4, 1 << 15
+"""Rays for every cell that find which surfaces a job looks at, and the fewest of all."""
+
+LEARNING = 1 << 14
+"""Places from which the choice of lights learns."""
 
 CHECK_INTERVAL = 4
 """Passes from check to check."""
@@ -190,14 +194,14 @@ class LuxJob:
         if is_spectral():
             kind = "colour" if options.exitance else "luminance"
             self.sampler = WavelengthSampler(scene.mean_light, kind)
-        self.area = np.concatenate([table.block(i).area for i in range(len(table.counts))])
-        self.valid = np.concatenate([table.block(i).valid for i in range(len(table.counts))])
+        known = survey(table, seed)
+        self.area, self.valid = known.area, known.valid
         self._leaves_sun = tracer is not None and tracer.has_suns
-        self._learn()
+        self._learn(known)
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
             wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
-            sight = self._look(wanted)
+            sight = self._look(known, LOOKS * wanted)
             self.cells = CellSet(scene, wanted, sight.shares)
             # Where much is near at hand, such as seats in rows, finer cells can be read more often.
             finer = (sight.near_share(self.cells, NEAR) / NEAR_SHARE) ** 2
@@ -209,7 +213,7 @@ class LuxJob:
                 self.sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
-        self.spans = self._find_spans()
+        self.spans = self._find_spans(known.places)
         self._uploaded: dict[int, dict] = {}
 
     def prepare(self, samples: float | None = None) -> None:
@@ -339,33 +343,27 @@ class LuxJob:
 
     # ---- private ----
 
-    def _look(self, cells: int) -> Sight:
-        """What there is to be seen, for so many cells."""
-        parts = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 12)]
-        return Sight(self.scene, parts, LOOKS * cells, self.seed)
+    def _look(self, known: Survey, rays: int) -> Sight:
+        """What there is to be seen, by so many rays at least."""
+        rows = known.draw(max(rays, FEWEST_LOOKS), self.seed)
+        places = self.scene.local(known.positions)
+        return Sight(self.scene, places[rows], known.normals[rows], self.seed)
 
-    def _find_spans(self) -> list[slice]:
-        """Lumels that are worked on together: those of as many blocks as their places fit."""
+    def _find_spans(self, counts: np.ndarray) -> list[slice]:
+        """Lumels that are worked on together: those of as many blocks as their places fit. ``counts``: places of blocks."""
         spans, start, places = [], 0, 0
-        for number in range(len(self.table.counts)):
-            more = len(self.table.block(number).receivers.positions)
+        for number, more in enumerate(counts.tolist()):
             if places and places + more > SPAN_PLACES:
                 spans.append(slice(start, int(self.first[number])))
                 start, places = int(self.first[number]), 0
             places += more
         return [*spans, slice(start, self.count)] if self.count else []
 
-    def _learn(self) -> None:
+    def _learn(self, known: Survey) -> None:
         """Let the choice of lights learn what arrives at the lumels."""
-        chosen = [self.table.block(i).receivers for i in _spread(len(self.table.counts), 12)]
-        if not chosen:
-            return
-        learn(
-            self.scene,
-            self.scene.local(np.concatenate([r.positions for r in chosen])),
-            np.concatenate([r.normals for r in chosen]).astype(np.float32),
-            gather.typical_wavelengths(),
-        )
+        rows = known.draw(LEARNING, self.seed)
+        places = self.scene.local(known.positions[rows])
+        learn(self.scene, places, known.normals[rows], gather.typical_wavelengths())
 
     def trace(self, number: int, levels: Levels) -> None:
         """Trace from the lights anew, for a pass."""
@@ -590,8 +588,3 @@ def _batches(levels: np.ndarray, known: np.ndarray):
         lumel = np.repeat(lumels, counts)
         number = np.arange(len(lumel)) - np.repeat(np.cumsum(counts) - counts, counts)
         yield _Units(lumel, number << lowest, 1 << lowest, levels)
-
-
-def _spread(count: int, most: int) -> list[int]:
-    """At most so many of the numbers below ``count``, evenly spread."""
-    return sorted({int(i) for i in np.linspace(0, count - 1, min(count, most))}) if count else []

@@ -15,8 +15,6 @@ from .rays import spawn_ray
 BOUNCES = 8
 """Surfaces that a ray meets one after the other."""
 
-FEWEST_RAYS = 1 << 15
-
 WEIGHTS = (1.0, 0.5)
 """How much the first and the second surface count for how often a shape is looked at."""
 
@@ -30,24 +28,17 @@ class Sight:
     Parameters
     ----------
     scene : CompiledScene
-    parts : list of Receivers    Where the rays start.
-    count : int    Of rays, at least.
+    places : (n, 3) array    Where the rays start, in the compiled scene's frame. [m]
+    normals : (n, 3) array
     seed : int
     """
 
-    def __init__(self, scene, parts: list, count: int, seed: int):
-        count = max(count, FEWEST_RAYS)
-        draw = np.random.default_rng([seed & 0xFFFFFFFF, 3])
-        places = np.concatenate([scene.local(part.positions) for part in parts])
-        normals = np.concatenate([part.normals for part in parts])
-        weights = np.concatenate(
-            [np.repeat(part.weights / part.count, part.count) for part in parts]
-        )
-        rows = draw.choice(len(places), count, p=weights / weights.sum())
+    def __init__(self, scene, places: np.ndarray, normals: np.ndarray, seed: int):
+        count = len(places)
         stream = mi.PCG32(size=count, initstate=seed & 0xFFFFFFFF)
         si = dr.zeros(mi.SurfaceInteraction3f, count)
-        si.p = mi.Point3f(*(upload(mi.Float, places[rows, i]) for i in range(3)))
-        si.n = mi.Normal3f(*(upload(mi.Float, normals[rows, i]) for i in range(3)))
+        si.p = mi.Point3f(*(upload(mi.Float, places[:, i]) for i in range(3)))
+        si.n = mi.Normal3f(*(upload(mi.Float, normals[:, i]) for i in range(3)))
         si.sh_frame = mi.Frame3f(si.n)
         matt, active = MattTable(scene), mi.Bool(True)
         self._shape_count = scene.shape_count

@@ -24,7 +24,8 @@ CAREFUL, CAREFUL_PATHS = 64, 1 << 19
 """Samples by which the quarters of a cell are compared, likewise, eight of each turn at least; and paths of a sweep, where
 cells are few."""
 
-MOST_CAREFUL = 256
+CAREFUL_SHARE, MOST_CAREFUL = 0.1, 256
+"""Samples of such a sweep, relative to those of the job where they are known; and most for a cell. [-]"""
 
 CAREFUL_SWEEPS = 3
 """How many sweeps of as many samples are made at last."""
@@ -122,7 +123,7 @@ class Sweeper:
         lanes = max(self.lanes_per_sample, 1)
         wanted = max(CAREFUL // turns, CAREFUL_PATHS // lanes)
         if work is not None:
-            wanted = min(wanted, max(work, CAREFUL_PATHS) / lanes)
+            wanted = min(wanted, max(CAREFUL_SHARE * work, CAREFUL_PATHS) / lanes)
         wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number in range(CAREFUL_SWEEPS):

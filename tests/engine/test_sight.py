@@ -14,16 +14,13 @@ pytestmark = pytest.mark.mitsuba
 def find_sides(items, place, cells=2000):
     """Shares of the sides of every object's cells that are seen from a place that looks up: by name, front and back."""
     from lumenray.engine.transport.cells import CellSet
-    from lumenray.engine.transport.illuminance import Receivers
     from lumenray.engine.transport.sight import Sight
 
     session = session_of(*items)
     compiled = session._prepare("auto", False)
     compiled.settle()
-    places = np.asarray(place, float).reshape(1, 3)
-    up = np.array([[0.0, 0.0, 1.0]], dtype=np.float32)
-    start = np.zeros(1, dtype=np.int64)
-    sight = Sight(compiled, [Receivers(places, up, up, start, start + 1, np.ones(1))], 4 * cells, 1)
+    places = compiled.local(np.tile(np.asarray(place, float), (1 << 15, 1)))
+    sight = Sight(compiled, places, np.tile([0.0, 0.0, 1.0], (1 << 15, 1)), 1)
     made = CellSet(compiled, cells, lambda numbers: np.full(len(numbers), 1.0 / len(numbers)))
     seen = np.zeros(2 * made.count, dtype=bool)
     seen[sight.sides(made)] = True
