@@ -16,6 +16,10 @@ PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
 low-discrepancy points to pay within each."""
 
+SLACK = 0.25
+"""Passes by which the plan is on the safe side: the last pass is a half at least, and the error of one is known to some
+percent only."""
+
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
@@ -154,12 +158,16 @@ class Layer:
             return LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
         pilot = Pilot(job)
         pilot.run(sums)
+        begin = time.perf_counter()
         error = self._note(forecaster, sums, 2, is_pilot=True)
+        job.state()
+        # Every pass is written down like that.
+        writing = time.perf_counter() - begin
         levels, square, seconds = self._plan(pilot, sums, rule)
         if square > 0.0 and 0.0 < error < math.inf:
             each = levels.total() / max(job.count, 1)
             share = max(square / error**2, 1e-9)
-            forecaster.respread(1.0, share, 1.0, each, seconds, self._seconds)
+            forecaster.respread(1.0, share, 1.0, each, seconds + writing, self._seconds)
         # So few samples tell little, and not as much for their number as those of a pass.
         sums = ReplicateSums(job.count, job.channels)
         state = LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
@@ -174,7 +182,7 @@ class Layer:
             *([rule.error * mean] if rule.error is not None else []),
             *([rule.absolute] if rule.absolute is not None else []),
         ]
-        wanted = PASSES * max(targets) ** 2 if targets and max(targets) > 0.0 else None
+        wanted = (PASSES - SLACK) * max(targets) ** 2 if targets and max(targets) > 0.0 else None
 
         def plan() -> Levels:
             each = (rule.samples or SHORT * PASSES) / PASSES

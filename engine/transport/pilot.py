@@ -23,6 +23,9 @@ MOST_SAMPLES = 1024
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
 
+LOTS = 1024
+"""Steps of the numbers by which tiles are chosen."""
+
 FEWEST_TRIED = 2_000
 """Lumels on which passes are tried, at least."""
 
@@ -192,9 +195,7 @@ class Pilot:
         part : float    Share of the tiles, at least.
         """
         job = self.job
-        chosen = self._lot < max(part, FEWEST_TRIED / max(job.count, 1))
-        if float(self._share[chosen].sum()) < 0.5 * part:
-            chosen = np.ones(job.count, dtype=bool)
+        chosen = self._choose(part)
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
@@ -210,6 +211,14 @@ class Pilot:
             sampling.append(time.perf_counter() - middle)
         self._learn(levels, chosen, found[0] - found[1])
         return Trial(sum(sweeping) / 2.0, min(sampling), few.total())
+
+    def _choose(self, part: float) -> np.ndarray:
+        """Lumels of some tiles that hold such a share of the surface at least. (n,) bool"""
+        lot = np.minimum((self._lot * LOTS).astype(np.int64), LOTS - 1)
+        area = np.cumsum(np.bincount(lot, self._share, LOTS))
+        number = np.cumsum(np.bincount(lot, minlength=LOTS))
+        enough = (area >= min(part, area[-1])) & (number >= min(FEWEST_TRIED, number[-1]))
+        return lot <= int(np.argmax(enough))
 
     def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> None:
         """Find the powers by which variances fall from differences of two passes on chosen lumels. (kinds, n) [lx]"""
