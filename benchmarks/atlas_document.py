@@ -34,8 +34,8 @@ the last results are told), and `--check out/atlas.json` compares another run wi
 CALIBRATION = """## Is the stated error the true one?
 
 Every scene is baked to {levels} with other random numbers each time. *True over stated*: for the lumels with a reference.
-*Held*: share of lumels whose own interval of 95 % (Student's t with one degree of freedom less than there are replicates)
-holds the reference.
+*Held*: share of lumels whose own interval of 95 % (Student's t with the degrees of freedom that the maps state) holds the
+reference.
 
 ![True over stated error](atlas_calibration.png)
 """
