@@ -193,8 +193,9 @@ class Layer:
                 levels = min(levels, pilot.plan(samples=each), key=Levels.total)
             return levels
 
-        first = pilot.try_pass(TRIALS, plan(), TRIAL_PARTS[0])
-        trial = pilot.try_pass(TRIALS + 2, plan(), TRIAL_PARTS[1])
+        first = pilot.try_pass(TRIALS, plan(), TRIAL_PARTS[0], sweeps=False)
+        # Sweeps belong to even numbers where passes share them.
+        trial = pilot.try_pass(TRIALS + 3, plan(), TRIAL_PARTS[1], sweeps=True)
         levels = plan()
         square, seconds = pilot.square(levels), _pass_seconds(first, trial, levels.total())
         begin = time.perf_counter()

@@ -185,32 +185,36 @@ class Pilot:
             made.append(float(products.sum(dtype=np.float64)))
         return made
 
-    def try_pass(self, number: int, levels: Levels, part: float) -> Trial:
+    def try_pass(self, number: int, levels: Levels, part: float, sweeps: bool) -> Trial:
         """Make a planned pass twice on a part of the tiles, and learn from it how the variances fall.
 
         Parameters
         ----------
         number : int    Of the first; the second has the next one.
         levels : Levels
-        part : float    Share of the tiles, at least.
+        part : float    Share of the surface, at least.
+        sweeps : bool    Whether the cells are swept in between, as they are between passes.
         """
         job = self.job
         chosen = self._choose(part)
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
-        sweeping, sampling = [], []
+        sweeping, sampling = 0.0, []
         for half in range(2):
             start = time.perf_counter()
-            job.refresh(number + half, levels)
+            if half and sweeps:
+                job.refresh(number + half, levels)
+            else:
+                job.trace(number + half, levels)
             middle = time.perf_counter()
             for span, values in job.estimates(number + half, few):
                 own = chosen[span]
                 found[half][:, place[span][own]] = values[:, own, 0]
-            sweeping.append(middle - start)
+            sweeping = middle - start
             sampling.append(time.perf_counter() - middle)
         self._learn(levels, chosen, found[0] - found[1])
-        return Trial(sum(sweeping) / 2.0, min(sampling), few.total())
+        return Trial(sweeping / job.sharing(levels), min(sampling), few.total())
 
     def _choose(self, part: float) -> np.ndarray:
         """Lumels of some tiles that hold such a share of the surface at least. (n,) bool"""

@@ -127,11 +127,12 @@ class Sweeper:
         wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number in range(CAREFUL_SWEEPS):
-            made = self._sweep(FIRST_SWEEPS - 1 - number, samples)
+            # The first goes by what is still rough, and so does not count.
+            many = samples if number > 0 else max(samples // 4, 8)
+            made = self._sweep(FIRST_SWEEPS - 1 - number, many)
             own = self._balanced(made)
             lit |= own.max(axis=1, initial=0.0) > 0.0
             self._store(own)
-            # The first goes by what is still rough.
             if number > 0:
                 values = values + own / (CAREFUL_SWEEPS - 1)
                 parts = parts + made.sum(axis=0) / (CAREFUL_SWEEPS - 1)
