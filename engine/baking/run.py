@@ -13,7 +13,7 @@ import numpy as np
 
 from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
-from ..accuracy.stopping import Progress
+from ..accuracy.stopping import Progress, StopRule
 from ..atlas.detail import halve_even_charts
 from ..atlas.finder import LumelFinder
 from ..atlas.lay_out import arrange, find_all_charts
@@ -59,6 +59,9 @@ SHARED = 4.0
 
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
+
+COARSE_ERROR, MOST_FINE = 0.02, 4.0
+"""Relative error from which there are more cells in proportion, and how many times more. [-]"""
 
 WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
 """Fields of an order that change nothing about the numbers."""
@@ -282,6 +285,7 @@ class Bake:
                 cells=cells,
                 exitance=self.order.exitance,
                 adaptive=count <= MOST_ADAPTIVE,
+                fineness=_fineness(self.order.rule),
             )
         tracer = finder = None
         if self.order.caustics != "off":
@@ -527,6 +531,11 @@ def _check(order: BakeOrder) -> None:
         raise SceneError(
             "pages need a side of 16 lumels at least, and margin and number of pages must not be negative"
         )
+
+
+def _fineness(rule: StopRule) -> float:
+    """Factor on the number of cells: the smaller the error that is asked for, the less the cells may add to it. [-]"""
+    return 1.0 if rule.error is None else float(np.clip(COARSE_ERROR / rule.error, 1.0, MOST_FINE))
 
 
 def _owners(table: LumelTable) -> np.ndarray:

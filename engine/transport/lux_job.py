@@ -102,6 +102,7 @@ class Options:
     direct_apart : bool    Numbers of samples of direct light and interreflection of their own.
     adaptive : bool    Numbers of samples by tile.
     guided : bool    Points on bright cells beside rays by the cosine law.
+    fineness : float    Factor on the number of cells. [-]
     """
 
     cells: bool = True
@@ -110,6 +111,7 @@ class Options:
     direct_apart: bool = True
     adaptive: bool = True
     guided: bool = True
+    fineness: float = 1.0
 
 
 SAMPLE_COUNTS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
@@ -200,7 +202,8 @@ class LuxJob:
         self._learn(known)
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
-            wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
+            wanted = np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS)
+            wanted = int(min(wanted * options.fineness, MOST_CELLS))
             sight = self._look(known, LOOKS * wanted)
             self.cells = CellSet(scene, wanted, sight.shares)
             # Where much is near at hand, such as seats in rows, finer cells can be read more often.
