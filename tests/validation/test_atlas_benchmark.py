@@ -88,6 +88,7 @@ def made_up_bake(scene, side: int = 256, density: float = 4.0) -> BakeResult:
         {},
         None,
         8,
+        19.0,
     )
     seams = Seams(0, 0.0, 0.0, 0.0)
     return BakeResult(tuple(maps), (page,), (), (), History(), 0.0, 0.0, 0.0, 1.0, seams)
