@@ -289,8 +289,8 @@ def start_long_bake():
     press_button(
         bpy.ops.lumenray.bake_illuminance,
         objects=",".join(names),
-        error=0.01,
-        density=16.0,
+        error=0.02,
+        density=8.0,
         folder="/out/window-graph",
     )
 
