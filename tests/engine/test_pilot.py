@@ -1,0 +1,100 @@
+"""How samples are planned, and the places that stand for all lumels."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.mitsuba
+
+
+def make_pilot(scatter, powers=(1.0, 1.0, 1.0)):
+    """A pilot that knows the variances of single samples by kind and lumel; no points on bright cells."""
+    from lumenray.engine.transport.lux_job import Options
+    from lumenray.engine.transport.pilot import Pilot
+
+    count = len(scatter[0])
+    job = SimpleNamespace(
+        count=count,
+        valid=np.ones(count, bool),
+        area=np.ones(count),
+        options=Options(),
+        guide=None,
+    )
+    pilot = Pilot(job)
+    pilot._scatter = np.asarray(scatter, np.float32)
+    pilot._powers = np.array(powers)
+    return pilot
+
+
+def square_of(direct, gathered, samples, power):
+    """Variance of a lumel whose direct part falls by a power from two samples on, the rest by their number."""
+    n, m = samples
+    return direct * (0.5 * (n / 2.0) ** -power if n > 2 else 1.0 / n) + gathered / m
+
+
+@pytest.mark.parametrize("power", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("wanted", [0.1, 0.003])
+def test_a_plan_meets_its_error_with_nearly_the_least_work(power, wanted):
+    from lumenray.engine.transport.lux_job import COSTS
+
+    direct, gathered = 2.0, 1.0
+    pilot = make_pilot([np.full(50, v) for v in (direct, gathered, 0.0)], (power, 1.0, 1.0))
+    levels = pilot.plan(square=wanted)
+    n, m = (2.0 ** float(column[0]) for column in levels.columns[:2])
+    assert square_of(direct, gathered, (n, m), power) <= 1.001 * wanted
+    assert pilot.square(levels) == pytest.approx(
+        square_of(direct, gathered, (n, m), power), rel=1e-4
+    )
+    pairs = [(2.0**i, 2.0**j) for i in range(11) for j in range(11)]
+    least = min(
+        COSTS[0] * a + COSTS[1] * b
+        for a, b in pairs
+        if square_of(direct, gathered, (a, b), power) <= wanted
+    )
+    # Numbers are powers of two.
+    assert COSTS[0] * n + COSTS[1] * m <= 1.45 * least
+
+
+@pytest.mark.parametrize("power", [1.0, 1.4, 1.9])
+def test_the_power_is_learned_by_which_a_variance_falls(power):
+    from lumenray.engine.transport.lux_job import NO_SAMPLES, Levels
+
+    count, samples = 40_000, 32
+    pilot = make_pilot([np.full(count, v) for v in (2.0, 1.0, 0.0)])
+    columns = np.full((3, count), 5, np.uint8)
+    columns[2] = NO_SAMPLES
+    draw = np.random.default_rng(4)
+    variances = (2.0 * 0.5 * (samples / 2.0) ** -power, 1.0 / samples, 0.0)
+    passes = [np.stack([np.sqrt(v) * draw.normal(size=count) for v in variances]) for _ in range(2)]
+    pilot._learn(Levels(columns), np.ones(count, bool), passes[0] - passes[1])
+    assert pilot._powers[:2] == pytest.approx([power, 1.0], abs=0.03)
+    assert pilot.square(Levels(columns)) == pytest.approx(sum(variances), rel=0.04)
+
+
+def test_places_stand_for_all_valid_lumels_by_area():
+    from lumenray.engine.transport.survey import survey
+
+    def block(number, areas, valid):
+        count = np.arange(1, len(areas) + 1)
+        start = np.cumsum(count) - count
+        owner = np.repeat(np.arange(len(areas)), count)
+        places = np.stack([np.full(len(owner), number), owner, np.zeros(len(owner))], axis=1)
+        held = SimpleNamespace(
+            positions=places.astype(float), normals=np.ones_like(places), start=start, count=count
+        )
+        return SimpleNamespace(area=np.array(areas), valid=np.array(valid), receivers=held)
+
+    blocks = [block(0, [1.0, 3.0, 9.0], [True, True, False]), block(1, [0.5, 1.5], [True, True])]
+    table = SimpleNamespace(counts=(3, 2), block=lambda number: blocks[number])
+    known = survey(table, 1)
+    assert known.area.tolist() == [1.0, 3.0, 9.0, 0.5, 1.5]
+    assert known.places.tolist() == [6, 3]
+    drawn = known.positions[known.draw(60_000, 2)][:, :2].astype(int)
+    found = {
+        tuple(key): n / 60_000 for key, n in zip(*np.unique(drawn, axis=0, return_counts=True))
+    }
+    shares = {(0, 0): 1 / 6, (0, 1): 3 / 6, (1, 0): 0.5 / 6, (1, 1): 1.5 / 6}
+    assert found.keys() == shares.keys()
+    for key, share in shares.items():
+        assert found[key] == pytest.approx(share, abs=0.02)
