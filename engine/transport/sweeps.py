@@ -28,7 +28,7 @@ CAREFUL_SHARE, MOST_CAREFUL = 0.1, 256
 """Samples of such a sweep, relative to those of the job where they are known; and most for a cell. [-]"""
 
 CAREFUL_SWEEPS = 3
-"""How many sweeps of as many samples are made at last."""
+"""How many sweeps are made at last; the first takes a quarter of these samples."""
 
 GROWING = 0.005
 """Share of cells that a sweep must have lit anew for light to be still on its way. [-]"""

@@ -91,9 +91,8 @@ def test_places_stand_for_all_valid_lumels_by_area():
     assert known.area.tolist() == [1.0, 3.0, 9.0, 0.5, 1.5]
     assert known.places.tolist() == [6, 3]
     drawn = known.positions[known.draw(60_000, 2)][:, :2].astype(int)
-    found = {
-        tuple(key): n / 60_000 for key, n in zip(*np.unique(drawn, axis=0, return_counts=True))
-    }
+    keys, counts = np.unique(drawn, axis=0, return_counts=True)
+    found = {tuple(key): n / 60_000 for key, n in zip(keys.tolist(), counts, strict=True)}
     shares = {(0, 0): 1 / 6, (0, 1): 3 / 6, (1, 0): 0.5 / 6, (1, 1): 1.5 / 6}
     assert found.keys() == shares.keys()
     for key, share in shares.items():
