@@ -193,6 +193,7 @@ class Layer:
                 levels = min(levels, pilot.plan(samples=each), key=Levels.total)
             return levels
 
+        pilot.choose_ways(plan(), PASSES)
         first = pilot.try_pass(TRIALS, plan(), TRIAL_PARTS[0], sweeps=False)
         # Sweeps belong to even numbers where passes share them.
         trial = pilot.try_pass(TRIALS + 3, plan(), TRIAL_PARTS[1], sweeps=True)

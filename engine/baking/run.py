@@ -29,7 +29,7 @@ from ..transport.bands import TOLERANCE as BAND_TOLERANCE
 from ..transport.bands import interpolation_error
 from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
-from ..transport.pilot import tile_numbers
+from ..transport.tiles import tile_numbers
 from .files import scale_top, write_page, write_report
 from .layer import Layer, LayerState
 from .light_layers import split_lights

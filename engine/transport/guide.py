@@ -88,7 +88,7 @@ class Guide:
             (1.0 - cells.matt.coat(row, cosine, reads)) * cells.matt.scale(row, reads) * dr.inv_pi
         )
         density = self.density(side, reads) * dr.square(distance) / dr.maximum(facing, 1e-9)
-        competing = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
+        competing = receiver.density(direction)
         weight = paths.power_heuristic(density * receiver.ratio, competing)
         value = cells.value(side, si.wavelengths, reads)
         amount = matte * value * (response * weight / dr.maximum(density, 1e-30))

@@ -17,6 +17,7 @@ from ..arrays import upload
 from ..errors import Cancelled
 from ..photometry.spectra import observer
 from . import gather
+from .aims import BINS, SIDE, Aims, Cosine, find_densities
 from .cached_gather import NEAR
 from .cells import CellSet
 from .guide import Guide
@@ -27,13 +28,14 @@ from .sight import Sight
 from .survey import Survey, survey
 from .sweeps import Sweeper
 from .textures import is_spectral
+from .tiles import tile_numbers
 from .wavelengths import WavelengthSampler
 
 LANES = 1 << 20
 """Samples of one launch: a fraction of a second each, so that a cancel is heard soon."""
 
 KINDS = ("direct", "gathered", "guided")
-"""Ways in which light is sampled: next-event to lights, rays by the cosine law, points on bright cells."""
+"""Ways in which light is sampled: next-event to lights, rays, points on bright cells."""
 
 DIRECT, GATHERED, GUIDED = range(3)
 
@@ -77,8 +79,8 @@ TRACED_PATHS = (1 << 16, 1 << 22)
 TRACE_STRIDE = 1_000_003
 """Distance between the points of one seed and the next."""
 
-CHECK_SALT = 19
-"""Sets the points of the checks apart."""
+CHECK_SALT, AIM_SALT = 19, 23
+"""Set the points of the checks, and of the rays that aims are learned from, apart."""
 
 SPAN_PLACES, KEPT_SPANS = 1 << 21, 2
 """Places of lumels that are worked on together, and how many such lots stay on the device."""
@@ -101,7 +103,8 @@ class Options:
     qmc : bool    Low-discrepancy points instead of random numbers.
     direct_apart : bool    Numbers of samples of direct light and interreflection of their own.
     adaptive : bool    Numbers of samples by tile.
-    guided : bool    Points on bright cells beside rays by the cosine law.
+    guided : bool    Points on bright cells beside rays.
+    aimed : bool    Rays where light comes from instead of by the cosine law alone.
     fineness : float    Factor on the number of cells. [-]
     """
 
@@ -111,6 +114,7 @@ class Options:
     direct_apart: bool = True
     adaptive: bool = True
     guided: bool = True
+    aimed: bool = True
     fineness: float = 1.0
 
 
@@ -216,6 +220,8 @@ class LuxJob:
                 self.sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, self._leaves_sun)
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
+        # Where rays go, by the first lumel of a span; empty while they go by the cosine law.
+        self.aims: dict[int, np.ndarray] = {}
         self.spans = self._find_spans(known.places)
         self._uploaded: dict[int, dict] = {}
 
@@ -240,13 +246,17 @@ class LuxJob:
 
     def state(self) -> dict[str, np.ndarray]:
         """State of the cells and of what is derived from them."""
-        if self.sweeper is None:
-            return {}
-        made = self.sweeper.state()
-        return made if self.guide is None else {**made, "powers": self.guide.powers}
+        made = {f"aims.{first}": table for first, table in self.aims.items()}
+        if self.sweeper is not None:
+            made |= self.sweeper.state()
+        if self.guide is not None:
+            made["powers"] = self.guide.powers
+        return made
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Go on from a state, in place of `prepare`."""
+        head = "aims."
+        self.aims = {int(k[len(head) :]): v for k, v in state.items() if k.startswith(head)}
         if self.sweeper is not None:
             self.sweeper.restore(state)
             if "powers" in state:
@@ -313,6 +323,37 @@ class LuxJob:
         ratio = np.divide(values, before, out=np.zeros_like(values), where=before > 0.0)
         ratio[:, 0] = 1.0
         values += ratio * light[:, None]
+
+    def learn_aims(self, rays: int) -> None:
+        """Learn where tiles get their light from. ``rays``: through every bin of a tile."""
+        aims = {}
+        for span in self.spans:
+            tiles = self.tiles(span)
+            known = np.flatnonzero(self.valid[span])
+            order = known[np.argsort(tiles[known], kind="stable")]
+            many = np.bincount(tiles[known], minlength=int(tiles.max(initial=-1)) + 1)
+            first = np.cumsum(many) - many
+            squares = np.zeros((len(many), BINS))
+            most = max(LANES // (BINS * rays), 1)
+            used = np.flatnonzero(many)
+            for start in range(0, len(used), most):
+                if self.cancelled():
+                    raise Cancelled("cancelled")
+                part = used[start : start + most]
+                squares[part] = self._look_around(span, order, first[part], many[part], rays)
+            aims[span.start] = find_densities(squares)
+        self.aims = aims
+        self._uploaded = {}
+
+    def tiles(self, span: slice) -> np.ndarray:
+        """Number of the tile of every lumel of a span, from 0 on. (k,)"""
+        made, count = [], 0
+        inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
+        for number in np.flatnonzero(inside):
+            own = tile_numbers(self.table.block(int(number)), self.table.width(int(number)))
+            made.append(own + count)
+            count += int(own.max(initial=-1)) + 1
+        return np.concatenate(made)
 
     def compare(self, number: int, levels: Levels) -> tuple[np.ndarray, np.ndarray]:
         """Differences between reading cells and full paths at lumels that are drawn by area. (k,) lumels, (k,) [lx]"""
@@ -428,6 +469,11 @@ class LuxJob:
                 "start": upload(mi.UInt32, start),
                 "count": upload(mi.UInt32, np.concatenate([part.count for part in parts])),
             }
+            if self.aims:
+                self._uploaded[span.start] |= {
+                    "aims": Aims(self.aims[span.start]),
+                    "tile": upload(mi.UInt32, self.tiles(span)),
+                }
             dr.eval(self._uploaded[span.start])
         return self._uploaded[span.start]
 
@@ -436,6 +482,7 @@ class LuxJob:
     ) -> np.ndarray:
         """Sums over the samples of units, (u, channels). ``kind``: one of `KINDS`."""
         scene, places = self.scene, self._places(span)
+        aims = places.get("aims")
         who = upload(mi.UInt32, units.lumel)
         begin = upload(mi.UInt32, units.first)
         first = dr.opaque(mi.UInt32, int(span.start) & 0xFFFFFFFF)
@@ -461,13 +508,9 @@ class LuxJob:
         place_sample, point, tint = self._samples(sample, own, stream, pair)
         wavelengths = None if self.sampler is None else self.sampler.sample(tint)
         si = self._place(places, lumel, place_sample, wavelengths)
-
-        def respond(direction):
-            above = dr.dot(direction, si.n) > 0.0
-            return dr.select(above, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0)
-
         ratio = dr.gather(mi.Float, guided if kind == GUIDED else ratios, row)
-        receiver = Receiver(si, wavelengths, stream, point, ratio, respond)
+        aim = aims.of_tile(dr.gather(mi.UInt32, places["tile"], lumel)) if aims else Cosine()
+        receiver = Receiver(si, wavelengths, stream, point, ratio, _facing(si), aim)
         if kind == DIRECT:
             value = direct(scene, receiver)
         elif kind == GUIDED:
@@ -489,6 +532,39 @@ class LuxJob:
             sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, units.samples))
         dr.eval(sums)
         return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+
+    def _look_around(self, span, order, first, many, rays: int) -> np.ndarray:
+        """Mean squares of what rays bring, through the bins of some tiles. (t, BINS)
+
+        ``order``: lumels of the span tile by tile; ``first``, ``many``: where each tile's begin, and their number.
+        """
+        places = self._places(span)
+        seed = (int(self.seed) * 2654435761 + AIM_SALT) & 0xFFFFFFFF
+        lane = dr.arange(mi.UInt32, len(first) * BINS * rays)
+        bin_ = (lane // rays) % BINS
+        tile = lane // (BINS * rays)
+        lumels, starts, counts = (upload(mi.UInt32, each) for each in (order, first, many))
+        unique = dr.gather(mi.UInt32, starts, tile) + dr.opaque(mi.UInt32, span.start & 0xFFFFFFFF)
+        stream = random_stream(lane % (BINS * rays), hash_words(unique, dr.opaque(mi.UInt32, seed)))
+        mine = dr.gather(mi.UInt32, counts, tile)
+        chosen = dr.minimum(mi.UInt32(stream.next_float32() * mi.Float(mine)), mine - 1)
+        lumel = dr.gather(mi.UInt32, lumels, dr.gather(mi.UInt32, starts, tile) + chosen)
+        numbers = [stream.next_float32() for _ in range(5)]
+        wavelengths = None if self.sampler is None else self.sampler.sample(numbers[4])
+        si = self._place(places, lumel, mi.Point2f(numbers[0], numbers[1]), wavelengths)
+        row, column = (mi.Float(each) for each in (bin_ // SIDE, bin_ % SIDE))
+        point = mi.Point2f((row + numbers[2]) / SIDE, (column + numbers[3]) / SIDE)
+        value = gathered(
+            self.scene,
+            self.cells,
+            Receiver(si, wavelengths, stream, point, mi.Float(1.0), _facing(si)),
+            is_exact=self.sweeper is None,
+            without_bent_sun=self._leaves_sun,
+        )
+        light = gather.photometric(self.sampler, value, wavelengths)
+        square = dr.square(dr.select(dr.isfinite(light), light, 0.0))
+        found = dr.block_reduce(dr.ReduceOp.Add, square + mi.Float(lane) * 0.0, rays)
+        return np.array(found, dtype=np.float64).reshape(-1, BINS) / rays
 
     def _samples(self, sample, seed, stream, pair: int):
         """Points for the place, the direction or light, and the wavelengths."""
@@ -544,6 +620,16 @@ class LuxJob:
         return dr.select(
             found, self.scene.bsdf(seen, found).eval_diffuse_reflectance(seen, found), 0.0
         )
+
+
+def _facing(si):
+    """How much light from a direction counts at a receiver. [-]"""
+
+    def respond(direction):
+        above = dr.dot(direction, si.n) > 0.0
+        return dr.select(above, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0)
+
+    return respond
 
 
 @dataclass(frozen=True)

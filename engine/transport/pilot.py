@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..accuracy.replicates import ReplicateSums
-from .lux_job import COSTS, GUIDED, KINDS, NO_SAMPLES, SAMPLE_COUNTS, Levels, LuxJob
-
-TILE = 8
-"""Side of the squares that are given samples alike. [lumel]"""
+from .aims import BINS
+from .lux_job import COSTS, GATHERED, GUIDED, KINDS, NO_SAMPLES, SAMPLE_COUNTS, Levels, LuxJob
 
 STEEPEST, FLATTEST = 2.0, 1.0
 """Bounds on the power of the samples of a pass by which a variance is believed to fall."""
@@ -22,6 +20,12 @@ MOST_SAMPLES = 1024
 
 PILOT_SAMPLES = 2
 """Samples of a lumel in a pass of the pilot, of each kind."""
+
+LEARNING = 1.0 / 12.0
+"""Rays that tell tiles where to look for light, relative to those of all passes."""
+
+FEWEST_RAYS, MOST_RAYS = 1, 16
+"""Rays through every bin of a tile: with fewer there is no aiming, and more tell little more."""
 
 LOTS = 1024
 """Steps of the numbers by which tiles are chosen."""
@@ -65,22 +69,33 @@ class Pilot:
         self._lot = np.zeros(job.count, dtype=np.float32)
 
     def run(self, sums: ReplicateSums) -> None:
-        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind.
-
-        Where there is a guide two more are made without it, and it is kept only if it pays.
-        """
-        job = self.job
+        """Make two passes with few samples, and note the variances of single samples by tile, apart by kind."""
         self._scatter = self._find_scatter(sums, 0)
-        if job.guide is None:
-            return
+
+    def choose_ways(self, levels: Levels, passes: int) -> None:
+        """Learn where rays should go, if so many passes are long enough for that, and whether points on bright cells pay."""
+        job = self.job
         guide = job.guide
+        rays = self._learning_rays(levels, passes)
+        if job.options.aimed and rays >= FEWEST_RAYS:
+            job.learn_aims(rays)
+            self._scatter = self._find_scatter(None, 2)
+        if guide is None:
+            return
         job.guide = None
-        alone = self._find_scatter(None, 2)
+        alone = self._find_scatter(None, 4)
         if self._price(alone) <= self._price(self._scatter):
             job.drop_guide()
             self._scatter = alone
         else:
             job.guide = guide
+
+    def _learning_rays(self, levels: Levels, passes: int) -> int:
+        """Rays through every bin of a tile that are worth their time; a power of two, 0 for none."""
+        counts = SAMPLE_COUNTS[levels.columns[GATHERED][self.job.valid]]
+        tiles = sum(int(self.job.tiles(span).max(initial=-1)) + 1 for span in self.job.spans)
+        rays = LEARNING * passes * float(counts.sum()) / max(tiles * BINS, 1)
+        return 0 if rays < FEWEST_RAYS else 1 << int(np.log2(min(rays, MOST_RAYS)))
 
     def _price(self, scatter: np.ndarray) -> float:
         """Work for a given error with the best numbers of samples of each kind, up to a factor."""
@@ -105,7 +120,7 @@ class Pilot:
                     continue
                 # Of two values each, so half their squared difference is the variance of one.
                 square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
-                tiles = self._tiles(part)
+                tiles = job.tiles(part)
                 draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
                 self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
                 for kind in range(len(KINDS)):
@@ -113,16 +128,6 @@ class Pilot:
             if sums is not None:
                 sums.end_pass()
         return scatter
-
-    def _tiles(self, span: slice) -> np.ndarray:
-        """Number of the tile of every lumel of a span."""
-        job, made, count = self.job, [], 0
-        inside = (job.first[:-1] >= span.start) & (job.first[:-1] < span.stop)
-        for number in np.flatnonzero(inside):
-            own = tile_numbers(job.table.block(int(number)), job.table.width(int(number)))
-            made.append(own + count)
-            count += int(own.max(initial=-1)) + 1
-        return np.concatenate(made)
 
     def plan(self, square: float | None = None, samples: float | None = None) -> Levels:
         """Samples of every lumel in a pass.
@@ -253,14 +258,6 @@ def _variance(power: float) -> np.ndarray:
         count > PILOT_SAMPLES, (count / PILOT_SAMPLES) ** -power / PILOT_SAMPLES, 1.0 / count
     )
     return np.where(SAMPLE_COUNTS > 0.0, made, 0.0)
-
-
-def tile_numbers(block, width: int) -> np.ndarray:
-    """Number of the tile of every lumel of a block: a square of its chart. (n,) ``width``: of the page. [lumel]"""
-    y, x = np.divmod(block.index, width)
-    across = width // TILE + 1
-    key = (block.chart.astype(np.int64) * across + y // TILE) * across + x // TILE
-    return np.unique(key, return_inverse=True)[1].reshape(-1)
 
 
 def _mean_by(group: np.ndarray, values: np.ndarray, counts: np.ndarray) -> np.ndarray:

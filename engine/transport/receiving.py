@@ -4,12 +4,13 @@ Both meet light that comes straight from an emitter: next-event by choosing it, 
 are weighed by the power heuristic for as many samples as each takes (E. Veach, 1997, ch. 9), so any numbers add up.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import drjit as dr
 import mitsuba as mi
 
 from . import paths
+from .aims import Cosine
 from .cached_gather import incoming
 from .rays import spawn_ray
 
@@ -26,6 +27,7 @@ class Receiver:
     sample : Point2f    For the choice of a light, or for a direction.
     ratio : Float    Next-event samples for every ray of `gathered`.
     respond : callable    How much radiance from a direction of the scene's frame counts, cosine included. [-]
+    aim : Cosine or TileAim    Which directions rays take.
     """
 
     si: object
@@ -34,6 +36,11 @@ class Receiver:
     sample: object
     ratio: object
     respond: object
+    aim: object = field(default_factory=Cosine)
+
+    def density(self, direction):
+        """Density with which a direction of the scene's frame is taken by rays. [sr-1]"""
+        return self.aim.density(self.si.to_local(direction))
 
 
 def direct(scene, receiver: Receiver):
@@ -49,13 +56,10 @@ def direct(scene, receiver: Receiver):
     si, respond, ratio = receiver.si, receiver.respond, receiver.ratio
     everyone = mi.Bool(True)
 
-    def competing(direction):
-        return dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
-
     ds, value = paths.sample_emitter(scene, si, receiver.sample, everyone)
     response = respond(ds.d)
     lit = (ds.pdf > 0.0) & (response > 0.0)
-    weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf * ratio, competing(ds.d)))
+    weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf * ratio, receiver.density(ds.d)))
     amount = dr.select(lit, value * response * weight, 0.0)
     lit &= dr.any(amount != 0.0)
     total += dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
@@ -65,14 +69,14 @@ def direct(scene, receiver: Receiver):
 
         def answer(direction, asked):
             # The heuristic there compares one sample of each kind.
-            return respond(direction), competing(direction) / ratio
+            return respond(direction), receiver.density(direction) / ratio
 
         total += paths.mirrored_light(scene, si, sample, stream, answer, everyone)
     return total
 
 
 def gathered(scene, cells, receiver: Receiver, is_apart: bool = False, **more):
-    """Light along one cosine-distributed ray; ``cells`` and ``more`` as of `cached_gather.incoming`.
+    """Light along one ray as the receiver aims it; ``cells`` and ``more`` as of `cached_gather.incoming`.
 
     Returns
     -------
@@ -81,8 +85,7 @@ def gathered(scene, cells, receiver: Receiver, is_apart: bool = False, **more):
         from the rest where that is asked for.
     """
     si = receiver.si
-    local = mi.warp.square_to_cosine_hemisphere(receiver.sample)
-    density = mi.warp.square_to_cosine_hemisphere_pdf(local)
+    local, density = receiver.aim.sample(receiver.sample)
     direction = si.sh_frame.to_world(local)
     response = receiver.respond(direction)
     sends = (density > 0.0) & (response > 0.0)
