@@ -81,9 +81,10 @@ class CellSet:
     count : int    About how many cells there may be.
     importance : callable
         Says how often a job looks at each shape: numbers of shapes (n,) to shares (n,). The more often, the finer.
+    refine : callable or None    Gives a factor on ``count``, from the sizes of cells by shape that it would make. [m]
     """
 
-    def __init__(self, scene, count: int, importance):
+    def __init__(self, scene, count: int, importance, refine=None):
         self.scene = scene
         self.matt = MattTable(scene)
         self.bands = Bands(scene.mean_light)
@@ -96,14 +97,21 @@ class CellSet:
         shares = np.asarray(importance([part.number for part in parts]), dtype=np.float64)
         # A share of the cells for every part by its area, so that nothing is coarse beyond all measure.
         shares = EVEN_SHARE * areas / max(areas.sum(), 1e-300) + (1.0 - EVEN_SHARE) * shares
-        sizes = np.sqrt(2.0 * areas / np.maximum(count * shares, 1e-9))
-        sizes = np.maximum(sizes, 1e-9)
+        near = np.zeros(scene.shape_count)
+        numbers = [part.number for part in parts]
+
+        def find_sizes(count: float) -> np.ndarray:
+            sizes = np.sqrt(2.0 * areas / np.maximum(count * shares, 1e-9))
+            sizes = np.maximum(sizes, 1e-9)
+            return sizes * _growth(triangles, parts, sizes, 4 * max(int(count), 1))
+
+        sizes = near[numbers] = find_sizes(count)
+        if refine is not None:
+            sizes = near[numbers] = find_sizes(count * refine(near))
         offsets = np.zeros(scene.shape_count, dtype=np.uint32)
         start, made, cells = 0, [], 0
-        sizes *= _growth(triangles, parts, sizes, 4 * max(count, 1))
-        near = np.zeros(scene.shape_count)
         for part, size in zip(parts, sizes, strict=True):
-            offsets[part.number], near[part.number] = start, size
+            offsets[part.number] = start
             start += len(triangles[part.number])
             made.append(divide(triangles[part.number], part.number, float(size), cells))
             cells += len(made[-1].area)

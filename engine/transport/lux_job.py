@@ -209,12 +209,13 @@ class LuxJob:
             wanted = np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS)
             wanted = int(min(wanted * options.fineness, MOST_CELLS))
             sight = self._look(known, LOOKS * wanted)
-            self.cells = CellSet(scene, wanted, sight.shares)
-            # Where much is near at hand, such as seats in rows, finer cells can be read more often.
-            finer = (sight.near_share(self.cells, NEAR) / NEAR_SHARE) ** 2
-            if finer > 1.0:
-                wanted = int(min(wanted * min(finer, MOST_FINER), max(MOST_CELLS, wanted)))
-                self.cells = CellSet(scene, wanted, sight.shares)
+
+            def refine(sizes: np.ndarray) -> float:
+                # Where much is near at hand, such as seats in rows, finer cells can be read more often.
+                finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
+                return min(max(finer, 1.0), MOST_FINER, max(MOST_CELLS / wanted, 1.0))
+
+            self.cells = CellSet(scene, wanted, sight.shares, refine)
             if self.cells and options.cells:
                 sides = sight.sides(self.cells)
                 self.sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, self._leaves_sun)

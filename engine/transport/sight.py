@@ -69,11 +69,12 @@ class Sight:
         own = found[shapes]
         return own / max(own.sum(), 1e-300)
 
-    def near_share(self, cells, distance: float) -> float:
-        """Share of the rays that land so near that cells are not read there. ``distance``: in sizes of cells. [-]"""
+    def near_share(self, distances: np.ndarray) -> float:
+        """Share of the rays that land nearer than at certain distances. ``distances``: by shape [m]. [-]"""
         hit, _, active = self._hits[0]
-        near = active & (hit.t < distance * cells.near(hit.shape, active))
-        return float(np.array(near).mean())
+        shape = dr.reinterpret_array(mi.UInt32, hit.shape)
+        limit = dr.gather(mi.Float, upload(mi.Float, distances), shape, active)
+        return float(np.array(active & (hit.t < limit)).mean())
 
     def sides(self, cells) -> np.ndarray:
         """Sides of cells that were met, and their neighbours. (n,) ascending"""

@@ -27,8 +27,8 @@ cells are few."""
 CAREFUL_SHARE, MOST_CAREFUL = 0.1, 256
 """Samples of such a sweep, relative to those of the job where they are known; and most for a cell. [-]"""
 
-CAREFUL_SWEEPS = 3
-"""How many sweeps are made at last; the first takes a quarter of these samples."""
+ROUGH_SHARE = 0.25
+"""Samples of the sweep before that one, relative to it. [-]"""
 
 GROWING = 0.005
 """Share of cells that a sweep must have lit anew for light to be still on its way. [-]"""
@@ -100,7 +100,8 @@ class Sweeper:
         turns = self.cells.bands.turns
         lit = np.zeros(len(self._sides), dtype=bool)
         for number in range(MOST_SWEEPS):
-            values = _whole(self._sweep(FIRST_SWEEPS + number, max(FEWEST // turns, 1)))
+            # The same points each time, so that what is added falls evenly, without noise.
+            values = _whole(self._sweep(FIRST_SWEEPS, max(FEWEST // turns, 1)))
             before_lit = int(lit.sum())
             lit |= values.max(axis=1, initial=0.0) > 0.0
             grows = lit.sum() > (1.0 + GROWING) * before_lit
@@ -110,34 +111,27 @@ class Sweeper:
             gain = added
             if now <= 0.0 and number > 0:
                 break
-            if before is None or before <= 0.0 or number < 2 or grows:
+            if not before or number < 2 or grows:
                 continue
-            share = min(max(added / before, 0.0), 0.98)
-            rest = max(added, 0.0) * share / (1.0 - share)
-            if rest <= NEGLIGIBLE * now:
+            share = min(abs(added / before), 0.98)
+            rest = added * share / (1.0 - share)
+            if abs(rest) <= NEGLIGIBLE * now:
                 break
             # What further sweeps will add is mostly more of the same.
             self._store(values * (1.0 + rest / now))
             total, gain = now + rest, None
-        values, parts = 0.0, 0.0
         lanes = max(self.lanes_per_sample, 1)
         wanted = max(CAREFUL // turns, CAREFUL_PATHS // lanes)
         if work is not None:
             wanted = min(wanted, max(CAREFUL_SHARE * work, CAREFUL_PATHS) / lanes)
         wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
-        for number in range(CAREFUL_SWEEPS):
-            # The first goes by what is still rough, and so does not count.
-            many = samples if number > 0 else max(samples // 4, 8)
-            made = self._sweep(FIRST_SWEEPS - 1 - number, many)
-            own = self._balanced(made)
-            lit |= own.max(axis=1, initial=0.0) > 0.0
-            self._store(own)
-            if number > 0:
-                values = values + own / (CAREFUL_SWEEPS - 1)
-                parts = parts + made.sum(axis=0) / (CAREFUL_SWEEPS - 1)
-        self._mark_uneven(parts)
-        self._store(values)
+        for number, share in enumerate((ROUGH_SHARE, 1.0)):
+            made = self._sweep(FIRST_SWEEPS - 1 - number, max(int(share * samples), 8))
+            values = self._balanced(made)
+            lit |= values.max(axis=1, initial=0.0) > 0.0
+            self._store(values)
+        self._mark_uneven(made.sum(axis=0))
         # Sides that no light was ever found on lie inside solids.
         self._sides, self._areas = self._sides[lit], self._areas[lit]
         self._upload_sides()

@@ -68,9 +68,10 @@ def test_finer_cells_can_be_read_from_nearer():
     shares = []
     for count in (500, 8000):
         _, sight, cells = find_sides((paint(0.5), room, WORLD), (1.5, 1.5, 0.0), count)
-        shares.append(sight.near_share(cells, 2.0))
+        shares.append(sight.near_share(2.0 * np.array(cells._near)))
     # From the middle of the floor nothing is near but in coarse cells.
     assert shares[0] >= shares[1]
     _, corner, coarse = find_sides((paint(0.5), room, WORLD), (0.05, 1.5, 0.0), 500)
     _, same, fine = find_sides((paint(0.5), room, WORLD), (0.05, 1.5, 0.0), 8000)
-    assert corner.near_share(coarse, 2.0) > same.near_share(fine, 2.0) > 0.2
+    nearer = [s.near_share(2.0 * np.array(c._near)) for s, c in ((corner, coarse), (same, fine))]
+    assert nearer[0] > nearer[1] > 0.2
