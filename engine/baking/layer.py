@@ -10,21 +10,19 @@ from ..accuracy.forecast import Forecaster
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
-from ..transport.pilot import Pilot, Trial
+from ..transport.pilot import Pilot
 
 PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
 low-discrepancy points to pay within each."""
 
-SLACK = 0.25
-"""Passes by which the plan is on the safe side: the last pass is a half at least, and the error of one is known to some
-percent only."""
-
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
-TRIAL_PARTS = (1.0 / 16.0, 1.0 / 5.0)
-"""Shares of the tiles on which the first and the second trial of the planned pass are made."""
+TRIALS_MADE = ((1.0 / 16.0, 0), (0.4, 1))
+"""Share of the tiles on which the first and the second trial of the planned pass are made, and halvings of its samples: the
+first finds how variances fall, the second how large they are, with some percent to spare: they fall a little more steeply
+with more samples."""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -182,7 +180,7 @@ class Layer:
             *([rule.error * mean] if rule.error is not None else []),
             *([rule.absolute] if rule.absolute is not None else []),
         ]
-        wanted = (PASSES - SLACK) * max(targets) ** 2 if targets and max(targets) > 0.0 else None
+        wanted = PASSES * max(targets) ** 2 if targets and max(targets) > 0.0 else None
 
         def plan() -> Levels:
             each = (rule.samples or SHORT * PASSES) / PASSES
@@ -194,11 +192,12 @@ class Layer:
             return levels
 
         pilot.choose_ways(plan(), PASSES)
-        first = pilot.try_pass(TRIALS, plan(), TRIAL_PARTS[0], sweeps=False)
+        pilot.try_pass(TRIALS, plan(), *TRIALS_MADE[0], sweeps=False)
         # Sweeps belong to even numbers where passes share them.
-        trial = pilot.try_pass(TRIALS + 3, plan(), TRIAL_PARTS[1], sweeps=True)
+        trial = pilot.try_pass(TRIALS + 3, plan(), *TRIALS_MADE[1], sweeps=True)
         levels = plan()
-        square, seconds = pilot.square(levels), _pass_seconds(first, trial, levels.total())
+        square = pilot.square(levels)
+        seconds = trial.sweep_seconds + trial.seconds * levels.total() / max(trial.samples, 1e-9)
         begin = time.perf_counter()
         job.compare(TRIALS, levels)
         seconds += (time.perf_counter() - begin) / CHECK_INTERVAL
@@ -284,15 +283,6 @@ class Layer:
     def _show(self, state: LayerState) -> None:
         made = state.forecaster.progress(self._seconds, "illuminance")
         self.report(replace(made, history=state.forecaster.history))
-
-
-def _pass_seconds(first: Trial, second: Trial, samples: float) -> float:
-    """What a pass of so many samples takes: launches have a price of their own, besides that of samples. [s]"""
-    more = second.samples - first.samples
-    each = second.seconds / max(second.samples, 1e-9)
-    if abs(more) > 0.2 * second.samples:
-        each = min(max((second.seconds - first.seconds) / more, 0.5 * each), each)
-    return second.sweep_seconds + second.seconds + each * (samples - second.samples)
 
 
 def _mean(values: np.ndarray, area: np.ndarray) -> float:

@@ -2,9 +2,12 @@
 
 The square from which a ray's direction is made, by the cosine law, is divided into bins. A few rays through every bin of
 every tile tell what comes through it. Then bins are chosen in proportion to the root of the mean square of that, which
-makes the variance least (see e.g. G. Rubinstein: Simulation and the Monte Carlo Method, 1981, 4.3.1), and what a ray brings
-is divided by how often its bin is chosen. Neighbouring bins share what they found, and some rays go everywhere alike, so
-that nothing the few rays have missed weighs much.
+makes the variance least, and what a ray brings is divided by how often its bin is chosen. Neighbouring bins share what they
+found, and some rays go everywhere alike, so that nothing the few rays have missed weighs much.
+
+References
+----------
+H. Kahn, A. W. Marshall: Methods of Reducing Sample Size in Monte Carlo Computations, J. Oper. Res. Soc. Am. 1(5), 1953.
 """
 
 from dataclasses import dataclass
@@ -71,13 +74,18 @@ class TileAim:
 
     def sample(self, point):
         """Direction in the receiver's frame, and its density. ``point``: Point2f. [sr-1]"""
+        place, factor = self.warp(point)
+        local, density = Cosine().sample(place)
+        return local, density * factor
+
+    def warp(self, point):
+        """Point of the square as bins are chosen, and its density. ``point``: Point2f. [-]"""
         aims = self.aims
         row, x = _choose(aims._rows, self.tile * SIDE, point.x)
         column, y = _choose(aims._columns, (self.tile * SIDE + row) * SIDE, point.y)
         place = mi.Point2f((mi.Float(row) + x) / SIDE, (mi.Float(column) + y) / SIDE)
-        local, density = Cosine().sample(place)
         index = self.tile * BINS + row * SIDE + column
-        return local, density * dr.gather(mi.Float, aims._densities, index)
+        return place, dr.gather(mi.Float, aims._densities, index)
 
     def density(self, local):
         """Density of a direction in the receiver's frame; 0 below its horizon. [sr-1]"""

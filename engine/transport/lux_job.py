@@ -37,7 +37,7 @@ LANES = 1 << 20
 KINDS = ("direct", "gathered", "guided")
 """Ways in which light is sampled: next-event to lights, rays, points on bright cells."""
 
-DIRECT, GATHERED, GUIDED = range(3)
+ALL_KINDS = DIRECT, GATHERED, GUIDED = 0, 1, 2
 
 COSTS = (1.0, 2.5, 1.5)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
@@ -239,12 +239,6 @@ class LuxJob:
             self.guide = guide if guide.is_useful else None
             self.sweeper.guide = self.guide
 
-    def drop_guide(self) -> None:
-        """Do without points on bright cells from now on."""
-        self.guide = None
-        if self.sweeper is not None:
-            self.sweeper.guide = None
-
     def state(self) -> dict[str, np.ndarray]:
         """State of the cells and of what is derived from them."""
         made = {f"aims.{first}": table for first, table in self.aims.items()}
@@ -292,8 +286,8 @@ class LuxJob:
             surface += np.bincount(objects[part], area, count)
         return light / np.maximum(surface, 1e-300)
 
-    def estimates(self, number: int, levels: Levels, progress=None):
-        """Estimates of all lumels, span by span.
+    def estimates(self, number: int, levels: Levels, progress=None, kinds=ALL_KINDS):
+        """Estimates of all lumels, span by span. ``kinds``: those that are made.
 
         Yields
         ------
@@ -304,7 +298,8 @@ class LuxJob:
             count = span.stop - span.start
             values = np.zeros((len(KINDS), count, self.channels))
             columns = levels.columns[:, span]
-            for kind, column in enumerate(columns):
+            for kind in kinds:
+                column = columns[kind]
                 for units in _batches(column, self.valid[span]):
                     for part in units.split():
                         if self.cancelled():
@@ -325,8 +320,8 @@ class LuxJob:
         ratio[:, 0] = 1.0
         values += ratio * light[:, None]
 
-    def learn_aims(self, rays: int) -> None:
-        """Learn where tiles get their light from. ``rays``: through every bin of a tile."""
+    def learn_aims(self, rays: int) -> dict[int, np.ndarray]:
+        """Learn where tiles get their light from, for `set_ways`. ``rays``: through every bin of a tile."""
         aims = {}
         for span in self.spans:
             tiles = self.tiles(span)
@@ -343,8 +338,15 @@ class LuxJob:
                 part = used[start : start + most]
                 squares[part] = self._look_around(span, order, first[part], many[part], rays)
             aims[span.start] = find_densities(squares)
-        self.aims = aims
-        self._uploaded = {}
+        return aims
+
+    def set_ways(self, guide: Guide | None, aims: dict[int, np.ndarray]) -> None:
+        """Gather light with these points on bright cells, and with rays that are aimed so, from now on."""
+        if aims is not self.aims:
+            self.aims, self._uploaded = aims, {}
+        self.guide = guide
+        if self.sweeper is not None:
+            self.sweeper.guide = guide
 
     def tiles(self, span: slice) -> np.ndarray:
         """Number of the tile of every lumel of a span, from 0 on. (k,)"""

@@ -27,6 +27,12 @@ LEARNING = 1.0 / 12.0
 FEWEST_RAYS, MOST_RAYS = 1, 16
 """Rays through every bin of a tile: with fewer there is no aiming, and more tell little more."""
 
+COMPARED = 1.0 / 16.0
+"""Share of the surface on which ways to gather light are compared."""
+
+COMPARISONS = 200_000
+"""First number of the passes that are made for this."""
+
 LOTS = 1024
 """Steps of the numbers by which tiles are chosen."""
 
@@ -73,22 +79,38 @@ class Pilot:
         self._scatter = self._find_scatter(sums, 0)
 
     def choose_ways(self, levels: Levels, passes: int) -> None:
-        """Learn where rays should go, if so many passes are long enough for that, and whether points on bright cells pay."""
+        """Find out whether points on bright cells pay, and aimed rays where so many passes are worth learning for.
+
+        Each makes single samples scatter less, but variances fall less steeply with their number then. So all pairs are
+        tried with the numbers of a pass, on some of the tiles.
+        """
         job = self.job
-        guide = job.guide
+        before = job.guide, job.aims
         rays = self._learning_rays(levels, passes)
+        guides = [None] if job.guide is None else [job.guide, None]
+        aims = [job.aims]
         if job.options.aimed and rays >= FEWEST_RAYS:
-            job.learn_aims(rays)
+            aims.append(job.learn_aims(rays))
+        ways = [(guide, aim) for aim in aims for guide in guides]
+        if len(ways) > 1:
+            job.set_ways(*min(ways, key=lambda way: self._try_ways(levels, *way)))
+        if (job.guide, job.aims) != before:
             self._scatter = self._find_scatter(None, 2)
-        if guide is None:
-            return
-        job.guide = None
-        alone = self._find_scatter(None, 4)
-        if self._price(alone) <= self._price(self._scatter):
-            job.drop_guide()
-            self._scatter = alone
-        else:
-            job.guide = guide
+
+    def _try_ways(self, levels: Levels, guide, aims) -> float:
+        """Work for a given error with these ways to gather light, up to a factor."""
+        job = self.job
+        job.set_ways(guide, aims)
+        chosen = self._choose(COMPARED)
+        few = levels.only(chosen)
+        kinds = [GATHERED] if guide is None else [GATHERED, GUIDED]
+        found = np.zeros((2, len(KINDS), job.count), dtype=np.float32)
+        for half in range(2):
+            for part, values in job.estimates(COMPARISONS + half, few, kinds=kinds):
+                found[half][:, part] = values[..., 0]
+        squares = ((found[0] - found[1]) ** 2 * self._share).sum(axis=1, dtype=np.float64)
+        counts = SAMPLE_COUNTS[levels.columns[:, chosen]].mean(axis=1)
+        return float(np.sqrt(squares * counts * np.array(COSTS))[kinds].sum())
 
     def _learning_rays(self, levels: Levels, passes: int) -> int:
         """Rays through every bin of a tile that are worth their time; a power of two, 0 for none."""
@@ -96,11 +118,6 @@ class Pilot:
         tiles = sum(int(self.job.tiles(span).max(initial=-1)) + 1 for span in self.job.spans)
         rays = LEARNING * passes * float(counts.sum()) / max(tiles * BINS, 1)
         return 0 if rays < FEWEST_RAYS else 1 << int(np.log2(min(rays, MOST_RAYS)))
-
-    def _price(self, scatter: np.ndarray) -> float:
-        """Work for a given error with the best numbers of samples of each kind, up to a factor."""
-        total = (scatter * self._share).sum(axis=1, dtype=np.float64)
-        return float(np.sqrt(total * np.array(COSTS)).sum())
 
     def _find_scatter(self, sums: ReplicateSums | None, first_number: int) -> np.ndarray:
         """Variances of single samples, mean over tiles. (kinds, n) [lx2]"""
@@ -190,22 +207,26 @@ class Pilot:
             made.append(float(products.sum(dtype=np.float64)))
         return made
 
-    def try_pass(self, number: int, levels: Levels, part: float, sweeps: bool) -> Trial:
-        """Make a planned pass twice on a part of the tiles, and learn from it how the variances fall.
+    def try_pass(
+        self, number: int, levels: Levels, part: float, halvings: int, sweeps: bool
+    ) -> Trial:
+        """Make a part of a planned pass twice, and learn from it how the variances fall.
 
         Parameters
         ----------
         number : int    Of the first; the second has the next one.
         levels : Levels
-        part : float    Share of the surface, at least.
+        part : float    Share of the surface, at least, whose tiles are tried.
+        halvings : int    How often the samples are halved.
         sweeps : bool    Whether the cells are swept in between, as they are between passes.
         """
         job = self.job
         chosen = self._choose(part)
-        few = levels.only(chosen)
+        fewer = levels.lowered(halvings)
+        few = fewer.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
-        sweeping, sampling = 0.0, []
+        sweeping = sampling = 0.0
         for half in range(2):
             start = time.perf_counter()
             if half and sweeps:
@@ -216,10 +237,10 @@ class Pilot:
             for span, values in job.estimates(number + half, few):
                 own = chosen[span]
                 found[half][:, place[span][own]] = values[:, own, 0]
-            sweeping = middle - start
-            sampling.append(time.perf_counter() - middle)
-        self._learn(levels, chosen, found[0] - found[1])
-        return Trial(sweeping / job.sharing(levels), min(sampling), few.total())
+            # The first one may have to make kernels.
+            sweeping, sampling = middle - start, time.perf_counter() - middle
+        self._learn(fewer, chosen, found[0] - found[1])
+        return Trial(sweeping / job.sharing(levels), sampling, few.total())
 
     def _choose(self, part: float) -> np.ndarray:
         """Lumels of some tiles that hold such a share of the surface at least. (n,) bool"""
