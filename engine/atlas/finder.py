@@ -70,7 +70,7 @@ class LumelFinder:
             pixel = np.floor(place[mine]).astype(np.int64)
             flat = pixel[:, 1] * width + pixel[:, 0]
             for block, first in self._blocks.get((number, int(sheet)), ()):
-                index = self._table.block(block).index
+                index = self._table.facts(block).index
                 row = np.minimum(np.searchsorted(index, flat), len(index) - 1)
                 hit = index[row] == flat
                 found[mine[hit]] = first + row[hit]

@@ -4,6 +4,7 @@ Coverage is conservative: a lumel counts as soon as the surface overlaps it with
 low-discrepancy net that lie on the surface; where the surface is so thin that it meets none, a point of the overlap is.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from ..errors import Cancelled, SceneError
 from ..scene.mesh import Mesh
 from ..transport.illuminance import Receivers
+from ..transport.survey import Survey, Surveyor
 from . import coverage
 from .layout import Atlas, SurfaceLayout
 
@@ -60,6 +62,39 @@ class LumelBlock:
 
 
 @dataclass(frozen=True)
+class LumelFacts:
+    """What is known of the lumels of a block but for their places; parameters as of `LumelBlock`."""
+
+    layout: int
+    page: int
+    index: np.ndarray
+    chart: np.ndarray
+    area: np.ndarray
+    valid: np.ndarray
+
+
+class _Facts:
+    """Facts about a block in little memory: lumels of one chart that follow each other are told as one."""
+
+    def __init__(self, block: LumelBlock):
+        step = np.flatnonzero((np.diff(block.index) != 1) | (np.diff(block.chart) != 0)) + 1
+        first = np.concatenate([[0], step]) if len(block.index) else step
+        self._lengths = np.diff(first, append=len(block.index)).astype(np.int32)
+        self._start, self._chart = block.index[first], block.chart[first]
+        self._area, self._valid = block.area.astype(np.float32), np.packbits(block.valid)
+        self._owner = block.layout, block.page
+
+    def unpack(self) -> LumelFacts:
+        """Tell them lumel by lumel."""
+        count = len(self._area)
+        ends = np.cumsum(self._lengths, dtype=np.int64)
+        index = np.arange(count) + np.repeat(self._start - (ends - self._lengths), self._lengths)
+        chart = np.repeat(self._chart, self._lengths)
+        valid = np.unpackbits(self._valid, count=count).astype(bool)
+        return LumelFacts(*self._owner, index, chart, self._area, valid)
+
+
+@dataclass(frozen=True)
 class Correction:
     """What is changed about the places of a block, numbered as they are without it.
 
@@ -95,6 +130,9 @@ class LumelTable:
         self._kept: dict[int, LumelBlock] = {}
         self._held = 0
         self._corrections: dict[int, Correction] = {}
+        self._facts: dict[int, _Facts] = {}
+        self.survey: Survey | None = None
+        """Places that stand for all, once the table has been validated."""
         sheets = [
             (number, page, *_count_rows(layout, page, atlas.sizes[page]))
             for number, layout in enumerate(atlas.layouts)
@@ -130,7 +168,13 @@ class LumelTable:
             return self._kept[number]
         return self._corrected(number, self._make(number))
 
-    def validate(self, scene, cancelled=lambda: False, progress=None) -> None:
+    def facts(self, number: int) -> LumelBlock | LumelFacts:
+        """All about a block but for its places, which may have to be made anew."""
+        if number in self._kept or number not in self._facts:
+            return self.block(number)
+        return self._facts[number].unpack()
+
+    def validate(self, scene, cancelled=lambda: False, progress=None, seed: int = 0) -> None:
         """Find lumels that are inside solids or covered, and push places off the surfaces beside them.
 
         Parameters
@@ -138,6 +182,7 @@ class LumelTable:
         scene : CompiledScene    With the meshes of the table in it.
         cancelled : callable    Asked before every launch.
         progress : callable or None    Told the number of each block before its turn, and how many there are.
+        seed : int    Chooses the places of `survey`.
 
         Raises
         ------
@@ -145,26 +190,37 @@ class LumelTable:
         """
         from .validity import Examiner
 
-        self._corrections = {}
+        self._corrections, self._facts = {}, {}
         self._kept, self._held = {}, 0
+        surveyor = Surveyor(len(self._bands), seed)
         examiner = Examiner(scene, cancelled)
         group: list[tuple[int, LumelBlock]] = []
-        for number in range(len(self._bands)):
-            if cancelled():
-                raise Cancelled("cancelled")
-            if progress is not None:
-                progress(number, len(self._bands))
-            group.append((number, self._make(number)))
-            # Small objects are examined together.
-            places = sum(len(block.triangle) for _, block in group)
-            if places >= BLOCK_PLACES // 2 or number == len(self._bands) - 1:
-                self._examine(examiner, group)
-                group = []
+        last = len(self._bands) - 1
+        # The next block is made while the present ones are examined.
+        with ThreadPoolExecutor(1) as maker:
+            coming = maker.submit(self._make, 0)
+            for number in range(last + 1):
+                if cancelled():
+                    raise Cancelled("cancelled")
+                if progress is not None:
+                    progress(number, last + 1)
+                group.append((number, coming.result()))
+                if number < last:
+                    coming = maker.submit(self._make, number + 1)
+                # Small objects are examined together.
+                places = sum(len(block.triangle) for _, block in group)
+                if places >= BLOCK_PLACES // 2 or number == last:
+                    for each, block in self._examine(examiner, group):
+                        surveyor.add(block)
+                        if each not in self._kept:
+                            self._facts[each] = _Facts(block)
+                    group = []
+        self.survey = surveyor.survey()
 
     # ---- private ----
 
-    def _examine(self, examiner, group: list[tuple[int, LumelBlock]]) -> None:
-        """Find the corrections of some blocks, and keep these corrected."""
+    def _examine(self, examiner, group: list[tuple[int, LumelBlock]]):
+        """Find the corrections of some blocks; yields these corrected."""
         axes = [self._axes(block) for _, block in group]
         receivers = _join([block.receivers for _, block in group])
         dropped, moved, shift = examiner.examine(
@@ -181,7 +237,7 @@ class LumelTable:
                     (moved[low:high] - first).astype(np.int32),
                     shift[low:high].astype(np.float32),
                 )
-            self._corrected(number, block)
+            yield number, self._corrected(number, block)
             first = end
 
     def _corrected(self, number: int, block: LumelBlock) -> LumelBlock:

@@ -116,10 +116,7 @@ class Examiner:
         sides = [
             axis * (high - low)[:, None] for axis, (low, high) in zip((u, v), bounds, strict=True)
         ]
-        found = np.zeros(len(start), dtype=bool)
-        for along, across in (sides, sides[::-1]):
-            for place in np.linspace(0.0, 1.0, LINES):
-                found |= self._is_blocked(corner + across * place, along)
+        found = self._is_crossed(corner, *sides)
         for share in (0.125, 0.375, 0.625, 0.875):
             chosen = start + (count * share).astype(np.int64)
             normals = receivers.geometric_normals[chosen].astype(np.float64)
@@ -193,6 +190,28 @@ class Examiner:
         return found
 
     # ---- rays ----
+
+    def _is_crossed(self, corner, right, up) -> np.ndarray:
+        """Whether something meets any of the lines across lumels, each way. (n, 3), (n, 3), (n, 3) [m]"""
+        crossed = np.zeros(len(corner), dtype=bool)
+        for begin in range(0, len(corner), LAUNCH // LINES):
+            if self._cancelled():
+                raise Cancelled("cancelled")
+            part = slice(begin, begin + LAUNCH // LINES)
+            columns = (self._scene.local(corner[part]), right[part], up[part])
+            origin, first, second = (
+                kind(*(upload(mi.Float, column) for column in each.T))
+                for kind, each in zip((mi.Point3f, mi.Vector3f, mi.Vector3f), columns, strict=True)
+            )
+            found = mi.Bool(False)
+            for along, across in ((first, second), (second, first)):
+                length = dr.norm(along)
+                for place in np.linspace(0.0, 1.0, LINES).tolist():
+                    ray = mi.Ray3f(origin + across * place, along / dr.maximum(length, 1e-30))
+                    ray.maxt = length
+                    found |= self._scene.solid.ray_test(ray, mi.Bool(True))
+            crossed[part] = np.array(found)
+        return crossed
 
     def _rays(self, start, way):
         """Yield ranges of rays and rays, from starts along ways in the world. (k, 3), (k, 3) [m]"""

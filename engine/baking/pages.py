@@ -57,7 +57,7 @@ def lay_out_page(
         first += lumels
         if table.page(block) != number:
             continue
-        made = table.block(block)
+        made = table.facts(block)
         for row, column in zip(values, columns, strict=True):
             row[made.index] = column[part]
         area[made.index], known[made.index] = made.area, made.valid

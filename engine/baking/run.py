@@ -31,7 +31,7 @@ from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
 from ..transport.tiles import tile_numbers
 from .files import scale_top, write_page, write_report
-from .layer import Layer, LayerState
+from .layer import CHUNK, Layer, LayerState
 from .light_layers import split_lights
 from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
 from .pages import Estimates, lay_out_page, match_pages
@@ -234,8 +234,8 @@ class Bake:
             stage = f"finding lumels, {100 * number // count} %"
             self._report(Progress(0.0, 0, float("inf"), self._seconds, None, stage))
 
-        table.validate(compiled, self.host.cancelled, report)
-        if not any(table.block(number).valid.any() for number in range(len(table.counts))):
+        table.validate(compiled, self.host.cancelled, report, self.order.seed)
+        if not table.survey.valid.any():
             raise SceneError("all lumels lie inside solids: nothing of the objects can be seen")
         return table
 
@@ -351,17 +351,18 @@ class Bake:
 
     def _summarise(self, items, atlas, table, estimates, states, provenance) -> list[LuxMap]:
         first = np.concatenate([[0], np.cumsum(table.counts)])
-        samples = sum(state.sums.samples() for state in states) / len(states)
+        blocks: list[list[int]] = [[] for _ in items]
+        for block in range(len(table.counts)):
+            blocks[table.layout(block)].append(block)
         made = []
         for number, item in enumerate(items):
             layout = atlas.layouts[number]
             parts, areas, valid = [], [], []
-            for block in range(len(table.counts)):
-                if table.layout(block) == number:
-                    lumels = table.block(block)
-                    parts.append(np.arange(first[block], first[block + 1]))
-                    areas.append(lumels.area)
-                    valid.append(lumels.valid)
+            for block in blocks[number]:
+                part = slice(first[block], first[block + 1])
+                parts.append(np.arange(part.start, part.stop))
+                areas.append(table.survey.area[part].astype(np.float64))
+                valid.append(table.survey.valid[part])
             rows = np.concatenate(parts) if parts else np.zeros(0, dtype=np.int64)
             area = np.concatenate(areas) if areas else np.zeros(0)
             good = np.concatenate(valid) if valid else np.zeros(0, dtype=bool)
@@ -386,7 +387,7 @@ class Bake:
                     mean_standard_error=spread,
                     bias=shift,
                     bias_error=shift_error,
-                    samples=float(samples[rows].mean()) if len(rows) else 0.0,
+                    samples=_mean_samples(states, rows) if len(rows) else 0.0,
                     density=layout.density,
                     requested_density=layout.requested_density,
                     area=float(area.sum()),
@@ -552,43 +553,43 @@ def _estimates(
     layers: list[tuple[str, LayerState]], order: BakeOrder, table: LumelTable
 ) -> Estimates:
     """Sum of all layers; their errors are independent."""
-    total, square, exitance, named = 0.0, 0.0, None, {}
+    count = sum(table.counts)
+    light, error = np.zeros((2, count), dtype=np.float32)
     replicates = min(state.sums.passes for _, state in layers)
-    for name, state in layers:
-        mean = state.sums.mean()
-        total = total + mean
-        square = square + pool_variance(state.sums, table)
-        if name:
-            named[name] = mean.astype(np.float32)
-        if order.exitance:
-            own = state.sums.further_means()
-            exitance = own if exitance is None else exitance + own
-    error = np.sqrt(np.where(np.isfinite(square), square, 0.0))
-    return Estimates(
-        total, error, named, exitance, replicates, max(replicates - 1, 1) + TILE_FREEDOM
-    )
+    first = 0
+    for number, many in enumerate(table.counts):
+        part = slice(first, first + many)
+        first += many
+        light[part] = sum(state.sums.mean(part) for _, state in layers)
+        facts = table.facts(number)
+        tiles = tile_numbers(facts, table.width(number))
+        variance = sum(pool_variance(state.sums, part, tiles, facts.valid) for _, state in layers)
+        error[part] = np.sqrt(np.where(np.isfinite(variance), variance, 0.0))
+    named = {name: state.sums.mean().astype(np.float32) for name, state in layers if name}
+    exitance = None
+    if order.exitance:
+        exitance = sum(state.sums.further_means() for _, state in layers)
+    freedom = max(replicates - 1, 1) + TILE_FREEDOM
+    return Estimates(light, error, named, exitance, replicates, freedom)
 
 
-def pool_variance(sums, table: LumelTable) -> np.ndarray:
-    """Variance of every lumel's mean, from its own passes and those of its tile. (n,) [lx2]
+def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np.ndarray:
+    """Variance of some lumels' means, from their own passes and those of their tiles. (n,) [lx2]
 
     Where rare bright paths make the error, the passes of most lumels have seen none of them, and would state too little
     by themselves. So the mean over the tile counts as so many degrees of freedom; the mean over the map stays what it is.
     """
-    variance = sums.variance()
+    variance = sums.variance(part)
     freedom = max(sums.passes - 1, 1)
-    first = 0
-    for number, count in enumerate(table.counts):
-        part = slice(first, first + count)
-        first += count
-        block = table.block(number)
-        tiles = tile_numbers(block, table.width(number))
-        own = np.where(block.valid & np.isfinite(variance[part]), variance[part], 0.0)
-        total = np.bincount(tiles, own * block.valid)
-        known = np.bincount(tiles, block.valid.astype(np.float64))
-        mean = (total / np.maximum(known, 1.0))[tiles]
-        variance[part] = (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
-    return variance
+    own = np.where(valid & np.isfinite(variance), variance, 0.0)
+    total = np.bincount(tiles, own * valid)
+    known = np.bincount(tiles, valid.astype(np.float64))
+    mean = (total / np.maximum(known, 1.0))[tiles]
+    return (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
+
+
+def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:
+    return float(np.mean([state.sums.samples(rows).mean() for state in states]))
 
 
 def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: np.ndarray) -> float:
@@ -616,12 +617,11 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
 
 def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:
     """Mean, root mean square and standard error of everything, by area. [lx]"""
-    sums, first = np.zeros(4), 0
-    for number, count in enumerate(table.counts):
-        part = slice(first, first + count)
-        first += count
-        block = table.block(number)
-        area = np.where(block.valid, block.area, 0.0)
+    known = table.survey
+    sums = np.zeros(4)
+    for first in range(0, len(known.area), CHUNK):
+        part = slice(first, first + CHUNK)
+        area = np.where(known.valid[part], known.area[part], 0.0).astype(np.float64)
         light, error = estimates.illuminance[part], estimates.standard_error[part]
         sums += [area.sum(), (light * area).sum(), (light**2 * area).sum(), (error**2 * area).sum()]
     mean, square, variance = sums[1:] / max(sums[0], 1e-300)

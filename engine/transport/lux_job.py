@@ -7,6 +7,7 @@ found best for every tile of the maps: in proportion to the scatter, and to the 
 allocation).
 """
 
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import drjit as dr
@@ -25,7 +26,7 @@ from .lights import learn
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 from .sight import Sight
-from .survey import Survey, survey
+from .survey import Survey
 from .sweeps import Sweeper
 from .textures import is_spectral
 from .tiles import tile_numbers
@@ -173,7 +174,7 @@ class LuxJob:
     Parameters
     ----------
     scene : CompiledScene
-    table : LumelTable
+    table : LumelTable    Validated.
     seed : int
     options : Options
     cancelled : callable    Asked before every launch.
@@ -200,7 +201,7 @@ class LuxJob:
         if is_spectral():
             kind = "colour" if options.exitance else "luminance"
             self.sampler = WavelengthSampler(scene.mean_light, kind)
-        known = survey(table, seed)
+        known = table.survey
         self.area, self.valid = known.area, known.valid
         self._leaves_sun = tracer is not None and tracer.has_suns
         self._learn(known)
@@ -225,6 +226,8 @@ class LuxJob:
         self.aims: dict[int, np.ndarray] = {}
         self.spans = self._find_spans(known.places)
         self._uploaded: dict[int, dict] = {}
+        self._collector = ThreadPoolExecutor(1)
+        self._coming: tuple[int, Future | None] = (-1, None)
 
     def prepare(self, samples: float | None = None) -> None:
         """Find the light of the cells. ``samples``: how many each lumel will get at most, where it is known."""
@@ -274,7 +277,8 @@ class LuxJob:
         """
         self.refresh(number, levels)
         return [
-            (part, values.sum(axis=0)) for part, values in self.estimates(number, levels, progress)
+            (part, values.sum(axis=0).astype(np.float32))
+            for part, values in self.estimates(number, levels, progress)
         ]
 
     def object_means(self, made, objects: np.ndarray, count: int) -> np.ndarray:
@@ -353,7 +357,7 @@ class LuxJob:
         made, count = [], 0
         inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
         for number in np.flatnonzero(inside):
-            own = tile_numbers(self.table.block(int(number)), self.table.width(int(number)))
+            own = tile_numbers(self.table.facts(int(number)), self.table.width(int(number)))
             made.append(own + count)
             count += int(own.max(initial=-1)) + 1
         return np.concatenate(made)
@@ -364,7 +368,7 @@ class LuxJob:
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         chances = np.where(self.valid, self.area, 0.0)
         draw = np.random.default_rng([self.seed & 0xFFFFFFFF, number, 77])
-        ends = np.cumsum(chances)
+        ends = np.cumsum(chances, dtype=np.float64)
         if number % CHECK_INTERVAL or not self.valid.any():
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         share = CHECK_INTERVAL * CHECK_SHARE
@@ -456,21 +460,13 @@ class LuxJob:
         if span.start not in self._uploaded:
             if len(self._uploaded) >= KEPT_SPANS:
                 self._uploaded.pop(next(iter(self._uploaded)))
-            inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
-            parts = [self.table.block(int(i)).receivers for i in np.flatnonzero(inside)]
-            begins = np.cumsum([0, *(len(part.positions) for part in parts)])
-            columns = self.scene.local(np.concatenate([part.positions for part in parts]))
-            normals = np.concatenate([part.normals for part in parts])
-            true = np.concatenate([part.geometric_normals for part in parts])
-            start = np.concatenate(
-                [part.start + begin for part, begin in zip(parts, begins, strict=False)]
-            )
+            arrays = self._collected(span)
             self._uploaded[span.start] = {
-                "p": [upload(mi.Float, columns[:, i]) for i in range(3)],
-                "n": [upload(mi.Float, normals[:, i]) for i in range(3)],
-                "g": [upload(mi.Float, true[:, i]) for i in range(3)],
-                "start": upload(mi.UInt32, start),
-                "count": upload(mi.UInt32, np.concatenate([part.count for part in parts])),
+                "p": [upload(mi.Float, arrays["p"][:, i]) for i in range(3)],
+                "n": [upload(mi.Float, arrays["n"][:, i]) for i in range(3)],
+                "g": [upload(mi.Float, arrays["g"][:, i]) for i in range(3)],
+                "start": upload(mi.UInt32, arrays["start"]),
+                "count": upload(mi.UInt32, arrays["count"]),
             }
             if self.aims:
                 self._uploaded[span.start] |= {
@@ -479,6 +475,28 @@ class LuxJob:
                 }
             dr.eval(self._uploaded[span.start])
         return self._uploaded[span.start]
+
+    def _collected(self, span: slice) -> dict[str, np.ndarray]:
+        """Places of a span on the host; those of the next one are collected meanwhile."""
+        start, coming = self._coming
+        arrays = coming.result() if start == span.start else self._collect(span)
+        after = self.spans[(self.spans.index(span) + 1) % len(self.spans)]
+        if after.start not in self._uploaded and after is not span:
+            self._coming = after.start, self._collector.submit(self._collect, after)
+        return arrays
+
+    def _collect(self, span: slice) -> dict[str, np.ndarray]:
+        inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
+        parts = [self.table.block(int(i)).receivers for i in np.flatnonzero(inside)]
+        begins = np.cumsum([0, *(len(part.positions) for part in parts)])
+        starts = [part.start + begin for part, begin in zip(parts, begins, strict=False)]
+        return {
+            "p": self.scene.local(np.concatenate([part.positions for part in parts])),
+            "n": np.concatenate([part.normals for part in parts]),
+            "g": np.concatenate([part.geometric_normals for part in parts]),
+            "start": np.concatenate(starts),
+            "count": np.concatenate([part.count for part in parts]),
+        }
 
     def _launch(
         self, span, kind, units: "_Units", number, columns, salt=0, is_exact=False

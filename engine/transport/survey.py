@@ -1,6 +1,6 @@
-"""What a job keeps of all lumels, and some places on them, found in one walk over their blocks.
+"""What a job keeps of all lumels, and some places on them, found while their blocks are made for the first time.
 
-Blocks that do not fit the memory are made anew at every walk, so there should be few.
+Blocks that do not fit the memory are made anew at every walk over them, so there should be few.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ class Survey:
 
     Parameters
     ----------
-    area : (n,) array    Surface in each lumel. [m2]
+    area : (n,) float32 array    Surface in each lumel. [m2]
     valid : (n,) bool array
     places : (b,) int array    Places in every block.
     positions : (k, 3) float64 array    Some of the places of valid lumels, drawn by area within each block. [m]
@@ -39,31 +39,45 @@ class Survey:
         )
 
 
-def survey(table, seed: int) -> Survey:
-    """Walk over the blocks of a `LumelTable`."""
-    draw = np.random.default_rng([seed & 0xFFFFFFFF, 4])
-    each = int(np.clip(POOL // max(len(table.counts), 1), FEWEST, MOST))
-    area, valid, places, positions, normals, chances = [], [], [], [], [], []
-    for number in range(len(table.counts)):
-        block = table.block(number)
-        held = block.receivers
-        area.append(block.area)
-        valid.append(block.valid)
-        places.append(len(held.positions))
+class Surveyor:
+    """Gathers a survey block by block.
+
+    Parameters
+    ----------
+    blocks : int    How many there will be.
+    seed : int
+    """
+
+    def __init__(self, blocks: int, seed: int):
+        self._draw = np.random.default_rng([seed & 0xFFFFFFFF, 4])
+        self._each = int(np.clip(POOL // max(blocks, 1), FEWEST, MOST))
+        self._area, self._valid, self._places = [], [], []
+        self._positions, self._normals, self._chances = [], [], []
+
+    def add(self, block) -> None:
+        """Take note of a `LumelBlock`, the next one of its table."""
+        held, each = block.receivers, self._each
+        self._area.append(block.area.astype(np.float32))
+        self._valid.append(block.valid)
+        self._places.append(len(held.positions))
         share = np.where(block.valid, block.area, 0.0)
         total = float(share.sum())
         if total > 0.0:
-            lumels = draw.choice(len(share), each, p=share / total)
-            rows = held.start[lumels] + (draw.random(each) * held.count[lumels]).astype(np.int64)
-            positions.append(held.positions[rows])
-            normals.append(held.normals[rows].astype(np.float32))
-            chances.append(np.full(each, total / each))
-    chance = np.concatenate(chances) if chances else np.zeros(0)
-    return Survey(
-        np.concatenate(area),
-        np.concatenate(valid),
-        np.array(places, dtype=np.int64),
-        np.concatenate(positions) if positions else np.zeros((0, 3)),
-        np.concatenate(normals) if normals else np.zeros((0, 3), dtype=np.float32),
-        chance / max(chance.sum(), 1e-300),
-    )
+            lumels = self._draw.choice(len(share), each, p=share / total)
+            rows = held.start[lumels]
+            rows = rows + (self._draw.random(each) * held.count[lumels]).astype(np.int64)
+            self._positions.append(held.positions[rows])
+            self._normals.append(held.normals[rows].astype(np.float32))
+            self._chances.append(np.full(each, total / each))
+
+    def survey(self) -> Survey:
+        """All that was gathered."""
+        chance = np.concatenate([np.zeros(0), *self._chances])
+        return Survey(
+            np.concatenate([np.zeros(0, dtype=np.float32), *self._area]),
+            np.concatenate([np.zeros(0, dtype=bool), *self._valid]),
+            np.array(self._places, dtype=np.int64),
+            np.concatenate([np.zeros((0, 3)), *self._positions]),
+            np.concatenate([np.zeros((0, 3), dtype=np.float32), *self._normals]),
+            chance / max(chance.sum(), 1e-300),
+        )

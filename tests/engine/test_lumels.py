@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lumenray.engine.atlas import coverage
+from lumenray.engine.atlas import coverage, lumels
 from lumenray.engine.atlas.layout import Atlas, SurfaceLayout
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.errors import Cancelled, SceneError
@@ -495,3 +495,16 @@ def test_looking_over_can_be_cancelled():
     table = LumelTable([FLOOR], flat_atlas(FLOOR, 8.0))
     with session._engine("auto") as compiled, pytest.raises(Cancelled):
         table.validate(compiled, lambda: True)
+
+
+def test_facts_that_are_kept_in_little_memory_are_those_of_the_lumels():
+    mesh = box(1.0, 0.7, 0.4)
+    table = LumelTable([mesh], flat_atlas(mesh, 9.7))
+    block = table.block(0)
+    valid = np.arange(len(block.index)) % 3 > 0
+    facts = lumels._Facts(replace(block, valid=valid)).unpack()
+    assert (facts.layout, facts.page) == (block.layout, block.page)
+    np.testing.assert_array_equal(facts.index, block.index)
+    np.testing.assert_array_equal(facts.chart, block.chart)
+    np.testing.assert_array_equal(facts.valid, valid)
+    np.testing.assert_allclose(facts.area, block.area, rtol=1e-6)

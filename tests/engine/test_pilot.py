@@ -73,7 +73,7 @@ def test_the_power_is_learned_by_which_a_variance_falls(power):
 
 
 def test_places_stand_for_all_valid_lumels_by_area():
-    from lumenray.engine.transport.survey import survey
+    from lumenray.engine.transport.survey import Surveyor
 
     def block(number, areas, valid):
         count = np.arange(1, len(areas) + 1)
@@ -86,8 +86,10 @@ def test_places_stand_for_all_valid_lumels_by_area():
         return SimpleNamespace(area=np.array(areas), valid=np.array(valid), receivers=held)
 
     blocks = [block(0, [1.0, 3.0, 9.0], [True, True, False]), block(1, [0.5, 1.5], [True, True])]
-    table = SimpleNamespace(counts=(3, 2), block=lambda number: blocks[number])
-    known = survey(table, 1)
+    surveyor = Surveyor(len(blocks), 1)
+    for each in blocks:
+        surveyor.add(each)
+    known = surveyor.survey()
     assert known.area.tolist() == [1.0, 3.0, 9.0, 0.5, 1.5]
     assert known.places.tolist() == [6, 3]
     drawn = known.positions[known.draw(60_000, 2)][:, :2].astype(int)
