@@ -150,6 +150,11 @@ class LumelTable:
                 counts.append(int(rows[low:high].sum()))
         self.counts: tuple[int, ...] = tuple(counts)
 
+    @property
+    def is_kept(self) -> bool:
+        """Whether all blocks are kept, so that none is made twice."""
+        return len(self._kept) == len(self._bands)
+
     def width(self, number: int) -> int:
         """Width of the page that a block lies on. [lumel]"""
         return int(self._atlas.sizes[self.page(number)][0])

@@ -16,6 +16,9 @@ PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
 low-discrepancy points to pay within each."""
 
+FEWEST_PASSES = 2
+"""From which an error can be told."""
+
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
@@ -148,8 +151,9 @@ class Layer:
         self.report(Progress(0.0, 0, math.inf, self._seconds, None, "first samples"))
         is_short = rule.samples is not None and rule.samples <= SHORT
         if is_short or (not job.options.adaptive and job.count > MOST_PILOTED):
-            # Passes of a power of two, at least two of them.
-            each = (rule.samples or SHORT * PASSES) / PASSES
+            # Passes of a power of two, at least two of them. Few, where each has to make the places of lumels anew.
+            passes = PASSES if job.table.is_kept else FEWEST_PASSES
+            each = (rule.samples or SHORT * passes) / passes
             levels = Levels.even(
                 job.count, 1 << max(int(math.log2(max(each, 1.0))), 0), job.guide is not None
             )

@@ -462,3 +462,29 @@ def test_a_smooth_cylinder_has_every_edge_once():
     for column in (1, 2):
         ends = [mesh.triangles[rows[:, 0], rows[:, column]] for rows in (first, second)]
         assert np.array_equal(*ends)
+
+
+def test_large_bakes_that_were_ended_are_gone_on_with(tmp_path, monkeypatch):
+    from lumenray.benchmarks import atlas_scale
+    from lumenray.engine.errors import LumenrayError
+
+    asked, said = [], []
+
+    def bake(run):
+        asked.append(run.pages)
+        if len(asked) == 2:
+            raise LumenrayError("ended")
+        names = ("triangles", "charts", "lumels", "pages", "seconds", "memory")
+        return dict.fromkeys(names, 1.0) | {"pages": run.pages}
+
+    monkeypatch.setattr(atlas_scale, "_in_child", bake)
+    runs = tuple(atlas_scale.Specification(100, 6, pages) for pages in (1, 2, 3))
+    cache = tmp_path / "scale.json"
+    with pytest.raises(LumenrayError):
+        atlas_scale.measure_scale(said.append, runs, cache)
+    made = atlas_scale.measure_scale(said.append, runs, cache)
+    assert asked == [1, 2, 2, 3]
+    assert [row["pages"] for row in made["runs"]] == [1, 2, 3]
+    # A whole one begins anew.
+    atlas_scale.measure_scale(said.append, runs, cache)
+    assert asked[4:] == [1, 2, 3]
