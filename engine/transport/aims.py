@@ -23,7 +23,7 @@ SIDE = 16
 
 BINS = SIDE * SIDE
 
-EVEN = 0.2
+EVEN = 0.3
 """Share of the rays that goes everywhere alike."""
 
 SHARED = 0.25

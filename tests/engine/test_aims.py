@@ -50,8 +50,8 @@ def test_densities_keep_a_share_for_all_bins_and_rise_with_the_root():
     np.testing.assert_allclose(made.mean(axis=1), 1.0, rtol=2e-3)
     # Where nothing was found rays go everywhere alike.
     np.testing.assert_array_equal(made[0], 1.0)
-    assert made.min() == pytest.approx(0.2, rel=1e-3)
-    assert (made[2, 100] - 0.2) / (made[2, 200] - 0.2) == pytest.approx(4.0, rel=0.01)
+    assert made.min() == pytest.approx(0.3, rel=1e-3)
+    assert (made[2, 100] - 0.3) / (made[2, 200] - 0.3) == pytest.approx(4.0, rel=0.01)
     assert made[1].argmax() == 100
     assert made[1, 101] > made[1, 102]
 
