@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from ..engine.errors import LumenrayError
-from .machine import OtherLoad, describe_machine
+from .machine import OtherLoad, describe_machine, measure_unsteadiness
 
 
 def run(options) -> int:
@@ -57,14 +57,15 @@ def measure(
     Returns
     -------
     dict    Plain data, for JSON: the numbers of `atlas_summary.summarise`, and ``machine``, ``is_quick``, ``scenes``,
-        ``races``, ``geometry``, ``scale``, ``seconds`` and ``other_load``.
+        ``races``, ``geometry``, ``scale``, ``seconds``, ``unsteadiness`` (see `machine.measure_unsteadiness`) and
+        ``other_load``.
     """
     from ..engine.transport import backend
 
     # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
     backend.start(spectral=False)
     from . import atlas_geometry, atlas_scale
-    from .atlas_calibration import measure_scene
+    from .atlas_calibration import FORECAST_SECONDS, QUICK_FORECAST_SECONDS, measure_scene
     from .atlas_race import race
     from .atlas_scenes import BUILDERS, QUICK, RACE, build
     from .atlas_summary import summarise
@@ -85,6 +86,9 @@ def measure(
         "hard": atlas_geometry.measure_hard_cases(say),
     }
     share, seconds = load.share(), time.perf_counter() - start
+    length = QUICK_FORECAST_SECONDS if is_quick else FORECAST_SECONDS
+    say("how steadily the machine works")
+    unsteadiness = measure_unsteadiness(length)
     scale = atlas_scale.measure_scale(say) if with_scale else atlas_scale.read_scale()
     return {
         **summarise(calibration, races),
@@ -95,6 +99,7 @@ def measure(
         "geometry": geometry,
         "scale": scale,
         "seconds": round(seconds, 1),
+        "unsteadiness": unsteadiness,
         "other_load": share,
     }
 

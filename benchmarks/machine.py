@@ -1,11 +1,20 @@
-"""The machine that a benchmark ran on, and how busy others kept it."""
+"""The machine that a benchmark ran on, how busy others kept it, and how steadily it works."""
 
+import hashlib
 import os
 import platform
+import time
+from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
 from pathlib import Path
 
 from ..engine import VERSION
+
+PIECE = 1 << 22
+"""Bytes that are worked on at once. [byte]"""
+
+STARTS = 20
+"""Stretches of work that are looked at, each beginning somewhere else."""
 
 
 class OtherLoad:
@@ -39,6 +48,47 @@ class OtherLoad:
             own += (int(fields[11]) + int(fields[12])) / tick
         # Idle, and waiting for disks.
         return sum(times), sum(times) - times[3] - times[4], own
+
+
+def measure_unsteadiness(seconds: float, share: float = 0.1) -> float:
+    """How well the time of even work can be foretold on this machine.
+
+    Parameters
+    ----------
+    seconds : float    How long the work takes; twice as long is measured. [s]
+    share : float    Part of it from which the whole is foretold. [-]
+
+    Returns
+    -------
+    float    Median relative error. [-]
+    """
+    end = time.perf_counter() + 2.0 * seconds
+    data = bytes(PIECE)
+
+    def work(_number: int) -> list[float]:
+        stamps = []
+        while time.perf_counter() < end:
+            hashlib.sha256(data).digest()
+            stamps.append(time.perf_counter())
+        return stamps
+
+    count = os.cpu_count() or 1
+    with ThreadPoolExecutor(count) as pool:
+        stamps = sorted(stamp for made in pool.map(work, range(count)) for stamp in made)
+    return foretell(stamps, share)
+
+
+def foretell(stamps: list[float], share: float) -> float:
+    """Median relative error with which half of all pieces of work are foretold from a share of these; see above."""
+    whole = max((len(stamps) - 1) // 2, 1)
+    early = max(round(share * whole), 1)
+    errors = []
+    for number in range(STARTS):
+        first = number * (len(stamps) - 1 - whole) // (STARTS - 1)
+        begin = stamps[first]
+        took = stamps[first + whole] - begin
+        errors.append(abs((stamps[first + early] - begin) * whole / early / took - 1.0))
+    return sorted(errors)[len(errors) // 2]
 
 
 def describe_machine() -> dict:

@@ -1,6 +1,7 @@
 """The estimator of lux maps: its values against closed forms and other estimators, and its errors against the truth."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -186,6 +187,23 @@ def test_the_same_seed_gives_the_same_bits_and_another_the_same_light():
     assert one.maps[0].bias == again.maps[0].bias
     assert not np.array_equal(one.pages[0].illuminance, other.pages[0].illuminance)
     assert_alike(one, other)
+
+
+def test_lumels_that_do_not_fit_the_memory_get_the_same_light(monkeypatch):
+    from lumenray.engine.atlas import lumels
+    from lumenray.engine.baking import run
+    from lumenray.engine.transport import lux_job
+
+    items = (*ROOM, paint(0.5), LAMP)
+    one = bake(items, OBJECTS, 128, seed=1)
+    monkeypatch.setattr(run, "LumelTable", partial(lumels.LumelTable, memory=1 << 14))
+    # Many blocks and lots of them, which are made anew for every pass.
+    monkeypatch.setattr(lumels, "BLOCK_PLACES", 1 << 10)
+    monkeypatch.setattr(lux_job, "SPAN_PLACES", 1 << 11)
+    other = bake(items, OBJECTS, 128, seed=2)
+    assert_alike(one, other)
+    again = bake(items, OBJECTS, 128, seed=2)
+    np.testing.assert_array_equal(whole(other).illuminance, whole(again).illuminance)
 
 
 def test_names_of_objects_decide_nothing():

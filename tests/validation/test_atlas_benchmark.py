@@ -397,6 +397,7 @@ def made_up_result() -> dict:
         },
         "scale": {"samples": 4, "runs": runs},
         "seconds": 9.0,
+        "unsteadiness": 0.04,
         "other_load": 0.5,
     }
 
@@ -488,3 +489,13 @@ def test_large_bakes_that_were_ended_are_gone_on_with(tmp_path, monkeypatch):
     # A whole one begins anew.
     atlas_scale.measure_scale(said.append, runs, cache)
     assert asked[4:] == [1, 2, 3]
+
+
+def test_steady_work_is_foretold_and_work_that_slows_down_is_not():
+    from lumenray.benchmarks.machine import foretell
+
+    even = np.arange(400) * 0.1
+    assert foretell(even.tolist(), 0.1) == pytest.approx(0.0, abs=1e-9)
+    # Twice as slow in every second stretch of 25 pieces: the first tenth of 200 sees but one kind.
+    steps = np.where(np.arange(400) // 25 % 2 == 0, 0.1, 0.2)
+    assert 0.1 < foretell(np.cumsum(steps).tolist(), 0.1) < 0.4
