@@ -18,8 +18,9 @@ TITLE = """# Lux maps: accuracy that is stated, time that is forecast
 *Made by `lumenray benchmark atlas{options}`; do not edit by hand.*
 
 Whole maps are baked, and what they state of themselves is compared with the truth. To repeat it:
-`lumenray benchmark atlas --json out/atlas.json`; `--scale` also bakes the large buildings anew (about an hour; otherwise
-the last results are told), and `--check out/atlas.json` compares another run with an earlier one.
+`lumenray benchmark atlas --json out/atlas.json`; `--scale` also bakes the large buildings anew, as
+`python -m lumenray.benchmarks.atlas_scale` does alone (some hours; what was ended is gone on with; otherwise the last
+results are told), and `--check out/atlas.json` compares another run with an earlier one.
 
 - **References** are computed by code that the bakes do not use: plain path tracing at every lumel, as for sensors, without
   cells, tiles or light apart, down to a standard error of {reference:g} % where {patience:.0f} s are enough. A random subset

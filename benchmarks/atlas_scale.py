@@ -1,6 +1,6 @@
 """Large bakes: millions of triangles, thousands of charts, dozens of pages. Each in a process of its own, for its memory.
 
-That process is ``python -m lumenray.benchmarks.atlas_scale SPECIFICATION OUT``.
+That process is ``python -m lumenray.benchmarks.atlas_scale SPECIFICATION OUT``. Without arguments all of them are baked.
 """
 
 import json
@@ -184,6 +184,8 @@ def growth(rows: list[dict]) -> float | None:
     return float(np.polyfit(x, y, 1)[0])
 
 
-if __name__ == "__main__":
+if __name__ == "__main__" and len(sys.argv) == 1:
+    measure_scale(print)
+elif __name__ == "__main__":
     row = bake_building(Specification(**json.loads(sys.argv[1])))
     Path(sys.argv[2]).write_text(json.dumps(row), encoding="utf-8")
