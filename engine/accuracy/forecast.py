@@ -339,7 +339,9 @@ class Forecaster:
     def history(self) -> History:
         """Marks so far; an error asked for in lux stands as what it is of the present mean."""
         target = self._target()
-        return History(tuple(self._marks), target if target > 0.0 else None, self._setup)
+        outlook = self.outlook
+        end = None if outlook is None or not outlook.error < math.inf else outlook.error
+        return History(tuple(self._marks), target if target > 0.0 else None, self._setup, end)
 
     def state(self) -> dict[str, np.ndarray]:
         """Everything but the rule, for a checkpoint."""

@@ -30,8 +30,10 @@ class History:
     marks : tuple of Mark
     target : float or None    Relative error that was asked for, None where the rule names none. [-]
     setup_seconds : float    Spent before the first samples. [s]
+    end_error : float or None    Relative error at the time of the last forecast, as far as it is known. [-]
     """
 
     marks: tuple[Mark, ...] = ()
     target: float | None = None
     setup_seconds: float = 0.0
+    end_error: float | None = None

@@ -236,7 +236,9 @@ class _Graph:
         if self.is_done or now is None or now.forecast is None:
             return []
         setup = min(self.history.setup_seconds, 0.999 * now.seconds)
-        end = now.error * math.sqrt((now.seconds - setup) / (now.forecast - setup))
+        end = self.history.end_error
+        if end is None:
+            end = now.error * math.sqrt((now.seconds - setup) / (now.forecast - setup))
         # A pass with other samples than the ones before it makes the error fall faster than by the root of time.
         if self.target is not None and end <= NEAR * self.target:
             end = self.target

@@ -289,3 +289,14 @@ def test_rules_that_cannot_stop_a_job_are_refused():
 def test_the_line_of_progress_names_both_errors():
     line = Progress(0.5, 64, 0.0123, 10.0, 20.0, "lux maps", 5.4321).text()
     assert line == "lux maps, 64 samples, error 1.23 %, 5.43 lx, 20 s left"
+
+
+def test_the_history_tells_the_error_at_the_forecast_end():
+    forecaster = Forecaster(StopRule(error=0.02), 1.0)
+    # A pilot of 45 %, and passes of which eight have 1.98 %.
+    forecaster.note(2.0, 0.0, 0.45, absolute=45.0, passes=2)
+    share = 8.0 * (0.0198 / 0.45) ** 2
+    forecaster.respread(1.0, share, 1.0, 100.0, 5.0, 2.5)
+    history = forecaster.history
+    assert history.end_error == pytest.approx(0.0198, rel=0.01)
+    assert history.marks[-1].forecast == pytest.approx(2.5 + 8 * 5.0)
