@@ -27,8 +27,8 @@ PLACE_BYTES = 24 + 12 + 12 + 4
 
 
 @dataclass(frozen=True)
-class LumelBlock:
-    """Lumels of one layout on one page, in a row.
+class LumelFacts:
+    """Lumels of one layout on one page, in a row, but for their places.
 
     Parameters
     ----------
@@ -36,10 +36,8 @@ class LumelBlock:
     page : int
     index : (n,) int64 array    Flat pixel index on the page, row 0 at the bottom, ascending.
     chart : (n,) int32 array
-    area : (n,) float64 array    Surface in each lumel. [m2]
+    area : (n,) array    Surface in each lumel. [m2]
     valid : (n,) bool array    False: inside a solid or covered all over, to be filled from the neighbours.
-    receivers : Receivers    n rows, those that are not valid too.
-    triangle : (k,) int32 array    Triangle of the mesh for every place of the receivers.
     """
 
     layout: int
@@ -48,6 +46,18 @@ class LumelBlock:
     chart: np.ndarray
     area: np.ndarray
     valid: np.ndarray
+
+
+@dataclass(frozen=True)
+class LumelBlock(LumelFacts):
+    """Lumels with their places.
+
+    Parameters
+    ----------
+    receivers : Receivers    n rows, those that are not valid too.
+    triangle : (k,) int32 array    Triangle of the mesh for every place of the receivers.
+    """
+
     receivers: Receivers
     triangle: np.ndarray
 
@@ -59,18 +69,6 @@ class LumelBlock:
         if held.normals is not held.geometric_normals:
             arrays.append(held.normals)
         return sum(array.nbytes for array in arrays)
-
-
-@dataclass(frozen=True)
-class LumelFacts:
-    """What is known of the lumels of a block but for their places; parameters as of `LumelBlock`."""
-
-    layout: int
-    page: int
-    index: np.ndarray
-    chart: np.ndarray
-    area: np.ndarray
-    valid: np.ndarray
 
 
 class _Facts:
@@ -173,7 +171,7 @@ class LumelTable:
             return self._kept[number]
         return self._corrected(number, self._make(number))
 
-    def facts(self, number: int) -> LumelBlock | LumelFacts:
+    def facts(self, number: int) -> LumelFacts:
         """All about a block but for its places, which may have to be made anew."""
         if number in self._kept or number not in self._facts:
             return self.block(number)

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
-from baking_rooms import furnished_room
+from baking_rooms import furnished_room, lamp
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
+from lumenray.engine.errors import Cancelled
 from lumenray.engine.scene.material import Emission
+from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
+from lumenray.engine.session import Session
 from scipy import stats
 from small_scenes import paint, quad, session_of
 
@@ -122,3 +125,49 @@ def test_aimed_rays_find_the_same_light_with_less_scatter():
         )
         assert abs(gap) < 4.5 * np.sqrt(sum(error**2 for error in errors))
     assert aimed.relative_standard_error < 0.95 * plain.relative_standard_error
+
+
+def test_a_bake_with_aimed_rays_that_is_cancelled_goes_on_to_the_same_map(tmp_path, monkeypatch):
+    from lumenray.engine.transport import lux_job, pilot
+
+    monkeypatch.setattr(lux_job, "SPAN_PLACES", 1 << 12)
+    monkeypatch.setattr(pilot, "LEARNING", 1.0)
+    # Whatever the trials say.
+    monkeypatch.setattr(
+        pilot.Pilot, "_try_ways", lambda _self, _levels, guide, aims: -len(aims) - (guide is None)
+    )
+    used = []
+    real = lux_job.Aims
+    monkeypatch.setattr(lux_job, "Aims", lambda table: used.append(len(table)) or real(table))
+
+    def run(checkpoint=None, last=None):
+        turns = [0]
+
+        def turn():
+            turns[0] += 1
+            if turns[0] == last:
+                session.cancel()
+
+        session = Session(turn)
+        session.apply(SceneDelta(changed=(*furnished_room(), paint(0.7), lamp((0.6, 0.7, 1.5)))))
+        order = BakeOrder(
+            ("room", "block"),
+            StopRule(samples=64),
+            density=6.0,
+            seed=1,
+            method="cells",
+            checkpoint=checkpoint,
+        )
+        return session.bake_objects(order), turns[0]
+
+    path = tmp_path / "state"
+    whole, turns = run()
+    with pytest.raises(Cancelled):
+        run(str(path), int(0.93 * turns))
+    assert path.exists()
+    used.clear()
+    again, more = run(str(path))
+    assert used and more < turns
+    for one, other in zip(whole.pages, again.pages, strict=True):
+        np.testing.assert_array_equal(one.illuminance, other.illuminance)
+        np.testing.assert_array_equal(one.standard_error, other.standard_error)
