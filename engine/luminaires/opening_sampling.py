@@ -9,6 +9,8 @@ density * distance^2 / seen.
 import drjit as dr
 import mitsuba as mi
 
+from .rectangles import draw_place, find_density, find_solid_angle
+
 POINT, RECTANGLE, ELLIPSE, BOX, ELLIPSOID, CYLINDER = range(6)
 """Kinds of openings, in the order of `scene.distribution.SHAPES`."""
 
@@ -75,8 +77,16 @@ def draw_point(kind, half, q, sample, kinds):
     if RECTANGLE in kinds or ELLIPSE in kinds:
         up = mi.Vector3f(0.0, 0.0, dr.sign(q.z))
     if RECTANGLE in kinds:
-        point = mi.Point3f(half.x * (2.0 * sample.x - 1.0), half.y * (2.0 * sample.y - 1.0), 0.0)
-        made.put(kind == RECTANGLE, point, mi.Float(1.0), up * (4.0 * half.x * half.y))
+        angle = find_solid_angle(q, half.x, half.y)
+        place = draw_place(q, half.x, half.y, sample, angle)
+        point = mi.Point3f(half.x * place.x, half.y * place.y, 0.0)
+        away = point - q
+        distance = dr.norm(away)
+        cosine = away.z / dr.maximum(distance, TINY)
+        by_angle = find_density(half.x, half.y, distance, cosine, angle)
+        by_area = find_density(half.x, half.y, distance, cosine, 0.0)
+        density = by_angle / dr.maximum(by_area, TINY)
+        made.put(kind == RECTANGLE, point, density, up * (4.0 * half.x * half.y))
     if ELLIPSE in kinds:
         disk = mi.warp.square_to_uniform_disk_concentric(sample)
         point = mi.Point3f(half.x * disk.x, half.y * disk.y, 0.0)
@@ -106,13 +116,15 @@ def meet(kind, half, q, direction, kinds):
     if RECTANGLE in kinds or ELLIPSE in kinds:
         t = -q.z / dr.select(dr.abs(direction.z) > TINY, direction.z, TINY)
         x, y = (q.x + t * direction.x) / half.x, (q.y + t * direction.y) / half.y
-        over = dr.square(t) / dr.maximum(4.0 * half.x * half.y * dr.abs(direction.z), TINY)
         if RECTANGLE in kinds:
             inside = (t > 0.0) & (dr.abs(x) <= 1.0) & (dr.abs(y) <= 1.0)
-            density = dr.select((kind == RECTANGLE) & inside, over, density)
+            angle = find_solid_angle(q, half.x, half.y)
+            found = find_density(half.x, half.y, t, direction.z, angle)
+            density = dr.select((kind == RECTANGLE) & inside, found, density)
             distance = dr.select(kind == RECTANGLE, t, distance)
         if ELLIPSE in kinds:
             inside = (t > 0.0) & (dr.square(x) + dr.square(y) <= 1.0)
+            over = find_density(half.x, half.y, t, direction.z, 0.0)
             density = dr.select((kind == ELLIPSE) & inside, over * (4.0 / dr.pi), density)
             distance = dr.select(kind == ELLIPSE, t, distance)
     for other, find in ((BOX, _meet_box), (ELLIPSOID, _meet_ellipsoid), (CYLINDER, _meet_cylinder)):

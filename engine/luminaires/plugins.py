@@ -7,6 +7,7 @@ import drjit as dr
 import mitsuba as mi
 
 from .palette import luminaires_class
+from .rectangles import draw_place, find_density, find_solid_angle
 
 CHORD_ERROR = 3e-7
 """Largest error of the distance between two unit vectors in single precision; sampled directions to a narrow sun must be
@@ -34,7 +35,7 @@ def _surface_class():
             self.radiance = props["radiance"]
             self.pattern = props["pattern"] if "pattern" in props else None
             self.two_sided = props.get("two_sided", False)
-            self.ball = None
+            self.ball = self.rectangle = None
             self.is_narrow = props.get("tan_spread", 0.0) > 0.0
             self.tan_spread = mi.Float(props.get("tan_spread", 0.0))
             dr.make_opaque(self.tan_spread)
@@ -67,8 +68,38 @@ def _surface_class():
             self.ball = (mi.Point3f(*centre), mi.Float(radius))
             dr.make_opaque(self.ball)
 
+        def set_rectangle(self, centre, half_x, half_y):
+            """Say that the shape is a rectangle without a picture; it shines along ``half_x`` x ``half_y``. (3,) each [m]"""
+            self.rectangle = tuple(
+                mi.Vector3f(*map(float, each)) for each in (centre, half_x, half_y)
+            )
+            dr.make_opaque(self.rectangle)
+
+        def _look(self, it):
+            """Axes of the rectangle, half its sizes, the receiver in these axes and the solid angle that it sees."""
+            centre, x, y = self.rectangle
+            half_x, half_y = dr.norm(x), dr.norm(y)
+            x, y = x / half_x, y / half_y
+            axes = (x, y, dr.cross(x, y))
+            away = it.p - centre
+            q = mi.Point3f(*(dr.dot(away, axis) for axis in axes))
+            return axes, half_x, half_y, q, find_solid_angle(q, half_x, half_y)
+
+        def _draw(self, it, sample):
+            """As `sample_direction`, of a rectangle."""
+            (x, y, normal), half_x, half_y, q, angle = self._look(it)
+            place = draw_place(q, half_x, half_y, sample, angle)
+            ds = dr.zeros(mi.DirectionSample3f)
+            ds.p = self.rectangle[0] + x * (half_x * place.x) + y * (half_y * place.y)
+            ds.n = normal
+            ds.d = ds.p - it.p
+            ds.dist = dr.norm(ds.d)
+            ds.d /= dr.maximum(ds.dist, 1e-20)
+            ds.pdf = find_density(half_x, half_y, ds.dist, dr.dot(ds.d, normal), angle)
+            return ds
+
         def _density(self, it, density):
-            """Solid-angle density of sampling the shape, given Mitsuba's: even over the cap that a sphere fills."""
+            """Solid-angle density of sampling a shape, given Mitsuba's: even over the cap that a sphere fills."""
             if self.ball is None:
                 return density
             centre, radius = self.ball
@@ -77,9 +108,11 @@ def _surface_class():
             return dr.select((density > 0.0) & (square < 1.0), dr.inv_two_pi / cap, density)
 
         def sample_direction(self, it, sample, active=True):
-            shape = self.get_shape()
-            ds = shape.sample_direction(it, sample, active)
-            ds.pdf = self._density(it, ds.pdf)
+            if self.rectangle is None:
+                ds = self.get_shape().sample_direction(it, sample, active)
+                ds.pdf = self._density(it, ds.pdf)
+            else:
+                ds = self._draw(it, sample)
             ds.emitter = mi.EmitterPtr(self)
             active &= ds.pdf > 0.0
             return ds, mi.Spectrum(
@@ -89,7 +122,11 @@ def _surface_class():
         def pdf_direction(self, it, ds, active=True):
             cosine = dr.dot(ds.d, ds.n)
             lit = cosine != 0.0 if self.two_sided else cosine < 0.0
-            density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
+            if self.rectangle is None:
+                density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
+            else:
+                _, half_x, half_y, _, angle = self._look(it)
+                density = find_density(half_x, half_y, ds.dist, cosine, angle)
             return dr.select(lit & active, density, 0.0)
 
         def eval_direction(self, it, ds, active=True):

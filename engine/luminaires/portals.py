@@ -6,7 +6,11 @@ panes instead wastes little; joined with the sky's own density it stays unbiased
 
 from dataclasses import dataclass
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
+
+from .rectangles import draw_place, find_density, find_solid_angle
 
 MAXIMUM_PORTALS = 16
 """Most rectangles; their densities are summed at every next-event. Beyond, the smallest are left to plain sampling."""
@@ -61,28 +65,23 @@ class PortalSet:
     """
 
     def __init__(self, portals: list[Portal]):
-        import drjit as dr
-        import mitsuba as mi
-
         self.portals = portals
         self._rectangles = []
         for portal in portals:
             centre, u, v = (
                 mi.Vector3f(*map(float, x)) for x in (portal.centre, portal.half_u, portal.half_v)
             )
-            normal = dr.normalize(dr.cross(u, v))
-            area = 4.0 * dr.norm(dr.cross(u, v))
-            made = (centre, u, v, normal, area, u / dr.squared_norm(u), v / dr.squared_norm(v))
+            half_x, half_y = dr.norm(u), dr.norm(v)
+            x, y = u / half_x, v / half_y
+            made = (centre, x, y, dr.normalize(dr.cross(x, y)), half_x, half_y)
             dr.make_opaque(*made)
             self._rectangles.append(made)
 
     def _solid_angles(self, point) -> list:
         """Rough solid angle of each portal from a point, up to about 1. [sr]"""
-        import drjit as dr
-        import mitsuba as mi
-
         weights = []
-        for centre, _, _, normal, area, _, _ in self._rectangles:
+        for centre, _, _, normal, half_x, half_y in self._rectangles:
+            area = 4.0 * half_x * half_y
             away = centre - mi.Vector3f(point)
             squared = dr.squared_norm(away)
             cosine = dr.abs(dr.dot(away, normal)) * dr.rsqrt(dr.maximum(squared, 1e-12))
@@ -116,40 +115,42 @@ class PortalSet:
 
     def density(self, point, direction):
         """Solid-angle density with which `direction` would have drawn a direction. [1/sr]"""
-        import drjit as dr
-        import mitsuba as mi
-
         pdf = mi.Float(0.0)
-        for (centre, _, _, normal, area, over_u, over_v), choice in zip(
-            self._rectangles, self._choices(point), strict=True
-        ):
-            away = centre - mi.Vector3f(point)
+        for rectangle, choice in zip(self._rectangles, self._choices(point), strict=True):
+            _, x, y, normal, half_x, half_y = rectangle
+            q = _look(rectangle, point)
             cosine = dr.dot(direction, normal)
-            distance = dr.dot(away, normal) / dr.select(cosine == 0.0, 1e-12, cosine)
-            place = direction * distance - away
+            distance = -q.z / dr.select(cosine == 0.0, 1e-12, cosine)
             inside = (
                 (distance > 0.0)
-                & (dr.abs(dr.dot(place, over_u)) <= 1.0)
-                & (dr.abs(dr.dot(place, over_v)) <= 1.0)
+                & (dr.abs(q.x + distance * dr.dot(direction, x)) <= half_x)
+                & (dr.abs(q.y + distance * dr.dot(direction, y)) <= half_y)
             )
-            value = choice * dr.square(distance) / (area * dr.maximum(dr.abs(cosine), 1e-6))
-            pdf += dr.select(inside, value, 0.0)
+            angle = find_solid_angle(q, half_x, half_y)
+            value = find_density(half_x, half_y, distance, cosine, angle)
+            pdf += dr.select(inside, choice * value, 0.0)
         return pdf
 
     def direction(self, point, u, v):
         """Direction from a point to a place on one of the portals, for two numbers in [0, 1)."""
-        import drjit as dr
-        import mitsuba as mi
-
         target, start = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
-        for (centre, half_u, half_v, *_), choice in zip(
-            self._rectangles, self._choices(point), strict=True
-        ):
-            stretched = dr.clip((u - start) / choice, 0.0, 1.0)
-            place = centre + half_u * (2.0 * stretched - 1.0) + half_v * (2.0 * v - 1.0)
+        for rectangle, choice in zip(self._rectangles, self._choices(point), strict=True):
+            centre, x, y, _, half_x, half_y = rectangle
+            sample = mi.Point2f(dr.clip((u - start) / choice, 0.0, 1.0), v)
+            q = _look(rectangle, point)
+            angle = find_solid_angle(q, half_x, half_y)
+            place = draw_place(q, half_x, half_y, sample, angle)
+            place = centre + x * (half_x * place.x) + y * (half_y * place.y)
             target = dr.select(u >= start, place - mi.Vector3f(point), target)
             start += choice
         return dr.normalize(target)
+
+
+def _look(rectangle, point):
+    """A point in the axes of a rectangle of a `PortalSet`."""
+    centre, x, y, normal, _, _ = rectangle
+    away = mi.Vector3f(point) - centre
+    return mi.Point3f(dr.dot(away, x), dr.dot(away, y), dr.dot(away, normal))
 
 
 def _connected(vertices, triangles) -> list[np.ndarray]:

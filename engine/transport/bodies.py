@@ -18,6 +18,9 @@ from .mirrors import Plane, find_planes
 from .requirements import pictures
 from .surfaces import is_mirror, is_window, passes_straight
 
+SAME_NORMAL, SAME_PLACE = 0.999999, 1e-5
+"""From which cosine on triangles face the same way, and up to which part of their size corners are the same. [-]"""
+
 
 @dataclass
 class Part:
@@ -211,19 +214,52 @@ def _find_mirrors(mesh, used, normals) -> list[Plane]:
 def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> Source | None:
     corners = mesh.vertices[used]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = float(0.5 * np.linalg.norm(normal, axis=1).sum())
+    areas = 0.5 * np.linalg.norm(normal, axis=1)
+    area = float(areas.sum())
     if area <= 0.0:
         return None
     glow = material.emission
     made = emission.luminous(glow.luminance, glow.spectrum)
     pattern = None if glow.pattern is None else finishes.make.picture(glow.pattern, largest=1.0)
     emitter = surface_emitter(made, glow.two_sided, pattern)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    is_flat = bool((normal @ normal[np.argmax(areas)] > SAME_NORMAL).all())
+    rectangle = _find_rectangle(corners) if is_flat and pattern is None else None
+    if rectangle is not None:
+        emitter.set_rectangle(rectangle[0] - origin, *rectangle[1:])
     corners = corners.reshape(-1, 3)
     centre = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     radius = float(np.linalg.norm(corners.max(axis=0) - centre))
     sides = 2 if glow.two_sided else 1
     flux = glow.luminance * np.pi * area * sides
-    return Source(emitter, flux, made.density, centre - origin, radius)
+    axis = normal[np.argmax(areas)] if is_flat and not glow.two_sided else None
+    return Source(emitter, flux, made.density, centre - origin, radius, axis)
+
+
+def _find_rectangle(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Centre and halves of two sides of a rectangle that two triangles make, None for anything else. (3,) each [m]
+
+    ``corners``: (t, 3, 3) of triangles that face the same way.
+    """
+    if len(corners) != 2:
+        return None
+    # The corner opposite to the longest side of each is a right angle, and both lie opposite to each other.
+    ends = []
+    for triangle in corners:
+        sides = np.linalg.norm(np.roll(triangle, -1, axis=0) - np.roll(triangle, 1, axis=0), axis=1)
+        ends.append(np.roll(triangle, -int(np.argmax(sides)), axis=0))
+    (a, b, d), (c, d_again, b_again) = ends
+    x, y = b - a, d - a
+    size = np.linalg.norm(x) + np.linalg.norm(y)
+    apart = max(np.abs(each).max() for each in (b - b_again, d - d_again, b + d - a - c))
+    is_right = abs(x @ y) <= SAME_PLACE * size**2
+    if (
+        not is_right
+        or apart > SAME_PLACE * size
+        or min(np.linalg.norm(x), np.linalg.norm(y)) <= 0.0
+    ):
+        return None
+    return 0.5 * (a + c), 0.5 * x, 0.5 * y
 
 
 def _make_shape(name: str, positions, faces, properties, uv=None):

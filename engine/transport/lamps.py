@@ -186,6 +186,8 @@ def _make_area(light: AreaLight, origin, nothing) -> Lamp:
         "to_world": mi.ScalarTransform4f([list(row) for row in placed]),
     }
     emitter = surface_emitter(made.scaled(factor), spread=light.spread)
+    if light.shape != "ellipse":
+        emitter.set_rectangle(*placed[:3, [3, 0, 1]].T)
     radius = 0.5 * float(np.hypot(light.size_x, light.size_y))
     source = Source(emitter, flux, made.density, frame[:3, 3], radius, -frame[:3, 2])
     return _with_body(light, shape, source, nothing)
