@@ -8,7 +8,7 @@ What is read holds light of all earlier reflections, so the estimate is unbiased
 sweeps before left out. `lux_job` measures that difference against full paths.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -72,24 +72,34 @@ def incoming(
         mi.Point3f(reference),
         mi.Float(ratio),
         mi.Float(guided_ratio),
+        mi.Spectrum(1.0),
+        mi.UInt32(1),
+        mi.Bool(False),
     )
     if not reads:
         return _follow(scene, cells, rays, active, without_bent_sun, False, guide)
     # Most rays end where they land. The others are few, and go on in a kernel of their own.
-    read, goes_on = _look_up(scene, cells, rays, active, guide)
-    dr.eval(rays, read, goes_on)
+    read, goes_on, forks = _look_up(scene, cells, rays, active, guide)
+    dr.eval(rays, read, goes_on, forks)
     rest = dr.zeros(mi.Spectrum, dr.width(read))
-    few = dr.compress(goes_on)
-    if len(few):
-        found = _follow(scene, cells, rays.take(few), mi.Bool(True), without_bent_sun, True, guide)
-        dr.scatter(rest, found[0], few)
-        dr.scatter(read, found[1], few)
+    few, forked = dr.compress(goes_on), dr.compress(forks)
+    followed = [(rays.take(few), few)] if len(few) else []
+    if len(forked):
+        followed += [(each, forked) for each in _fork(scene, rays.take(forked))]
+    if followed:
+        onwards, origin = followed[0]
+        for more, their_origin in followed[1:]:
+            onwards, origin = onwards.joined(more), dr.concat((origin, their_origin))
+        found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, True, guide)
+        # Two at most go on from one ray, so their order does not matter.
+        dr.scatter_reduce(dr.ReduceOp.Add, rest, found[0], origin)
+        dr.scatter_reduce(dr.ReduceOp.Add, read, found[1], origin)
     return rest, read
 
 
 @dataclass
 class _Rays:
-    """Rays from receivers; parameters as of `incoming`."""
+    """Rays from receivers; parameters as of `incoming`, and of what panes have done to them."""
 
     ray: object
     stream: object
@@ -97,15 +107,34 @@ class _Rays:
     reference: object
     ratio: object
     guided_ratio: object
+    throughput: object
+    depth: object
+    bent: object
 
     def take(self, index) -> "_Rays":
         """Some of the rays."""
+        return _Rays(*(_pick(value, index, True) for value in self._values()))
+
+    def joined(self, other: "_Rays") -> "_Rays":
+        """These rays and others after them."""
+        count = dr.width(self.ray)
+        index = dr.arange(mi.UInt32, count + dr.width(other.ray))
+        is_own = index < count
+        pairs = zip(self._values(), other._values(), strict=True)
         return _Rays(
             *(
-                value if dr.width(value) == 1 else dr.gather(type(value), value, index)
-                for value in (getattr(self, field.name) for field in fields(self))
+                dr.select(is_own, _pick(a, index, is_own), _pick(b, index - count, ~is_own))
+                for a, b in pairs
             )
         )
+
+    def _values(self) -> list:
+        return [getattr(self, field.name) for field in fields(self)]
+
+
+def _pick(value, index, active):
+    """Some lanes of a value; the value itself where it is the same for all."""
+    return value if dr.width(value) == 1 else dr.gather(type(value), value, index, active)
 
 
 def _look_up(scene, cells, rays: _Rays, active, guide):
@@ -113,7 +142,7 @@ def _look_up(scene, cells, rays: _Rays, active, guide):
 
     Returns
     -------
-    (Spectrum, Bool)    Read; and which rays have to be followed.
+    (Spectrum, Bool, Bool)    Read; which rays have to be followed; and which meet a pane, where they go two ways.
     """
     hit, si = _hit(scene, rays.ray, active)
     if is_spectral():
@@ -131,7 +160,51 @@ def _look_up(scene, cells, rays: _Rays, active, guide):
         value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
     leaves = active & ~si.is_valid()
     goes_on = (valid & ~readable) | (leaves & (scene.surroundings is not None))
-    return dr.select(readable, value, 0.0), goes_on
+    forks = mi.Bool(False)
+    if scene.veil is not None:
+        flags = scene.bsdf(si, valid & ~readable).flags()
+        forks = valid & ~readable & mi.has_flag(flags, mi.BSDFFlags.Null)
+        forks &= mi.has_flag(flags, mi.BSDFFlags.DeltaReflection)
+        forks &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth) & (emitter == None)  # noqa: E711
+    return dr.select(readable, value, 0.0), goes_on & ~forks, forks
+
+
+def _fork(scene, rays: _Rays) -> list[_Rays]:
+    """What a pane mirrors and what it lets through, where rays meet one first.
+
+    Following one of them by chance would scatter: lamps that are seen in a window are bright, and seldom chosen.
+    """
+    _, si = _hit(scene, rays.ray, mi.Bool(True))
+    if is_spectral():
+        si.wavelengths = rays.ray.wavelengths
+    bsdf, made = scene.bsdf(si, mi.Bool(True)), []
+    for number, wanted in (
+        (0.0, mi.BSDFFlags.DeltaReflection),
+        (1.0 - dr.epsilon(mi.Float), mi.BSDFFlags.Null),
+    ):
+        bs, weight = bsdf.sample(
+            mi.BSDFContext(), si, mi.Float(number), mi.Point2f(0.5), mi.Bool(True)
+        )
+        is_wanted = mi.has_flag(bs.sampled_type, wanted)
+        ray = spawn_ray(scene, si, si.to_world(bs.wo))
+        ray.wavelengths = rays.ray.wavelengths
+        found = replace(
+            rays,
+            ray=ray,
+            throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf, 0.0),
+        )
+        if wanted == mi.BSDFFlags.DeltaReflection:
+            found = replace(
+                found,
+                stream=mi.PCG32(rays.stream),
+                scatter_pdf=mi.Float(0.0),
+                reference=si.p,
+                ratio=mi.Float(1.0),
+                depth=rays.depth + 1,
+                bent=mi.Bool(True),
+            )
+        made.append(found)
+    return made
 
 
 def _matte(cells, bsdf, si, row, coat, active):
@@ -159,16 +232,16 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
     state = {
         "ray": mi.Ray3f(rays.ray),
         "stream": mi.PCG32(rays.stream),
-        "throughput": mi.Spectrum(1.0),
+        "throughput": mi.Spectrum(rays.throughput),
         "radiance": mi.Spectrum(0.0),
         "read": mi.Spectrum(0.0),
         "pdf": mi.Float(rays.scatter_pdf),
         "reference": mi.Point3f(rays.reference),
         "ratio": mi.Float(rays.ratio),
-        "depth": mi.UInt32(1),
+        "depth": mi.UInt32(rays.depth),
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
-        "bent": mi.Bool(False),
+        "bent": mi.Bool(rays.bent),
         # Traced light lands on receivers and matt surfaces only.
         "traceable": mi.Bool(True),
         "dispersed": mi.Bool(False),

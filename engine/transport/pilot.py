@@ -33,6 +33,9 @@ COMPARED = 1.0 / 16.0
 COMPARISONS = 200_000
 """First number of the passes that are made for this."""
 
+FINEST_SHIFT = 0.01
+"""Step by which a plan may miss the fewest samples; a shift of one doubles or halves about half of them or more. [-]"""
+
 LOTS = 1024
 """Steps of the numbers by which tiles are chosen."""
 
@@ -189,7 +192,7 @@ class Pilot:
         most = 1.0 + STEEPEST
         high = most * (float(-wanted.min(initial=0.0)) + np.log2(MOST_SAMPLES))
         low = most * (float(-wanted.max(initial=0.0)) - 1.0)
-        for _ in range(40):
+        while high - low > FINEST_SHIFT:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if is_enough(middle) else (middle, high)
         return levels(high)
