@@ -9,6 +9,7 @@ sweeps before left out. `lux_job` measures that difference against full paths.
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import reduce
 
 import drjit as dr
 import mitsuba as mi
@@ -66,6 +67,7 @@ def incoming(
     if is_spectral():
         ray.wavelengths = wavelengths
     rays = _Rays(
+        dr.arange(mi.UInt32, dr.width(ray)),
         ray,
         mi.PCG32(stream),
         mi.Float(scatter_pdf),
@@ -83,24 +85,23 @@ def incoming(
     dr.eval(rays, read, goes_on, forks)
     rest = dr.zeros(mi.Spectrum, dr.width(read))
     few, forked = dr.compress(goes_on), dr.compress(forks)
-    followed = [(rays.take(few), few)] if len(few) else []
+    followed = [rays.take(few)] if len(few) else []
     if len(forked):
-        followed += [(each, forked) for each in _fork(scene, rays.take(forked))]
+        followed += _fork(scene, rays.take(forked))
     if followed:
-        onwards, origin = followed[0]
-        for more, their_origin in followed[1:]:
-            onwards, origin = onwards.joined(more), dr.concat((origin, their_origin))
+        onwards = reduce(_Rays.joined, followed)
         found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, True, guide)
         # Two at most go on from one ray, so their order does not matter.
-        dr.scatter_reduce(dr.ReduceOp.Add, rest, found[0], origin)
-        dr.scatter_reduce(dr.ReduceOp.Add, read, found[1], origin)
+        dr.scatter_reduce(dr.ReduceOp.Add, rest, found[0], onwards.number)
+        dr.scatter_reduce(dr.ReduceOp.Add, read, found[1], onwards.number)
     return rest, read
 
 
 @dataclass
 class _Rays:
-    """Rays from receivers; parameters as of `incoming`, and of what panes have done to them."""
+    """Rays from receivers; parameters as of `incoming`, and of what panes have done to them. ``number``: of the ray."""
 
+    number: object
     ray: object
     stream: object
     scatter_pdf: object
@@ -117,8 +118,10 @@ class _Rays:
 
     def joined(self, other: "_Rays") -> "_Rays":
         """These rays and others after them."""
-        count = dr.width(self.ray)
-        index = dr.arange(mi.UInt32, count + dr.width(other.ray))
+        many = dr.width(self.ray)
+        index = dr.arange(mi.UInt32, many + dr.width(other.ray))
+        # A plain number would be a part of the kernel.
+        count = dr.opaque(mi.UInt32, many)
         is_own = index < count
         pairs = zip(self._values(), other._values(), strict=True)
         return _Rays(
