@@ -78,19 +78,20 @@ def incoming(
         mi.UInt32(1),
         mi.Bool(False),
     )
-    if not reads:
+    if not reads and scene.veil is None:
         return _follow(scene, cells, rays, active, without_bent_sun, False, guide)
     # Most rays end where they land. The others are few, and go on in a kernel of their own.
-    read, goes_on, forks = _look_up(scene, cells, rays, active, guide)
+    read, goes_on, forks = _look_up(scene, cells, rays, active, guide, reads)
     dr.eval(rays, read, goes_on, forks)
-    rest = dr.zeros(mi.Spectrum, dr.width(read))
+    rest = dr.zeros(mi.Spectrum, dr.width(ray))
+    read = read + rest
     few, forked = dr.compress(goes_on), dr.compress(forks)
     followed = [rays.take(few)] if len(few) else []
     if len(forked):
         followed += _fork(scene, rays.take(forked))
     if followed:
         onwards = reduce(_Rays.joined, followed)
-        found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, True, guide)
+        found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, reads, guide)
         # Two at most go on from one ray, so their order does not matter.
         dr.scatter_reduce(dr.ReduceOp.Add, rest, found[0], onwards.number)
         dr.scatter_reduce(dr.ReduceOp.Add, read, found[1], onwards.number)
@@ -140,7 +141,7 @@ def _pick(value, index, active):
     return value if dr.width(value) == 1 else dr.gather(type(value), value, index, active)
 
 
-def _look_up(scene, cells, rays: _Rays, active, guide):
+def _look_up(scene, cells, rays: _Rays, active, guide, reads):
     """What is read where rays land on a cell that may be read, is not coated and has no light of its own.
 
     Returns
@@ -151,16 +152,19 @@ def _look_up(scene, cells, rays: _Rays, active, guide):
     if is_spectral():
         si.wavelengths = rays.ray.wavelengths
     valid = active & si.is_valid()
-    row, coat, side, readable = _meet(cells, hit, si, rays.reference, valid)
-    emitter = scene.emitter(si, valid)
-    readable &= (coat == 0.0) & (emitter == None)  # noqa: E711 - element-wise
-    if cells.traced is not None:
-        readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
-    bsdf = scene.bsdf(si, readable)
-    matte = _matte(cells, bsdf, si, row, coat, readable)
-    value = matte * cells.value(side, si.wavelengths, readable)
-    if guide is not None:
-        value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
+    is_dark = scene.emitter(si, valid) == None  # noqa: E711 - element-wise
+    readable, value = mi.Bool(False), mi.Spectrum(0.0)
+    if reads:
+        row, coat, side, readable = _meet(cells, hit, si, rays.reference, valid)
+        readable &= (coat == 0.0) & is_dark
+        if cells.traced is not None:
+            readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
+        bsdf = scene.bsdf(si, readable)
+        matte = _matte(cells, bsdf, si, row, coat, readable)
+        value = matte * cells.value(side, si.wavelengths, readable)
+        if guide is not None:
+            value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
+        value = dr.select(readable, value, 0.0)
     leaves = active & ~si.is_valid()
     goes_on = (valid & ~readable) | (leaves & (scene.surroundings is not None))
     forks = mi.Bool(False)
@@ -168,8 +172,8 @@ def _look_up(scene, cells, rays: _Rays, active, guide):
         flags = scene.bsdf(si, valid & ~readable).flags()
         forks = valid & ~readable & mi.has_flag(flags, mi.BSDFFlags.Null)
         forks &= mi.has_flag(flags, mi.BSDFFlags.DeltaReflection)
-        forks &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth) & (emitter == None)  # noqa: E711
-    return dr.select(readable, value, 0.0), goes_on & ~forks, forks
+        forks &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth) & is_dark
+    return value, goes_on & ~forks, forks
 
 
 def _fork(scene, rays: _Rays) -> list[_Rays]:

@@ -29,7 +29,7 @@ def glowing(name, height, luminance, faces_up):
     )
 
 
-def look_up(pane):
+def look_up(pane, is_exact):
     """Luminance along rays that look up at a pane, ray by ray. (RAYS,) [cd/m2]"""
     import drjit as dr
     import mitsuba as mi
@@ -60,20 +60,22 @@ def look_up(pane):
         start,
         dr.full(mi.Bool, True, RAYS),
         mi.Float(1.0),
+        is_exact=is_exact,
     )
     return np.array((rest + read)[0])
 
 
+@pytest.mark.parametrize("is_exact", [False, True], ids=["cells", "paths"])
 @pytest.mark.parametrize("internal", [1.0, 0.5])
-def test_a_pane_is_seen_through_and_in_at_once(internal):
+def test_a_pane_is_seen_through_and_in_at_once(internal, is_exact):
     # Straight on, one face of glass of index 1.5 reflects 4 %; the rest follows from the inner reflections.
     face = 0.04
     once = (1.0 - face) ** 2 / (1.0 - (face * internal) ** 2)
     through, mirrored = internal * once, face * (1.0 + internal**2 * once)
-    found = look_up(ThinGlass(1.5, Constant(internal)))
+    found = look_up(ThinGlass(1.5, Constant(internal)), is_exact)
     np.testing.assert_allclose(found, through * BEYOND + mirrored * BEHIND, rtol=1e-5)
 
 
 def test_what_is_only_passed_counts_once():
-    found = look_up(Transparent(Constant(0.7)))
+    found = look_up(Transparent(Constant(0.7)), False)
     np.testing.assert_allclose(found, 0.7 * BEYOND, rtol=1e-5)
