@@ -62,6 +62,7 @@ matt and flat, lights by their photometry. Judged are lumels away from the borde
 - **Radiance** is `rtrace -I`, one process per processor, at {places} places of each lumel, with more and more divisions,
   both exactly (`-aa 0`) and with its cache of indirect light; the faster of the two counts.
 
+Each run is made twice, those of Radiance once, and the faster one counts: what else the machine does only adds to a time.
 Plain gathering and exact Radiance compute the judged lumels only and their times are multiplied up to all lumels, to which
 they are proportional. Between runs times are interpolated; *\\** marks times beyond the longest run, on the line through
 the last three; `>` an error that more work no longer brings nearer, and `<` one that the least work met.

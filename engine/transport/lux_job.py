@@ -53,7 +53,7 @@ FEWEST_CELLS, MOST_CELLS = 8_000, 300_000
 MOST_SHARING = 2
 """Most passes that share a sweep."""
 
-NEAR_SHARE, MOST_FINER = 0.15, 4.0
+NEAR_SHARE, MOST_FINER = 0.1, 4.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
 LOOKS, FEWEST_LOOKS = 4, 1 << 15

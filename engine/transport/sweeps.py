@@ -20,7 +20,7 @@ FIRST_SWEEPS = 1 << 30
 FEWEST = 4
 """Samples of a cell in the first sweeps, over all turns."""
 
-CAREFUL, CAREFUL_PATHS = 64, 1 << 19
+CAREFUL, CAREFUL_PATHS = 32, 1 << 19
 """Samples by which the quarters of a cell are compared, likewise, eight of each turn at least; and paths of a sweep, where
 cells are few."""
 
