@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 
 from .palette import luminaires_class
-from .rectangles import draw_place, find_density, find_solid_angle
+from .rectangles import draw_place, find_density, find_solid_angle, into_axes
 
 CHORD_ERROR = 3e-7
 """Largest error of the distance between two unit vectors in single precision; sampled directions to a narrow sun must be
@@ -76,26 +76,24 @@ def _surface_class():
             dr.make_opaque(self.rectangle)
 
         def _look(self, it):
-            """Axes of the rectangle, half its sizes, the receiver in these axes and the solid angle that it sees."""
+            """Directions of the rectangle's sides, half their lengths, the receiver in these axes, and the solid angle."""
             centre, x, y = self.rectangle
             half_x, half_y = dr.norm(x), dr.norm(y)
             x, y = x / half_x, y / half_y
-            axes = (x, y, dr.cross(x, y))
-            away = it.p - centre
-            q = mi.Point3f(*(dr.dot(away, axis) for axis in axes))
-            return axes, half_x, half_y, q, find_solid_angle(q, half_x, half_y)
+            q = into_axes(it.p, centre, x, y)
+            return x, y, half_x, half_y, q, find_solid_angle(q, half_x, half_y)
 
         def _draw(self, it, sample):
             """As `sample_direction`, of a rectangle."""
-            (x, y, normal), half_x, half_y, q, angle = self._look(it)
+            x, y, half_x, half_y, q, angle = self._look(it)
             place = draw_place(q, half_x, half_y, sample, angle)
             ds = dr.zeros(mi.DirectionSample3f)
             ds.p = self.rectangle[0] + x * (half_x * place.x) + y * (half_y * place.y)
-            ds.n = normal
+            ds.n = dr.cross(x, y)
             ds.d = ds.p - it.p
             ds.dist = dr.norm(ds.d)
             ds.d /= dr.maximum(ds.dist, 1e-20)
-            ds.pdf = find_density(half_x, half_y, ds.dist, dr.dot(ds.d, normal), angle)
+            ds.pdf = find_density(half_x, half_y, ds.dist, dr.dot(ds.d, ds.n), angle)
             return ds
 
         def _density(self, it, density):
@@ -125,7 +123,7 @@ def _surface_class():
             if self.rectangle is None:
                 density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
             else:
-                _, half_x, half_y, _, angle = self._look(it)
+                _, _, half_x, half_y, _, angle = self._look(it)
                 density = find_density(half_x, half_y, ds.dist, cosine, angle)
             return dr.select(lit & active, density, 0.0)
 

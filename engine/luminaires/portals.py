@@ -10,7 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from .rectangles import draw_place, find_density, find_solid_angle
+from .rectangles import draw_place, find_density, find_solid_angle, into_axes
 
 MAXIMUM_PORTALS = 16
 """Most rectangles; their densities are summed at every next-event. Beyond, the smallest are left to plain sampling."""
@@ -117,8 +117,8 @@ class PortalSet:
         """Solid-angle density with which `direction` would have drawn a direction. [1/sr]"""
         pdf = mi.Float(0.0)
         for rectangle, choice in zip(self._rectangles, self._choices(point), strict=True):
-            _, x, y, normal, half_x, half_y = rectangle
-            q = _look(rectangle, point)
+            centre, x, y, normal, half_x, half_y = rectangle
+            q = into_axes(point, centre, x, y)
             cosine = dr.dot(direction, normal)
             distance = -q.z / dr.select(cosine == 0.0, 1e-12, cosine)
             inside = (
@@ -137,20 +137,13 @@ class PortalSet:
         for rectangle, choice in zip(self._rectangles, self._choices(point), strict=True):
             centre, x, y, _, half_x, half_y = rectangle
             sample = mi.Point2f(dr.clip((u - start) / choice, 0.0, 1.0), v)
-            q = _look(rectangle, point)
+            q = into_axes(point, centre, x, y)
             angle = find_solid_angle(q, half_x, half_y)
             place = draw_place(q, half_x, half_y, sample, angle)
             place = centre + x * (half_x * place.x) + y * (half_y * place.y)
             target = dr.select(u >= start, place - mi.Vector3f(point), target)
             start += choice
         return dr.normalize(target)
-
-
-def _look(rectangle, point):
-    """A point in the axes of a rectangle of a `PortalSet`."""
-    centre, x, y, normal, _, _ = rectangle
-    away = mi.Vector3f(point) - centre
-    return mi.Point3f(dr.dot(away, x), dr.dot(away, y), dr.dot(away, normal))
 
 
 def _connected(vertices, triangles) -> list[np.ndarray]:

@@ -20,6 +20,12 @@ SMALL = 0.01
 TINY = 1e-20
 
 
+def into_axes(point, centre, x, y):
+    """A point in the axes of a rectangle. ``x``, ``y``: along its sides, of unit length. Point3f"""
+    away = mi.Vector3f(point) - centre
+    return mi.Point3f(dr.dot(away, x), dr.dot(away, y), dr.dot(away, dr.cross(x, y)))
+
+
 def find_solid_angle(q, half_x, half_y):
     """Solid angle of a rectangle; 0 where it is too small to draw by. [sr]
 

@@ -203,7 +203,6 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
         if wanted == mi.BSDFFlags.DeltaReflection:
             found = replace(
                 found,
-                stream=mi.PCG32(rays.stream),
                 scatter_pdf=mi.Float(0.0),
                 reference=si.p,
                 ratio=mi.Float(1.0),

@@ -34,7 +34,7 @@ COMPARISONS = 200_000
 """First number of the passes that are made for this."""
 
 FINEST_SHIFT = 0.01
-"""Step by which a plan may miss the fewest samples; a shift of one doubles or halves about half of them or more. [-]"""
+"""How near a plan comes to the fewest samples that are enough, as a logarithm to base 2 of what another one is worth. [-]"""
 
 LOTS = 1024
 """Steps of the numbers by which tiles are chosen."""

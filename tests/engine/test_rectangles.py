@@ -139,9 +139,10 @@ def test_a_strip_nearby_follows_its_closed_form_with_little_scatter(transport, i
     assert np.all(made.standard_error * np.sqrt(1024) < 0.15 * np.array(expected))
 
 
-def test_a_face_of_more_triangles_or_of_another_outline_shines_all_the_same(transport):
+@pytest.mark.parametrize("shift", [(1.0, 0.0), (0.0, 0.1)], ids=["trapezium", "kite"])
+def test_a_face_of_two_triangles_that_is_no_rectangle_shines_all_the_same(transport, shift):
     mesh, glow = strip_of_triangles()
-    mesh.vertices[2, 0] += 1.0
+    mesh.vertices[2, :2] += shift
     corners = mesh.vertices.astype(float)
     made = session_of(mesh, glow).measure(
         PLACES[:1], NORMALS[:1], StopRule(samples=4096), transport=transport
