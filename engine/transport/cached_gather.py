@@ -9,7 +9,6 @@ sweeps before left out. `lux_job` measures that difference against full paths.
 """
 
 from dataclasses import dataclass, fields, replace
-from functools import reduce
 
 import drjit as dr
 import mitsuba as mi
@@ -63,12 +62,11 @@ def incoming(
         was read from cells. Their sum is what arrives.
     """
     reads = cells is not None and bool(cells) and not is_exact
-    ray = mi.Ray3f(ray)
-    if is_spectral():
-        ray.wavelengths = wavelengths
     rays = _Rays(
         dr.arange(mi.UInt32, dr.width(ray)),
-        ray,
+        mi.Point3f(ray.o),
+        mi.Vector3f(ray.d),
+        wavelengths if is_spectral() else None,
         mi.PCG32(stream),
         mi.Float(scatter_pdf),
         mi.Point3f(reference),
@@ -90,11 +88,12 @@ def incoming(
     if len(forked):
         followed += _fork(scene, rays.take(forked))
     if followed:
-        onwards = reduce(_Rays.joined, followed)
+        onwards = _collect(followed)
         found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, reads, guide)
-        # Two at most go on from one ray, so their order does not matter.
-        dr.scatter_reduce(dr.ReduceOp.Add, rest, found[0], onwards.number)
-        dr.scatter_reduce(dr.ReduceOp.Add, read, found[1], onwards.number)
+        for whole, part in zip((rest, read), found, strict=True):
+            # Two at most go on from one ray, so their order does not matter. Other modes would make the size a part of
+            # the kernel.
+            dr.scatter_add(whole, part, onwards.number, mode=dr.ReduceMode.Direct)
     return rest, read
 
 
@@ -103,7 +102,9 @@ class _Rays:
     """Rays from receivers; parameters as of `incoming`, and of what panes have done to them. ``number``: of the ray."""
 
     number: object
-    ray: object
+    origin: object
+    direction: object
+    wavelengths: object
     stream: object
     scatter_pdf: object
     reference: object
@@ -113,32 +114,41 @@ class _Rays:
     depth: object
     bent: object
 
+    @property
+    def ray(self):
+        ray = mi.Ray3f(self.origin, self.direction)
+        if self.wavelengths is not None:
+            ray.wavelengths = self.wavelengths
+        return ray
+
     def take(self, index) -> "_Rays":
         """Some of the rays."""
-        return _Rays(*(_pick(value, index, True) for value in self._values()))
-
-    def joined(self, other: "_Rays") -> "_Rays":
-        """These rays and others after them."""
-        many = dr.width(self.ray)
-        index = dr.arange(mi.UInt32, many + dr.width(other.ray))
-        # A plain number would be a part of the kernel.
-        count = dr.opaque(mi.UInt32, many)
-        is_own = index < count
-        pairs = zip(self._values(), other._values(), strict=True)
-        return _Rays(
-            *(
-                dr.select(is_own, _pick(a, index, is_own), _pick(b, index - count, ~is_own))
-                for a, b in pairs
-            )
+        return self._map(
+            lambda value: value if dr.width(value) == 1 else dr.gather(type(value), value, index)
         )
 
-    def _values(self) -> list:
-        return [getattr(self, field.name) for field in fields(self)]
+    def _map(self, make) -> "_Rays":
+        values = ((field.name, getattr(self, field.name)) for field in fields(self))
+        return _Rays(**{name: None if value is None else make(value) for name, value in values})
 
 
-def _pick(value, index, active):
-    """Some lanes of a value; the value itself where it is the same for all."""
-    return value if dr.width(value) == 1 else dr.gather(type(value), value, index, active)
+def _collect(parts: list[_Rays]) -> _Rays:
+    """Rays one after the other.
+
+    All is written to memory and at full width, so that the large kernel that follows rays is one and the same whatever they
+    have been through.
+    """
+    counts = [dr.width(part.number) for part in parts]
+    whole = parts[0]._map(lambda value: dr.empty(type(value), sum(counts)))
+    for number, (part, count) in enumerate(zip(parts, counts, strict=True)):
+        # A plain number would be a part of the kernel.
+        index = dr.arange(mi.UInt32, count) + dr.opaque(mi.UInt32, sum(counts[:number]))
+        for field in fields(part):
+            value = getattr(part, field.name)
+            if value is not None:
+                dr.scatter(getattr(whole, field.name), value, index)
+    dr.eval(whole)
+    return whole
 
 
 def _look_up(scene, cells, rays: _Rays, active, guide, reads):
@@ -150,7 +160,7 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
     """
     hit, si = _hit(scene, rays.ray, active)
     if is_spectral():
-        si.wavelengths = rays.ray.wavelengths
+        si.wavelengths = rays.wavelengths
     valid = active & si.is_valid()
     is_dark = scene.emitter(si, valid) == None  # noqa: E711 - element-wise
     readable, value = mi.Bool(False), mi.Spectrum(0.0)
@@ -183,7 +193,7 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
     """
     _, si = _hit(scene, rays.ray, mi.Bool(True))
     if is_spectral():
-        si.wavelengths = rays.ray.wavelengths
+        si.wavelengths = rays.wavelengths
     bsdf, made = scene.bsdf(si, mi.Bool(True)), []
     for number, wanted in (
         (0.0, mi.BSDFFlags.DeltaReflection),
@@ -193,11 +203,11 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
             mi.BSDFContext(), si, mi.Float(number), mi.Point2f(0.5), mi.Bool(True)
         )
         is_wanted = mi.has_flag(bs.sampled_type, wanted)
-        ray = spawn_ray(scene, si, si.to_world(bs.wo))
-        ray.wavelengths = rays.ray.wavelengths
+        onwards = spawn_ray(scene, si, si.to_world(bs.wo))
         found = replace(
             rays,
-            ray=ray,
+            origin=onwards.o,
+            direction=onwards.d,
             throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf, 0.0),
         )
         if wanted == mi.BSDFFlags.DeltaReflection:
@@ -236,7 +246,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
     traced = cells is not None and bool(cells) and cells.traced is not None
     has_mirrors = scene.mirrors is not None
     state = {
-        "ray": mi.Ray3f(rays.ray),
+        "ray": rays.ray,
         "stream": mi.PCG32(rays.stream),
         "throughput": mi.Spectrum(rays.throughput),
         "radiance": mi.Spectrum(0.0),

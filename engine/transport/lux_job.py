@@ -546,12 +546,14 @@ class LuxJob:
                 guide=self.guide if has_guide else None,
                 guided_ratio=dr.gather(mi.Float, guided, row) if has_guide else 1.0,
             )
-        sums = []
-        for channel in self._channels(value, wavelengths, si):
-            # At the full width of the launch, also where there is no light to choose.
-            kept = dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
-            sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, units.samples))
-        dr.eval(sums)
+        # At the full width of the launch, also where there is no light to choose.
+        kept = [
+            dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
+            for channel in self._channels(value, wavelengths, si)
+        ]
+        # Sums are made apart, since their length would be a part of the kernel.
+        dr.eval(kept)
+        sums = [dr.block_reduce(dr.ReduceOp.Add, each, units.samples) for each in kept]
         return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
 
     def _look_around(self, span, order, first, many, rays: int) -> np.ndarray:
@@ -584,7 +586,9 @@ class LuxJob:
         )
         light = gather.photometric(self.sampler, value, wavelengths)
         square = dr.square(dr.select(dr.isfinite(light), light, 0.0))
-        found = dr.block_reduce(dr.ReduceOp.Add, square + mi.Float(lane) * 0.0, rays)
+        square += mi.Float(lane) * 0.0
+        dr.eval(square)
+        found = dr.block_reduce(dr.ReduceOp.Add, square, rays)
         return np.array(found, dtype=np.float64).reshape(-1, BINS) / rays
 
     def _samples(self, sample, seed, stream, pair: int):
