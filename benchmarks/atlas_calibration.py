@@ -14,7 +14,7 @@ LEVELS = (0.02, 0.01)
 SEEDS, QUICK_SEEDS = 2, 2
 """Bakes at every level."""
 
-FORECAST_SECONDS, QUICK_FORECAST_SECONDS = 30.0, 4.0
+FORECAST_SECONDS, QUICK_FORECAST_SECONDS = 60.0, 4.0
 """About how long the bakes take whose forecasts are judged. [s]"""
 
 FORECAST_AT = 0.05

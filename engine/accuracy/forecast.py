@@ -197,6 +197,7 @@ class Forecaster:
         pass_seconds: float | None = None,
         absolute: float | None = None,
         passes: int = 1,
+        extra_seconds: float = 0.0,
     ) -> Mark:
         """Take note of finished passes.
 
@@ -208,6 +209,9 @@ class Forecaster:
         pass_seconds : float or None    What a pass took; None: the time since the last note. [s]
         absolute : float or None    Standard error of everything, root mean square by area. [lx]
         passes : int    How many have ended since the last note.
+        extra_seconds : float
+            What the time since the last note holds beyond the usual, such as a check that is not made in every pass; below 0
+            where it holds less. [s]
 
         Returns
         -------
@@ -215,7 +219,7 @@ class Forecaster:
         """
         before = self._marks[-1].samples if self._marks else 0.0
         if pass_seconds is None:
-            pass_seconds = (seconds - self._until) / passes
+            pass_seconds = max(seconds - self._until - extra_seconds, 0.0) / passes
         self._until = seconds
         added, worth = (samples - before) / passes, 1.0
         if self._pass_samples and added < PART * self._pass_samples:

@@ -22,10 +22,12 @@ FEWEST_PASSES = 2
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
-TRIALS_MADE = ((1.0 / 16.0, 0), (0.4, 1))
-"""Share of the tiles on which the first and the second trial of the planned pass are made, and halvings of its samples: the
-first finds how variances fall, the second how large they are, with some percent to spare: they fall a little more steeply
-with more samples."""
+FIRST_TRIED, TRIED = 1.0 / 16.0, 0.2
+"""Share of the tiles on which the first trial of a planned pass is made, which finds how variances fall, and the others."""
+
+MOST_TRIALS, SETTLED = 2, 1.15
+"""Most of the others, and ratio between the samples of the plan that was tried and of the next within which it is the last:
+variances do not fall by one power all the way."""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -123,6 +125,9 @@ class Layer:
     object_count: int
     start: float = field(default_factory=time.perf_counter)
 
+    def __post_init__(self):
+        self._upkeep: dict[str, float] = {}
+
     def run(self, state: LayerState | None = None) -> LayerState:
         """Run to the end, from a state if there is one."""
         if state is None:
@@ -196,10 +201,15 @@ class Layer:
             return levels
 
         pilot.choose_ways(plan(), PASSES)
-        pilot.try_pass(TRIALS, plan(), *TRIALS_MADE[0], sweeps=False)
-        # Sweeps belong to even numbers where passes share them.
-        trial = pilot.try_pass(TRIALS + 3, plan(), *TRIALS_MADE[1], sweeps=True)
+        pilot.try_pass(TRIALS, plan(), FIRST_TRIED, sweeps=False)
         levels = plan()
+        for number in range(MOST_TRIALS):
+            tried = levels.total()
+            # Sweeps belong to even numbers where passes share them.
+            trial = pilot.try_pass(TRIALS + 3 + 2 * number, levels, TRIED, sweeps=True)
+            levels = plan()
+            if 1.0 / SETTLED < levels.total() / max(tried, 1e-9) < SETTLED:
+                break
         square = pilot.square(levels)
         seconds = trial.sweep_seconds + trial.seconds * levels.total() / max(trial.samples, 1e-9)
         begin = time.perf_counter()
@@ -223,8 +233,16 @@ class Layer:
             self.report(replace(done, history=forecaster.history))
 
         number = MAIN_PASSES + state.passes
+        times = [self._seconds]
+        job.refresh(number, levels)
+        times.append(self._seconds)
         made = job.run_pass(number, levels, show)
+        times.append(self._seconds)
         checked = job.compare(number, levels)
+        times.append(self._seconds)
+        sweeping, _, checking = np.diff(times)
+        extra = self._extra("sweep", sweeping, number, job.sharing(levels))
+        extra += self._extra("check", checking, number, CHECK_INTERVAL)
         # Nothing of the state changes before the pass is whole: a cancel leaves what a checkpoint can go on from.
         for part, values in made:
             state.sums.add(part.start, values, levels.samples(part))
@@ -236,7 +254,7 @@ class Layer:
         state.sharing = job.sharing(levels)
         state.passes += 1
         state.cells = job.state()
-        error = self._note(forecaster, state.sums, 1)
+        error = self._note(forecaster, state.sums, 1, extra=extra)
         state.is_done = forecaster.is_done()
         if self.rule.seconds is not None:
             left = self.rule.seconds - forecaster.history.marks[-1].seconds
@@ -245,6 +263,13 @@ class Layer:
         state.is_done |= error == 0.0
         state.is_done &= state.sums.passes >= 2
         self._show(state)
+
+    def _extra(self, name: str, seconds: float, number: int, period: int) -> float:
+        """Time that work which is not done in every pass took beyond its share of this one. [s]"""
+        if number % period == 0:
+            self._upkeep[name] = seconds
+            return seconds * (1.0 - 1.0 / period)
+        return -self._upkeep.get(name, 0.0) / period
 
     def _steps_down(self, state: LayerState) -> int:
         """How often the samples of the next pass are halved, so that the last one does not go far beyond the rule."""
@@ -260,7 +285,12 @@ class Layer:
             state.bias_sums[row] += np.bincount(which, values, self.object_count)
 
     def _note(
-        self, forecaster: Forecaster, sums: ReplicateSums, passes: int, is_pilot: bool = False
+        self,
+        forecaster: Forecaster,
+        sums: ReplicateSums,
+        passes: int,
+        is_pilot: bool = False,
+        extra: float = 0.0,
     ) -> float:
         """Tell the forecaster how far things are; returns the error of everything. [lx]"""
         job = self.job
@@ -281,6 +311,7 @@ class Layer:
             whole * area / light if light > 0.0 else math.inf,
             absolute=whole,
             passes=passes,
+            extra_seconds=extra,
         )
         return whole
 

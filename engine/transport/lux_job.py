@@ -263,7 +263,7 @@ class LuxJob:
     def run_pass(
         self, number: int, levels: Levels, progress=None
     ) -> list[tuple[slice, np.ndarray]]:
-        """Make one replicate.
+        """Make one replicate, of cells as they were left by `refresh`.
 
         Parameters
         ----------
@@ -275,7 +275,6 @@ class LuxJob:
         -------
         list of (slice, (k, channels) array)    Estimates of all lumels, span by span.
         """
-        self.refresh(number, levels)
         return [
             (part, values.sum(axis=0).astype(np.float32))
             for part, values in self.estimates(number, levels, progress)

@@ -39,6 +39,9 @@ FINEST_SHIFT = 0.01
 LOTS = 1024
 """Steps of the numbers by which tiles are chosen."""
 
+NEAREST_OCTAVES = 0.25
+"""How far apart the samples of two trials must be for their variances to tell by which power they fall."""
+
 FEWEST_TRIED = 2_000
 """Lumels on which passes are tried, at least."""
 
@@ -74,6 +77,8 @@ class Pilot:
         self._scatter = np.zeros((len(KINDS), job.count), dtype=np.float32)
         # By which power of its samples the variance of each kind falls.
         self._powers = np.ones(len(KINDS))
+        # Levels, chosen lumels and squares by kind of a trial with sweeps.
+        self._tried = None
         # A number in 0..1 for every tile, by which some of them are chosen.
         self._lot = np.zeros(job.count, dtype=np.float32)
 
@@ -199,20 +204,18 @@ class Pilot:
 
     def square(self, levels: Levels) -> float:
         """Square of the map's standard error after one pass. [lx2]"""
-        return float(sum(self._squares(levels, slice(None), self._powers)))
+        return sum(
+            self._square_of(kind, levels, slice(None), power)
+            for kind, power in enumerate(self._powers)
+        )
 
-    def _squares(self, levels: Levels, chosen, powers) -> list[float]:
-        """What each kind contributes to `square` over some lumels. [lx2]"""
-        made = []
-        for scatter, column, power in zip(self._scatter, levels.columns, powers, strict=True):
-            inverse = _variance(power).astype(np.float32)[column[chosen]]
-            products = scatter[chosen] * self._share[chosen] * inverse
-            made.append(float(products.sum(dtype=np.float64)))
-        return made
+    def _square_of(self, kind: int, levels: Levels, chosen, power: float) -> float:
+        """What a kind contributes to `square` over some lumels, if its variance falls by this power. [lx2]"""
+        inverse = _variance(power).astype(np.float32)[levels.columns[kind][chosen]]
+        products = self._scatter[kind][chosen] * self._share[chosen] * inverse
+        return float(products.sum(dtype=np.float64))
 
-    def try_pass(
-        self, number: int, levels: Levels, part: float, halvings: int, sweeps: bool
-    ) -> Trial:
+    def try_pass(self, number: int, levels: Levels, part: float, sweeps: bool) -> Trial:
         """Make a part of a planned pass twice, and learn from it how the variances fall.
 
         Parameters
@@ -220,19 +223,17 @@ class Pilot:
         number : int    Of the first; the second has the next one.
         levels : Levels
         part : float    Share of the surface, at least, whose tiles are tried.
-        halvings : int    How often the samples are halved.
-        sweeps : bool    Whether the cells are swept in between, as they are between passes.
+        sweeps : bool    Whether the cells are swept before, as they are before passes.
         """
         job = self.job
         chosen = self._choose(part)
-        fewer = levels.lowered(halvings)
-        few = fewer.only(chosen)
+        few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
         sweeping = sampling = 0.0
         for half in range(2):
             start = time.perf_counter()
-            if half and sweeps:
+            if sweeps:
                 job.refresh(number + half, levels)
             else:
                 job.trace(number + half, levels)
@@ -242,7 +243,9 @@ class Pilot:
                 found[half][:, place[span][own]] = values[:, own, 0]
             # The first one may have to make kernels.
             sweeping, sampling = middle - start, time.perf_counter() - middle
-        self._learn(fewer, chosen, found[0] - found[1])
+        measured = self._learn(levels, chosen, found[0] - found[1])
+        if sweeps:
+            self._tried = levels, chosen, measured
         return Trial(sweeping / job.sharing(levels), sampling, few.total())
 
     def _choose(self, part: float) -> np.ndarray:
@@ -253,26 +256,64 @@ class Pilot:
         enough = (area >= min(part, area[-1])) & (number >= min(FEWEST_TRIED, number[-1]))
         return lot <= int(np.argmax(enough))
 
-    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> None:
-        """Find the powers by which variances fall from differences of two passes on chosen lumels. (kinds, n) [lx]"""
+    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray):
+        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n) [lx].
+
+        First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall
+        about there.
+
+        Returns
+        -------
+        (kinds,) array    Squares that were measured. [lx2]
+        """
         share = self._share[chosen]
         measured = (0.5 * differences**2 * share).sum(axis=1, dtype=np.float64)
-        for kind, square in enumerate(measured):
-
-            def supposed(power: float, kind=kind) -> float:
-                powers = np.where(np.arange(len(KINDS)) == kind, power, self._powers)
-                return self._squares(levels, chosen, powers)[kind]
-
-            low, high = FLATTEST, STEEPEST
-            for _ in range(8):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if supposed(middle) > square else (low, middle)
-            self._powers[kind] = 0.5 * (low + high)
-        # Kinds that hang together by the cells, and what the powers cannot say.
+        for kind, square in enumerate(measured.tolist()):
+            if square > 0.0:
+                self._powers[kind] = self._find_power(kind, square, levels, chosen)
+                supposed = self._square_of(kind, levels, chosen, self._powers[kind])
+                self._scatter[kind] *= np.float32(square / supposed if supposed > 0.0 else 1.0)
+        # Kinds that hang together by the cells.
         whole = float((0.5 * differences.sum(axis=0) ** 2 * share).sum(dtype=np.float64))
-        known = sum(self._squares(levels, chosen, self._powers))
-        if whole > 0.0 and known > 0.0:
-            self._scatter *= np.float32(whole / known)
+        if whole > 0.0 and measured.sum() > 0.0:
+            self._scatter *= np.float32(whole / measured.sum())
+        return measured
+
+    def _find_power(self, kind: int, square: float, levels: Levels, chosen: np.ndarray) -> float:
+        """Power by which the variance of a kind falls, from its square here and where it was tried before. [lx2]"""
+        before = self._tried
+        if before is None:
+            return _solve(lambda power: self._square_of(kind, levels, chosen, power), square)
+        old = self._powers[kind]
+        if before[2][kind] <= 0.0:
+            return old
+
+        def fall(power: float) -> float:
+            now, then = (
+                self._square_of(kind, *each, power) for each in ((levels, chosen), before[:2])
+            )
+            return now / then if then > 0.0 else 1.0
+
+        # How far the two lie apart tells how much of it can be told.
+        octaves = np.log2(fall(FLATTEST) / fall(STEEPEST)) / (STEEPEST - FLATTEST)
+        if abs(octaves) < NEAREST_OCTAVES:
+            return old
+        wanted = square / before[2][kind]
+        found = _solve(
+            fall if octaves > 0.0 else lambda p: 1.0 / fall(p),
+            wanted if octaves > 0.0 else 1.0 / wanted,
+        )
+        trust = min(abs(octaves), 1.0)
+        return trust * found + (1.0 - trust) * old
+
+
+def _solve(fall, wanted: float) -> float:
+    """Power, within its bounds, at which a function that falls with it has come down to a value."""
+    low, high = FLATTEST, STEEPEST
+    for _ in range(10):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if fall(middle) > wanted else (low, middle)
+    return 0.5 * (low + high)
 
 
 def _variance(power: float) -> np.ndarray:

@@ -202,6 +202,14 @@ def test_hiccups_and_kernels_do_not_count_as_the_time_of_a_pass():
     assert forecaster.forecast() == pytest.approx(now + 93 * 2.0)
 
 
+def test_a_check_that_is_made_now_and_then_does_not_lengthen_all_passes():
+    forecaster = Forecaster(StopRule(samples=100), 0.0)
+    forecaster.note(1.0, 10.0, 0.2)
+    # Passes of a second, of which the second one made a check of 3 s beside it and so counts it for four.
+    forecaster.note(5.0, 20.0, 0.14, extra_seconds=3.0 * (1.0 - 1.0 / 4.0))
+    assert forecaster.forecast() == pytest.approx(5.0 + 8.0 * 1.75)
+
+
 def test_an_interrupted_bake_goes_on_with_its_forecast():
     rule = StopRule(error=0.004)
     through = Bake(rule, 3, jitter=0.0)

@@ -8,7 +8,7 @@ import pytest
 from baking_rooms import bake, error_ratio, furnished_room, lamp, lumel_places, moved
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import UniformWorld
-from lumenray.engine.scene.material import Diffuse, Emission, Material
+from lumenray.engine.scene.material import Diffuse, Emission, Material, ThinGlass
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Tabulated
 from small_scenes import box, paint, quad, session_of
 
@@ -46,6 +46,29 @@ def assert_alike(one, other):
         errors = (m.mean_standard_error for m in (left, right))
         biases = (m.bias_error for m in (left, right))
         assert abs(gap) < 4.5 * np.sqrt(sum(e**2 for e in (*errors, *biases)))
+
+
+# ---- kernels ----
+
+
+def test_bakes_with_other_points_make_no_new_large_kernels():
+    """How many rays go on differs from pass to pass; a kernel that depended on it would be compiled again each time."""
+    import drjit as dr
+
+    def baked_kernels(seed):
+        dr.kernel_history()
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            pane = quad("pane", (0.2, 0.2, 0.9), (0.4, 0.0, 0.0), (0.0, 0.4, 0.0), "pane")
+            glass = Material("pane", "pane", ThinGlass(1.5, Constant(0.9)))
+            bake([*ROOM, LAMP, paint(0.6), pane, glass], OBJECTS, samples=64, seed=seed)
+            history = dr.kernel_history()
+        large = [made for made in history if made.get("operation_count", 0) > 1000]
+        return {made["hash"] for made in large}, len(large)
+
+    before, _ = baked_kernels(1)
+    after, launches = baked_kernels(2)
+    assert launches > 2 * len(after) > 0
+    assert after <= before
 
 
 # ---- values ----

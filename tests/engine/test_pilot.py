@@ -72,6 +72,31 @@ def test_the_power_is_learned_by_which_a_variance_falls(power):
     assert pilot.square(Levels(columns)) == pytest.approx(sum(variances), rel=0.04)
 
 
+def test_two_trials_tell_how_a_variance_falls_between_them():
+    """It may fall faster than from the pilot on; then a plan between two trials follows the straight line through them."""
+    from lumenray.engine.transport.lux_job import NO_SAMPLES, Levels
+
+    count = 40_000
+    pilot = make_pilot([np.full(count, v) for v in (0.0, 1.0, 0.0)])
+    draw = np.random.default_rng(4)
+
+    def variance(samples):
+        return 0.5 * 16.0**-1.1 * (samples / 32.0) ** -1.7
+
+    def levels(level):
+        columns = np.full((3, count), NO_SAMPLES, np.uint8)
+        columns[1] = level
+        return Levels(columns)
+
+    for level in (5, 7):
+        passes = np.zeros((2, 3, count))
+        passes[:, 1] = np.sqrt(variance(2.0**level)) * draw.normal(size=(2, count))
+        everyone = np.ones(count, bool)
+        measured = pilot._learn(levels(level), everyone, passes[0] - passes[1])
+        pilot._tried = levels(level), everyone, measured
+    assert pilot.square(levels(6)) == pytest.approx(variance(64.0), rel=0.04)
+
+
 def test_places_stand_for_all_valid_lumels_by_area():
     from lumenray.engine.transport.survey import Surveyor
 
