@@ -42,6 +42,12 @@ MOST_SWEEPS = 100
 NEGLIGIBLE = 1e-3
 """Share of all light that further sweeps would add. [-]"""
 
+SHADE, SHADE_SAMPLES = 0.02, 8
+"""Light of a side, relative to the mean, below which it counts as dark; and samples of it in a sweep of dark ones. [-]"""
+
+EMPTY, STEADY = 1e-4, 0.98
+"""Such sweeps end where dark sides have less light than this, relative to the mean, or keep this share of it. [-]"""
+
 MEMORY = 0.5
 """Share of what a cell held before that it keeps at a sweep: noise of cells is noise of all that reads them. [-]"""
 
@@ -132,6 +138,7 @@ class Sweeper:
             lit |= values.max(axis=1, initial=0.0) > 0.0
             self._store(values)
         self._mark_uneven(made.sum(axis=0))
+        self._empty_shade(values)
         # Sides that no light was ever found on lie inside solids.
         self._sides, self._areas = self._sides[lit], self._areas[lit]
         self._upload_sides()
@@ -214,6 +221,31 @@ class Sweeper:
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)
 
+    def _empty_shade(self, values: np.ndarray) -> None:
+        """Sweep dark sides until they have lost what came from cells that are not read any more.
+
+        Cells that reach under a wall bring light into the dark room behind it before they are known as uneven. There it
+        would die away slowly, as it is all the light there is.
+        """
+        everyone, areas = self._sides, self._areas
+        light = values @ self._weights
+        mean = float((light * areas).sum() / max(areas.sum(), 1e-300))
+        shade = (light < SHADE * mean) & ~np.array(self.cells.uneven)[everyone]
+        if not shade.any():
+            return
+        least = EMPTY * mean * areas[shade].sum()
+        for number in range(MOST_SWEEPS):
+            before = float((values[shade] @ self._weights * areas[shade]).sum())
+            self._sides = everyone[shade]
+            self._upload_sides()
+            values[shade] = _whole(self._sweep(FIRST_SWEEPS - 3 - number, SHADE_SAMPLES))
+            self._sides = everyone
+            self._store(values)
+            after = float((values[shade] @ self._weights * areas[shade]).sum())
+            if after < least or after > STEADY * before:
+                break
+        self._upload_sides()
+
     def _edges(self, light: np.ndarray, noise: np.ndarray, mean: float) -> np.ndarray:
         """Sides that differ much from a neighbour: what parts them may run through either. (n,) bool"""
         cells = self.cells
@@ -264,10 +296,12 @@ class Sweeper:
         sample, turn = lane % many, (lane // many) % turns
         side = dr.gather(mi.UInt32, self._rows, start + lane // (many * turns))
         own = hash_words(side, seed)
-        # Four quarters in turn, so that each sees as many samples; the first by chance, for as few samples as one.
-        chance = hash_words(sample, own)
+        # Four quarters in turn, so that each sees as many samples; the first by chance, for as few samples as one. Their
+        # places evenly too, so that a border which runs through a quarter does not pass for noise.
         quarter = ((sample * 4) // many + hash_words(own, turn) * mi.UInt32(many < 4)) % 4
-        number = quarter * (PLACES // 4) + chance % (PLACES // 4)
+        even = sobol_pair(turn * many + sample, own, gather.PAIR_PLACE).x
+        of_quarter = PLACES // 4
+        number = quarter * of_quarter + dr.minimum(mi.UInt32(even * of_quarter), of_quarter - 1)
         si, row = cells.place(side, number)
         wavelengths = cells.bands.wavelengths(turn)
         if wavelengths is not None:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from baking_rooms import lamp, moved
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
@@ -39,6 +40,18 @@ def sweep(compiled, count):
     sweeper.find()
     ratios = sweeper.state()["values"].reshape(-1, cells.bands.count).astype(float)
     return cells, ratios @ cells.bands.luminous() * cells.bands.illuminance()
+
+
+def centres(cells, compiled):
+    """Middles of the points of every side. (sides, 3) [m]"""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.cells import PLACES
+
+    sides = dr.arange(mi.UInt32, 2 * cells.count)
+    places = [cells.place(sides, mi.UInt32(number))[0].p for number in range(PLACES)]
+    origin = compiled.local(np.zeros((1, 3)))[0]
+    return np.mean([np.array(each).T for each in places], axis=0) - origin
 
 
 def soup(seed, count=40, largest=3.0):
@@ -225,6 +238,25 @@ def test_small_triangles_that_lie_together_and_face_alike_share_a_cell():
 
 
 # ---- light ----
+
+
+@pytest.mark.parametrize("count", [2_000, 3_000, 5_000])
+def test_cells_that_reach_under_a_wall_leave_the_room_behind_it_dark(count):
+    """Before they are known as uneven they light that room, and there all light comes from such cells."""
+    wall = moved(box(0.05, 3.2, 2.8, inwards=False), "wall", (2.03, -0.1, -0.2))
+    _session, compiled = prepare(
+        moved(box(4.0, 3.0, 2.8), "room", (0.0, 0.0, -0.3)),
+        quad("floor", (0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 3.0, 0.0), "paint"),
+        wall,
+        lamp((1.0, 1.5, 2.0)),
+        paint(0.8),
+    )
+    cells, light = sweep(compiled, count)
+    middle = centres(cells, compiled)
+    inside = np.repeat(cells.area, 2) > 0.0
+    inside &= (np.abs(middle[:, 2]) < 1e-3) & (np.arange(len(inside)) % 2 == 0)
+    lit, dark = inside & (middle[:, 0] < 1.9), inside & (middle[:, 0] > 2.3)
+    assert light[dark].mean() < 1e-3 * light[lit].mean()
 
 
 @pytest.mark.parametrize("reflectance", [0.5, 0.9])
