@@ -126,6 +126,7 @@ class Layer:
     start: float = field(default_factory=time.perf_counter)
 
     def __post_init__(self):
+        # What work that is not done in every pass took last. [s]
         self._upkeep: dict[str, float] = {}
 
     def run(self, state: LayerState | None = None) -> LayerState:

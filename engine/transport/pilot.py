@@ -256,7 +256,7 @@ class Pilot:
         enough = (area >= min(part, area[-1])) & (number >= min(FEWEST_TRIED, number[-1]))
         return lot <= int(np.argmax(enough))
 
-    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray):
+    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> np.ndarray:
         """Find how variances fall from differences of two passes on chosen lumels, (kinds, n) [lx].
 
         First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall

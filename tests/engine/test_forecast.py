@@ -210,6 +210,17 @@ def test_a_check_that_is_made_now_and_then_does_not_lengthen_all_passes():
     assert forecaster.forecast() == pytest.approx(5.0 + 8.0 * 1.75)
 
 
+@pytest.mark.mitsuba
+def test_over_the_passes_that_share_it_work_counts_once():
+    from lumenray.engine.baking.layer import Layer
+
+    layer = Layer(None, StopRule(samples=1), None, None, None, 1)
+    extra = [
+        layer._extra("check", seconds, number, 4) for number, seconds in enumerate([8, 0, 0, 0])
+    ]
+    assert extra == [6.0, -2.0, -2.0, -2.0]
+
+
 def test_an_interrupted_bake_goes_on_with_its_forecast():
     rule = StopRule(error=0.004)
     through = Bake(rule, 3, jitter=0.0)
