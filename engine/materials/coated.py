@@ -91,6 +91,8 @@ def coated_class():
     import drjit as dr
     import mitsuba as mi
 
+    from ..arrays import upload
+
     class Coated(mi.BSDF):
         """One row of parameters per material; ``reflectance`` is a texture that replaces the rows' own spectra."""
 
@@ -114,19 +116,19 @@ def coated_class():
                     for a, e, s in zip(alpha, eta, specular, strict=True)
                 ]
             )
-            self.alpha = mi.Float(alpha.astype(np.float32))
-            self.eta = mi.Float(np.asarray(eta, dtype=np.float32))
-            self.scale = mi.Float(np.asarray(specular, dtype=np.float32))
-            self.table = mi.Float(tables.astype(np.float32).ravel())
-            self.mean = mi.Float(np.array([mean_reflectance(t) for t in tables], dtype=np.float32))
+            self.alpha = upload(mi.Float, alpha)
+            self.eta = upload(mi.Float, eta)
+            self.scale = upload(mi.Float, specular)
+            self.table = upload(mi.Float, tables)
+            self.mean = upload(mi.Float, [mean_reflectance(t) for t in tables])
             self.width = spectra.shape[1]
-            self.spectra = mi.Float(np.asarray(spectra, dtype=np.float32).ravel())
+            self.spectra = upload(mi.Float, spectra)
             self.single = len(alpha) == 1
             dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
 
         def set_rows(self, rows):
             """Set the table from shape id to row."""
-            self.rows = mi.UInt32(np.asarray(rows, dtype=np.uint32))
+            self.rows = upload(mi.UInt32, rows)
             dr.eval(self.rows)
 
         def traverse(self, callback):

@@ -65,8 +65,8 @@ LEARNING = 1 << 14
 CHECK_INTERVAL = 4
 """Passes from check to check."""
 
-SWEEP_SHARE = 0.25
-"""Work of the sweep before a pass, relative to that of the pass. [-]"""
+SWEEP_SHARE = 0.1
+"""Work of the sweep before a pass, relative to that of the pass: noise of cells is a few hundredths of all. [-]"""
 
 CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 14, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
@@ -218,8 +218,10 @@ class LuxJob:
 
             self.cells = CellSet(scene, wanted, sight.shares, refine)
             if self.cells and options.cells:
-                sides = sight.sides(self.cells)
-                self.sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, self._leaves_sun)
+                sides, looks = sight.sides(self.cells)
+                self.sweeper = Sweeper(
+                    scene, self.cells, sides, seed, cancelled, self._leaves_sun, looks
+                )
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
         # Where rays go, by the first lumel of a span; empty while they go by the cosine law.
@@ -424,7 +426,7 @@ class LuxJob:
         self.trace(number, levels)
         if self.sweeper is None or number % self.sharing(levels):
             return
-        # About a quarter of the pass's work, in whole powers of two.
+        # In whole powers of two.
         work = self._sweep_work(levels)
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
 

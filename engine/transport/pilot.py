@@ -42,8 +42,8 @@ LOTS = 1024
 NEAREST_OCTAVES = 0.25
 """How far apart the samples of two trials must be for their variances to tell by which power they fall."""
 
-FEWEST_TRIED = 2_000
-"""Lumels on which passes are tried, at least."""
+FEWEST_TRIED = 600
+"""Lumels on which passes and ways are tried, at least."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ BOUNCES = 8
 """Surfaces that a ray meets one after the other."""
 
 WEIGHTS = (1.0, 0.5)
-"""How much the first and the second surface count for how often a shape is looked at."""
+"""How much the first and the second surface count for how often something is looked at."""
 
 SPREADING = 2
 """Times that what is seen is taken to reach to the neighbours: what few rays may have missed."""
@@ -76,17 +76,26 @@ class Sight:
         limit = dr.gather(mi.Float, upload(mi.Float, distances), shape, active)
         return float(np.array(active & (hit.t < limit)).mean())
 
-    def sides(self, cells) -> np.ndarray:
-        """Sides of cells that were met, and their neighbours. (n,) ascending"""
+    def sides(self, cells) -> tuple[np.ndarray, np.ndarray]:
+        """Sides of cells that were met, and their neighbours; and how often every side was looked at.
+
+        Returns
+        -------
+        (n,) uint32 array, ascending, and (2 c,) array    The latter by `WEIGHTS`.
+        """
+        looks = np.zeros(2 * cells.count)
         seen = np.zeros(2 * cells.count, dtype=bool)
-        for hit, is_back, active in self._hits:
+        for number, (hit, is_back, active) in enumerate(self._hits):
             is_matt = active & (cells.matt.row(hit.shape, active) > 0)
             side = cells.side(hit.shape, hit.prim_index, hit.prim_uv, is_back, is_matt)
-            seen[np.array(side)[np.array(is_matt)]] = True
+            met = np.array(side)[np.array(is_matt)]
+            seen[met] = True
+            if number < len(WEIGHTS):
+                looks += WEIGHTS[number] * np.bincount(met, minlength=len(looks))
         for _ in range(SPREADING):
             before = seen.copy()
             for face in (0, 1):
                 a, b = (2 * each + face for each in cells.neighbours)
                 seen[a[before[b]]] = True
                 seen[b[before[a]]] = True
-        return cells.sides[seen[cells.sides]]
+        return cells.sides[seen[cells.sides]], looks

@@ -17,7 +17,7 @@ LANES = 1 << 19
 FIRST_SWEEPS = 1 << 30
 """Numbers of the sweeps that find the light; later ones have those of their passes."""
 
-FEWEST = 4
+FEWEST = 2
 """Samples of a cell in the first sweeps, over all turns."""
 
 CAREFUL, CAREFUL_PATHS = 32, 1 << 19
@@ -36,6 +36,10 @@ GROWING = 0.005
 MOST_SCALED = 2.0
 """A scale beyond this, or below its inverse, is no error of the cells but chance."""
 
+MOST_RAISED = 20.0
+"""Likewise in the first sweeps, whose cells do not hold the light of later reflections yet."""
+
+FEWEST_SWEEPS = 3
 MOST_SWEEPS = 100
 """Stops the search for the light of rooms whose surfaces lose next to nothing."""
 
@@ -75,6 +79,9 @@ class Sweeper:
     seed : int
     cancelled : callable    Asked before every launch.
     without_bent_sun : bool    As of `cached_gather.incoming`.
+    looks : (2 c,) array or None
+        How often the job looks at every side. What light there is, is counted by it: the sunlit ground before a window holds
+        a thousand times the light of the room. None: by area.
     """
 
     def __init__(
@@ -85,15 +92,16 @@ class Sweeper:
         seed: int,
         cancelled=lambda: False,
         without_bent_sun: bool = False,
+        looks: np.ndarray | None = None,
     ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
         self._without_bent_sun = without_bent_sun
         self.guide = None
         self.seed = seed
-        self._weights = cells.bands.luminous()
-        self._sides = sides
-        self._areas = cells.area[self._sides // 2]
-        self._upload_sides()
+        self._luminous = cells.bands.luminous()
+        is_known = looks is not None and looks[sides].sum() > 0.0
+        self._worth = looks if is_known else np.repeat(cells.area, 2)
+        self._set_sides(sides)
 
     def find(self, work: float | None = None) -> None:
         """Find the light of all cells from nothing, and which cells are too uneven to be read.
@@ -102,30 +110,26 @@ class Sweeper:
         ----------
         work : float or None    Samples of the job, where they are known: sweeps need not be more careful than that.
         """
-        total, gain = 0.0, None
+        total, before = 0.0, None
         turns = self.cells.bands.turns
         lit = np.zeros(len(self._sides), dtype=bool)
         for number in range(MOST_SWEEPS):
             # The same points each time, so that what is added falls evenly, without noise.
-            values = _whole(self._sweep(FIRST_SWEEPS, max(FEWEST // turns, 1)))
+            made = self._sweep(FIRST_SWEEPS, max(FEWEST // turns, 1))
+            values = self._balanced(made, MOST_RAISED)
             before_lit = int(lit.sum())
             lit |= values.max(axis=1, initial=0.0) > 0.0
             grows = lit.sum() > (1.0 + GROWING) * before_lit
-            now = self._total(values)
             self._store(values)
-            added, before, total = now - total, gain, now
-            gain = added
+            now = self._total(values)
+            change, total = abs(now - total), now
             if now <= 0.0 and number > 0:
                 break
-            if not before or number < 2 or grows:
-                continue
-            share = min(abs(added / before), 0.98)
-            rest = added * share / (1.0 - share)
-            if abs(rest) <= NEGLIGIBLE * now:
-                break
-            # What further sweeps will add is mostly more of the same.
-            self._store(values * (1.0 + rest / now))
-            total, gain = now + rest, None
+            if before is not None and number >= FEWEST_SWEEPS and not grows:
+                share = min(change / before, 0.98) if before > 0.0 else 0.0
+                if change * max(share / (1.0 - share), 1.0) <= NEGLIGIBLE * now:
+                    break
+            before = change
         lanes = max(self.lanes_per_sample, 1)
         wanted = max(CAREFUL // turns, CAREFUL_PATHS // lanes)
         if work is not None:
@@ -140,8 +144,7 @@ class Sweeper:
         self._mark_uneven(made.sum(axis=0))
         self._empty_shade(values)
         # Sides that no light was ever found on lie inside solids.
-        self._sides, self._areas = self._sides[lit], self._areas[lit]
-        self._upload_sides()
+        self._set_sides(self._sides[lit])
 
     def refresh(self, number: int, samples: int) -> None:
         """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two."""
@@ -155,7 +158,7 @@ class Sweeper:
         """Ratios (sides, nodes) of the sides at work, as they are."""
         return np.array(self.cells.values).reshape(2 * self.cells.count, -1)[self._sides]
 
-    def _balanced(self, made: np.ndarray) -> np.ndarray:
+    def _balanced(self, made: np.ndarray, most: float = MOST_SCALED) -> np.ndarray:
         """Light of all other kinds plus that of the cells, the latter scaled so that light gained is light lost.
 
         What the cells held before may have been too much or too little all over, and in bright rooms such an error dies away
@@ -166,7 +169,7 @@ class Sweeper:
         lost = self._total(self._held()) - self._total(back)
         gained = self._total(straight)
         scale = gained / lost if lost > 0.0 and gained > 0.0 else 1.0
-        return straight + back * (scale if 1.0 / MOST_SCALED < scale < MOST_SCALED else 1.0)
+        return straight + back * (scale if 1.0 / most < scale < most else 1.0)
 
     def state(self) -> dict[str, np.ndarray]:
         """What `restore` needs."""
@@ -178,9 +181,7 @@ class Sweeper:
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Go on from a state."""
-        self._sides = state["sides"]
-        self._areas = self.cells.area[self._sides // 2]
-        self._upload_sides()
+        self._set_sides(state["sides"])
         self.cells.values = upload(mi.Float, state["values"])
         self.cells.uneven = upload(mi.Bool, state["uneven"] > 0)
         dr.eval(self.cells.values, self.cells.uneven)
@@ -192,12 +193,18 @@ class Sweeper:
 
     # ---- private ----
 
-    def _upload_sides(self) -> None:
+    def _set_sides(self, sides: np.ndarray) -> None:
+        self._sides, self._weights = sides, self._worth[sides]
         self._rows = upload(mi.UInt32, self._sides if len(self._sides) else [0])
         dr.eval(self._rows)
 
     def _total(self, values: np.ndarray) -> float:
-        return float((values @ self._weights * self._areas).sum())
+        """Light that the job sees, up to a factor, of ratios (sides, nodes) of the sides at work."""
+        return float((values @ self._luminous * self._weights).sum())
+
+    def _mean(self, light: np.ndarray) -> float:
+        """Mean of what the job sees, of light (sides,) of the sides at work."""
+        return float((light * self._weights).sum() / max(self._weights.sum(), 1e-300))
 
     def _store(self, values: np.ndarray) -> None:
         """Write ratios (sides, nodes) of the sides at work."""
@@ -208,11 +215,11 @@ class Sweeper:
         dr.eval(self.cells.values)
 
     def _mark_uneven(self, made: np.ndarray) -> None:
-        light = np.tensordot(self._weights, made.astype(np.float64), axes=(0, 1))
+        light = np.tensordot(self._luminous, made.astype(np.float64), axes=(0, 1))
         quarters = light.mean(axis=2)
         noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)
         brightest, darkest = quarters.max(axis=1), quarters.min(axis=1)
-        mean = float((quarters.mean(axis=1) * self._areas).sum() / max(self._areas.sum(), 1e-300))
+        mean = self._mean(quarters.mean(axis=1))
         marked = brightest - darkest > SIGNIFICANT * np.sqrt(2.0) * noise
         marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
         marked |= self._edges(quarters.mean(axis=1), noise, mean)
@@ -227,24 +234,23 @@ class Sweeper:
         Cells that reach under a wall bring light into the dark room behind it before they are known as uneven. There it
         would die away slowly, as it is all the light there is.
         """
-        everyone, areas = self._sides, self._areas
-        light = values @ self._weights
-        mean = float((light * areas).sum() / max(areas.sum(), 1e-300))
+        everyone, light = self._sides, values @ self._luminous
+        mean = self._mean(light)
         shade = (light < SHADE * mean) & ~np.array(self.cells.uneven)[everyone]
         if not shade.any():
             return
-        least = EMPTY * mean * areas[shade].sum()
+        dark = everyone[shade]
+        worth = self._weights[shade]
+        least = EMPTY * mean * worth.sum()
         for number in range(MOST_SWEEPS):
-            before = float((values[shade] @ self._weights * areas[shade]).sum())
-            self._sides = everyone[shade]
-            self._upload_sides()
+            before = float((values[shade] @ self._luminous * worth).sum())
+            self._set_sides(dark)
             values[shade] = _whole(self._sweep(FIRST_SWEEPS - 3 - number, SHADE_SAMPLES))
-            self._sides = everyone
+            self._set_sides(everyone)
             self._store(values)
-            after = float((values[shade] @ self._weights * areas[shade]).sum())
-            if after < least or after > STEADY * before:
+            after = float((values[shade] @ self._luminous * worth).sum())
+            if after <= least or after >= STEADY * before:
                 break
-        self._upload_sides()
 
     def _edges(self, light: np.ndarray, noise: np.ndarray, mean: float) -> np.ndarray:
         """Sides that differ much from a neighbour: what parts them may run through either. (n,) bool"""

@@ -30,13 +30,21 @@ def alike(numbers):
     return np.full(len(numbers), 1.0 / len(numbers))
 
 
-def sweep(compiled, count):
-    """Cells with their light (sides,) [lx] on fronts and backs in turns."""
+def sweep(compiled, count, places=None):
+    """Cells with their light (sides,) [lx] on fronts and backs in turns.
+
+    ``places``: (n, 3), whence a job looks at them; None: all are looked at by their areas. [m]
+    """
     from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.sight import Sight
     from lumenray.engine.transport.sweeps import Sweeper
 
     cells = CellSet(compiled, count, alike)
-    sweeper = Sweeper(compiled, cells, cells.sides, 3)
+    sides, looks = cells.sides, None
+    if places is not None:
+        up = np.tile([0.0, 0.0, 1.0], (len(places), 1))
+        sides, looks = Sight(compiled, compiled.local(places), up, 3).sides(cells)
+    sweeper = Sweeper(compiled, cells, sides, 3, looks=looks)
     sweeper.find()
     ratios = sweeper.state()["values"].reshape(-1, cells.bands.count).astype(float)
     return cells, ratios @ cells.bands.luminous() * cells.bands.illuminance()
@@ -251,7 +259,9 @@ def test_cells_that_reach_under_a_wall_leave_the_room_behind_it_dark(count):
         lamp((1.0, 1.5, 2.0)),
         paint(0.8),
     )
-    cells, light = sweep(compiled, count)
+    places = np.random.default_rng(1).uniform((0.0, 0.0, 0.01), (4.0, 3.0, 0.01), (8 * count, 3))
+    places = places[np.abs(places[:, 0] - 2.055) > 0.03]
+    cells, light = sweep(compiled, count, places)
     middle = centres(cells, compiled)
     inside = np.repeat(cells.area, 2) > 0.0
     inside &= (np.abs(middle[:, 2]) < 1e-3) & (np.arange(len(inside)) % 2 == 0)
@@ -273,6 +283,24 @@ def test_cells_of_a_furnace_hold_its_closed_form(transport, reflectance):
     # Single cells: 32 samples, of which few leave something to chance.
     assert np.sqrt(np.mean((inside[known] / expected - 1.0) ** 2)) < 0.03
     assert outside.max() == 0.0
+
+
+def test_a_bright_plain_outside_does_not_hide_that_the_light_of_a_room_still_grows():
+    """Its light is a thousand times that of the room, whose later reflections would pass for nothing."""
+    luminance, reflectance = 40.0, 0.9
+    walls = paint(reflectance, emission=Emission(Constant(1.0), luminance))
+    plain = quad("plain", (-2e3, -2e3, -1.0), (4e3, 0, 0), (0, 4e3, 0), "grass")
+    grass = paint(0.2, name="grass")
+    _session, compiled = prepare(box(3.0, 2.0, 2.5), walls, plain, grass, UniformWorld(1e4))
+    rng = np.random.default_rng(2)
+    inside = rng.uniform((0.0, 0.0, 0.01), (3.0, 2.0, 0.01), (1 << 15, 3))
+    outside = rng.uniform((-5.0, -5.0, -0.99), (0.0, 0.0, -0.99), (1 << 11, 3))
+    cells, light = sweep(compiled, 3_000, np.concatenate([inside, outside]))
+    middle = centres(cells, compiled)[0::2]
+    walls = np.flatnonzero((middle[:, 2] > -0.5) & (cells.area > 0.0))
+    assert 0 < len(walls) < (cells.area > 0.0).sum()
+    mean = (light[2 * walls] * cells.area[walls]).sum() / cells.area[walls].sum()
+    assert mean == pytest.approx(np.pi * luminance / (1.0 - reflectance), rel=0.006)
 
 
 def test_the_two_sides_of_a_sheet_hold_their_own_light():

@@ -23,7 +23,7 @@ def find_sides(items, place, cells=2000):
     sight = Sight(compiled, places, np.tile([0.0, 0.0, 1.0], (1 << 15, 1)), 1)
     made = CellSet(compiled, cells, lambda numbers: np.full(len(numbers), 1.0 / len(numbers)))
     seen = np.zeros(2 * made.count, dtype=bool)
-    seen[sight.sides(made)] = True
+    seen[sight.sides(made)[0]] = True
     shapes = np.array(made._shape).reshape(made.count, -1)[:, 0]
     shares = {}
     for key, part, _ in compiled.parts():
