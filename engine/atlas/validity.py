@@ -101,13 +101,13 @@ class Examiner:
         origin = receivers.positions[start]
         normal = receivers.geometric_normals[start].astype(np.float64)
         size = np.sqrt(np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1))
-        lumel = np.repeat(np.arange(len(start)), count)
-        away = receivers.positions - origin[lumel]
+        # Column by column: there may be millions of places.
+        away = [receivers.positions[:, i] - np.repeat(origin[:, i], count) for i in range(3)]
         rim = 0.02
         bounds = []
         for axis in (u, v):
-            along = np.einsum("kx,kx->k", away, axis[lumel])
-            along /= np.maximum(np.einsum("nx,nx->n", axis, axis), 1e-300)[lumel]
+            step = axis / np.maximum(np.einsum("nx,nx->n", axis, axis), 1e-300)[:, None]
+            along = sum(each * np.repeat(step[:, i], count) for i, each in enumerate(away))
             bounds.append(
                 (np.minimum.reduceat(along, start) - rim, np.maximum.reduceat(along, start) + rim)
             )

@@ -42,8 +42,8 @@ LOTS = 1024
 NEAREST_OCTAVES = 0.25
 """How far apart the samples of two trials must be for their variances to tell by which power they fall."""
 
-FEWEST_TRIED = 600
-"""Lumels on which passes and ways are tried, at least."""
+FEWEST_COMPARED, FEWEST_TRIED = 600, 2_000
+"""Lumels on which ways are compared and passes are tried, at least."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Pilot:
         """Work for a given error with these ways to gather light, up to a factor."""
         job = self.job
         job.set_ways(guide, aims)
-        chosen = self._choose(COMPARED)
+        chosen = self._choose(COMPARED, FEWEST_COMPARED)
         few = levels.only(chosen)
         kinds = [GATHERED] if guide is None else [GATHERED, GUIDED]
         found = np.zeros((2, len(KINDS), job.count), dtype=np.float32)
@@ -226,7 +226,7 @@ class Pilot:
         sweeps : bool    Whether the cells are swept before, as they are before passes.
         """
         job = self.job
-        chosen = self._choose(part)
+        chosen = self._choose(part, FEWEST_TRIED)
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
@@ -248,12 +248,12 @@ class Pilot:
             self._tried = levels, chosen, measured
         return Trial(sweeping / job.sharing(levels), sampling, few.total())
 
-    def _choose(self, part: float) -> np.ndarray:
-        """Lumels of some tiles that hold such a share of the surface at least. (n,) bool"""
+    def _choose(self, part: float, fewest: int) -> np.ndarray:
+        """Lumels of some tiles: so many, that hold such a share of the surface, at least. (n,) bool"""
         lot = np.minimum((self._lot * LOTS).astype(np.int64), LOTS - 1)
         area = np.cumsum(np.bincount(lot, self._share, LOTS))
         number = np.cumsum(np.bincount(lot, minlength=LOTS))
-        enough = (area >= min(part, area[-1])) & (number >= min(FEWEST_TRIED, number[-1]))
+        enough = (area >= min(part, area[-1])) & (number >= min(fewest, number[-1]))
         return lot <= int(np.argmax(enough))
 
     def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> np.ndarray:
