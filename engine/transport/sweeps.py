@@ -39,9 +39,8 @@ MOST_SCALED = 2.0
 MOST_RAISED = 20.0
 """Likewise in the first sweeps, whose cells do not hold the light of later reflections yet."""
 
-FEWEST_SWEEPS = 3
-MOST_SWEEPS = 100
-"""Stops the search for the light of rooms whose surfaces lose next to nothing."""
+FEWEST_SWEEPS, MOST_SWEEPS = 3, 100
+"""First sweeps: so many before a small change means anything, and most in rooms whose surfaces lose next to nothing."""
 
 NEGLIGIBLE = 1e-3
 """Share of all light that further sweeps would add. [-]"""
