@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..accuracy.forecast import Forecaster
+from ..accuracy.forecast import FINEST, Forecaster
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
-from ..transport.pilot import Pilot
+from ..transport.pilot import Pilot, Trial
 
 PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
@@ -23,11 +23,15 @@ SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
 FIRST_TRIED, TRIED = 1.0 / 16.0, 0.2
-"""Share of the tiles on which the first trial of a planned pass is made, which finds how variances fall, and the others."""
+"""Share of the lumels on which the first trial of a planned pass is made, which finds how variances fall, and the others."""
 
 MOST_TRIALS, SETTLED = 2, 1.15
 """Most of the others, and ratio between the samples of the plan that was tried and of the next within which it is the last:
 variances do not fall by one power all the way."""
+
+FARTHER, LEAST_RATE = 2.0, 0.75
+"""Ratio between the samples of two trials from which their times tell what samples take, and the least of it, relative to
+what all of the last one took by its samples. [-]"""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -190,7 +194,9 @@ class Layer:
             *([rule.error * mean] if rule.error is not None else []),
             *([rule.absolute] if rule.absolute is not None else []),
         ]
-        wanted = PASSES * max(targets) ** 2 if targets and max(targets) > 0.0 else None
+        # Half a step of the last pass is spared, so that a small error of what is foretold changes nothing.
+        passes = PASSES - 0.5 * FINEST
+        wanted = passes * max(targets) ** 2 if targets and max(targets) > 0.0 else None
 
         def plan() -> Levels:
             each = (rule.samples or SHORT * PASSES) / PASSES
@@ -202,7 +208,7 @@ class Layer:
             return levels
 
         pilot.choose_ways(plan(), PASSES)
-        pilot.try_pass(TRIALS, plan(), FIRST_TRIED, sweeps=False)
+        first = pilot.try_pass(TRIALS, plan(), FIRST_TRIED, sweeps=False)
         levels = plan()
         for number in range(MOST_TRIALS):
             tried = levels.total()
@@ -212,7 +218,7 @@ class Layer:
             if 1.0 / SETTLED < levels.total() / max(tried, 1e-9) < SETTLED:
                 break
         square = pilot.square(levels)
-        seconds = trial.sweep_seconds + trial.seconds * levels.total() / max(trial.samples, 1e-9)
+        seconds = trial.sweep_seconds + _whole_seconds(first, trial, levels.total())
         begin = time.perf_counter()
         job.compare(TRIALS, levels)
         seconds += (time.perf_counter() - begin) / CHECK_INTERVAL
@@ -319,6 +325,15 @@ class Layer:
     def _show(self, state: LayerState) -> None:
         made = state.forecaster.progress(self._seconds, "illuminance")
         self.report(replace(made, history=state.forecaster.history))
+
+
+def _whole_seconds(first: Trial, last: Trial, samples: float) -> float:
+    """Seconds for so many samples: launches take some of their time whatever they hold, which two trials tell apart."""
+    rate = last.seconds / max(last.samples, 1e-9)
+    if last.samples > FARTHER * first.samples:
+        slope = (last.seconds - first.seconds) / (last.samples - first.samples)
+        rate = min(max(slope, LEAST_RATE * rate), rate)
+    return last.seconds + rate * (samples - last.samples)
 
 
 def _mean(values: np.ndarray, area: np.ndarray) -> float:

@@ -2,7 +2,8 @@
 
 A path goes on past a matt surface where reading would be wrong by more than noise: nearer than a cell's size (corners), and
 at cells whose quarters differ (edges of shadows, floors that reach under a wall). There it continues as in `paths`, with
-next-event and a scattered ray, whose hit is read in its turn. From coats only the mirrored part goes on.
+next-event and a scattered ray, whose hit is read in its turn. From coats only the mirrored part goes on: that of the first
+hit by chance, since it is little and following costs much.
 
 What is read holds light of all earlier reflections, so the estimate is unbiased but for the cells: their size, and what the
 sweeps before left out. `lux_job` measures that difference against full paths.
@@ -19,6 +20,9 @@ from .textures import is_spectral
 
 NEAR = 2.0
 """Distance within which cells are not read, in their sizes."""
+
+MIRRORED = 2.0
+"""Share of what is asked for the light that a coat mirrors, in its reflectances."""
 
 
 def incoming(
@@ -75,6 +79,7 @@ def incoming(
         mi.Spectrum(1.0),
         mi.UInt32(1),
         mi.Bool(False),
+        mi.Bool(False),
     )
     if not reads and scene.veil is None:
         return _follow(scene, cells, rays, active, without_bent_sun, False, guide)
@@ -99,7 +104,10 @@ def incoming(
 
 @dataclass
 class _Rays:
-    """Rays from receivers; parameters as of `incoming`, and of what panes have done to them. ``number``: of the ray."""
+    """Rays from receivers; parameters as of `incoming`, and of what panes have done to them.
+
+    ``number``: of the ray. ``is_read``: whether the base of what they meet has been read.
+    """
 
     number: object
     origin: object
@@ -113,6 +121,7 @@ class _Rays:
     throughput: object
     depth: object
     bent: object
+    is_read: object
 
     @property
     def ray(self):
@@ -152,21 +161,22 @@ def _collect(parts: list[_Rays]) -> _Rays:
 
 
 def _look_up(scene, cells, rays: _Rays, active, guide, reads):
-    """What is read where rays land on a cell that may be read, is not coated and has no light of its own.
+    """What is read where rays land on a cell that may be read and has no light of its own.
 
     Returns
     -------
-    (Spectrum, Bool, Bool)    Read; which rays have to be followed; and which meet a pane, where they go two ways.
+    (Spectrum, Bool, Bool)    Read; which rays have to be followed; and which meet a pane, where they go two ways. Rays that
+        are followed for what a coat mirrors alone are marked and weigh more.
     """
     hit, si = _hit(scene, rays.ray, active)
     if is_spectral():
         si.wavelengths = rays.wavelengths
     valid = active & si.is_valid()
     is_dark = scene.emitter(si, valid) == None  # noqa: E711 - element-wise
-    readable, value = mi.Bool(False), mi.Spectrum(0.0)
+    readable, mirrored, value = mi.Bool(False), mi.Bool(False), mi.Spectrum(0.0)
     if reads:
         row, coat, side, readable = _meet(cells, hit, si, rays.reference, valid)
-        readable &= (coat == 0.0) & is_dark
+        readable &= is_dark
         if cells.traced is not None:
             readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
         bsdf = scene.bsdf(si, readable)
@@ -175,8 +185,13 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
         if guide is not None:
             value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
         value = dr.select(readable, value, 0.0)
+        if cells.matt.has_coat:
+            share = dr.minimum(MIRRORED * coat, 1.0)
+            mirrored = readable & (rays.stream.next_float32() < share)
+            rays.throughput /= dr.select(mirrored, share, 1.0)
+            rays.is_read = mirrored
     leaves = active & ~si.is_valid()
-    goes_on = (valid & ~readable) | (leaves & (scene.surroundings is not None))
+    goes_on = (valid & ~readable) | mirrored | (leaves & (scene.surroundings is not None))
     forks = mi.Bool(False)
     if scene.veil is not None:
         flags = scene.bsdf(si, valid & ~readable).flags()
@@ -258,6 +273,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
         "bent": mi.Bool(rays.bent),
+        "is_read": mi.Bool(rays.is_read),
         # Traced light lands on receivers and matt surfaces only.
         "traceable": mi.Bool(True),
         "dispersed": mi.Bool(False),
@@ -278,6 +294,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         steps,
         chain,
         bent,
+        is_read,
         traceable,
         dispersed,
         eta,
@@ -329,13 +346,14 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             if traced:
                 value = cells.traced_value(side, si.wavelengths, is_matt)
                 radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
-            readable &= reads
+            # What was read before is so, whatever rounding says here.
+            readable = (readable & reads) | is_read
             value = cells.value(side, si.wavelengths, readable)
             if guide is not None:
                 # Only what a straight line from the receiver meets could have been chosen.
                 first = readable & (depth == 1)
                 value *= _against_guide(guide, rays, si, side, pdf, first)
-            read = dr.select(readable, read + throughput * matte * value, read)
+            read = dr.select(readable & ~is_read, read + throughput * matte * value, read)
         if reads:
             # Only coats mirror what has not been read.
             active &= ~readable | (coat > 0.0)
@@ -346,20 +364,31 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
         choice = stream.next_float32()
         share = mi.Float(1.0)
-        if reads and cells.matt.has_coat:
+        has_coat = reads and cells.matt.has_coat
+        if has_coat:
             # A coat mirrors little, so few are asked what light it mirrors.
-            share = dr.select(readable, dr.minimum(2.0 * coat, 1.0), 1.0)
+            share = dr.select(readable & ~is_read, dr.minimum(MIRRORED * coat, 1.0), 1.0)
             smooth &= stream.next_float32() < share
+            # Of a surface whose base has been read the coat alone is sampled, which is what the least number chooses.
+            choice = dr.select(readable, 0.0, choice)
+            reflectance = bsdf.eval_diffuse_reflectance(si, readable)
+            # Summed by hand: `dr.mean` would make the number of rays a part of the kernel.
+            base = (1.0 - coat) * sum(reflectance) * (1.0 / len(reflectance))
+            glossy = coat / dr.maximum(coat + base, 1e-8)
+
+        def coat_only(wo, response, density):
+            """Response and density of the coat, where the base has been read."""
+            cosine = dr.abs(mi.Frame3f.cos_theta(wo))
+            passes = 1.0 - cells.matt.coat(row, cosine, readable)
+            part = dr.maximum(response - matte * cosine * passes, 0.0)
+            own = density - (1.0 - glossy) * cosine * dr.inv_pi
+            own = dr.maximum(own, 0.0) / dr.maximum(glossy, 1e-8)
+            return dr.select(readable, part, response), dr.select(readable, own, density)
 
         def respond(direction, asked):
             wo = si.to_local(direction)
             response, density = bsdf.eval_pdf(context, si, wo, asked)
-            if reads and cells.matt.has_coat:
-                cosine = mi.Frame3f.cos_theta(wo)
-                passes = 1.0 - cells.matt.coat(row, cosine, readable)
-                part = dr.maximum(response - matte * dr.abs(cosine) * passes, 0.0)
-                response = dr.select(readable, part, response)
-            return response, density
+            return coat_only(wo, response, density) if has_coat else (response, density)
 
         if scene.lights.count:
             ds, value = paths.sample_emitter(scene, si, light_sample, smooth)
@@ -378,11 +407,11 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         # ---- scattering ----
         bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
         straight = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
-        if reads and cells.matt.has_coat:
-            cosine = mi.Frame3f.cos_theta(bs.wo)
-            passes = 1.0 - cells.matt.coat(row, cosine, readable)
-            part = matte * dr.abs(cosine) * passes / dr.maximum(bs.pdf, 1e-20)
-            scattered = dr.select(readable, dr.maximum(scattered - part, 0.0), scattered)
+        if has_coat:
+            response, density = coat_only(bs.wo, scattered * bs.pdf, bs.pdf)
+            found = dr.select(density > 0.0, response / dr.maximum(density, 1e-20), 0.0)
+            scattered = dr.select(readable, found, scattered)
+            bs.pdf = density
         throughput = throughput * scattered
         if scene.requirements.dispersive:
             splits = (
@@ -431,8 +460,8 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
         return (
-            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, bent, traceable, dispersed,
-            eta, active,
+            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, bent, mi.Bool(False),
+            traceable, dispersed, eta, active,
         )  # fmt: skip
 
     result = dr.while_loop(

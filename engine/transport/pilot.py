@@ -37,7 +37,7 @@ FINEST_SHIFT = 0.01
 """How near a plan comes to the fewest samples that are enough, as a logarithm to base 2 of what another one is worth. [-]"""
 
 LOTS = 1024
-"""Steps of the numbers by which tiles are chosen."""
+"""Lots from which lumels are chosen."""
 
 NEAREST_OCTAVES = 0.25
 """How far apart the samples of two trials must be for their variances to tell by which power they fall."""
@@ -79,8 +79,9 @@ class Pilot:
         self._powers = np.ones(len(KINDS))
         # Levels, chosen lumels and squares by kind of a trial with sweeps.
         self._tried = None
-        # A number in 0..1 for every tile, by which some of them are chosen.
-        self._lot = np.zeros(job.count, dtype=np.float32)
+        # Trials are made on some lumels of all tiles: those of a tile are alike in what is not known of them.
+        draw = np.random.default_rng([job.seed & 0xFFFFFFFF, 5])
+        self._lot = draw.integers(0, LOTS, job.count, dtype=np.uint16)
 
     def run(self, sums: ReplicateSums) -> None:
         """Make two passes with few samples, and note the variances of single samples by tile, apart by kind."""
@@ -90,7 +91,7 @@ class Pilot:
         """Find out whether points on bright cells pay, and aimed rays where so many passes are worth learning for.
 
         Each makes single samples scatter less, but variances fall less steeply with their number then. So all pairs are
-        tried with the numbers of a pass, on some of the tiles.
+        tried with the numbers of a pass, on some of the lumels.
         """
         job = self.job
         before = job.guide, job.aims
@@ -146,8 +147,6 @@ class Pilot:
                 # Of two values each, so half their squared difference is the variance of one.
                 square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
                 tiles = job.tiles(part)
-                draw = np.random.default_rng([job.seed & 0xFFFFFFFF, part.start, 5])
-                self._lot[part] = draw.random(int(tiles.max(initial=0)) + 1)[tiles]
                 for kind in range(len(KINDS)):
                     scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
             if sums is not None:
@@ -222,7 +221,7 @@ class Pilot:
         ----------
         number : int    Of the first; the second has the next one.
         levels : Levels
-        part : float    Share of the surface, at least, whose tiles are tried.
+        part : float    Share of the surface, at least, that is tried.
         sweeps : bool    Whether the cells are swept before, as they are before passes.
         """
         job = self.job
@@ -230,7 +229,7 @@ class Pilot:
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
-        sweeping = sampling = 0.0
+        sweeping, sampling = 0.0, np.inf
         for half in range(2):
             start = time.perf_counter()
             if sweeps:
@@ -241,20 +240,20 @@ class Pilot:
             for span, values in job.estimates(number + half, few):
                 own = chosen[span]
                 found[half][:, place[span][own]] = values[:, own, 0]
-            # The first one may have to make kernels.
-            sweeping, sampling = middle - start, time.perf_counter() - middle
+            # The first one may have to make kernels; of the rest the faster one was disturbed less.
+            sweeping = middle - start
+            sampling = min(sampling, time.perf_counter() - middle)
         measured = self._learn(levels, chosen, found[0] - found[1])
         if sweeps:
             self._tried = levels, chosen, measured
         return Trial(sweeping / job.sharing(levels), sampling, few.total())
 
     def _choose(self, part: float, fewest: int) -> np.ndarray:
-        """Lumels of some tiles: so many, that hold such a share of the surface, at least. (n,) bool"""
-        lot = np.minimum((self._lot * LOTS).astype(np.int64), LOTS - 1)
-        area = np.cumsum(np.bincount(lot, self._share, LOTS))
-        number = np.cumsum(np.bincount(lot, minlength=LOTS))
+        """So many random lumels that they hold such a share of the surface, at least. (n,) bool"""
+        area = np.cumsum(np.bincount(self._lot, self._share, LOTS))
+        number = np.cumsum(np.bincount(self._lot, minlength=LOTS))
         enough = (area >= min(part, area[-1])) & (number >= min(fewest, number[-1]))
-        return lot <= int(np.argmax(enough))
+        return self._lot <= int(np.argmax(enough))
 
     def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> np.ndarray:
         """Find how variances fall from differences of two passes on chosen lumels, (kinds, n) [lx].

@@ -18,6 +18,7 @@ def make_pilot(scatter, powers=(1.0, 1.0, 1.0)):
         count=count,
         valid=np.ones(count, bool),
         area=np.ones(count),
+        seed=1,
         options=Options(),
         guide=None,
     )
@@ -124,3 +125,35 @@ def test_places_stand_for_all_valid_lumels_by_area():
     assert found.keys() == shares.keys()
     for key, share in shares.items():
         assert found[key] == pytest.approx(share, abs=0.02)
+
+
+# ---- trials ----
+
+
+def test_trials_are_made_on_some_lumels_of_every_tile():
+    """What is not known of a tile is common to its lumels, so whole tiles would tell less."""
+    tiles, size = 500, 64
+    chosen = make_pilot([np.ones(tiles * size)] * 3)._choose(0.2, 100)
+    share = chosen.reshape(tiles, size).mean(axis=1)
+    assert chosen.mean() == pytest.approx(0.2, abs=0.01)
+    # Binomial: within five standard deviations in each of them, and on the whole as wide as that.
+    spread = np.sqrt(0.2 * 0.8 / size)
+    assert np.abs(share - 0.2).max() < 5.0 * spread
+    assert share.std() == pytest.approx(spread, rel=0.2)
+    # At least so many, also where few are enough for the share.
+    assert make_pilot([np.ones(640)] * 3)._choose(0.01, 300).sum() >= 300
+
+
+def test_what_launches_take_by_themselves_is_not_multiplied():
+    from lumenray.engine.baking.layer import _whole_seconds
+    from lumenray.engine.transport.pilot import Trial
+
+    def trial(samples, launches=0.1, rate=1e-3):
+        return Trial(0.0, launches + rate * samples, samples)
+
+    assert _whole_seconds(trial(500.0), trial(2000.0), 10_000.0) == pytest.approx(10.1)
+    # Two of a size cannot tell.
+    assert _whole_seconds(trial(1900.0), trial(2000.0), 10_000.0) == pytest.approx(2.1 * 5.0)
+    # Nor is it believed that a disturbed first trial shows nearly all to be launches.
+    disturbed = Trial(0.0, 2.0, 500.0)
+    assert _whole_seconds(disturbed, trial(2000.0), 10_000.0) > 2.1 + 0.7 * 2.1 * 4.0
