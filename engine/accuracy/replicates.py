@@ -14,8 +14,15 @@ NORMS = ("arithmetic", "quadratic")
 LEAST_PART = 1e-4
 """Where a single replicate has all but such a part of the weight, nothing is known of the error. [-]"""
 
-_ARRAYS = {"sums": 8, "weights": 4, "squares": 4, "tilt": 4, "deviation": 4, "further": 4}
-"""Arrays of the state, and the bytes of their numbers."""
+_ARRAYS = {
+    "sums": (8, 4),
+    "weights": (4,),
+    "squares": (4,),
+    "tilt": (4,),
+    "deviation": (4,),
+    "further": (4,),
+}
+"""Arrays of the state, and the bytes that their numbers may have."""
 
 
 class ReplicateSums:
@@ -29,20 +36,25 @@ class ReplicateSums:
     one over its weight, as with plain random numbers, and nearly so where it falls faster, as with low-discrepancy
     points: there a variance weighted by w_k alone would charge the small replicates of a pilot to all others.
     The sums go on from pass to pass (the update of Welford and West, for the squared weights), so that no large numbers are
-    subtracted and four bytes suffice for deviations; 36 bytes per value and 4 for each further channel.
+    subtracted and four bytes suffice for deviations; 36 bytes per value and 4 for each further channel. Where all values
+    have the same weight in every pass it is kept once, and sums of so few passes in four bytes: 16 bytes per value.
 
     Parameters
     ----------
     count : int    Number of values.
     channels : int    Quantities per value. The first has errors and halves; the others have means only.
+    is_even : bool    Whether a pass gives all values the same weight. Means tell nothing in the middle of a pass then.
     """
 
-    def __init__(self, count: int, channels: int = 1):
+    def __init__(self, count: int, channels: int = 1, is_even: bool = False):
         self.passes = 0
         # By half: even passes and odd passes. Counts of samples are exact in four bytes up to 2^24.
-        self._sums = np.zeros((2, count))
-        self._weights = np.zeros((2, count), dtype=np.float32)
-        self._squares = np.zeros(count, dtype=np.float32)
+        self._sums = np.zeros((2, count), dtype=np.float32 if is_even else np.float64)
+        weights = min(count, 1) if is_even else count
+        self._weights = np.zeros((2, weights), dtype=np.float32)
+        self._squares = np.zeros(weights, dtype=np.float32)
+        # Weight of the pass that is going on, where all have the same.
+        self._weight = np.float32(0.0)
         self._tilt = np.zeros(count, dtype=np.float32)
         self._deviation = np.zeros(count, dtype=np.float32)
         self._further = np.zeros((count, channels - 1), dtype=np.float32)
@@ -50,7 +62,12 @@ class ReplicateSums:
     @property
     def count(self) -> int:
         """Number of values."""
-        return len(self._squares)
+        return len(self._tilt)
+
+    @property
+    def is_even(self) -> bool:
+        """Whether a pass gives all values the same weight."""
+        return len(self._squares) < self.count
 
     def add(self, first: int, means: np.ndarray, weight) -> None:
         """Add the replicate of this pass for the values ``first`` to ``first + n``; once per pass for every value.
@@ -60,6 +77,10 @@ class ReplicateSums:
         first : int
         means : (n,) or (n, channels) array    The replicate.
         weight : (n,) array or float    Number of its samples, at least 0; 0 where the pass left a value out.
+
+        Raises
+        ------
+        SceneError    Weights differ where they were said to be the same.
         """
         means = np.asarray(means, dtype=np.float64)
         means = means.reshape(len(means), -1)
@@ -67,40 +88,58 @@ class ReplicateSums:
         values = means[:, 0]
         # The same rounded weight everywhere, so that equal replicates have that very mean.
         weight = np.broadcast_to(np.asarray(weight, dtype=np.float32), values.shape)
+        held = self.samples(part)
         before = self.mean(part)
+        old, tilt = (
+            self._of(self._squares, part).astype(np.float64),
+            self._tilt[part].astype(np.float64),
+        )
         self._sums[half, part] += weight * values
-        self._weights[half, part] += weight
-        after = self.mean(part)
+        after = _ratio(self._total(part), held + weight)
         shift, square = after - before, weight.astype(np.float64) ** 2
         distance = values - after
-        old, tilt = self._squares[part].astype(np.float64), self._tilt[part].astype(np.float64)
         deviation = self._deviation[part] + shift * (shift * old - 2.0 * tilt)
         self._deviation[part] = np.maximum(deviation, 0.0) + square * distance**2
         self._tilt[part] = tilt - shift * old + square * distance
-        self._squares[part] = old + square
         if self._further.shape[1]:
-            share = _ratio(weight, self.samples(part))[:, None]
+            share = _ratio(weight, held + weight)[:, None]
             self._further[part] += share * (means[:, 1:] - self._further[part])
+        if not self.is_even:
+            self._weights[half, part] += weight
+            self._squares[part] = old + square
+        elif len(weight):
+            if (weight != weight[0]).any() or (self._weight > 0.0 and self._weight != weight[0]):
+                raise SceneError("a pass of equal weights was given different ones")
+            self._weight = weight[0]
 
     def end_pass(self) -> None:
         """Close a pass; the next one belongs to the other half."""
+        self._weights[self.passes % 2] += self._weight
+        self._squares += self._weight**2
+        self._weight = np.float32(0.0)
         self.passes += 1
+
+    @property
+    def mean_samples(self) -> float:
+        """Mean of the weights so far over all values; 0 without any."""
+        return float(self._weights.mean(axis=1, dtype=np.float64).sum()) if self.count else 0.0
 
     def samples(self, part=slice(None)) -> np.ndarray:
         """Weight of each value so far. (count,)"""
-        return self._weights[0, part].astype(np.float64) + self._weights[1, part]
+        halves = (self._of(each, part) for each in self._weights)
+        return np.add(*halves, dtype=np.float64)
 
     def mean(self, part=slice(None)) -> np.ndarray:
         """Mean over all passes; 0 where there are no samples. (count,), or those of ``part``."""
-        return _ratio(self._sums[0, part] + self._sums[1, part], self.samples(part))
+        return _ratio(self._total(part), self.samples(part))
 
     def even(self, part=slice(None)) -> np.ndarray:
         """Mean over the passes 0, 2, 4 and so on. (count,)"""
-        return _ratio(self._sums[0, part], self._weights[0, part])
+        return _ratio(self._sums[0, part], self._of(self._weights[0], part))
 
     def odd(self, part=slice(None)) -> np.ndarray:
         """Mean over the passes 1, 3, 5 and so on. (count,)"""
-        return _ratio(self._sums[1, part], self._weights[1, part])
+        return _ratio(self._sums[1, part], self._of(self._weights[1], part))
 
     def further_means(self, part=slice(None)) -> np.ndarray:
         """Mean of the channels beyond the first. (count, channels - 1) float32"""
@@ -108,12 +147,12 @@ class ReplicateSums:
 
     def replicates(self, part=slice(None)) -> np.ndarray:
         """Number of equal replicates that would be worth as much, W^2 / sum w_k^2. (count,)"""
-        return _ratio(self.samples(part) ** 2, self._squares[part])
+        return _ratio(self.samples(part) ** 2, self._of(self._squares, part))
 
     def variance(self, part=slice(None)) -> np.ndarray:
         """Variance of `mean`, without bias; infinite where less than two replicates have samples. (count,)"""
         whole = self.samples(part) ** 2
-        rest = whole - self._squares[part]
+        rest = whole - self._of(self._squares, part)
         known = rest > LEAST_PART * whole
         return np.where(known, self._deviation[part] / np.where(known, rest, 1.0), np.inf)
 
@@ -136,6 +175,15 @@ class ReplicateSums:
         arrays = {name: getattr(self, f"_{name}") for name in _ARRAYS}
         return {"passes": np.array([self.passes], dtype=np.int64), **arrays}
 
+    def _of(self, weights: np.ndarray, part) -> np.ndarray:
+        """Of some values, what may be the same for all."""
+        if not self.is_even:
+            return weights[part]
+        return np.broadcast_to(weights, self._tilt[part].shape)
+
+    def _total(self, part) -> np.ndarray:
+        return np.add(self._sums[0, part], self._sums[1, part], dtype=np.float64)
+
     @classmethod
     def from_state(cls, state: dict[str, np.ndarray]) -> "ReplicateSums":
         """Sums that go on from a state.
@@ -148,14 +196,22 @@ class ReplicateSums:
         missing = {"passes", *_ARRAYS} - set(state)
         if missing:
             raise SceneError(f"the state of the sums lacks {', '.join(sorted(missing))}")
-        count = state["squares"].shape[:1]
-        shapes = {"sums": (2, *count), "weights": (2, *count), "further": (*count, -1)}
-        for name, size in _ARRAYS.items():
+        count, weights = state["tilt"].shape[:1], state["squares"].shape[:1]
+        if weights != (1,):
+            weights = count
+        shapes = {
+            "sums": (2, *count),
+            "weights": (2, *weights),
+            "squares": weights,
+            "further": (*count, -1),
+        }
+        for name, sizes in _ARRAYS.items():
             array, wanted = state[name], shapes.get(name, count)
             fits = array.ndim == len(wanted) and all(
                 want in (-1, have) for want, have in zip(wanted, array.shape, strict=True)
             )
-            if not fits or array.dtype != np.dtype(f"f{size}") or not np.isfinite(array).all():
+            kinds = [np.dtype(f"f{size}") for size in sizes]
+            if not fits or array.dtype not in kinds or not np.isfinite(array).all():
                 raise SceneError(f"the state of the sums holds {name} that do not fit the others")
             setattr(made, f"_{name}", np.array(array))
         passes = state["passes"]

@@ -153,7 +153,6 @@ class Layer:
 
     def _begin(self) -> LayerState:
         job, rule = self.job, self.rule
-        sums = ReplicateSums(job.count, job.channels)
         setup = self._seconds
         forecaster = Forecaster(rule, setup)
         bias = np.zeros((3, self.object_count))
@@ -167,7 +166,9 @@ class Layer:
             levels = Levels.even(
                 job.count, 1 << max(int(math.log2(max(each, 1.0))), 0), job.guide is not None
             )
+            sums = ReplicateSums(job.count, job.channels, is_even=True)
             return LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
+        sums = ReplicateSums(job.count, job.channels)
         pilot = Pilot(job)
         pilot.run(sums)
         begin = time.perf_counter()

@@ -140,7 +140,7 @@ class Bake:
             layers = self._run_layers(compiled, table, items, atlas)
             states = [state for _, state in layers]
             estimates = _estimates(layers, order, table)
-            samples = round(sum(float(s.sums.samples().mean()) for s in states))
+            samples = round(sum(s.sums.mean_samples for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
             notes = tuple(note for note in provenance.notes if note not in self._found)

@@ -195,3 +195,53 @@ def test_values_without_error_count_only_where_they_are_wrong():
     assert coverage(mean, error, 3, np.array([0.0, 0.0, 2.0])) == 0.0
     assert error_ratio(mean, error, mean) == 1.0
     assert error_ratio(mean, error, mean + 1.0) == np.inf
+
+
+# ---- equal weights ----
+
+
+@pytest.mark.parametrize("channels", [1, 4])
+def test_sums_of_equal_weights_tell_the_same_in_less_memory(channels):
+    rng = np.random.default_rng(11)
+    count = 3000
+    whole, even = ReplicateSums(count, channels), ReplicateSums(count, channels, is_even=True)
+    for weight in (64, 64, 64, 32):
+        values = rng.gamma(4.0, 50.0, (count, channels))
+        for sums in (whole, even):
+            sums.add(0, values[:1000], np.full(1000, weight))
+            sums.add(1000, values[1000:], weight)
+            sums.end_pass()
+    some = np.array([5, 7, 2999])
+    for part in (slice(None), slice(500, 1500), some):
+        for name in ("samples", "mean", "even", "odd", "variance", "replicates"):
+            mine, theirs = getattr(even, name)(part), getattr(whole, name)(part)
+            assert mine.shape == theirs.shape
+            np.testing.assert_allclose(mine, theirs, rtol=2e-6)
+    np.testing.assert_allclose(even.further_means(), whole.further_means(), rtol=2e-6)
+    assert even.mean_samples == whole.mean_samples == 224.0
+    size = [sum(each.nbytes for each in sums.state().values()) for sums in (whole, even)]
+    assert size[0] - size[1] == pytest.approx(20 * count, abs=100)
+
+
+def test_sums_of_equal_weights_go_on_from_their_state():
+    rng = np.random.default_rng(12)
+    through = ReplicateSums(100, is_even=True)
+    for number in range(4):
+        if number == 2:
+            again = ReplicateSums.from_state(through.state())
+        values = rng.normal(100.0, 5.0, 100)
+        for sums in (through, again) if number >= 2 else (through,):
+            sums.add(0, values, 16.0)
+            sums.end_pass()
+    assert again.is_even
+    np.testing.assert_array_equal(again.variance(), through.variance())
+
+
+def test_unequal_weights_are_refused_where_equal_ones_were_promised():
+    sums = ReplicateSums(10, is_even=True)
+    with pytest.raises(SceneError, match="equal weights"):
+        sums.add(0, np.ones(10), np.arange(10))
+    sums = ReplicateSums(10, is_even=True)
+    sums.add(0, np.ones(5), 1.0)
+    with pytest.raises(SceneError, match="equal weights"):
+        sums.add(5, np.ones(5), 2.0)
