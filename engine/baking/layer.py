@@ -22,14 +22,14 @@ FEWEST_PASSES = 2
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
-FIRST_TRIED, TRIED = 1.0 / 16.0, 0.2
+FIRST_TRIED, TRIED = 1.0 / 16.0, 0.3
 """Share of the lumels on which the first trial of a planned pass is made, which finds how variances fall, and the others."""
 
 MOST_TRIALS, SETTLED = 2, 1.15
 """Most of the others, and ratio between the samples of the plan that was tried and of the next within which it is the last:
 variances do not fall by one power all the way."""
 
-FARTHER, LEAST_RATE = 2.0, 0.75
+FARTHER, LEAST_RATE = 2.0, 0.9
 """Ratio between the samples of two trials from which their times tell what samples take, and the least of it, relative to
 what all of the last one took by its samples. [-]"""
 
