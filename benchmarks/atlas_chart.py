@@ -27,7 +27,7 @@ SCALE = 2
 PANEL = (500, 360)
 """Size of a panel. [pixel]"""
 
-LEFT, RIGHT, TOP, BOTTOM = 66, 18, 34, 50
+LEFT, RIGHT, TOP, BOTTOM = 66, 26, 34, 50
 """Free space in a panel. [pixel]"""
 
 HEAD = 40
