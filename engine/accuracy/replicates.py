@@ -88,12 +88,13 @@ class ReplicateSums:
         values = means[:, 0]
         # The same rounded weight everywhere, so that equal replicates have that very mean.
         weight = np.broadcast_to(np.asarray(weight, dtype=np.float32), values.shape)
-        held = self.samples(part)
-        before = self.mean(part)
-        old, tilt = (
-            self._of(self._squares, part).astype(np.float64),
-            self._tilt[part].astype(np.float64),
-        )
+        if self.is_even and len(weight):
+            if (weight != weight[0]).any() or self._weight not in {0.0, weight[0]}:
+                raise SceneError("a pass of equal weights was given different ones")
+            self._weight = weight[0]
+        held, before = self.samples(part), self.mean(part)
+        old = self._of(self._squares, part).astype(np.float64)
+        tilt = self._tilt[part].astype(np.float64)
         self._sums[half, part] += weight * values
         after = _ratio(self._total(part), held + weight)
         shift, square = after - before, weight.astype(np.float64) ** 2
@@ -107,10 +108,6 @@ class ReplicateSums:
         if not self.is_even:
             self._weights[half, part] += weight
             self._squares[part] = old + square
-        elif len(weight):
-            if (weight != weight[0]).any() or (self._weight > 0.0 and self._weight != weight[0]):
-                raise SceneError("a pass of equal weights was given different ones")
-            self._weight = weight[0]
 
     def end_pass(self) -> None:
         """Close a pass; the next one belongs to the other half."""

@@ -245,3 +245,7 @@ def test_unequal_weights_are_refused_where_equal_ones_were_promised():
     sums.add(0, np.ones(5), 1.0)
     with pytest.raises(SceneError, match="equal weights"):
         sums.add(5, np.ones(5), 2.0)
+    # What was refused has changed nothing.
+    sums.add(5, np.ones(5), 1.0)
+    sums.end_pass()
+    np.testing.assert_array_equal(sums.mean(), np.ones(10))
