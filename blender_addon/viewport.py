@@ -276,7 +276,8 @@ def _pump():
     """Look for news of all views and draw those that have some."""
     if not _views:
         return None
-    news = {view.region for view in _views.values() if view.poll()}
+    # A copy: views also leave when Python collects garbage, which may be while they are looked at.
+    news = {view.region for view in list(_views.values()) if view.poll()}
     if news:
         for window in (w for manager in bpy.data.window_managers for w in manager.windows):
             for area in window.screen.areas:

@@ -176,9 +176,7 @@ class RemoteSession:
 
     def frame(self) -> Frame | None:
         """Return the newest frame of the live view, once; None while there is no newer one."""
-        view = self._link.view(self.name)
-        frame, view.frame = view.frame, None
-        return frame
+        return self._link.take_frame(self.name)
 
     def view_error(self) -> str | None:
         """Say why the live view does not go on; None while it does."""

@@ -157,6 +157,13 @@ class Link:
         with self._lock:
             return self._views.setdefault(session, View())
 
+    def take_frame(self, session: str):
+        """Return the newest frame of a session's live view, once."""
+        with self._lock:
+            view = self.view(session)
+            frame, view.frame = view.frame, None
+        return frame
+
     def apply(self, session: str, delta) -> None:
         """Send a delta and count it. Raises as `post`."""
         with self._lock:

@@ -31,6 +31,9 @@ LEAST_URGENT = 1 << 30
 PROGRESS_INTERVAL = 0.1
 """Shortest time between two messages on the progress of a job. [s]"""
 
+COLLECT_WHEN_IDLE, COLLECT_WHEN_BUSY = 0.5, 10.0
+"""Time without work after which garbage is collected, and time between two collections in steady work. [s]"""
+
 FAILED = 3
 """Exit code when the line carried nonsense or the engine's own messages failed."""
 
@@ -85,14 +88,21 @@ class Server:
         self._parent = parent
         self._is_refining = False
         self._next_slice = 0.0
+        self._next_collection = 0.0
 
     def serve(self) -> None:
         """Say hello and work; never returns."""
         self._channel.send({"kind": "hello", "pid": os.getpid(), "version": VERSION})
+        # Garbage may hold Dr.Jit's objects. Python frees it on the thread that happens to make the next object, so also on
+        # the one that reads while this one makes a kernel, and Dr.Jit ends the process when that happens.
+        gc.disable()
         threading.Thread(target=self._read, name="lumenray-read", daemon=True).start()
         while True:
             self._news.clear()
-            if not self._step():
+            if self._step():
+                self._collect()
+            elif not self._news.wait(COLLECT_WHEN_IDLE):
+                gc.collect()
                 self._news.wait()
 
     # ---- the reading thread ----
@@ -181,6 +191,15 @@ class Server:
                 self._send_frame(desk, *desk.frame)
 
     # ---- the main thread ----
+
+    def _collect(self) -> None:
+        """Free garbage where it does no harm: what is young every time, everything now and then."""
+        now = time.perf_counter()
+        if now < self._next_collection:
+            gc.collect(1)
+            return
+        gc.collect()
+        self._next_collection = now + COLLECT_WHEN_BUSY
 
     def _step(self) -> bool:
         """Do the next thing; tell whether there was one."""

@@ -344,6 +344,19 @@ def test_a_live_view_goes_on_to_its_end(worker):
     assert not session.has_view_work
 
 
+def test_garbage_is_freed_on_the_thread_that_computes(worker):
+    """Dr.Jit ends the process when objects of its are freed by another thread while it makes a kernel."""
+    session = worker.session("view")
+    point = np.array(POINTS[:1])
+    many = tuple(SensorSet(f"s{k}", "s", point, point) for k in range(500))
+    for _ in range(20):
+        session.apply(SceneDelta(removed=("rubbish",)))
+        session.apply(SceneDelta(many))
+    freed = [event for event in events(worker) if event.startswith("freed")]
+    assert len(freed) >= 10
+    assert set(freed) == {"freed by MainThread"}
+
+
 def test_no_frame_comes_after_the_end_of_a_view(worker):
     session = worker.session("view")
     watch(session)

@@ -4,6 +4,7 @@ import math
 import os
 import signal
 import sys
+import threading
 import time
 
 import numpy as np
@@ -21,6 +22,16 @@ EVENTS = []
 """What happened in this process, in order, over all sessions."""
 
 
+class Rubbish:
+    """Garbage that only a collection finds; it tells which thread has freed it."""
+
+    def __init__(self):
+        self.itself = self
+
+    def __del__(self):
+        EVENTS.append(f"freed by {threading.current_thread().name}")
+
+
 class FakeSession:
     """Keeps what it is sent. Every job takes as many steps as its rule has samples."""
 
@@ -36,6 +47,8 @@ class FakeSession:
     def apply(self, delta):
         if "refuse" in delta.removed:
             raise SceneError("the delta was refused")
+        if "rubbish" in delta.removed:
+            Rubbish()
         self.items |= {item.id: item for item in delta.changed}
         self.revision += 1
         EVENTS.append(f"apply {self.revision}")

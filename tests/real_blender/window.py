@@ -209,13 +209,33 @@ def is_settled(shown):
     return shown.frame is not None and shown.frame.is_final
 
 
+def describe_view(area=None):
+    """Say what a view that does not get done shows, what it waits for, and what the engine wrote last."""
+    shown = view(area)
+    feed = None if shown is None else shown._feed
+    if feed is None:
+        return "there is no view" if shown is None else f"the view has no engine: '{shown.text()}'"
+    state = feed.session._link.view(feed.session.name)
+    parts = [
+        f"it says '{shown.text()}'",
+        f"the engine {'is gone' if feed.session.is_lost else f'is process {engine_pid()}'}",
+        f"the newest picture is of change {shown.frame and shown.frame.revision} of {state.applied}",
+        f"last one: {state.is_final}, waiting: {state.frame is not None}, asked for: {state.is_watched}",
+        *feed.session._link.log()[-5:],
+    ]
+    return "; ".join(parts)
+
+
 def settle(area=None, seconds=PATIENCE):
     """Wait until a view is done and drawn."""
     redraw()
     # An edit reaches the engine with the next drawing.
     for _ in range(4):
         yield TICK
-    taken = yield from wait_for(lambda: is_settled(view(area)), "the view done", seconds)
+    try:
+        taken = yield from wait_for(lambda: is_settled(view(area)), "the view done", seconds)
+    except TimeoutError as error:
+        raise TimeoutError(f"{error}; {describe_view(area)}") from error
     redraw()
     yield 0.3
     return taken
