@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from ..engine.scene.sensor import SensorKind
-from . import luminaire_commands, validate_command
+from . import luminaire_commands, rayset_commands, validate_command
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
@@ -16,6 +16,7 @@ EPILOG = """examples:
   lumenray bake office.blend -o lux --absolute 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.005
   lumenray luminaire info downlight.ies
+  lumenray rayset info led.ray
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -108,6 +109,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_rule(measure, "sensor")
 
     luminaire_commands.add_commands(commands, _size)
+    rayset_commands.add_commands(commands)
     validate_command.add_command(commands)
 
     demo = commands.add_parser("demo", help="render and bake the bundled office")
@@ -346,6 +348,7 @@ def main(arguments=None) -> int:
             "bake": _bake,
             "measure": _measure,
             "luminaire": luminaire_commands.run,
+            "rayset": rayset_commands.run,
             "validate": validate_command.run,
             "demo": _demo,
             "benchmark": _benchmark,

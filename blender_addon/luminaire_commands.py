@@ -110,9 +110,9 @@ def _info(options) -> int:
             rows.append(describe(name, file))
             text = tell(rows[-1])
         if not options.json:
-            _say(text + "\n")
+            say(text + "\n")
     if options.json:
-        _say(json.dumps(rows, indent=2, allow_nan=False))
+        say(json.dumps(rows, indent=2, allow_nan=False))
     return int(any("error" in row for row in rows))
 
 
@@ -140,7 +140,7 @@ def _without_path(error: FileFormatError) -> str:
     return text[len(error.path) :].lstrip(" ,:") if text.startswith(error.path) else text
 
 
-def _say(text: str) -> None:
+def say(text: str) -> None:
     """Write to the terminal, with question marks for what it cannot show."""
     encoding = sys.stdout.encoding or "utf-8"
     sys.stdout.write(text.encode(encoding, "replace").decode(encoding) + "\n")
@@ -359,7 +359,7 @@ def _plot(options) -> int:
         raise FileFormatError(options.output, f"cannot be written ({error.strerror})") from None
     except ValueError:
         raise FileFormatError(options.output, "expected a name that ends in .png") from None
-    _say(f"written to {options.output}")
+    say(f"written to {options.output}")
     return 0
 
 
@@ -372,6 +372,6 @@ def _convert(options) -> int:
     remarks = write_luminaire(file, options.output)
     for path, found in ((options.file, file.remarks), (options.output, remarks)):
         for remark in found:
-            _say(f"{path}: {remark}")
-    _say(f"written to {options.output}")
+            say(f"{path}: {remark}")
+    say(f"written to {options.output}")
     return 0

@@ -1,0 +1,372 @@
+"""A ray set ready to send out light without end: rays that differ from those of the file as those differ from each other.
+
+A file holds as many rays as it holds; sent out again and again they give spots instead of light. So a ray is picked by its
+power, and its position and direction fluctuate by as much as those of its neighbours differ (see `neighbourhoods`), which
+keeps the total flux. What the fluctuation blurs at large is put right by a weight that depends on the direction, so that
+mean and second moments of all directions are those of the file's rays. Then the ray is put where it leaves the source's
+body (see `body`).
+
+How far neighbours reach is chosen by comparison: light from one half of the rays against the other half.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Cancelled, FileFormatError
+from .body import Hull, Plane, Sphere, find_body
+from .neighbourhoods import GROUP, Spread, order_rays, spread_rays
+from .reader import read_rays
+from .record import RayFile, Rays
+
+MOST_HELD = 1 << 22
+"""Rays that are held at most; of larger files a selection by chance is. About 39 bytes each."""
+
+SHARES = (0.01, 0.03, 0.1, 0.3)
+"""Shares of all rays that may be neighbours of one, for `REFERENCE_COUNT` rays. [-]"""
+
+REFERENCE_COUNT = 8192
+"""Rays for which these shares are meant: the best share falls about as the root of the number."""
+
+COMPARED = 1 << 14
+"""Rays that the share is chosen with, at most."""
+
+MADE = 1 << 17
+"""Rays that are made for a comparison, and for the moments of directions."""
+
+LEAST_WEIGHT, LARGEST_WEIGHT = 0.25, 4.0
+"""Bounds of the weight by direction. [-]"""
+
+BANDS, SECTORS = 12, 16
+"""Cells of the spheres around the source where halves are compared, all of one size."""
+
+DISTANCES = (1.0, 4.0)
+"""Radii of these spheres, over the size of the source. [-]"""
+
+
+@dataclass(frozen=True)
+class Fluctuation:
+    """How wide generated rays fluctuate.
+
+    Parameters
+    ----------
+    share : float or None    Share of all rays that are neighbours of one; None: chosen by comparison.
+    position, direction : float or None    Widths (standard deviations) given by the user, which take the place of those
+        that the set tells. [m], [rad]
+    """
+
+    share: float | None = None
+    position: float | None = None
+    direction: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RayCloud:
+    """Rays that are held in memory, ready to generate from.
+
+    Parameters
+    ----------
+    spread : Spread    n rays, in an order that keeps neighbours together.
+    threshold : (n,) float32 array    Alias table: share of the choices of a place that it keeps.
+    other : (n,) uint32 array    Who gets the rest.
+    colour : (n,) float32 or int32 array or None    Wavelength [nm], or number of the file's spectrum.
+    body : Plane, Sphere or Hull
+    size : float    Largest extent of the starting points. [m]
+    moments : (9,) float64 array    Coefficients of the weight by direction, see `direction_basis`.
+    flux : float    Of all, in the file's quantity. [lm or W]
+    share : float    Of rays that are neighbours of one. [-]
+    information_error : float    Relative error of the intensity in a cell of 1/192 of the sphere that comes from the file's
+        having no more rays, as root mean square over flux. [-]
+    """
+
+    spread: Spread
+    threshold: np.ndarray
+    other: np.ndarray
+    colour: np.ndarray | None
+    body: Plane | Sphere | Hull
+    size: float
+    moments: np.ndarray
+    flux: float
+    share: float
+    information_error: float
+
+    def __len__(self) -> int:
+        return len(self.threshold)
+
+    @property
+    def bytes_per_ray(self) -> float:
+        """Memory that is held. [byte]"""
+        held = [self.threshold, self.other, *vars(self.spread).values()]
+        held += [] if self.colour is None else [self.colour]
+        return sum(array.nbytes for array in held) / len(self)
+
+    def draw(self, count: int, rng: np.random.Generator) -> "Drawn":
+        """Generate rays."""
+        place = rng.random(count) * len(self)
+        number = np.minimum(place.astype(np.int64), len(self) - 1)
+        picked = np.where(place - number < self.threshold[number], number, self.other[number])
+        noise = rng.standard_normal((count, 6), dtype=np.float32)
+        position, direction = scatter(self.spread, picked, noise)
+        position, direction = self.body.place(position, direction)
+        weight = direction_weight(direction, self.moments)
+        # The mean weight is 1 but for chance, which need not spoil the flux.
+        weight *= count / weight.sum()
+        colour = None if self.colour is None else self.colour[picked]
+        return Drawn(position, direction, weight * (self.flux / count), colour)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Generated rays: where they start [m], unit vectors, flux [lm or W], wavelength or number of spectrum."""
+
+    position: np.ndarray
+    direction: np.ndarray
+    flux: np.ndarray
+    colour: np.ndarray | None
+
+
+def hold_rays(
+    file: RayFile,
+    limit: int = MOST_HELD,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Rays:
+    """Read rays into memory, of files with more than ``limit`` a selection by chance.
+
+    Raises
+    ------
+    FileFormatError
+    Cancelled
+    """
+    rng = np.random.default_rng(seed)
+    chance = min(1.0, limit / max(file.count, 1))
+    held: list[Rays] = []
+    for rays in read_rays(file, progress=progress, cancelled=cancelled):
+        held.append(_take(rays, rng.random(len(rays)) < chance) if chance < 1.0 else rays)
+    columns = (
+        [getattr(rays, name) for rays in held]
+        for name in ("position", "direction", "weight", "wavelength", "spectrum")
+    )
+    made = Rays(*(None if each[0] is None else np.concatenate(each) for each in columns))
+    if not len(made):
+        raise FileFormatError(file.path, "has no ray that carries light, expected one at least")
+    return made
+
+
+def make_cloud(
+    rays: Rays,
+    flux: float,
+    fluctuation: Fluctuation | None = None,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> RayCloud:
+    """Prepare rays for generation.
+
+    Parameters
+    ----------
+    rays : Rays
+    flux : float    Of all. [lm or W]
+    fluctuation : Fluctuation or None    None: as the set tells.
+    seed : int
+    progress : callable or None    Told the share that is done.
+    cancelled : callable
+
+    Raises
+    ------
+    Cancelled
+    """
+    fluctuation = fluctuation or Fluctuation()
+    told = progress or (lambda share: None)
+    size = extent(rays.position)
+    share, error = choose_share(rays, size, fluctuation, seed, cancelled)
+    told(0.3)
+    rays = _take(rays, order_rays(rays.position, rays.direction, size))
+    if cancelled():
+        raise Cancelled("cancelled")
+    return _prepare(
+        rays, flux, size, fluctuation, share, error, seed, lambda s: told(0.3 + 0.7 * s), cancelled
+    )
+
+
+def extent(position: np.ndarray) -> float:
+    """Largest extent of starting points along an axis; a millionth of a metre for a point. (n, 3) -> [m]"""
+    return max(float(np.ptp(position.astype(np.float64), axis=0).max()), 1e-6)
+
+
+def scatter(spread: Spread, picked: np.ndarray, noise: np.ndarray):
+    """Let rays fluctuate. (n,) numbers of rays, (n, 6) standard normal -> (n, 3) [m], (n, 3) unit vectors, float64"""
+    moved = np.einsum("nij,nj->ni", spread.factor[picked // GROUP], noise)
+    position = spread.position[picked].astype(np.float64) + moved[:, :3]
+    direction = spread.direction[picked].astype(np.float64) + moved[:, 3:]
+    length = np.linalg.norm(direction, axis=1, keepdims=True)
+    return position, direction / np.maximum(length, 1e-12)
+
+
+def direction_basis(direction: np.ndarray) -> np.ndarray:
+    """Functions that span all spherical harmonics up to the second degree. (n, 3) -> (n, 9)"""
+    x, y, z = direction.T
+    return np.stack([x * x, y * y, z * z, x * y, y * z, z * x, x, y, z], axis=1)
+
+
+def direction_weight(direction: np.ndarray, moments: np.ndarray) -> np.ndarray:
+    """Weight by direction. (n, 3) -> (n,) [-]"""
+    return np.clip(1.0 + direction_basis(direction) @ moments, LEAST_WEIGHT, LARGEST_WEIGHT)
+
+
+def choose_share(
+    rays: Rays,
+    size: float,
+    fluctuation: Fluctuation,
+    seed: int,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> tuple[float, float]:
+    """Choose how many rays are neighbours of one, and estimate what error is left for want of rays.
+
+    Light made from one half is compared with the rays of the other half, which are right in the mean, where it crosses two
+    spheres around the source; then with light made from the other half, which differs by the error of both.
+
+    Returns
+    -------
+    (float, float)    Share, and relative error of the intensity.
+    """
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(rays))[:COMPARED]
+    halves = [_take(rays, half) for half in np.array_split(order, 2)]
+    if len(halves[1]) < 2:
+        return 1.0, float("inf")
+    middle = rays.position.astype(np.float64).mean(axis=0)
+    scale = np.sqrt(REFERENCE_COUNT / len(halves[0]))
+    if fluctuation.share is not None:
+        shares = (fluctuation.share,)
+    else:
+        shares = tuple(share * scale for share in SHARES if share * scale < 0.5) or (0.5,)
+    expected = [_cells(half.position, half.direction, half.weight, middle, size) for half in halves]
+    scores, made = [], []
+    for share in shares:
+        light = []
+        for half in halves:
+            if cancelled():
+                raise Cancelled("cancelled")
+            own = _take(half, order_rays(half.position, half.direction, size))
+            cloud = _prepare(own, 1.0, size, fluctuation, share, 0.0, seed)
+            drawn = cloud.draw(MADE, np.random.default_rng(seed))
+            light.append(_cells(drawn.position, drawn.direction, drawn.flux, middle, size))
+        made.append(light)
+        apart = [((a - b) ** 2).sum() for a, b in zip(light, expected[::-1], strict=True)]
+        scores.append(np.mean(apart))
+    best = int(np.argmin(scores))
+    first, second = made[best]
+    # The difference of two halves has the variance of both, the whole half of that of one.
+    far = slice(-BANDS * SECTORS, None)
+    error = 0.5 * np.sqrt(((first[far] - second[far]) ** 2).mean())
+    mean = np.sqrt(((0.5 * (first[far] + second[far])) ** 2).mean())
+    share = shares[best] * (1.0 if fluctuation.share else np.sqrt(len(halves[0]) / len(rays)))
+    return float(np.clip(share, 1e-6, 1.0)), float(error / max(mean, 1e-30))
+
+
+# ---- private ----
+
+
+def _take(rays: Rays, which: np.ndarray) -> Rays:
+    columns = (rays.position, rays.direction, rays.weight, rays.wavelength, rays.spectrum)
+    return Rays(*(None if column is None else column[which] for column in columns))
+
+
+def _prepare(
+    rays: Rays,
+    flux: float,
+    size: float,
+    fluctuation: Fluctuation,
+    share: float,
+    error: float,
+    seed: int,
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> RayCloud:
+    """Make the cloud of rays that stand in order."""
+    spread = spread_rays(rays.position, rays.direction, size, share, seed, progress, cancelled)
+    spread = _override(spread, rays, fluctuation)
+    threshold, other = alias_table(rays.weight)
+    colour = rays.spectrum if rays.wavelength is None else rays.wavelength
+    body = find_body(rays.position, rays.direction)
+    plain = RayCloud(spread, threshold, other, colour, body, size, np.zeros(9), flux, share, error)
+    moments = _match_moments(plain, rays, seed)
+    return RayCloud(spread, threshold, other, colour, body, size, moments, flux, share, error)
+
+
+def _override(spread: Spread, rays: Rays, fluctuation: Fluctuation) -> Spread:
+    """Put the user's widths in the place of the set's own."""
+    factor, position, direction = spread.factor, spread.position, spread.direction
+    if fluctuation.position is None and fluctuation.direction is None:
+        return spread
+    factor = factor.copy()
+    # A width of its own has no part in what the other does.
+    factor[:, 3:, :3] = 0.0
+    if fluctuation.position is not None:
+        factor[:, :3, :3] = fluctuation.position * np.eye(3)
+        position = rays.position
+    if fluctuation.direction is not None:
+        factor[:, 3:, 3:] = fluctuation.direction * np.eye(3)
+        direction = rays.direction
+    return Spread(position, direction, factor)
+
+
+def alias_table(weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Make the table by which a number is drawn with a chance in proportion to its weight, in constant time.
+
+    M. D. Vose, A linear algorithm for generating random numbers with a given distribution, IEEE Trans. Software Eng. 17,
+    1991. Here all that lack something are filled at once, from rows of those that have too much.
+
+    Returns
+    -------
+    ((n,) float32, (n,) uint32)    Share that a place keeps, and who gets the rest.
+    """
+    count = len(weight)
+    share = weight.astype(np.float64) * (count / weight.sum(dtype=np.float64))
+    other = np.arange(count, dtype=np.uint32)
+    low, high = np.flatnonzero(share < 1.0), np.flatnonzero(share >= 1.0)
+    kept = share.copy()
+    # A donor gives to one after the other until it has less than its place holds; then it asks the next one itself.
+    lacks, donors = list(low), list(high)
+    while lacks and donors:
+        poor, rich = lacks.pop(), donors[-1]
+        other[poor] = rich
+        kept[rich] -= 1.0 - kept[poor]
+        if kept[rich] < 1.0:
+            lacks.append(donors.pop())
+    kept[donors] = 1.0
+    kept[lacks] = 1.0
+    return kept.astype(np.float32), other
+
+
+def _match_moments(cloud: RayCloud, rays: Rays, seed: int) -> np.ndarray:
+    """Coefficients of the weight by direction that gives all directions the moments that those of the rays have."""
+    basis = direction_basis(cloud.draw(MADE, np.random.default_rng(seed)).direction)
+    weight = rays.weight.astype(np.float64)
+    wanted = weight @ direction_basis(rays.direction.astype(np.float64)) / weight.sum()
+    values, vectors = np.linalg.eigh(basis.T @ basis / len(basis))
+    kept = values > 1e-4 * values[-1]
+    vectors, values = vectors[:, kept], values[kept]
+    return vectors @ ((vectors.T @ (wanted - basis.mean(axis=0))) / values)
+
+
+def _cells(position, direction, weight, middle, size) -> np.ndarray:
+    """Shares of the light that cross the cells of the spheres. (2 x BANDS x SECTORS,)"""
+    away = position.astype(np.float64) - middle
+    direction = direction.astype(np.float64)
+    along = (away * direction).sum(axis=1)
+    square = (away * away).sum(axis=1)
+    found = []
+    for distance in DISTANCES:
+        radius = distance * size
+        way = np.sqrt(np.maximum(along**2 - square + radius**2, 0.0)) - along
+        cross = (away + way[:, None] * direction) / radius
+        band = np.clip((0.5 * BANDS * (1.0 + cross[:, 2])).astype(int), 0, BANDS - 1)
+        turn = np.arctan2(cross[:, 1], cross[:, 0]) / (2.0 * np.pi) + 0.5
+        sector = np.minimum((SECTORS * turn).astype(int), SECTORS - 1)
+        cell = np.bincount(band * SECTORS + sector, weight, BANDS * SECTORS)
+        found.append(cell / cell.sum())
+    return np.concatenate(found)
