@@ -145,6 +145,8 @@ class Forecaster:
     setup_seconds : float    Spent in this part of the bake before the first pass. [s]
     earlier_seconds : float    Spent in earlier parts of a resumed bake; `from_state` knows them. [s]
     finest : float    Smallest part of a pass that the last one may be, a power of two; 1: whole passes only. [-]
+    planned : int    Passes after which the error should be met; the last of them is a whole one, whatever is thought to be
+        missing before it. 0: there is no such plan.
 
     Raises
     ------
@@ -157,6 +159,7 @@ class Forecaster:
         setup_seconds: float,
         earlier_seconds: float = 0.0,
         finest: float = FINEST,
+        planned: int = 0,
     ):
         if rule.each is not None or rule.limits:
             raise SceneError(
@@ -170,7 +173,7 @@ class Forecaster:
         self._earlier = earlier_seconds
         # When the last pass ended, as this part counts its time.
         self._until = setup_seconds
-        self._finest = finest
+        self._finest, self._planned = finest, planned
         # Of everything, which relates errors in lux to relative ones. [lx]
         self._mean: float | None = None
         self._passes = 0.0
@@ -295,6 +298,11 @@ class Forecaster:
         least = min(needed.values(), default=math.inf)
         return max(least, 0.0) if least < FARTHEST else None
 
+    def is_last_planned(self) -> bool:
+        """Whether the next pass is the last one of the plan, after which the error should be met."""
+        is_error = self.outlook is not None and self.outlook.reason == "error"
+        return is_error and self._passes == self._planned - 1
+
     def forecast(self) -> float | None:
         """Seconds from the start at which the rule will be met; None while nothing can be said. [s]"""
         return None if self.outlook is None else self.outlook.seconds
@@ -384,6 +392,7 @@ class Forecaster:
         state: dict[str, np.ndarray],
         setup_seconds: float = 0.0,
         finest: float = FINEST,
+        planned: int = 0,
     ) -> "Forecaster":
         """Forecaster that goes on from a state; ``setup_seconds`` were spent in the new part before its first pass.
 
@@ -416,7 +425,7 @@ class Forecaster:
         if not fits:
             raise SceneError("the state of the forecast does not fit together")
         earlier = float(marks[-1, 0]) if len(marks) else 0.0
-        made = cls(rule, setup_seconds, earlier, finest)
+        made = cls(rule, setup_seconds, earlier, finest, planned)
         made._marks = [
             Mark(seconds, samples, error, None if math.isnan(forecast) else forecast)
             for seconds, samples, error, forecast in marks.tolist()
@@ -491,6 +500,8 @@ class Forecaster:
             return None
         reason = min(needed, key=needed.get)
         passes = self._rounded(needed[reason])
+        if reason == "error" and self._planned - 1 < self._passes + passes < self._planned:
+            passes = self._planned - self._passes
         scale = self._scale(now.error)
         error = math.inf
         if scale is not None:

@@ -240,9 +240,9 @@ def test_an_interrupted_bake_goes_on_with_its_forecast():
     assert mark.forecast == pytest.approx(expected.forecast + 9.0 + COMPILING)
 
 
-def foretold(finest=0.5):
+def foretold(finest=0.5, planned=0):
     """A pilot of two small passes, and passes of which 16 were planned for the error asked for."""
-    forecaster = Forecaster(StopRule(error=0.01), SETUP, finest=finest)
+    forecaster = Forecaster(StopRule(error=0.01), SETUP, finest=finest, planned=planned)
     forecaster.note(SETUP + 2.0, 8.0, 0.4, passes=2)
     forecaster.respread(1.0, (0.04 / 0.4) ** 2, 1.0, 64.0, 10.0, seconds=SETUP + 5.0)
     return forecaster
@@ -280,6 +280,36 @@ def test_the_last_pass_may_be_a_half_once():
     forecaster.note(SETUP + 180.0, 64.0 * 17.5, 0.0099)
     assert forecaster.is_done()
     assert forecaster.passes_needed() == 0.0
+
+
+@pytest.mark.parametrize("error", [0.0391, 0.0394, 0.0397])
+def test_the_last_pass_of_a_plan_is_a_whole_one_whatever_is_missing(error):
+    """So the end does not jump by a half pass with what chance adds to an error: 15.3, 15.5 and 15.8 passes would do."""
+    forecaster = foretold(planned=16)
+    for n in range(1, 16):
+        forecaster.note(SETUP + 5.0 + 10.0 * n, 64.0 * n, error / math.sqrt(n))
+        if n >= 4:
+            assert forecaster.forecast() == pytest.approx(SETUP + 165.0)
+        assert forecaster.is_last_planned() == (n == 15)
+    again = Forecaster.from_state(StopRule(error=0.01), forecaster.state(), planned=16)
+    assert again.is_last_planned()
+    forecaster.note(SETUP + 165.0, 64.0 * 16, error / 4.0)
+    assert forecaster.is_done()
+    assert not forecaster.is_last_planned()
+
+
+def test_beyond_a_plan_and_for_samples_parts_of_passes_do():
+    forecaster = foretold(planned=16)
+    for n in range(1, 17):
+        forecaster.note(SETUP + 5.0 + 10.0 * n, 64.0 * n, 0.0402 / math.sqrt(n))
+    assert forecaster.forecast() == pytest.approx(SETUP + 170.0)
+    assert not forecaster.is_last_planned()
+    rule = StopRule(samples=64 * 15 + 32)
+    by_samples = Forecaster(rule, SETUP, planned=16)
+    for n in range(1, 16):
+        by_samples.note(SETUP + 10.0 * n, 64.0 * n, 0.1)
+    assert by_samples.forecast() == pytest.approx(SETUP + 155.0)
+    assert not by_samples.is_last_planned()
 
 
 def test_a_state_that_does_not_fit_together_is_refused():
