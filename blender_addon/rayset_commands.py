@@ -393,6 +393,9 @@ def _convert(options) -> int:
             part.unlink(missing_ok=True)
     for remark in survey.remarks:
         say(f"{options.file}: {remark}")
+    if len(file.spectra) > 1 or (ending == ".dat" and file.spectra):
+        kept = "their mean is kept" if ending != ".dat" else "none is kept"
+        say(f"{options.output}: has no place for the spectra of {options.file}; {kept}")
     say(f"written to {options.output} ({count} rays)")
     return 0
 

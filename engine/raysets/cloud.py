@@ -145,14 +145,13 @@ def hold_rays(
     held: list[Rays] = []
     for rays in read_rays(file, progress=progress, cancelled=cancelled):
         held.append(_take(rays, rng.random(len(rays)) < chance) if chance < 1.0 else rays)
+    if not sum(map(len, held)):
+        raise FileFormatError(file.path, "has no ray that carries light, expected one at least")
     columns = (
         [getattr(rays, name) for rays in held]
         for name in ("position", "direction", "weight", "wavelength", "spectrum")
     )
-    made = Rays(*(None if each[0] is None else np.concatenate(each) for each in columns))
-    if not len(made):
-        raise FileFormatError(file.path, "has no ray that carries light, expected one at least")
-    return made
+    return Rays(*(None if each[0] is None else np.concatenate(each) for each in columns))
 
 
 def make_cloud(
@@ -318,7 +317,7 @@ def alias_table(weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Make the table by which a number is drawn with a chance in proportion to its weight, in constant time.
 
     M. D. Vose, A linear algorithm for generating random numbers with a given distribution, IEEE Trans. Software Eng. 17,
-    1991. Here all that lack something are filled at once, from rows of those that have too much.
+    1991.
 
     Returns
     -------

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import FileFormatError
 from .cloud import MOST_HELD, Fluctuation, RayCloud, hold_rays, make_cloud
 from .reader import read_rays
 from .record import RayFile
@@ -49,7 +50,7 @@ def light_of(
 
     Raises
     ------
-    FileFormatError    The file's rays carry watts, and nothing tells of which wavelengths.
+    FileFormatError    The file's rays carry watts, and nothing tells of which wavelengths; or none of it is visible.
     Cancelled
     """
     if survey.rays >= ENOUGH and fluctuation is None:
@@ -62,6 +63,10 @@ def light_of(
         return Light(read, None)
     told = progress or (lambda share: None)
     held = luminous_rays(file, survey, hold_rays(file, MOST_HELD, seed, cancelled=cancelled))
+    if not held.weight.any():
+        raise FileFormatError(
+            file.path, "has no visible light, expected wavelengths within 360 to 830 nm"
+        )
     flux = survey.luminous_flux
     if flux is None:
         flux = float(held.weight.sum(dtype=np.float64))

@@ -72,7 +72,7 @@ class RayFile:
     format : str    Such as ``TM-25-13`` or ``LightTools binary``.
     count : int    Rays, those included that will turn out to be of no use.
     columns : Columns
-    rows : callable    ``rows(first, count)``: (count, columns) float32 array, of text files in order only.
+    rows : callable    Each call yields all rows anew, piece by piece: (n, columns) float32 arrays.
     scale : float    Length of the file's unit. [m]
     quantity : str    `RADIANT` or `LUMINOUS`: what the weights are.
     is_relative : bool    Whether the weights only tell shares of the stated flux.

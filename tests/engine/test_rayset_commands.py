@@ -127,6 +127,16 @@ def test_a_file_that_fails_half_way_leaves_nothing(capsys, lamp, tmp_path):
     assert not list(tmp_path.glob("*out*"))
 
 
+def test_light_that_nobody_sees_is_not_reduced(capsys, tmp_path):
+    rows = np.concatenate([lambert_rays(), np.full((200, 1), 940.0, "<f4")], axis=1)
+    path = tmp_path / "infrared.ray"
+    path.write_bytes(tm25(rows, (1, 1, 1, 1, 0, 0, 0, 0), kind=2, watts=1.0))
+    code, _, error = run(capsys, "reduce", path, tmp_path / "out.ies")
+    assert code == 1
+    assert "no visible light" in error
+    assert not (tmp_path / "out.ies").exists()
+
+
 def test_texts_take_the_unit_that_is_given(capsys, tmp_path):
     path = tmp_path / "rays.txt"
     np.savetxt(path, lambert_rays())
