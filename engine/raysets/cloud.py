@@ -6,11 +6,13 @@ keeps the total flux. What the fluctuation blurs at large is put right by a weig
 mean and second moments of all directions are those of the file's rays. Then the ray is put where it leaves the source's
 body (see `body`).
 
+Of a source that is the same all around an axis, every ray stands for a ring of them (see `symmetry`).
+
 How far neighbours reach is chosen by comparison: light from one half of the rays against the other half.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from .body import Hull, Plane, Sphere, find_body
 from .neighbourhoods import GROUP, Spread, order_rays, spread_rays
 from .reader import read_rays
 from .record import RayFile, Rays
+from .symmetry import Axis, find_axis
 
 MOST_HELD = 1 << 22
 """Rays that are held at most; of larger files a selection by chance is. About 39 bytes each."""
@@ -54,11 +57,14 @@ class Fluctuation:
     share : float or None    Share of all rays that are neighbours of one; None: chosen by comparison.
     position, direction : float or None    Widths (standard deviations) given by the user, which take the place of those
         that the set tells. [m], [rad]
+    is_symmetric : bool or None    Whether rays are turned about the source's axis; None: where the set is even around
+        one and no width is given.
     """
 
     share: float | None = None
     position: float | None = None
     direction: float | None = None
+    is_symmetric: bool | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +78,7 @@ class RayCloud:
     other : (n,) uint32 array    Who gets the rest.
     colour : (n,) float32 or int32 array or None    Wavelength [nm], or number of the file's spectrum.
     body : Plane, Sphere or Hull
+    axis : Axis or None    About which every ray stands for a ring of them.
     size : float    Largest extent of the starting points. [m]
     moments : (9,) float64 array    Coefficients of the weight by direction, see `direction_basis`.
     flux : float    Of all, in the file's quantity. [lm or W]
@@ -85,6 +92,7 @@ class RayCloud:
     other: np.ndarray
     colour: np.ndarray | None
     body: Plane | Sphere | Hull
+    axis: Axis | None
     size: float
     moments: np.ndarray
     flux: float
@@ -108,6 +116,9 @@ class RayCloud:
         picked = np.where(place - number < self.threshold[number], number, self.other[number])
         noise = rng.standard_normal((count, 6), dtype=np.float32)
         position, direction = scatter(self.spread, picked, noise)
+        if self.axis is not None:
+            angle = 2.0 * np.pi * rng.random(count)
+            position, direction = self.axis.turn(position, direction, angle)
         position, direction = self.body.place(position, direction)
         weight = direction_weight(direction, self.moments)
         # The mean weight is 1 but for chance, which need not spoil the flux.
@@ -180,13 +191,19 @@ def make_cloud(
     fluctuation = fluctuation or Fluctuation()
     told = progress or (lambda share: None)
     size = extent(rays.position)
-    share, error = choose_share(rays, size, fluctuation, seed, cancelled)
+    body = find_body(rays.position, rays.direction)
+    is_given = fluctuation.position is not None or fluctuation.direction is not None
+    axis = None
+    if fluctuation.is_symmetric or (fluctuation.is_symmetric is None and not is_given):
+        axis = find_axis(rays, body, is_sure=bool(fluctuation.is_symmetric))
+    shape = _Shape(size, body, axis)
+    share, error = choose_share(rays, shape, fluctuation, seed, cancelled)
     told(0.3)
     rays = _take(rays, order_rays(rays.position, rays.direction, size))
     if cancelled():
         raise Cancelled("cancelled")
     return _prepare(
-        rays, flux, size, fluctuation, share, error, seed, lambda s: told(0.3 + 0.7 * s), cancelled
+        rays, flux, shape, fluctuation, share, error, seed, lambda s: told(0.3 + 0.7 * s), cancelled
     )
 
 
@@ -217,7 +234,7 @@ def direction_weight(direction: np.ndarray, moments: np.ndarray) -> np.ndarray:
 
 def choose_share(
     rays: Rays,
-    size: float,
+    shape: "_Shape",
     fluctuation: Fluctuation,
     seed: int,
     cancelled: Callable[[], bool] = lambda: False,
@@ -232,6 +249,7 @@ def choose_share(
     (float, float)    Share, and relative error of the intensity.
     """
     rng = np.random.default_rng(seed)
+    size = shape.size
     order = rng.permutation(len(rays))[:COMPARED]
     halves = [_take(rays, half) for half in np.array_split(order, 2)]
     if len(halves[1]) < 2:
@@ -250,7 +268,7 @@ def choose_share(
             if cancelled():
                 raise Cancelled("cancelled")
             own = _take(half, order_rays(half.position, half.direction, size))
-            cloud = _prepare(own, 1.0, size, fluctuation, share, 0.0, seed)
+            cloud = _prepare(own, 1.0, shape, fluctuation, share, 0.0, seed)
             drawn = cloud.draw(MADE, np.random.default_rng(seed))
             light.append(_cells(drawn.position, drawn.direction, drawn.flux, middle, size))
         made.append(light)
@@ -269,6 +287,15 @@ def choose_share(
 # ---- private ----
 
 
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What is found of a whole set, and holds for a part of it."""
+
+    size: float
+    body: Plane | Sphere | Hull
+    axis: Axis | None
+
+
 def _take(rays: Rays, which: np.ndarray) -> Rays:
     columns = (rays.position, rays.direction, rays.weight, rays.wavelength, rays.spectrum)
     return Rays(*(None if column is None else column[which] for column in columns))
@@ -277,7 +304,7 @@ def _take(rays: Rays, which: np.ndarray) -> Rays:
 def _prepare(
     rays: Rays,
     flux: float,
-    size: float,
+    shape: _Shape,
     fluctuation: Fluctuation,
     share: float,
     error: float,
@@ -286,14 +313,25 @@ def _prepare(
     cancelled: Callable[[], bool] = lambda: False,
 ) -> RayCloud:
     """Make the cloud of rays that stand in order."""
+    size = shape.size
     spread = spread_rays(rays.position, rays.direction, size, share, seed, progress, cancelled)
     spread = _override(spread, rays, fluctuation)
     threshold, other = alias_table(rays.weight)
     colour = rays.spectrum if rays.wavelength is None else rays.wavelength
-    body = find_body(rays.position, rays.direction)
-    plain = RayCloud(spread, threshold, other, colour, body, size, np.zeros(9), flux, share, error)
-    moments = _match_moments(plain, rays, seed)
-    return RayCloud(spread, threshold, other, colour, body, size, moments, flux, share, error)
+    cloud = RayCloud(
+        spread,
+        threshold,
+        other,
+        colour,
+        shape.body,
+        shape.axis,
+        size,
+        np.zeros(9),
+        flux,
+        share,
+        error,
+    )
+    return replace(cloud, moments=_match_moments(cloud, rays, seed))
 
 
 def _override(spread: Spread, rays: Rays, fluctuation: Fluctuation) -> Spread:

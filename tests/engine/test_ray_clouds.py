@@ -4,6 +4,16 @@ import functools
 
 import numpy as np
 import pytest
+from lumenray.benchmarks.ray_sources import (
+    RADIUS,
+    SOURCES,
+    disk,
+    even_numbers,
+    helix,
+    landing,
+    numbers,
+    sphere,
+)
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.raysets.body import Hull, Plane, Sphere, find_body
 from lumenray.engine.raysets.cloud import (
@@ -15,8 +25,8 @@ from lumenray.engine.raysets.cloud import (
 from lumenray.engine.raysets.reader import read_rayset
 from lumenray.engine.raysets.record import Rays
 from lumenray.engine.raysets.reduction import is_rotational, reduce_rays, view_rays
+from lumenray.engine.raysets.symmetry import find_axis
 from ray_files import lambert_rays, zemax
-from source_rays import RADIUS, disk, exact_disk, helix, landing, numbers, sphere
 
 COUNTED = 10_000
 """Rays of the sets."""
@@ -26,10 +36,10 @@ CELLS = 10
 
 
 @functools.cache
-def cloud_of(source, count=COUNTED, seed=1, **options):
+def cloud_of(source, count=COUNTED, seed=1, choose=even_numbers):
     """Cloud of a synthetic source of 100 lm."""
-    position, direction = source(numbers(count, seed))
-    return make_cloud(Rays(position, direction, np.ones(count, np.float32)), 100.0, **options)
+    position, direction = source(choose(count, seed))
+    return make_cloud(Rays(position, direction, np.ones(count, np.float32)), 100.0)
 
 
 def relative_rms(found, exact):
@@ -86,6 +96,86 @@ def test_rays_of_any_other_body_leave_its_hull_and_start_nowhere_else():
     assert ((ahead > body.high) | (ahead < body.low)).any(axis=1).mean() > 0.99
 
 
+# ---- symmetry ----
+
+
+def turned(vectors, seed=11):
+    """The same vectors in a frame that is turned somehow."""
+    return vectors @ np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0].T
+
+
+def axis_of(position, direction):
+    rays = Rays(position, direction, np.ones(len(position), np.float32))
+    return find_axis(rays, find_body(position, direction))
+
+
+def test_a_source_that_is_even_all_around_gets_its_axis():
+    position, direction = disk(numbers(4000, 1))
+    axis = axis_of(turned(position) + 0.05, turned(direction))
+    assert abs(axis.direction @ turned(np.array([0.0, 0.0, 1.0]))) == pytest.approx(1.0, abs=1e-6)
+    np.testing.assert_allclose(axis.centre, 0.05, atol=0.02 * RADIUS)
+    assert axis_of(*sphere(numbers(4000, 1))) is not None
+
+
+def square(u):
+    """A square chip that shines by the cosine law."""
+    position = np.zeros((len(u), 3), np.float32)
+    position[:, :2] = RADIUS * (2.0 * u[:, :2] - 1.0)
+    return position, disk(u[:, [0, 1, 2, 3]])[1]
+
+
+def narrowed(u):
+    """A disk whose light is pressed towards one plane, as by a cylindrical lens."""
+    position, direction = disk(u)
+    direction = direction * np.array([0.8, 1.0, 1.0], np.float32)
+    return position, direction / np.linalg.norm(direction, axis=1, keepdims=True)
+
+
+def skew(u):
+    """A disk whose one half shines to the side: positions and directions are even, but not together."""
+    position, direction = disk(u)
+    turn = np.arctan2(position[:, 1], position[:, 0])
+    lean = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1) * np.cos(2.0 * turn)[:, None]
+    direction = direction + 0.5 * lean
+    direction[:, 2] = np.abs(direction[:, 2])
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return position, direction.astype(np.float32)
+
+
+@pytest.mark.parametrize("source", [square, narrowed, skew, helix])
+def test_a_source_that_is_not_even_gets_none(source):
+    assert axis_of(*source(numbers(10_000, 1))) is None
+
+
+def test_even_sources_are_seldom_taken_for_uneven_ones():
+    found = [axis_of(*disk(numbers(500, seed))) is not None for seed in range(60)]
+    assert np.mean(found) > 0.95
+
+
+def test_turned_rays_are_the_same_all_around_and_the_user_has_the_last_word():
+    position, direction = disk(numbers(300, 1))
+    rays = Rays(position, direction, np.ones(300, np.float32))
+    made = {
+        kind: make_cloud(rays, 1.0, Fluctuation(0.01, is_symmetric=kind)) for kind in (None, False)
+    }
+    assert made[None].axis is not None
+    assert made[False].axis is None
+
+    def unevenness(cloud):
+        d = cloud.draw(200_000, np.random.default_rng(1)).direction
+        share = np.bincount(((np.arctan2(d[:, 1], d[:, 0]) / np.pi + 1.0) * 8).astype(int) % 16)
+        return share.std() / share.mean()
+
+    assert unevenness(made[None]) < 0.02
+    assert unevenness(made[False]) > 0.05
+    forced = make_cloud(
+        Rays(*square(numbers(3000, 1)), np.ones(3000, np.float32)),
+        1.0,
+        Fluctuation(0.01, is_symmetric=True),
+    )
+    assert forced.axis is not None
+
+
 # ---- generation ----
 
 
@@ -133,25 +223,45 @@ def test_widths_of_the_user_take_the_place_of_the_sets_own():
     assert np.degrees(np.arccos(np.clip(nearest, -1, 1))).max() > 1.0
 
 
-@pytest.mark.parametrize(("source", "bar"), [(disk, 0.04), (sphere, 0.06), (helix, 0.06)])
-def test_light_of_few_rays_is_smooth_and_right(source, bar):
-    """Illuminance on planes at two and five times the source's size, against the source itself."""
-    cloud = cloud_of(source)
-    rng = np.random.default_rng(7)
-    drawn = [cloud.draw(1_000_000, rng) for _ in range(3)]
-    raw = source(numbers(COUNTED, 1))
-    for distance in (2.0, 5.0):
-        height = 2.0 * RADIUS * distance + RADIUS
-        exact = (
-            exact_disk(height, CELLS)
-            if source is disk
-            else landing(*source(numbers(1 << 20, 9)), height, CELLS)
-        )
-        made = np.mean([landing(d.position, d.direction, height, CELLS, d.flux) for d in drawn], 0)
-        chance = 1.0 / np.sqrt(0.75e6 * exact.mean())
-        error = np.sqrt(max(relative_rms(made, exact) ** 2 - chance**2, 0.0))
-        assert error < bar
-        assert relative_rms(landing(*raw, height, CELLS), exact) > 0.1
+@pytest.mark.parametrize("name", SOURCES)
+def test_light_of_few_even_rays_is_right_within_two_percent(name):
+    """Illuminance on planes at two and five times the source's size, against the closed form."""
+    source, exact = SOURCES[name]
+    errors = _plane_errors(source, exact, even_numbers, (1, 2))
+    assert np.sqrt(errors.mean()) < 0.02
+
+
+@pytest.mark.parametrize(("name", "bar"), [("disk", 0.03), ("sphere", 0.04), ("helix", 0.04)])
+def test_light_of_few_random_rays_is_smooth(name, bar):
+    """Some 1000 of 10 000 random rays of a sphere meet the plane, so its flux alone is uncertain by three percent."""
+    source, exact = SOURCES[name]
+    errors = _plane_errors(source, exact, numbers, (1,))
+    assert np.sqrt(errors.mean()) < bar
+
+
+def _plane_errors(source, exact, choose, seeds) -> np.ndarray:
+    """Squares of the relative errors of clouds at two distances, without the part of chance."""
+    errors, drawn_rays = [], 3 << 19
+    for seed in seeds:
+        raw = source(choose(COUNTED, seed))
+        drawn = cloud_of(source, COUNTED, seed, choose).draw(drawn_rays, np.random.default_rng(7))
+        for distance in (2.0, 5.0):
+            height = 2.0 * RADIUS * distance + RADIUS
+            true = exact(height, CELLS)
+            made = landing(drawn.position, drawn.direction, height, CELLS, drawn.flux)
+            errors.append(relative_rms(made, true) ** 2 - 1.0 / (drawn_rays * true.mean()))
+            # Rays repeated give far more noise than that.
+            assert relative_rms(landing(*raw, height, CELLS), true) > 0.08
+    return np.array(errors)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_the_exact_light_is_what_many_rays_bring(name):
+    source, exact = SOURCES[name]
+    height, count = 5.0 * RADIUS, 1 << 20
+    true, found = exact(height, CELLS), landing(*source(numbers(count, 9)), height, CELLS)
+    # Chi-square with 100 degrees of freedom, 0.1 %.
+    assert (count * (found - true) ** 2 / true).sum() < 149.4
 
 
 def test_twice_the_rays_have_half_the_variance_beyond_those_of_the_file():
@@ -173,7 +283,7 @@ def test_the_stated_error_is_that_of_other_sets_of_the_same_source():
     """Intensities of clouds of independent sets scatter as much as each cloud says of itself, within a factor."""
     stated, made = [], []
     for seed in range(6):
-        cloud = cloud_of(sphere, 3000, seed=100 + seed)
+        cloud = cloud_of(sphere, 3000, 100 + seed, numbers)
         stated.append(cloud.information_error)
         drawn = cloud.draw(1 << 18, np.random.default_rng(3))
         band = np.minimum((6 * (1 + drawn.direction[:, 2])).astype(int), 11)

@@ -1,6 +1,9 @@
 """Sources with closed forms as rays: a Lambertian disk, sphere and filament, and where their light lands."""
 
+import warnings
+
 import numpy as np
+from scipy.stats import qmc
 
 RADIUS = 0.001
 """Of disk and sphere, half of the filament's length. [m]"""
@@ -12,6 +15,14 @@ TURNS, COIL, WIRE = 5, 0.3 * RADIUS, 0.05 * RADIUS
 def numbers(count: int, seed: int) -> np.ndarray:
     """Random numbers for as many rays. (n, 4)"""
     return np.random.default_rng(seed).random((count, 4))
+
+
+def even_numbers(count: int, seed: int) -> np.ndarray:
+    """Low-discrepancy numbers (Sobol's, scrambled) for as many rays, as programs that write ray files use them. (n, 4)"""
+    with warnings.catch_warnings():
+        # Counts of files are round numbers, which are no powers of two.
+        warnings.simplefilter("ignore", UserWarning)
+        return qmc.Sobol(4, seed=seed).random(count)
 
 
 def disk(u):
@@ -31,17 +42,21 @@ def sphere(u):
 
 def helix(u):
     """Rays of a coiled filament along z whose wire shines by the cosine law; one turn does not shade another."""
-    turn = 2.0 * np.pi * TURNS * u[:, 0]
+    position, normal = _wire(u[:, 0], 2.0 * np.pi * u[:, 1:2])
+    return position.astype(np.float32), _lambert(u, normal)
+
+
+def _wire(along, about):
+    """Points of the wire and their normals: along it (n,) 0 to 1, and around it (n, 1) [rad]."""
+    turn = 2.0 * np.pi * TURNS * along
     cosine, sine = np.cos(turn), np.sin(turn)
-    middle = np.stack([COIL * cosine, COIL * sine, RADIUS * (2.0 * u[:, 0] - 1.0)], axis=1)
+    middle = np.stack([COIL * cosine, COIL * sine, RADIUS * (2.0 * along - 1.0)], axis=1)
     rise = RADIUS / (np.pi * TURNS)
-    along = np.stack([-COIL * sine, COIL * cosine, np.full(len(u), rise)], axis=1)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    towards = np.stack([-COIL * sine, COIL * cosine, np.full(len(along), rise)], axis=1)
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     outward = np.stack([cosine, sine, 0.0 * turn], axis=1)
-    across = np.cross(along, outward)
-    about = 2.0 * np.pi * u[:, 1:2]
-    normal = np.cos(about) * outward + np.sin(about) * across
-    return (middle + WIRE * normal).astype(np.float32), _lambert(u, normal)
+    normal = np.cos(about) * outward + np.sin(about) * np.cross(towards, outward)
+    return middle + WIRE * normal, normal
 
 
 def _lambert(u, normal):
@@ -75,16 +90,58 @@ def exact_disk(height: float, cells: int) -> np.ndarray:
     Factor of a plane element and a parallel disk, J. R. Howell, A Catalog of Radiation Heat Transfer Configuration Factors,
     B-13 and its like.
     """
-    node, weight = np.polynomial.legendre.leggauss(6)
-    half = 0.75 * height
-    edge = np.linspace(-half, half, cells + 1)
-    middle, step = 0.5 * (edge[1:] + edge[:-1]), half / cells
-    place = (middle[:, None] + step * node).ravel()
+    place, weight = _nodes(height, cells, 6)
     square = place[:, None] ** 2 + place[None, :] ** 2
     total = square + height**2 + RADIUS**2
     factor = 0.5 * (1.0 - (total - 2.0 * RADIUS**2) / np.sqrt(total**2 - 4.0 * RADIUS**2 * square))
     # Exitance 1 / (pi R2) for a flux of 1.
-    density = factor / (np.pi * RADIUS**2)
-    weights = np.tile(step * weight, cells)
-    cell = density * weights[:, None] * weights[None, :]
-    return cell.reshape(cells, 6, cells, 6).sum(axis=(1, 3)).ravel()
+    return _cells(factor / (np.pi * RADIUS**2), weight, cells)
+
+
+def exact_sphere(height: float, cells: int) -> np.ndarray:
+    """The same for `sphere`: outside it lights like a point."""
+    place, weight = _nodes(height, cells, 6)
+    square = place[:, None] ** 2 + place[None, :] ** 2 + height**2
+    return _cells(height / (4.0 * np.pi * square**1.5), weight, cells)
+
+
+def exact_helix(height: float, cells: int) -> np.ndarray:
+    """The same for `helix`, by midpoints along and around the wire (9600 pieces)."""
+    place, weight = _nodes(height, cells, 2)
+    point = np.stack(
+        [*np.meshgrid(place, place, indexing="ij"), np.full((len(place),) * 2, height)], axis=-1
+    )
+    along, around = 200, 48
+    share = (np.arange(along) + 0.5) / along
+    about = 2.0 * np.pi * (np.arange(around) + 0.5) / around
+    density = np.zeros(point.shape[:2])
+    for u in share:
+        position, normal = _wire(np.full(around, u), about[:, None])
+        way = point[:, :, None] - position
+        distance = np.linalg.norm(way, axis=-1)
+        sent = np.maximum((way * normal).sum(axis=-1), 0.0)
+        density += (sent * way[..., 2] / distance**4).mean(axis=-1) / (np.pi * along)
+    return _cells(density, weight, cells)
+
+
+SOURCES = {
+    "disk": (disk, exact_disk),
+    "sphere": (sphere, exact_sphere),
+    "helix": (helix, exact_helix),
+}
+"""Rays, and shares of the light in the cells of a plane."""
+
+
+def _nodes(height: float, cells: int, order: int):
+    """Nodes of Gauss and Legendre in the cells along one side of the plane, and their weights."""
+    node, weight = np.polynomial.legendre.leggauss(order)
+    half = 0.75 * height
+    edge = np.linspace(-half, half, cells + 1)
+    middle, step = 0.5 * (edge[1:] + edge[:-1]), half / cells
+    return (middle[:, None] + step * node).ravel(), np.tile(step * weight, cells)
+
+
+def _cells(density, weight, cells: int) -> np.ndarray:
+    """Integrals over cells of what is known at all pairs of nodes."""
+    part = density * weight[:, None] * weight[None, :]
+    return part.reshape(cells, -1, cells, len(weight) // cells).sum(axis=(1, 3)).ravel()
