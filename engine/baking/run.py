@@ -245,7 +245,10 @@ class Bake:
         job = self._job(compiled, table, items, atlas)
         rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
         owners = _owners(table)
-        state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
+        try:
+            state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
+        finally:
+            job.close()
         made = _estimates([("", state)], order, table)
         area = np.where(job.valid, job.area, 0.0)
         threshold = order.detail * float((made.illuminance * area).sum() / max(area.sum(), 1e-300))
@@ -344,6 +347,8 @@ class Bake:
             except Cancelled:
                 saver.write()
                 raise
+            finally:
+                layer.job.close()
             saver.finish(number, state)
         return [(name, saver.state(number)) for number, (name, _) in enumerate(scenes)]
 

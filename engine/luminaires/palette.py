@@ -18,6 +18,7 @@ import numpy as np
 from ..arrays import upload
 from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
 from ..scene.distribution import SHAPES, IntensityDistribution, Opening
+from ..scene.ray_emission import RayEmission
 from .opening_sampling import (
     ELLIPSE,
     POINT,
@@ -67,6 +68,8 @@ class Row:
     centre : (3,) array    In the scene's frame. [m]
     amount : float    Flux [lm], 0 in photometric variants for light without a visible part.
     density : (471,) array    Spectral density per unit of it. [1/nm]
+    rotation : (3, 3) array or None    Of a light from a ray set: the luminaire's axes in the scene's frame, as columns.
+    rays : RayEmission or None    Likewise.
     """
 
     distribution: IntensityDistribution
@@ -78,6 +81,8 @@ class Row:
     centre: np.ndarray
     amount: float
     density: np.ndarray
+    rotation: np.ndarray | None = None
+    rays: RayEmission | None = None
 
     @property
     def radius(self) -> float:
@@ -139,6 +144,15 @@ class LuminairePalette:
         )
         self._reach = upload(mi.Float, reach if len(rows) else [0.0])
         self.has_narrow = bool(reach.any())
+        bodies = [0.0 if row.rays is None else row.rays.radius for row in rows]
+        self.has_rays = any(bodies)
+        self._bodies = upload(mi.Float, bodies or [0.0])
+        self.set_limits(np.zeros(len(rows)))
+
+    def set_limits(self, limits: np.ndarray) -> None:
+        """Set the distances below which lights from ray sets give nothing here, since their rays are traced. (count,) [m]"""
+        self._limits = upload(mi.Float, limits if len(limits) else [0.0])
+        dr.eval(self._limits)
 
     def _narrowness(self, distribution: int) -> float:
         """Sharpness of a distribution that has narrow beams, 0 for others: unevenness alone needs no candidates."""
@@ -247,9 +261,20 @@ class LuminairePalette:
         ds.pdf = dr.select(is_point, 1.0, kept_pdf)
         if POINT in self.kinds:
             alone = self.density(row, -ds.d, is_point) / dr.maximum(dr.square(ds.dist), 1e-20)
+            if self.has_rays:
+                limit = dr.gather(mi.Float, self._limits, row, is_point)
+                alone = dr.select(ds.dist < limit, 0.0, alone)
+                self._start_at_body(row, ds, is_point)
             total = dr.select(is_point, alone, total)
         value = self.spectrum(row, it.wavelengths, active) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
+
+    def _start_at_body(self, row, ds, active) -> None:
+        """Let light of a ray set come from the sphere around its starting points: what lies within shades nothing."""
+        radius = dr.gather(mi.Float, self._bodies, row, active)
+        begins = active & (ds.dist > radius)
+        ds.p = dr.select(begins, ds.p - ds.d * radius, ds.p)
+        ds.dist = dr.select(begins, ds.dist - radius, ds.dist)
 
     def _compare(self, row, number, half, q, sample, beam, active, first):
         """Draw the rest of the candidates of near receivers and keep one. ``first``: place, density, value of the first."""

@@ -7,7 +7,10 @@ and P. Hall, Data sharpening as a prelude to density estimation, Biometrika 86, 
 lie next to each other, so that they cost little memory.
 """
 
+import os
+from collections import deque
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +20,7 @@ from ..errors import Cancelled
 GROUP = 64
 """Rays that share a covariance."""
 
-COMPARED = 1 << 22
+COMPARED = 1 << 21
 """Distances that are held at a time."""
 
 FEW = 1 << 14
@@ -25,6 +28,9 @@ FEW = 1 << 14
 
 FEWEST, FEWEST_SEARCHED = 48, 1 << 11
 """Neighbours that are looked for in a selection of more rays than that, and the least size of such a selection."""
+
+MOST_THREADS = 8
+"""Blocks in work at a time; NumPy lets threads run while it sorts and multiplies."""
 
 SPARED = 8
 """One in so many rays tells the covariance of its group."""
@@ -94,7 +100,6 @@ def spread_rays(
     Cancelled
     """
     count = len(position)
-    rng = np.random.default_rng(seed)
     place = _place(position, direction, size)
     searched = count if count <= FEW else int(np.clip(FEWEST / share, FEWEST_SEARCHED, FEW))
     wanted = int(np.clip(round(share * searched), min(8, searched), searched))
@@ -103,13 +108,18 @@ def spread_rays(
     square, told = np.zeros((groups, 6, 6)), np.zeros(groups)
     # Rays of a block stand far apart, so that what a selection has by chance is not common to neighbours.
     blocks = -(-count * searched // COMPARED)
-    for block in range(blocks):
+
+    def search(block: int):
         if cancelled():
             raise Cancelled("cancelled")
+        rng = np.random.default_rng([seed & 0xFFFFFFFF, block])
         chosen = place if searched == count else place[rng.choice(count, searched, replace=False)]
         rays = np.arange(block, count, blocks)
         tells = rays % SPARED == 0
-        mean, covariance = _neighbours(place[rays], chosen, wanted, tells)
+        return rays, tells, *_neighbours(place[rays], chosen, wanted, tells)
+
+    # A few blocks are in work at a time, and what they find is taken in their order.
+    for block, (rays, tells, mean, covariance) in enumerate(_map_ahead(search, blocks)):
         middle[rays] = 0.5 * (place[rays] + mean)
         np.add.at(square, rays[tells] // GROUP, covariance)
         np.add.at(told, rays[tells] // GROUP, 1)
@@ -128,19 +138,36 @@ def spread_rays(
     )
 
 
+def _map_ahead(work: Callable, count: int):
+    """Yield what ``work(0)``, ``work(1)`` ... return, in order, while threads work ahead."""
+    threads = min(os.cpu_count() or 1, MOST_THREADS, count)
+    with ThreadPoolExecutor(threads) as pool:
+        coming = deque(pool.submit(work, number) for number in range(min(threads + 1, count)))
+        for number in range(count):
+            found = coming.popleft().result()
+            if number + threads + 1 < count:
+                coming.append(pool.submit(work, number + threads + 1))
+            yield found
+
+
 def _neighbours(own: np.ndarray, chosen: np.ndarray, wanted: int, tells: np.ndarray):
     """Means of the nearest of the chosen ones, and covariances for those that tell. (n, 6), (m, 6) -> (n, 6), (k, 6, 6)"""
-    # Near the origin squares lose no digits.
+    # Near the origin squares lose few digits, and single precision is enough to tell who is near.
     origin = own.mean(axis=0)
-    own, chosen = own - origin, chosen - origin
+    exact = chosen - origin
+    own, chosen = (own - origin).astype(np.float32), exact.astype(np.float32)
     distance = (chosen**2).sum(axis=1) - 2.0 * own @ chosen.T
     limit = np.partition(distance, wanted - 1, axis=1)[:, wanted - 1]
-    near = (distance <= limit[:, None]).astype(np.float64)
+    near = (distance <= limit[:, None]).astype(np.float32)
     near /= near.sum(axis=1, keepdims=True)
     mean = near @ chosen
-    pairs = (chosen[:, :, None] * chosen[:, None, :]).reshape(len(chosen), 36)
-    own = mean[tells]
-    covariance = (near[tells] @ pairs).reshape(-1, 6, 6) - own[:, :, None] * own[:, None, :]
+    # Covariances keep double precision: those of flat sources are singular, and must not become indefinite.
+    share = near[tells].astype(np.float64)
+    pairs = (exact[:, :, None] * exact[:, None, :]).reshape(len(exact), 36)
+    middle = share @ exact
+    square = (share @ pairs).reshape(-1, 6, 6)
+    scale = share.sum(axis=1)[:, None, None]
+    covariance = square / scale - middle[:, :, None] * middle[:, None, :] / scale**2
     return mean + origin, covariance
 
 

@@ -6,6 +6,7 @@ from enum import Enum
 import numpy as np
 
 from .distribution import IntensityDistribution, Opening
+from .ray_emission import RayEmission
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
 
@@ -108,6 +109,7 @@ class Luminaire:
     frame : (4, 4) float64 array    Rigid placement of the luminaire's axes. [m]
     distribution : IntensityDistribution
     opening : Opening    ``point`` is an ideal point, which no ray can meet.
+    rays : RayEmission or None    Of a light from a ray set, whose opening is a point: what shines close by, where it counts.
     """
 
     id: str
@@ -117,6 +119,7 @@ class Luminaire:
     distribution: IntensityDistribution
     opening: Opening = Opening()
     visible_to_camera: bool = True
+    rays: RayEmission | None = None
 
 
 Light = PointLight | SpotLight | SunLight | AreaLight | Luminaire

@@ -62,7 +62,8 @@ def find_lights(scene) -> tuple[IdealLight, ...]:
         if source.centre is None:
             continue
         if source.luminaire is not None:
-            if source.luminaire.kind == POINT:
+            # Rays of ray sets are traced by themselves, see `ray_lights`.
+            if source.luminaire.kind == POINT and source.luminaire.rays is None:
                 found.append(IdealLight(source, number, "luminaire without an opening"))
         elif mi.has_flag(source.emitter.flags(), mi.EmitterFlags.DeltaPosition):
             found.append(IdealLight(source, number, "point or spot"))

@@ -205,6 +205,8 @@ def _make_luminaire(light: Luminaire, origin, nothing, emitter) -> Lamp:
 
 def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
     check_opening(light.opening, f"luminaire '{light.name}'")
+    if light.rays is not None and light.opening.shape != "point":
+        raise SceneError(f"luminaire '{light.name}' has rays and an opening; expected one of them")
     frame = np.asarray(light.frame, dtype=np.float64)
     rotation = frame[:3, :3]
     if not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-4):
@@ -221,13 +223,19 @@ def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
         frame[:3, 3] - origin,
         made.amount if made.visible or is_spectral() else 0.0,
         made.density,
+        None if light.rays is None else rotation,
+        light.rays,
     )
 
 
 def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
     """As `change_lamp`: all but place and size are numbers in the palette's table."""
     old = lamp.item
-    if old.opening != light.opening or not np.array_equal(old.frame, light.frame):
+    if (
+        old.rays is not light.rays
+        or old.opening != light.opening
+        or not np.array_equal(old.frame, light.frame)
+    ):
         return None
     is_same = old.distribution is light.distribution
     digest = lamp.source.luminaire.digest if is_same else distribution_digest(light.distribution)

@@ -231,6 +231,11 @@ class LuxJob:
         self._collector = ThreadPoolExecutor(1)
         self._coming: tuple[int, Future | None] = (-1, None)
 
+    def close(self) -> None:
+        """Leave the scene as other jobs expect it."""
+        if self.tracer is not None:
+            self.tracer.close()
+
     def prepare(self, samples: float | None = None) -> None:
         """Find the light of the cells. ``samples``: how many each lumel will get at most, where it is known."""
         self._trace(0, TRACED_PATHS[0])

@@ -23,6 +23,7 @@ from ..scene import (
     material,
     mesh,
     provenance,
+    ray_emission,
     scene,
     sensor,
     spectrum,
@@ -49,8 +50,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, material, mesh, provenance, scene, sensor, spectrum, texture, session, history, stopping,
-    order, backend,
+    camera, distribution, light, material, mesh, provenance, ray_emission, scene, sensor, spectrum, texture, session,
+    history, stopping, order, backend,
 )  # fmt: skip
 
 

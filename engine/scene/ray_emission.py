@@ -1,0 +1,74 @@
+"""What a ray set says of a light: rays to generate others from, as pure data."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+GROUP = 64
+"""Rays in a row that share a fluctuation."""
+
+PLANE, SPHERE, HULL = "plane", "sphere", "hull"
+"""Kinds of bodies."""
+
+
+@dataclass(frozen=True, eq=False)
+class RayBody:
+    """Surface that rays start from.
+
+    Parameters
+    ----------
+    kind : str    ``plane``, ``sphere`` or ``hull``.
+    centre : (3,) float64 array    Of the plane or sphere. [m]
+    normal : (3,) float64 array    Of the plane, on the side to which the light goes.
+    is_one_sided : bool    Whether all light of a plane goes to that side.
+    radius : float    Of the sphere. [m]
+    slabs : (k, 5) float32 array    Normals, lowest and highest height [m] of the points along them: the bounds of a hull, or
+        of a plane's edge.
+    """
+
+    kind: str
+    centre: np.ndarray
+    normal: np.ndarray
+    is_one_sided: bool
+    radius: float
+    slabs: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class RayEmission:
+    """Rays in a luminaire's axes, about its centre, see `engine/raysets/cloud.py` for what they mean.
+
+    Parameters
+    ----------
+    position : (n, 3) float32 array    Middles of starting points. [m]
+    direction : (n, 3) float32 array
+    factor : (g, 6, 6) float32 array    Lower triangular, for ``GROUP`` rays in a row. [m], [-]
+    threshold : (n,) float32 array    Alias table: share that a place keeps.
+    other : (n,) uint32 array    Who gets the rest.
+    wavelength : (n,) float32 array or None    [nm] None: all rays have the light's spectrum.
+    body : RayBody
+    axis : (2, 3) float64 array or None    A point [m] and a direction about which rays are turned.
+    moments : (9,) float64 array    Coefficients of the weight by direction.
+    mean_weight : float    Mean of that weight. [-]
+    size : float    Largest extent of the starting points. [m]
+    radius : float    Of a sphere about the centre that holds them. [m]
+    information_error : float    Relative error for want of rays, of the intensity in a 192nd of the sphere. [-]
+    far_distances : (k,) float64 array    Distances from the centre. [m]
+    far_errors : (k,) float64 array    Relative error of the illuminance there by the light's distribution of intensity. [-]
+    """
+
+    position: np.ndarray
+    direction: np.ndarray
+    factor: np.ndarray
+    threshold: np.ndarray
+    other: np.ndarray
+    wavelength: np.ndarray | None
+    body: RayBody
+    axis: np.ndarray | None
+    moments: np.ndarray
+    mean_weight: float
+    size: float
+    radius: float
+    information_error: float
+    far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    far_errors: np.ndarray = field(default_factory=lambda: np.zeros(0))
