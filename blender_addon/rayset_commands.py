@@ -23,6 +23,7 @@ EPILOG = """examples:
   lumenray rayset reduce led.dat led.ies
   lumenray rayset convert led.dis led.tm25ray
   lumenray rayset convert led.ray many.dat --generate 1000000
+  lumenray rayset prepare led.ray
 
 Formats (IES TM-25, Zemax, LightTools, SPEOS, ASAP, TracePro and other text) are told apart by the content of a file.
 Photometric files have the direction +z of the rays as their gamma = 0.
@@ -88,7 +89,13 @@ def add_commands(commands) -> None:
     )
     convert.add_argument("--force", action="store_true", help="replace OUT if it is there")
 
-    for task in (info, plot, reduce, convert):
+    prepare = tasks.add_parser(
+        "prepare", help="keep beside a ray file what scenes need of it, and tell how exact it is"
+    )
+    prepare.add_argument("files", nargs="+", type=Path, metavar="FILE", help="ray file")
+    prepare.add_argument("--json", action="store_true", help="a JSON list instead of text")
+
+    for task in (info, plot, reduce, convert, prepare):
         task.add_argument(
             "--unit",
             choices=("m", "cm", "mm", "inch", "foot", "um"),
@@ -107,7 +114,13 @@ def run(options) -> int:
     ------
     LumenrayError    The one file of the command cannot be read or written.
     """
-    tasks = {"info": _info, "plot": _plot, "reduce": _reduce, "convert": _convert}
+    tasks = {
+        "info": _info,
+        "plot": _plot,
+        "reduce": _reduce,
+        "convert": _convert,
+        "prepare": _prepare,
+    }
     return tasks[options.task](options)
 
 
@@ -435,3 +448,69 @@ def _generate(options, file, survey, bar):
 def _check_free(options) -> None:
     if options.output.exists() and not options.force:
         raise LumenrayError(f"{options.output} is there already; --force replaces it")
+
+
+# ---- preparation for scenes ----
+
+
+def _prepare(options) -> int:
+    from ..engine.raysets.emission import Wish
+    from ..engine.raysets.index import index_path, obtain_light
+    from ..engine.raysets.record import LUMINOUS, RADIANT
+    from ..engine.raysets.text import Assumed
+
+    wish = Wish(assumed=Assumed(options.unit, LUMINOUS if options.lumens else RADIANT))
+    rows, failed = [], 0
+    for path in options.files:
+        try:
+            with _Bar(str(path)) as bar:
+                light = obtain_light(path, wish, True, bar)
+        except LumenrayError as error:
+            rows.append({"file": str(path), "error": str(error)})
+            failed = 1
+            continue
+        rows.append({"file": str(path), **_prepared_row(light), "index": str(index_path(path))})
+    if options.json:
+        say(json.dumps(rows, indent=2))
+    else:
+        say("\n\n".join(_prepared_text(row) for row in rows))
+    return failed
+
+
+def _prepared_row(light) -> dict:
+    """What is to be known of a prepared light, in JSON's terms."""
+    emission = light.emission
+    return {
+        "rays": light.rays,
+        "rays_held": len(emission.threshold),
+        "body": light.body,
+        "is_rotational": emission.axis is not None,
+        "size_m": emission.size,
+        "information_error": emission.information_error,
+        "near_m": emission.near,
+        "far_field": [
+            {"distance_m": float(distance), "error": float(error)}
+            for distance, error in zip(emission.far_distances, emission.far_errors, strict=True)
+        ],
+        "warnings": [str(remark) for remark in light.remarks],
+    }
+
+
+def _prepared_text(row: dict) -> str:
+    if "error" in row:
+        return f"{row['file']}: refused: {row['error']}"
+    lines = [
+        row["file"],
+        f"  rays held        {row['rays_held']} of {row['rays']}",
+        f"  they start from  {row['body']}{', even about its axis' if row['is_rotational'] else ''}",
+        f"  set's own error  {100 * row['information_error']:.2g} % of the light in a 192nd part of it",
+    ]
+    for entry in row["far_field"]:
+        distance = entry["distance_m"]
+        lines.append(
+            f"  as a point       wrong by {100 * entry['error']:.2g} % at {1e3 * distance:.3g} mm"
+            f" ({distance / row['size_m']:g} sizes)"
+        )
+    lines.append(f"  as rays          within {1e3 * row['near_m']:.3g} mm, as a point beyond")
+    lines += [f"  warning          {warning}" for warning in row["warnings"]]
+    return "\n".join([*lines, f"  kept in          {row['index']}"])

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import Cancelled, FileFormatError
+from .beam_cells import BeamCells
 from .body import Hull, Plane, Sphere, find_body
 from .neighbourhoods import GROUP, Spread, order_rays, spread_rays
 from .reader import read_rays
@@ -42,7 +43,7 @@ LEAST_WEIGHT, LARGEST_WEIGHT = 0.25, 4.0
 """Bounds of the weight by direction. [-]"""
 
 BANDS, SECTORS = 12, 16
-"""Cells of the spheres around the source where halves are compared, all of one size."""
+"""Cells of the spheres around the source where halves are compared, all with as much light."""
 
 DISTANCES = (1.0, 4.0)
 """Radii of these spheres, over the size of the source. [-]"""
@@ -83,8 +84,8 @@ class RayCloud:
     moments : (9,) float64 array    Coefficients of the weight by direction, see `direction_basis`.
     flux : float    Of all, in the file's quantity. [lm or W]
     share : float    Of rays that are neighbours of one. [-]
-    information_error : float    Relative error of the intensity in a cell of 1/192 of the sphere that comes from the file's
-        having no more rays, as root mean square over flux. [-]
+    information_error : float    Relative error of the light in a cell with a 192nd of it that comes from the file's having
+        no more rays, as root mean square over cells. [-]
     """
 
     spread: Spread
@@ -260,7 +261,21 @@ def choose_share(
         shares = (fluctuation.share,)
     else:
         shares = tuple(share * scale for share in SHARES if share * scale < 0.5) or (0.5,)
-    expected = [_cells(half.position, half.direction, half.weight, middle, size) for half in halves]
+    asked = _take(rays, order)
+    spheres = [
+        (
+            BeamCells(asked.position, asked.direction, asked.weight, middle, r, BANDS, SECTORS),
+            r,
+        )
+        for r in (size * distance for distance in DISTANCES)
+    ]
+
+    def shares_of(position, direction, weight):
+        return np.concatenate(
+            [cells.shares(position, direction, weight, r) for cells, r in spheres]
+        )
+
+    expected = [shares_of(half.position, half.direction, half.weight) for half in halves]
     scores, made = [], []
     for share in shares:
         light = []
@@ -270,7 +285,7 @@ def choose_share(
             own = _take(half, order_rays(half.position, half.direction, size))
             cloud = _prepare(own, 1.0, shape, fluctuation, share, 0.0, seed)
             drawn = cloud.draw(MADE, np.random.default_rng(seed))
-            light.append(_cells(drawn.position, drawn.direction, drawn.flux, middle, size))
+            light.append(shares_of(drawn.position, drawn.direction, drawn.flux))
         made.append(light)
         apart = [((a - b) ** 2).sum() for a, b in zip(light, expected[::-1], strict=True)]
         scores.append(np.mean(apart))
@@ -388,22 +403,3 @@ def _match_moments(cloud: RayCloud, rays: Rays, seed: int) -> np.ndarray:
     kept = values > 1e-4 * values[-1]
     vectors, values = vectors[:, kept], values[kept]
     return vectors @ ((vectors.T @ (wanted - basis.mean(axis=0))) / values)
-
-
-def _cells(position, direction, weight, middle, size) -> np.ndarray:
-    """Shares of the light that cross the cells of the spheres. (2 x BANDS x SECTORS,)"""
-    away = position.astype(np.float64) - middle
-    direction = direction.astype(np.float64)
-    along = (away * direction).sum(axis=1)
-    square = (away * away).sum(axis=1)
-    found = []
-    for distance in DISTANCES:
-        radius = distance * size
-        way = np.sqrt(np.maximum(along**2 - square + radius**2, 0.0)) - along
-        cross = (away + way[:, None] * direction) / radius
-        band = np.clip((0.5 * BANDS * (1.0 + cross[:, 2])).astype(int), 0, BANDS - 1)
-        turn = np.arctan2(cross[:, 1], cross[:, 0]) / (2.0 * np.pi) + 0.5
-        sector = np.minimum((SECTORS * turn).astype(int), SECTORS - 1)
-        cell = np.bincount(band * SECTORS + sector, weight, BANDS * SECTORS)
-        found.append(cell / cell.sum())
-    return np.concatenate(found)

@@ -1,7 +1,7 @@
 """A ray file made ready as a light of a scene: rays for what is near, a distribution of intensity for what is far."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +11,15 @@ from ..luminaires.record import Remark
 from ..photometry.spectra import GRID, luminous_efficiency
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
+from .beam_cells import BeamCells
 from .body import Hull, Plane, Sphere
-from .cloud import Drawn, Fluctuation, RayCloud, direction_weight, hold_rays, make_cloud
+from .cloud import Drawn, Fluctuation, RayCloud, direction_weight, extent, hold_rays, make_cloud
 from .neighbourhoods import GROUP as SHARED_BY
 from .reader import read_rayset
 from .record import RayFile, Rays
 from .reduction import TO_LUMINAIRE, choose_step, is_rotational, reduce_rays
 from .survey import Survey, luminous_rays, survey_rays
+from .text import Assumed
 
 HELD = 1 << 18
 """Rays that a light of a scene holds at most, 10 MB; of larger files a selection by chance is."""
@@ -31,14 +33,39 @@ PIECE = 1 << 19
 PLANES = 72
 """C-planes of a distribution that is not the same all around."""
 
-FAR = (1.0, 2.0, 5.0, 10.0, 20.0)
+FAR = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 """Distances over the size of the source at which the error of the distribution is told."""
 
 BANDS, SECTORS = 16, 24
-"""Cells of the sphere by which it is told, all of one size."""
+"""Cells of the sphere by which it is told, all with as much light."""
+
+NEAR = 5.0
+"""Distance over the size of a source below which no source is taken for a point: photometry's five-times rule."""
+
+POINT_ERROR = 0.01
+"""Error of the illuminance of a point that is put up with: light of narrow beams is near much farther out. [-]"""
+
+FOCUS_PRIOR = 1e-3
+"""Weight of the middle of the starting points beside the rays. [-]"""
 
 SPARE = 1e-6
 """Share of the size by which the sphere around the points is larger than needed. [-]"""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """How a ray file is to be prepared.
+
+    Parameters
+    ----------
+    fluctuation : Fluctuation
+    assumed : Assumed    What is taken of texts that do not tell their units.
+    seed : int
+    """
+
+    fluctuation: Fluctuation = Fluctuation()
+    assumed: Assumed = Assumed()
+    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +76,7 @@ class RayLight:
     ----------
     emission : RayEmission    In the luminaire's axes, about ``centre``.
     distribution : IntensityDistribution    [cd]
-    centre : (3,) float64 array    Flux-weighted middle of the starting points, in the luminaire's axes, from the file's
+    centre : (3,) float64 array    Where light seems to come from, see `find_focus`, in the luminaire's axes, from the file's
         origin. [m]
     luminous_flux : float or None    None where the file tells no lumens. [lm]
     spectrum : ((k,), (k,)) arrays or None    Wavelengths [nm] and relative spectral power.
@@ -70,8 +97,7 @@ class RayLight:
 
 def prepare_light(
     path: str | Path,
-    fluctuation: Fluctuation | None = None,
-    seed: int = 0,
+    wish: Wish | None = None,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> RayLight:
@@ -80,8 +106,7 @@ def prepare_light(
     Parameters
     ----------
     path : str or Path
-    fluctuation : Fluctuation or None    None: as the set tells.
-    seed : int
+    wish : Wish or None    None: as the set tells.
     progress : callable or None    Told the share that is done.
     cancelled : callable
 
@@ -91,26 +116,30 @@ def prepare_light(
     Cancelled
     """
     told = progress or (lambda share: None)
-    file = read_rayset(path)
+    wish = wish or Wish()
+    seed = wish.seed
+    file = read_rayset(path, wish.assumed)
     survey = survey_rays(file, lambda s: told(0.1 * s), cancelled)
     held, flux, remarks = _lumens(file, survey, hold_rays(file, HELD, seed, cancelled=cancelled))
     if survey.rays > HELD:
         text = f"{len(held)} of its {survey.rays} rays are held, chosen at random"
         remarks = (*remarks, Remark(text))
     held = _with_wavelengths(file, held, seed)
-    cloud = make_cloud(held, 1.0, fluctuation, seed, lambda s: told(0.1 + 0.6 * s), cancelled)
+    cloud = make_cloud(held, 1.0, wish.fluctuation, seed, lambda s: told(0.1 + 0.6 * s), cancelled)
     rng = np.random.default_rng(seed + 1)
     pieces = []
     for number in range(GENERATED // PIECE):
         pieces.append(cloud.draw(PIECE, rng))
         told(0.7 + 0.2 * (number + 1) / (GENERATED // PIECE))
     distribution = _reduce(pieces, flux or 1.0)
-    centre = held.weight.astype(np.float64) @ held.position / held.weight.sum(dtype=np.float64)
+    centre = find_focus(held)
     distances = np.array(FAR) * cloud.size
     errors = far_errors(pieces, centre, distances)
     told(1.0)
     return RayLight(
-        make_emission(cloud, centre, distances, errors),
+        replace(
+            make_emission(cloud, centre, distances, errors), near=near_distance(distances, errors)
+        ),
         distribution,
         TO_LUMINAIRE @ centre,
         flux,
@@ -148,11 +177,49 @@ def make_emission(
         moments=_turn_moments(cloud.moments),
         mean_weight=float(direction_weight(drawn.direction, cloud.moments).mean()),
         size=cloud.size,
+        near=NEAR * cloud.size,
         radius=float(np.linalg.norm(drawn.position - centre, axis=1).max() * (1.0 + SPARE)),
         information_error=cloud.information_error if np.isfinite(cloud.information_error) else 1.0,
         far_distances=np.asarray(distances, dtype=np.float64),
         far_errors=np.asarray(errors, dtype=np.float64),
     )
+
+
+def find_focus(rays: Rays) -> np.ndarray:
+    """Point that all rays pass as closely as possible, weighted by flux: from afar their light seems to come from there. [m]
+
+    Rays that are nearly parallel do not tell it along their direction; there the middle of the starting points does. The
+    point stays within a size of these.
+    """
+    weight = rays.weight.astype(np.float64)
+    weight /= weight.sum()
+    position, direction = rays.position.astype(np.float64), rays.direction.astype(np.float64)
+    middle = weight @ position
+    away = position - middle
+    along = (away * direction).sum(axis=1)
+    system = np.eye(3) * (1.0 + FOCUS_PRIOR) - direction.T @ (weight[:, None] * direction)
+    shift = np.linalg.solve(system, weight @ away - (weight * along) @ direction)
+    size = extent(position)
+    low, high = position.min(axis=0) - size, position.max(axis=0) + size
+    return np.clip(middle + shift, low, high)
+
+
+def near_distance(distances: np.ndarray, errors: np.ndarray) -> float:
+    """Distance from which on a source is taken for a point. (k,) of `FAR` [m], (k,) [-] -> [m]
+
+    It is five times the size, or farther out the first distance with a small error, on lines through the logarithms.
+    """
+    first = FAR.index(NEAR)
+    distances, errors = distances[first:], np.maximum(errors[first:], 1e-9)
+    small = np.flatnonzero(errors <= POINT_ERROR)
+    if not len(small):
+        return float(distances[-1])
+    if small[0] == 0:
+        return float(distances[0])
+    last = small[0]
+    pair = slice(last - 1, last + 1)
+    rate = np.log(errors[pair][0] / POINT_ERROR) / np.log(errors[pair][0] / errors[pair][1])
+    return float(distances[pair][0] * (distances[pair][1] / distances[pair][0]) ** rate)
 
 
 def far_errors(pieces: list[Drawn], centre: np.ndarray, distances: np.ndarray) -> np.ndarray:
@@ -172,22 +239,23 @@ def far_errors(pieces: list[Drawn], centre: np.ndarray, distances: np.ndarray) -
     (k,) float64 array    Root mean square of the difference over that of the light, without the part of chance.
     """
     count = sum(len(piece.flux) for piece in pieces)
-    cells = BANDS * SECTORS
-    directions = sum(_cells(piece.direction, piece.flux) for piece in pieces)
+    first = pieces[0]
+    far = np.inf
+    cells = BeamCells(first.position, first.direction, first.flux, centre, far, BANDS, SECTORS)
+    ways = [cells.numbers(piece.position, piece.direction, far) for piece in pieces]
+    directions = sum(
+        np.bincount(way, piece.flux, len(cells)) for way, piece in zip(ways, pieces, strict=True)
+    )
     found = []
     for distance in distances:
-        crossings, moved = np.zeros(cells), 0.0
-        for piece in pieces:
-            away = piece.position - centre
-            along = (away * piece.direction).sum(axis=1)
-            inside = along**2 - (away * away).sum(axis=1) + distance**2
-            way = np.sqrt(np.maximum(inside, 0.0)) - along
-            crossing = (away + way[:, None] * piece.direction) / distance
-            crossings += _cells(crossing, piece.flux)
-            moved += float((_cell(crossing) != _cell(piece.direction)).mean()) / len(pieces)
+        crossings, moved = np.zeros(len(cells)), 0.0
+        for way, piece in zip(ways, pieces, strict=True):
+            crossing = cells.numbers(piece.position, piece.direction, distance)
+            crossings += np.bincount(crossing, piece.flux, len(cells))
+            moved += float((crossing != way).mean()) / len(pieces)
         square = ((crossings - directions) ** 2).mean()
         # Rays that change cells do so by chance: that many are taken from one and put into another.
-        chance = 2.0 * moved / count / cells * directions.sum() ** 2
+        chance = 2.0 * moved / count / len(cells) * directions.sum() ** 2
         found.append(np.sqrt(max(square - chance, 0.0) / (directions**2).mean()))
     return np.array(found)
 
@@ -261,14 +329,3 @@ def _slabs(hull: Hull, centre: np.ndarray) -> np.ndarray:
 def _turn_moments(moments: np.ndarray) -> np.ndarray:
     """Coefficients of `direction_basis` for directions in the luminaire's axes: y and z change their signs."""
     return moments * np.array([1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0])
-
-
-def _cell(unit: np.ndarray) -> np.ndarray:
-    """Cell of the sphere that a unit vector points to. (n, 3) -> (n,)"""
-    band = np.clip((0.5 * BANDS * (1.0 + unit[:, 2])).astype(np.int64), 0, BANDS - 1)
-    turn = np.arctan2(unit[:, 1], unit[:, 0]) / (2.0 * np.pi) + 0.5
-    return band * SECTORS + np.minimum((SECTORS * turn).astype(np.int64), SECTORS - 1)
-
-
-def _cells(unit: np.ndarray, flux: np.ndarray) -> np.ndarray:
-    return np.bincount(_cell(unit), flux, BANDS * SECTORS)

@@ -52,7 +52,8 @@ class RayEmission:
     mean_weight : float    Mean of that weight. [-]
     size : float    Largest extent of the starting points. [m]
     radius : float    Of a sphere about the centre that holds them. [m]
-    information_error : float    Relative error for want of rays, of the intensity in a 192nd of the sphere. [-]
+    near : float    Distance from the centre within which the light is not that of a point. [m]
+    information_error : float    Relative error for want of rays, of the light in a cell with a 192nd of it. [-]
     far_distances : (k,) float64 array    Distances from the centre. [m]
     far_errors : (k,) float64 array    Relative error of the illuminance there by the light's distribution of intensity. [-]
     """
@@ -69,6 +70,7 @@ class RayEmission:
     mean_weight: float
     size: float
     radius: float
+    near: float
     information_error: float
     far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))
     far_errors: np.ndarray = field(default_factory=lambda: np.zeros(0))

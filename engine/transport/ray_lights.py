@@ -1,8 +1,9 @@
 """Light of ray sets: traced with the rays themselves to what is near, left to their distributions of intensity elsewhere.
 
-By the rule of photometry a source may be taken for a point from five times its size on. So light that lands straight within
-that distance of the source's centre is traced from the source, and next-event leaves it out there; farther away next-event
-sees a point with the distribution of intensity. Light that glass or a curved mirror bends is traced however far it goes.
+By the rule of photometry a source may be taken for a point from five times its size on; a narrow beam only from where that
+is right within a hundredth (`RayEmission.near`). Light that lands straight within that distance of the source's centre is
+traced from the source, and next-event leaves it out there; farther away next-event sees a point with the distribution of
+intensity. Light that glass or a curved mirror bends is traced however far it goes.
 Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere.
 """
 
@@ -16,9 +17,6 @@ from .landing import Deposits, fetch_deposits, follow, gather_deposits
 from .ray_source import RaySource
 from .rays import STEP
 from .sampler import random_stream, sobol_pair
-
-NEAR = 5.0
-"""Distance over the size of a source from which on it is taken for a point. [-]"""
 
 LANES = 1 << 19
 """Paths per launch."""
@@ -81,7 +79,7 @@ class RayLights:
             part = total / max(sum(s.flux for s in self.sources), 1e-30)
             self.reason = (
                 f"{100.0 * part:.2g} % of the light of {len(self.sources)} ray set"
-                f"{'s' if more else ''} lands within {NEAR:g} times their size or bent, and is traced from there"
+                f"{'s' if more else ''} lands near them or bent, and is traced from there"
             )
 
     def trace(self, count: int, seed: int, index: int = 0) -> list[Deposits]:
@@ -124,7 +122,7 @@ class RayLights:
                 self.shares[rows(source)] = float(share[i])
                 if share[i] > LEAST_SHARE:
                     self.sources.append(source)
-                    limits[rows(source)] = NEAR * source.luminaire.rays.size
+                    limits[rows(source)] = source.luminaire.rays.near
                     best = np.sqrt(squares[i] / len(flux))
                     weights[i] = FLOOR * source.flux * share[i] + (1.0 - FLOOR) * best
             cloud.weight = float(weights.sum())
@@ -179,7 +177,7 @@ class _Cloud:
         self.rays = rays
         self.sources = []
         self.weight = 0.0
-        self.limit = dr.opaque(mi.Float, NEAR * float(rays.emission.size))
+        self.limit = dr.opaque(mi.Float, float(rays.emission.near))
 
     def upload(self, scene, weights) -> None:
         """Set how often each light is chosen, up to a factor."""

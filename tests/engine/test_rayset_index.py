@@ -1,0 +1,105 @@
+"""What is kept beside ray files: read back as it was, refused where it is out of date or damaged."""
+
+import dataclasses
+import os
+import zipfile
+
+import numpy as np
+import pytest
+from lumenray.benchmarks.ray_sources import disk, even_numbers
+from lumenray.engine.errors import FileFormatError
+from lumenray.engine.raysets.cloud import Fluctuation
+from lumenray.engine.raysets.emission import Wish
+from lumenray.engine.raysets.index import index_path, load_light, obtain_light, save_light
+from ray_files import zemax
+
+PLAIN = Wish()
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    path = tmp_path_factory.mktemp("rays") / "led.dat"
+    position, direction = disk(even_numbers(1500, 1))
+    path.write_bytes(zemax(np.column_stack([1e3 * position, direction, np.full(1500, 0.01)])))
+    return path, obtain_light(path, is_kept=True)
+
+
+def assert_same(one, other):
+    for entry in dataclasses.fields(one):
+        a, b = getattr(one, entry.name), getattr(other, entry.name)
+        if dataclasses.is_dataclass(a):
+            assert_same(a, b)
+        elif isinstance(a, np.ndarray):
+            assert a.dtype == b.dtype
+            np.testing.assert_array_equal(a, b)
+        else:
+            assert a == b
+
+
+def test_what_is_kept_comes_back_and_is_used(prepared):
+    path, light = prepared
+    assert_same(light, load_light(path, PLAIN))
+    shares = []
+    assert_same(light, obtain_light(path, progress=shares.append))
+    assert not shares
+
+
+def test_another_file_another_wish_or_another_seed_is_prepared_anew(prepared, tmp_path):
+    path, light = prepared
+    assert load_light(path, Wish(Fluctuation(0.1))) is None
+    assert load_light(path, Wish(seed=1)) is None
+    copy = tmp_path / "led.dat"
+    copy.write_bytes(path.read_bytes())
+    save_light(copy, light, PLAIN)
+    assert load_light(copy, PLAIN) is not None
+    os.utime(copy, ns=(1, 1))
+    assert load_light(copy, PLAIN) is None
+
+
+def test_a_damaged_index_is_told_and_replaced(prepared, tmp_path):
+    path, _ = prepared
+    copy = tmp_path / "led.dat"
+    copy.write_bytes(path.read_bytes())
+    index_path(copy).write_bytes(b"PK\x03\x04 and nothing else")
+    with pytest.raises(FileFormatError, match="damaged"):
+        load_light(copy, PLAIN)
+    again = obtain_light(copy, is_kept=True)
+    assert "prepared anew" in str(again.remarks[-1])
+    assert load_light(copy, PLAIN) is not None
+
+
+def test_promises_of_huge_arrays_are_not_believed(prepared, tmp_path):
+    path, _ = prepared
+    copy = tmp_path / "led.dat"
+    copy.write_bytes(path.read_bytes())
+    with zipfile.ZipFile(index_path(path)) as source:
+        entries = {name: source.read(name) for name in source.namelist()}
+    huge = entries["position.npy"].replace(b"(1500, 3), }     ", b"(15000000, 3), } ")
+    assert huge != entries["position.npy"]
+    with zipfile.ZipFile(index_path(copy), "w") as target:
+        for name, data in entries.items():
+            target.writestr(name, huge if name == "position.npy" else data)
+    with pytest.raises(FileFormatError, match="does not have the shape"):
+        load_light(copy, PLAIN)
+
+
+def test_mutated_indexes_are_refused_in_words_or_read(prepared, tmp_path):
+    path, _ = prepared
+    copy = tmp_path / "led.dat"
+    copy.write_bytes(path.read_bytes())
+    os.utime(copy, ns=(1, path.stat().st_mtime_ns))
+    whole = index_path(path).read_bytes()
+    rng = np.random.default_rng(1)
+    outcomes = set()
+    for _ in range(1000):
+        data = bytearray(whole)
+        for place in rng.integers(0, len(data) if rng.random() < 0.5 else 3000, rng.integers(1, 6)):
+            data[place] = rng.integers(0, 256)
+        if rng.random() < 0.2:
+            data = data[: rng.integers(0, len(data))]
+        index_path(copy).write_bytes(data)
+        try:
+            outcomes.add(load_light(copy, PLAIN) is not None)
+        except FileFormatError:
+            outcomes.add("refused")
+    assert outcomes >= {True, "refused"}
