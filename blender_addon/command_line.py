@@ -8,13 +8,14 @@ import time
 from pathlib import Path
 
 from ..engine.scene.sensor import SensorKind
-from . import luminaire_commands, rayset_commands, validate_command
+from . import explain_command, luminaire_commands, rayset_commands, validate_command
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --density 20 --error 0.01
   lumenray bake office.blend -o lux --absolute 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.005
+  lumenray explain office.blend
   lumenray luminaire info downlight.ies
   lumenray rayset info led.ray
 
@@ -66,48 +67,8 @@ def build_parser() -> argparse.ArgumentParser:
 
     _add_bake(commands)
 
-    measure = commands.add_parser("measure", help="illuminance at sensors from a list")
-    _add_scene(measure)
-    measure.add_argument(
-        "--sensors",
-        required=True,
-        type=Path,
-        metavar="IN.csv",
-        help="x,y,z,nx,ny,nz in metres; the normal is where the sensor faces",
-    )
-    measure.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        type=Path,
-        metavar="OUT.csv",
-        help="the same columns and illuminance_lx, standard_error_lx",
-    )
-    measure.add_argument(
-        "--kind",
-        choices=[kind.value for kind in SensorKind],
-        default=SensorKind.PLANAR.value,
-        help="which illuminance; spherical and cylindrical (vertical) ones have no normal (default: planar)",
-    )
-    measure.add_argument(
-        "--reflections",
-        type=int,
-        metavar="N",
-        help="count only light that was reflected at most N times; 0 is the direct part",
-    )
-    measure.add_argument(
-        "--colour",
-        action="store_true",
-        help="also write the chromaticity x, y of the light that arrives",
-    )
-    measure.add_argument(
-        "--each",
-        type=float,
-        metavar="E",
-        help="go on until the relative standard error of every sensor is below E",
-    )
-    _add_rule(measure, "sensor")
-
+    _add_measure(commands)
+    _add_scene(explain_command.add_command(commands))
     luminaire_commands.add_commands(commands, _size)
     rayset_commands.add_commands(commands)
     validate_command.add_command(commands)
@@ -212,6 +173,50 @@ def build_parser() -> argparse.ArgumentParser:
         help="folder for atlas.md and its pictures (default: docs/benchmarks, with --quick out)",
     )
     return parser
+
+
+def _add_measure(commands) -> None:
+    measure = commands.add_parser("measure", help="illuminance at sensors from a list")
+    _add_scene(measure)
+    measure.add_argument(
+        "--sensors",
+        required=True,
+        type=Path,
+        metavar="IN.csv",
+        help="x,y,z,nx,ny,nz in metres; the normal is where the sensor faces",
+    )
+    measure.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=Path,
+        metavar="OUT.csv",
+        help="the same columns and illuminance_lx, standard_error_lx",
+    )
+    measure.add_argument(
+        "--kind",
+        choices=[kind.value for kind in SensorKind],
+        default=SensorKind.PLANAR.value,
+        help="which illuminance; spherical and cylindrical (vertical) ones have no normal (default: planar)",
+    )
+    measure.add_argument(
+        "--reflections",
+        type=int,
+        metavar="N",
+        help="count only light that was reflected at most N times; 0 is the direct part",
+    )
+    measure.add_argument(
+        "--colour",
+        action="store_true",
+        help="also write the chromaticity x, y of the light that arrives",
+    )
+    measure.add_argument(
+        "--each",
+        type=float,
+        metavar="E",
+        help="go on until the relative standard error of every sensor is below E",
+    )
+    _add_rule(measure, "sensor")
 
 
 def _add_bake(commands) -> None:
@@ -347,6 +352,7 @@ def main(arguments=None) -> int:
             "render": _render,
             "bake": _bake,
             "measure": _measure,
+            "explain": _explain,
             "luminaire": luminaire_commands.run,
             "rayset": rayset_commands.run,
             "validate": validate_command.run,
@@ -565,6 +571,11 @@ def _smoothed(picture, linear, white):
 
     error = picture.luminance_error / white
     return smooth(linear, error, picture.normal, picture.depth, picture.albedo)
+
+
+def _explain(options) -> int:
+    depsgraph = _open(options.file)
+    return explain_command.run(options, depsgraph, _transport(options, depsgraph.scene.lumenray))
 
 
 def _bake(options) -> int:

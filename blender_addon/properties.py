@@ -16,6 +16,7 @@ from bpy.types import PropertyGroup
 from ..engine.photometry import units
 from ..libraries import spectra
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
+from .raysets.settings import LumenrayRaysetSettings
 from .shared_settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
 from .sky import SOURCES, LumenraySkySettings
 
@@ -96,6 +97,7 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     luminaire: PointerProperty(type=LumenrayLuminaireSettings)
+    rayset: PointerProperty(type=LumenrayRaysetSettings)
     light_group: _light_group("this light")
 
 
@@ -789,6 +791,7 @@ CLASSES = (
     LumenrayLuminaireSettings,
     LumenrayEmptySettings,
     LumenrayTextSettings,
+    LumenrayRaysetSettings,
     LumenrayLightSettings,
     LumenrayMaterialSettings,
     LumenraySkySettings,

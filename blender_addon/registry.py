@@ -9,6 +9,7 @@ def _groups():
     """Modules with something to register: classes, and functions that tie them to Blender and off again."""
     from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
     from .asset_library import registration as asset_libraries
+    from .raysets import files as ray_files
     from .sync import live
 
     return (
@@ -18,6 +19,7 @@ def _groups():
         feedback,
         identity,
         live,
+        ray_files,
         engine_process,
         feed,
         viewport,

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import VERSION
 from .accuracy.stopping import Progress, StopRule
+from .analysis.explanation import Explanation, explain_rays
 from .baking.order import BakeOrder, BakeResult
 from .errors import SceneError
 from .scene.camera import Camera
@@ -424,6 +425,25 @@ class Session:
                 surface, angles, samples, seed, wavelength, cancelled=lambda: self._cancel
             )
         return SurfaceProbe(angles, r.mean, t.mean, r.standard_error, t.standard_error)
+
+    def explain(self, transport: str = "auto") -> Explanation:
+        """Say how the scene would be computed, and what that costs in exactness.
+
+        Raises
+        ------
+        SceneError    Something in the scene makes no sense.
+        """
+        with self._engine(transport) as compiled:
+            from .transport.light_paths import LightTracer
+
+            tracer = LightTracer(compiled)
+            tracer.close()
+            return Explanation(
+                tuple(compiled.requirements.reasons),
+                tracer.reason,
+                tuple(compiled.notes),
+                explain_rays(self.scene),
+            )
 
     def bake_objects(
         self,

@@ -6,6 +6,7 @@ from . import (
     check_engine,
     copy_report,
     luminaire_files,
+    rayset_files,
     restart_engine,
     show_baked,
 )
@@ -16,6 +17,7 @@ CLASSES = (
     *check_engine.CLASSES,
     *copy_report.CLASSES,
     *luminaire_files.CLASSES,
+    *rayset_files.CLASSES,
     *restart_engine.CLASSES,
     *show_baked.CLASSES,
 )

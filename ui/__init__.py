@@ -9,6 +9,8 @@ from . import (
     luminaire,
     luminaire_overlay,
     material,
+    rayset,
+    rayset_overlay,
     render,
     sidebar,
     world,
@@ -17,11 +19,13 @@ from . import (
 CLASSES = (
     *light.CLASSES,
     *luminaire.CLASSES,
+    *rayset.CLASSES,
     *material.CLASSES,
     *world.CLASSES,
     *render.CLASSES,
     *sidebar.CLASSES,
     *bake.CLASSES,
+    *add_menu.CLASSES,
 )
 
 
@@ -29,12 +33,14 @@ def attach():
     """Let Blender's own panels appear for our engine, and draw luminaires in the 3D views."""
     compatibility.attach()
     luminaire_overlay.attach()
+    rayset_overlay.attach()
     add_menu.attach()
 
 
 def detach():
     """Undo `attach`, and let go of all pictures."""
     add_menu.detach()
+    rayset_overlay.detach()
     luminaire_overlay.detach()
     luminaire_pictures.close()
     error_graphs.close()

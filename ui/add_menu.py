@@ -2,6 +2,8 @@
 
 import bpy
 
+from ..libraries.raysets.catalogue import ENTRIES
+
 
 def draw_luminaire(menu, context) -> None:
     """Draw the entry that adds luminaires from photometric files."""
@@ -9,6 +11,26 @@ def draw_luminaire(menu, context) -> None:
     menu.layout.operator(
         "lumenray.add_luminaire", text="Luminaire (IES, LDT)…", icon="OUTLINER_OB_LIGHT"
     )
+    menu.layout.menu("LUMENRAY_MT_add_rayset", icon="LIGHT_POINT")
+
+
+class LUMENRAY_MT_add_rayset(bpy.types.Menu):
+    """Ray sets of the library, and files."""
+
+    bl_idname = "LUMENRAY_MT_add_rayset"
+    bl_label = "Ray Set"
+
+    def draw(self, context):
+        """Draw an entry for every source."""
+        for entry in ENTRIES:
+            made = self.layout.operator("lumenray.add_rayset", text=entry.title)
+            made.entry = entry.name
+        self.layout.separator()
+        made = self.layout.operator("lumenray.add_rayset", text="Ray file…", icon="FILEBROWSER")
+        made.entry = "FILE"
+
+
+CLASSES = (LUMENRAY_MT_add_rayset,)
 
 
 def attach():

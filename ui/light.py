@@ -2,13 +2,15 @@
 
 import bpy
 
-from ..blender_addon import luminaire_readout, readout
+from ..blender_addon import luminaire_readout, rayset_readout, readout
 from ..blender_addon.sync.portals import is_portal
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
 
 
 def draw_shape(layout, light) -> None:
     """Draw what Blender knows about a light's size and beam, as far as it counts."""
+    if rayset_readout.settings_used(light) is not None:
+        return
     luminaire = luminaire_readout.settings_used(light)
     if luminaire is not None:
         if luminaire.emission == "LIGHT":
@@ -95,7 +97,10 @@ class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
     def poll(cls, context):
         if not super().poll(context) or is_portal(context.light):
             return False
-        return luminaire_readout.settings_used(context.light) is None
+        light = context.light
+        if rayset_readout.settings_used(light) is not None:
+            return False
+        return luminaire_readout.settings_used(light) is None
 
     def draw(self, context):
         layout = self.layout

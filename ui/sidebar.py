@@ -2,13 +2,15 @@
 
 import bpy
 
-from ..blender_addon import engine_process, luminaire_readout, readout, viewport
+from ..blender_addon import engine_process, luminaire_readout, rayset_readout, readout, viewport
 from ..blender_addon.luminaires.settings import settings_of
+from ..blender_addon.raysets.settings import rays_of
 from ..blender_addon.sync.portals import is_portal
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
 from .parts import draw_description, draw_lines, draw_text
+from .rayset import draw_state
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 """Icon of every severity."""
@@ -97,6 +99,8 @@ class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
         source = context.object
         if source is None or source.type != "LIGHT":
             return False
+        if rayset_readout.settings_used(source.data) is not None:
+            return False
         return luminaire_readout.settings_used(source.data) is None
 
     def draw(self, context):
@@ -150,6 +154,36 @@ class LUMENRAY_PT_active_luminaire(SidebarPanel, bpy.types.Panel):
             draw_shape(layout.column(), source.data)
         output = luminaire_readout.describe_output(settings, state.reading, source)
         draw_description(layout.box(), context, output)
+
+
+class LUMENRAY_PT_active_rayset(SidebarPanel, bpy.types.Panel):
+    """Ray file of the active light, where it has one."""
+
+    bl_label = "Ray Set"
+
+    @classmethod
+    def poll(cls, context):
+        source = context.object
+        if source is None or source.type != "LIGHT":
+            return False
+        return rayset_readout.settings_used(source.data) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        source = context.object
+        settings = rays_of(source)
+        layout.label(text=source.name, icon=f"LIGHT_{source.data.type}")
+        row = layout.row(align=True)
+        row.operator("lumenray.load_rayset", text="", icon="FILEBROWSER")
+        row.prop(settings, "filepath", text="")
+        draw_state(layout, context, settings, rayset_readout.state_of(settings))
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(settings, "amount")
+        if settings.amount == "LUMENS":
+            layout.prop(settings, "luminous_flux", text="Flux [lm]")
+        layout.prop(settings, "dimming")
+        layout.prop(settings, "show_rays")
 
 
 class LUMENRAY_UL_report(bpy.types.UIList):
@@ -213,5 +247,6 @@ CLASSES = (
     LUMENRAY_PT_view,
     LUMENRAY_PT_active_light,
     LUMENRAY_PT_active_luminaire,
+    LUMENRAY_PT_active_rayset,
     LUMENRAY_PT_report,
 )

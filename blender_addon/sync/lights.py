@@ -8,6 +8,8 @@ from ...engine.scene.spectrum import Spectrum
 from ..luminaires.convert import LEFT_OUT, convert_luminaire
 from ..luminaires.ies_nodes import convert_ies_light, find_ies_emission
 from ..luminaires.settings import is_luminaire, settings_of
+from ..raysets.convert import convert_rays
+from ..raysets.settings import is_rayset, rays_of
 from ..report import ConversionReport
 from .fields import luminance
 from .light_nodes import evaluate_emission, find_emission, is_emission
@@ -24,7 +26,15 @@ PHYSICAL_QUANTITIES = {
 
 
 def convert_light(
-    source, light_id: str, name: str, matrix, scale: float, efficacy: float, report, images=None
+    source,
+    light_id: str,
+    name: str,
+    matrix,
+    scale: float,
+    efficacy: float,
+    report,
+    images=None,
+    is_patient=True,
 ):
     """Convert a light object, or an empty that is a luminaire.
 
@@ -37,12 +47,25 @@ def convert_light(
     efficacy : float    Lumens per Blender watt. [lm/W]
     report : ConversionReport
     images : ImageCache or None    What was read of images before.
+    is_patient : bool    Whether to wait for a ray file that is being prepared.
 
     Returns
     -------
     Light or None    None when it emits nothing.
     """
     data = source.data
+    if is_rayset(source):
+        return convert_rays(
+            source,
+            rays_of(source),
+            light_id,
+            name,
+            matrix,
+            scale,
+            report,
+            lambda: _own_spectrum(source, name, report, images),
+            is_patient,
+        )
     if is_luminaire(source):
         return convert_luminaire(
             source,

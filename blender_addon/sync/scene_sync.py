@@ -13,6 +13,7 @@ from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import SceneDelta, content_digest
 from .. import identity
 from ..luminaires.settings import is_luminaire
+from ..raysets.settings import is_rayset
 from ..report import ConversionReport
 from ..sky import towards_lamp
 from . import live
@@ -338,7 +339,7 @@ class _Walk:
         if kind == "MESH" and original.lumenray.is_luminaire_body:
             self._place(shown, None)
             return
-        if original.type == "LIGHT" and is_portal(original.data) and not is_luminaire(source):
+        if original.type == "LIGHT" and is_portal(original.data) and not _is_special(source):
             kind = "PORTAL"
         self._name(shown, instance, original, kind)
         if kind == "MESH":
@@ -463,6 +464,7 @@ class _Walk:
             sync._efficacy,
             shown.report,
             sync._images,
+            sync.final,
         )
         if light is None:
             self._darken(shown)
@@ -579,3 +581,8 @@ def _describe(counts, reshaped, lights, materials, is_world) -> str:
 
 def _number(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def _is_special(source) -> bool:
+    """Whether a light shines as a photometric file or a ray file says."""
+    return is_luminaire(source) or is_rayset(source)

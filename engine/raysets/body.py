@@ -28,13 +28,15 @@ class Hull:
 
     def keep(self, position: np.ndarray) -> np.ndarray:
         """Bring points that lie outside back inside, mirrored at the side that they have left. (n, 3) [m]"""
+        position = position.copy()
         for normal, low, high in zip(self.normals, self.low, self.high, strict=True):
             height = position @ normal
-            inside = np.clip(np.where(height > high, 2.0 * high - height, height), low, None)
-            inside = np.where(height < low, np.minimum(2.0 * low - height, high), inside)
-            moved = inside - height
-            if moved.any():
-                position = position + moved[:, None] * normal
+            out = np.flatnonzero((height > high) | (height < low))
+            if len(out):
+                was = height[out]
+                mirrored = np.where(was > high, 2.0 * high - was, 2.0 * low - was)
+                shift = np.clip(mirrored, low, high) - was
+                position[out] += shift[:, None] * normal
         return position
 
     def place(self, position: np.ndarray, direction: np.ndarray):

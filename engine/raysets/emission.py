@@ -24,13 +24,16 @@ from .text import Assumed
 HELD = 1 << 18
 """Rays that a light of a scene holds at most, 10 MB; of larger files a selection by chance is."""
 
-GENERATED = 1 << 22
+GENERATED = 1 << 21
 """Rays that make the distribution of intensity."""
 
 PIECE = 1 << 19
 """Rays that are generated at a time."""
 
-PLANES = 72
+COMPARED = 2
+"""Pieces that tell the error of a point."""
+
+PLANES = 36
 """C-planes of a distribution that is not the same all around."""
 
 FAR = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
@@ -134,7 +137,7 @@ def prepare_light(
     distribution = _reduce(pieces, flux or 1.0)
     centre = find_focus(held)
     distances = np.array(FAR) * cloud.size
-    errors = far_errors(pieces, centre, distances)
+    errors = far_errors(pieces[:COMPARED], centre, distances)
     told(1.0)
     return RayLight(
         replace(

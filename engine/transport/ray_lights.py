@@ -56,7 +56,13 @@ class RayLights:
 
     def __init__(self, scene, sampler, first: int = 0):
         self._scene, self._sampler, self._first = scene, sampler, first
-        found = [s for s in scene.lights.sources if s.luminaire is not None and s.luminaire.rays]
+        found = [
+            source
+            for source in scene.lights.sources
+            if source.luminaire is not None
+            and source.luminaire.rays is not None
+            and len(source.luminaire.rays.threshold)
+        ]
         known: dict[bytes, _Cloud] = {}
         for source in found:
             key = content_digest(source.luminaire.rays)

@@ -21,10 +21,10 @@ def main() -> int:
         rays = Rays(
             position.astype(np.float32),
             direction.astype(np.float32),
-            (flux * (model.luminous_flux / flux.sum())).astype(np.float32),
+            (flux * (model.entry.luminous_flux / flux.sum())).astype(np.float32),
         )
-        path = FOLDER / f"{model.name}.tm25ray"
-        texts = {"SOURCE": model.title, "INFORMATION": model.description}
+        path = FOLDER / f"{model.entry.name}.tm25ray"
+        texts = {"SOURCE": model.entry.title, "INFORMATION": model.entry.description}
         write_tm25(path, [rays], LUMINOUS, metadata=texts)
         sys.stdout.write(f"{path}: {len(rays)} rays\n")
     return 0

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .catalogue import ENTRIES, Entry
 from .lathe import Profile, pass_through
 
 MILLIMETRE = 1e-3
@@ -24,18 +25,11 @@ class RayModel:
 
     Parameters
     ----------
-    name : str    Of its file.
-    title, description : str    For people.
-    spectrum : str    Name of the spectrum in `libraries.spectra`, or colour temperature such as ``2900 K``.
-    luminous_flux : float    [lm]
+    entry : Entry    What it is called, and how much light it gives.
     make : callable    From a number of rays and a random generator to positions [m], directions, and relative flux.
     """
 
-    name: str
-    title: str
-    description: str
-    spectrum: str
-    luminous_flux: float
+    entry: Entry
     make: Callable
 
 
@@ -91,11 +85,7 @@ def dome_profile(radius: float, pieces: int = 90) -> Profile:
 def _dome() -> RayModel:
     profile = dome_profile(1.25 * MILLIMETRE)
     return RayModel(
-        "led_dome",
-        "LED with dome",
-        "Square chip of 1 mm under a hemisphere of silicone 2.5 mm wide",
-        "LED-B3",
-        120.0,
+        _entry("led_dome"),
         _traced(profile, SILICONE, lambda count, rng: _chip(count, 1.0 * MILLIMETRE, rng)),
     )
 
@@ -148,11 +138,7 @@ def _through_wall(radius: float, height: float, wall: float, index: float) -> np
 
 def _collimator() -> RayModel:
     return RayModel(
-        "led_collimator",
-        "LED with collimator",
-        "Square chip of 1 mm in a lens of acrylic 18 mm wide that reflects totally at its wall",
-        "LED-B3",
-        110.0,
+        _entry("led_collimator"),
         _traced(
             collimator_profile(), ACRYLIC, lambda count, rng: _chip(count, 1.0 * MILLIMETRE, rng)
         ),
@@ -194,11 +180,7 @@ def _filament() -> RayModel:
         return position, np.concatenate(directions)[:count], np.ones(count)
 
     return RayModel(
-        "filament",
-        "Filament of a lamp",
-        "Coil of ten turns, 4.8 mm long, along x; turns shade each other",
-        "2900 K",
-        800.0,
+        _entry("filament"),
         make,
     )
 
@@ -219,13 +201,13 @@ def _tube() -> RayModel:
         return position, lambertian(normal, rng), flux
 
     return RayModel(
-        "tube_t8_18w",
-        "Fluorescent tube T8 18 W",
-        "Tube of 26 mm by 590 mm along x, darker before its electrodes",
-        "FL3.12",
-        1350.0,
+        _entry("tube_t8_18w"),
         make,
     )
+
+
+def _entry(name: str) -> Entry:
+    return next(entry for entry in ENTRIES if entry.name == name)
 
 
 MODELS = (_dome(), _collimator(), _filament(), _tube())

@@ -81,15 +81,15 @@ def test_lambertian_directions_follow_the_cosine():
     ).sum() < 43.8  # chi-square, 19 degrees of freedom, 0.1 %
 
 
-@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.entry.name)
 def test_files_hold_what_the_models_make(model):
-    file = read_rayset(FOLDER / f"{model.name}.tm25ray")
+    file = read_rayset(FOLDER / f"{model.entry.name}.tm25ray")
     survey = survey_rays(file)
     assert file.format == "TM-25-13"
     assert survey.rays == 10_000
-    assert survey.luminous_flux == pytest.approx(model.luminous_flux, rel=1e-5)
+    assert survey.luminous_flux == pytest.approx(model.entry.luminous_flux, rel=1e-5)
     assert not survey.remarks
-    assert file.metadata["SOURCE"] == model.title
+    assert file.metadata["SOURCE"] == model.entry.title
 
 
 @pytest.mark.parametrize(

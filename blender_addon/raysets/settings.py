@@ -1,0 +1,186 @@
+"""What the user sets about a ray file: how it is read, how its rays fluctuate, and how much light it gives."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.types import PropertyGroup
+
+from ..shared_settings import PATH_OPTIONS, tag_owner
+
+LIGHT_TYPES = ("POINT", "SPOT", "AREA")
+"""Kinds of Blender's lights that can take a ray file."""
+
+AMOUNTS = [
+    ("FILE", "File", "The flux that the file states, or that its rays sum up to", 0),
+    ("LUMENS", "Lumens", "State the flux; the file gives the places and directions only", 1),
+]
+
+SPECTRUM_SOURCES = [
+    ("FILE", "File", "The spectrum that the file states; colour of the light without one", 0),
+    ("LIGHT", "Own", "The spectrum or colour that is chosen for the light", 1),
+]
+
+SYMMETRIES = [
+    ("AUTO", "As found", "Even about an axis where the rays do not speak against it", 0),
+    ("ON", "Rotational", "It is known that the light is the same all around its axis", 1),
+    ("OFF", "None", "Only what the rays themselves show", 2),
+]
+
+UNITS = [
+    ("mm", "mm", "Millimetres", 0),
+    ("cm", "cm", "Centimetres", 1),
+    ("m", "m", "Metres", 2),
+    ("inch", "in", "Inches", 3),
+]
+
+
+class LumenrayRaysetSettings(PropertyGroup):
+    """Ray file of a point, spot or area light, whose own kind, size and beam do not count then."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    use_file: BoolProperty(
+        name="Ray file",
+        description="Shine as the rays of a measured or computed source do, in place of Blender's own light",
+        default=False,
+        update=tag_owner,
+    )
+    filepath: StringProperty(
+        name="File",
+        description=(
+            "Ray file: IES TM-25, Zemax, LightTools, SPEOS, ASAP, TracePro or plain text, told apart by content. "
+            "Its +Z is the light's own -Z. 'library:' and a name is one of ours"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=tag_owner,
+    )
+    amount: EnumProperty(
+        name="Flux from",
+        description="What states the amount of light before dimming",
+        items=AMOUNTS,
+        default="FILE",
+        update=tag_owner,
+    )
+    luminous_flux: FloatProperty(
+        name="Luminous flux",
+        description="Flux of the source before dimming, in lumens",
+        default=100.0,
+        min=0.0,
+        max=1e9,
+        soft_max=10000.0,
+        update=tag_owner,
+    )
+    dimming: FloatProperty(
+        name="Dimming",
+        description="Share of the full flux that the source is set to",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag_owner,
+    )
+    spectrum_source: EnumProperty(
+        name="Spectrum from",
+        description="What states how the light is distributed over the wavelengths",
+        items=SPECTRUM_SOURCES,
+        default="FILE",
+        update=tag_owner,
+    )
+    symmetry: EnumProperty(
+        name="Symmetry",
+        description="Whether every ray stands for all that differ from it by a turn: few rays then tell far more",
+        items=SYMMETRIES,
+        default="AUTO",
+        update=tag_owner,
+    )
+    use_widths: BoolProperty(
+        name="Own fluctuation",
+        description="State how far new rays differ from those of the file, instead of finding it from their neighbours",
+        default=False,
+        update=tag_owner,
+    )
+    width_position: FloatProperty(
+        name="Position",
+        description="Standard deviation of the starting points of new rays from those of the file, in millimetres",
+        default=0.0,
+        min=0.0,
+        max=1e6,
+        precision=4,
+        update=tag_owner,
+    )
+    width_direction: FloatProperty(
+        name="Direction",
+        description="Standard deviation of the directions of new rays from those of the file",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    unit: EnumProperty(
+        name="Length unit",
+        description="Of text files that do not tell theirs",
+        items=UNITS,
+        default="mm",
+        update=tag_owner,
+    )
+    is_luminous: BoolProperty(
+        name="Lumens",
+        description="Text files that do not tell it have rays in lumens instead of watts",
+        default=False,
+        update=tag_owner,
+    )
+    keep_index: BoolProperty(
+        name="Keep prepared rays",
+        description=(
+            "Write what is found out about the rays into a file beside theirs (its name and '.prepared'), so that it need "
+            "not be found out again"
+        ),
+        default=False,
+    )
+    show_rays: BoolProperty(
+        name="Show rays",
+        description="Draw where the light starts, and some of its rays, in the 3D view",
+        default=True,
+        update=tag_owner,
+    )
+
+
+def rays_of(thing) -> LumenrayRaysetSettings | None:
+    """Return the settings of an object's ray file, the evaluated ones of an evaluated object; None where none can be."""
+    if thing is not None and thing.type == "LIGHT" and thing.data.type in LIGHT_TYPES:
+        return thing.data.lumenray.rayset
+    return None
+
+
+def active_rays(context) -> LumenrayRaysetSettings | None:
+    """Return the settings of the ray file that a panel or an operator is about."""
+    light = getattr(context, "light", None)
+    if light is not None:
+        return light.lumenray.rayset if light.type in LIGHT_TYPES else None
+    return rays_of(getattr(context, "object", None))
+
+
+def is_rayset(thing) -> bool:
+    """Whether an object shines as a ray file says."""
+    settings = rays_of(thing)
+    return settings is not None and settings.use_file
+
+
+def absolute_path(settings) -> str:
+    """Return where a ray file is, empty if none is chosen."""
+    from ...libraries.raysets import FOLDER, PREFIX
+
+    if settings.filepath.startswith(PREFIX):
+        return str(FOLDER / f"{settings.filepath.removeprefix(PREFIX)}.tm25ray")
+    if not settings.filepath:
+        return ""
+    return bpy.path.abspath(settings.filepath, library=settings.id_data.library)
+
+
+def name_of(settings) -> str:
+    """Name of the file for people."""
+    from ...libraries.raysets import PREFIX
+
+    if settings.filepath.startswith(PREFIX):
+        return settings.filepath.removeprefix(PREFIX)
+    return bpy.path.basename(settings.filepath)

@@ -1,0 +1,102 @@
+"""How a scene will be computed, and what that costs in exactness: what ``lumenray explain`` tells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.light import Luminaire
+from ..scene.nearness import box_distance, mesh_distance
+from ..scene.ray_emission import RayEmission
+from ..scene.scene import Scene
+
+RAYS, POINT = "rays", "point"
+"""How the light of a ray set reaches an object in a lux map. Pictures and sensors always see a point."""
+
+
+@dataclass(frozen=True)
+class RayChoice:
+    """How the light of a ray set reaches an object.
+
+    Parameters
+    ----------
+    light, receiver : str    Names of the light and the object.
+    nearest : float    Distance of the object's nearest place from the light's centre, or of the box around it where that is
+        beyond ``limit``. [m]
+    sizes : float    The same over the source's size. [-]
+    limit : float    Distance below which the light of rays counts in lux maps, above which that of a point does. [m]
+    method : str    `RAYS` where some of the object lies within the limit, else `POINT`.
+    error : float    Relative error of the illuminance by the choice, at the nearest place: of rays the set's own error, of a
+        point that of being none. [-]
+    point_error : float    Of a point there, which is what pictures and sensors have. [-]
+    """
+
+    light: str
+    receiver: str
+    nearest: float
+    sizes: float
+    limit: float
+    method: str
+    error: float
+    point_error: float
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """How a scene will be computed.
+
+    Parameters
+    ----------
+    decisions : tuple of str    What was chosen for the transport, and why.
+    traced : str    What is traced from the lights in lux maps, and why.
+    notes : tuple of str    What is approximated.
+    choices : tuple of RayChoice
+    """
+
+    decisions: tuple[str, ...]
+    traced: str
+    notes: tuple[str, ...]
+    choices: tuple[RayChoice, ...]
+
+
+def point_error(rays: RayEmission, distance: float) -> float:
+    """Relative error of taking a ray set for a point at a distance [m], on lines through the logarithms. [-]"""
+    if not len(rays.far_distances):
+        return 0.0
+    errors = np.log(np.maximum(rays.far_errors, 1e-9))
+    distance = max(distance, float(rays.far_distances[0]))
+    return float(np.exp(np.interp(np.log(distance), np.log(rays.far_distances), errors)))
+
+
+def explain_rays(scene: Scene) -> tuple[RayChoice, ...]:
+    """Say for every light of a ray set and every object which way the light takes, nearest objects first."""
+    lights = [
+        light
+        for light in scene.lights.values()
+        if isinstance(light, Luminaire) and light.rays is not None and light.output.value > 0.0
+    ]
+    meshes = [scene.mesh(key) for key in scene.meshes] if lights else []
+    made = []
+    for light in lights:
+        rays = light.rays
+        centre = np.asarray(light.frame, dtype=np.float64)[:3, 3]
+        for mesh in meshes:
+            if not len(mesh.triangles):
+                continue
+            nearest = box_distance(centre, mesh)
+            if nearest < rays.near:
+                nearest = mesh_distance(centre, mesh)
+            is_near = nearest < rays.near
+            apart = point_error(rays, nearest)
+            made.append(
+                RayChoice(
+                    light.name,
+                    mesh.name,
+                    nearest,
+                    nearest / rays.size,
+                    rays.near,
+                    RAYS if is_near else POINT,
+                    rays.information_error if is_near else apart,
+                    apart,
+                )
+            )
+    return tuple(sorted(made, key=lambda choice: (choice.light, choice.nearest, choice.receiver)))
