@@ -101,6 +101,18 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for sync.md and its picture (default: docs/benchmarks)",
     )
+    raysets = kinds.add_parser(
+        "raysets", help="error over the size of ray files, convergence, speed"
+    )
+    raysets.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    raysets.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("docs/benchmarks"),
+        metavar="DIR",
+        help="folder for raysets.md and its pictures (default: docs/benchmarks)",
+    )
     luminaires = kinds.add_parser(
         "luminaires", help="agreement with Radiance, speed of look-up and noise of luminaires"
     )
@@ -766,6 +778,14 @@ def _benchmark(options) -> int:
         raise LumenrayError(
             "this installation has no benchmarks; they come with Lumenray's source code"
         ) from None
+    if options.kind == "raysets":
+        from ..benchmarks import raysets
+
+        raysets.write_results(
+            raysets.run(say=raysets.report_progress), options.output, options.json
+        )
+        print(f"written to {options.output / 'raysets.md'}")
+        return 0
     if options.kind == "luminaires":
         return _benchmark_luminaires(options)
     if options.kind == "atlas":

@@ -53,7 +53,7 @@ def describe(settings, light: RayLight) -> list[tuple[str, str]]:
         ("Rays", count if held >= light.rays else f"{count}, {held:,} held".replace(",", " ")),
         ("Flux", "not stated" if flux is None else f"{flux:.4g} lm"),
         ("Size", length(emission.size)),
-        ("Starts from", light.body),
+        ("Starts from", light.body.removeprefix("a body of ")),
         ("Symmetry", "even about an axis" if emission.axis is not None else "none"),
         ("Own error", f"{100.0 * emission.information_error:.2g} % for want of rays"),
         ("Rays in lux maps", f"within {length(emission.near)}"),

@@ -6,7 +6,8 @@ runs the bake as a user would and writes into the log how long the window ever w
 shows one half-way; ``baked`` and ``baked_lux`` bake the whole office and show its light and its
 illuminance in material preview; ``viewport`` moves an object in the rendered view, ``viewport_lux``
 shows the illuminance there. ``luminaire`` has a scene of its own: luminaires from the library before
-a wall, with their polar solids and one's panel. ``library`` shows the luminaires in the Asset
+a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
+with their points and rays. ``library`` shows the luminaires in the Asset
 Browser. ``world`` shows houses under a clear sky of the CIE and its sun. In the others the sidebar
 shows the tab of Lumenray.
 """
@@ -41,13 +42,26 @@ LUMINAIRES = (
 )
 """File, place [m] and turn about the vertical [degree] of the luminaires, the active one in the middle."""
 
-CONTEXT = {"light": "DATA", "luminaire": "DATA", "material": "MATERIAL", "world": "WORLD"}
+RAYSETS = (
+    ("led_dome", (-0.017, 0.0, 0.006)),
+    ("led_collimator", (0.0, 0.0, 0.016)),
+    ("filament", (0.017, 0.0, 0.008)),
+)
+"""Ray sets of the library and their places [m], the active one in the middle."""
+
+CONTEXT = {
+    "light": "DATA",
+    "luminaire": "DATA",
+    "rayset": "DATA",
+    "material": "MATERIAL",
+    "world": "WORLD",
+}
 """Tab of the properties editor; elsewhere that of the render settings."""
 
-LARGE_PROPERTIES = {"luminaire", "world"}
+LARGE_PROPERTIES = {"luminaire", "rayset", "world"}
 """Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
 
-SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire"}
+SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire", "rayset"}
 """Pictures in which the view is not rendered."""
 
 ZOOM = {
@@ -56,6 +70,7 @@ ZOOM = {
     "baked": 20.0,
     "baked_lux": 20.0,
     "luminaire": 29.0,
+    "rayset": 29.0,
     "world": 29.0,
 }
 """Blender's zoom of the camera's frame in the view; 0 leaves room around it."""
@@ -169,6 +184,31 @@ def build_luminaires():
     made[1].lumenray.luminaire.dimming = 0.8
     made[1].lumenray.luminaire.maintenance_factor = 0.9
     staging.new_camera((1.0, -2.7, 2.35), (88.0, 0.0, 19.0), lens=32.0)
+    staging.set_render(1248, 940, 500.0)
+
+
+def build_raysets():
+    """Put ray sets above a board, shining down on it, the second one active."""
+    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
+    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
+    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    collection = staging.new_collection("Bench")
+    paint = staging.new_material(
+        "Paint", "ShaderNodeBsdfPrincipled", {"Base Color": (0.4, 0.4, 0.4), "Roughness": 1.0}
+    )
+    board = shapes.quad((-0.05, -0.03, 0.0), (0.1, 0.0, 0.0), (0.0, 0.06, 0.0))
+    assembly().add(paint, board).build("Board", collection)
+    made = []
+    for name, place in RAYSETS:
+        bpy.context.scene.cursor.location = place
+        bpy.ops.lumenray.add_rayset(entry=name)
+        made.append(bpy.context.object)
+    for item in made:
+        item.select_set(item is made[1])
+    bpy.context.view_layer.objects.active = made[1]
+    bpy.context.scene.cursor.location = (0.0, 0.0, -1.0)
+    camera = staging.new_camera((0.012, -0.075, 0.034), (72.0, 0.0, 9.0), lens=32.0)
+    camera.data.clip_start = 0.001
     staging.set_render(1248, 940, 500.0)
 
 
@@ -351,7 +391,7 @@ bpy.context.preferences.view.show_splash = False
 if VIEW in LARGE_PROPERTIES:
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
-    {"luminaire": build_luminaires, "world": build_houses}[VIEW]()
+    {"luminaire": build_luminaires, "rayset": build_raysets, "world": build_houses}[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
 elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)
