@@ -213,7 +213,10 @@ def near_distance(distances: np.ndarray, errors: np.ndarray) -> float:
     It is five times the size, or farther out the first distance with a small error, on lines through the logarithms.
     """
     first = FAR.index(NEAR)
-    distances, errors = distances[first:], np.maximum(errors[first:], 1e-9)
+    distances, errors = distances[first:], np.array(errors[first:], dtype=np.float64)
+    # From afar errors fall with the square of the distance; smaller ones are chance.
+    for i in range(1, len(errors)):
+        errors[i] = max(errors[i], errors[i - 1] * (distances[i - 1] / distances[i]) ** 2)
     small = np.flatnonzero(errors <= POINT_ERROR)
     if not len(small):
         return float(distances[-1])

@@ -84,7 +84,7 @@ class LightTracer:
     @property
     def has_suns(self) -> bool:
         """Whether suns are among the lights: scattered rays meet them too, over ideal glass and mirrors."""
-        return any(light.source is None for light in self.lights)
+        return self._bends and any(light.source is None for light in self.lights)
 
     def trace(self, count: int, seed: int, index: int = 0) -> Deposits:
         """Trace paths.

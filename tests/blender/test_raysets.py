@@ -263,3 +263,19 @@ def test_live_sync_brings_the_light_when_it_is_ready(led):
     sync.tag(depsgraph.updates)
     scene.apply(sync.walk(depsgraph).delta)
     assert len(scene.lights) == 1
+
+
+def test_the_command_explains_a_file(led, tmp_path, capsys):
+    from lumenray.blender_addon.command_line import main
+
+    bpy.ops.mesh.primitive_plane_add(size=0.1)
+    bpy.context.object.name = "Sheet"
+    lamp = add_lamp(led)
+    lamp.location = (0.0, 0.0, 0.005)
+    path = tmp_path / "bench.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    assert main(["explain", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "ray set 'Lamp'" in out
+    assert "Sheet" in out
+    assert "rays" in out

@@ -143,3 +143,22 @@ def test_texts_take_the_unit_that_is_given(capsys, tmp_path):
     row = json.loads(run(capsys, "info", "--json", path, "--unit", "m", "--lumens")[1])[0]
     assert row["bounds_m"][0][2] == pytest.approx(3.0)
     assert row["luminous_flux_lm"] == pytest.approx(100.0)
+
+
+def test_prepared_files_tell_how_exact_they_are_and_are_kept(capsys, lamp, tmp_path):
+    code, out, _ = run(capsys, "prepare", "--json", lamp)
+    assert code == 0
+    row = json.loads(out)[0]
+    assert row["rays"] == 4000
+    assert row["is_rotational"]
+    assert row["size_m"] == pytest.approx(0.004, rel=0.05)
+    assert 0.0 < row["information_error"] < 0.1
+    errors = {round(e["distance_m"] / row["size_m"]): e["error"] for e in row["far_field"]}
+    assert errors[1] > errors[2] > errors[5]
+    assert row["near_m"] == pytest.approx(5.0 * row["size_m"], rel=1e-6)
+    assert (tmp_path / "lamp.ray.prepared").is_file()
+    code, out, _ = run(capsys, "prepare", lamp, tmp_path / "gone.ray")
+    assert code == 1
+    assert "even about its axis" in out
+    assert "as rays" in out
+    assert "refused" in out
