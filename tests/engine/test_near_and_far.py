@@ -53,7 +53,8 @@ def drawn(source, count=1 << 20):
 def test_a_sphere_is_a_point_everywhere_and_a_disk_as_the_formula_says():
     """Outside a Lambertian sphere its light is a point's. The disk's falls with the square of the distance."""
     distances = np.array([1.0, 2.0, 4.0]) * SIZE
-    assert far_errors(drawn(sphere), np.zeros(3), distances).max() < 0.01
+    # 2700 rays a cell leave 1 % of chance.
+    assert far_errors(drawn(sphere), np.zeros(3), distances).max() < 0.015
     errors = far_errors(drawn(disk), np.zeros(3), distances)
     # Relative to a point, on the axis: 1 / (1 + (R / d)^2), so 5.9 % too much at two sizes; towards the rim too little.
     assert 0.01 < errors[1] < 0.059
