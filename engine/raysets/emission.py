@@ -30,9 +30,6 @@ GENERATED = 1 << 21
 PIECE = 1 << 19
 """Rays that are generated at a time."""
 
-COMPARED = 2
-"""Pieces that tell the error of a point."""
-
 PLANES = 36
 """C-planes of a distribution that is not the same all around."""
 
@@ -137,7 +134,7 @@ def prepare_light(
     distribution = _reduce(pieces, flux or 1.0)
     centre = find_focus(held)
     distances = np.array(FAR) * cloud.size
-    errors = far_errors(pieces[:COMPARED], centre, distances)
+    errors = far_errors(pieces, centre, distances)
     told(1.0)
     return RayLight(
         replace(

@@ -59,7 +59,6 @@ def test_a_sphere_is_a_point_everywhere_and_a_disk_as_the_formula_says():
     # Relative to a point, on the axis: 1 / (1 + (R / d)^2), so 5.9 % too much at two sizes; towards the rim too little.
     assert 0.01 < errors[1] < 0.059
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.25)
-    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.25)
 
 
 def test_narrow_beams_are_near_for_long():
