@@ -62,9 +62,7 @@ def describe(settings, light: RayLight) -> list[tuple[str, str]]:
 
 
 def _point_words(emission) -> str:
-    from ..engine.analysis.explanation import point_error
-
-    return f"wrong by {100.0 * point_error(emission, emission.near):.1g} % at most"
+    return f"wrong by {100.0 * float(emission.point_errors(emission.near)):.1g} % at most"
 
 
 def length(metres: float) -> str:

@@ -438,11 +438,14 @@ class Session:
 
             tracer = LightTracer(compiled)
             tracer.close()
+            limits = {
+                key: tracer.rays.limit_of(source) for key, source in compiled.sources().items()
+            }
             return Explanation(
                 tuple(compiled.requirements.reasons),
                 tracer.reason,
                 tuple(compiled.notes),
-                explain_rays(self.scene),
+                explain_rays(self.scene, limits),
             )
 
     def bake_objects(

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..scene.light import Luminaire
 from ..scene.nearness import box_distance, mesh_distance
-from ..scene.ray_emission import RayEmission
 from ..scene.scene import Scene
 
 RAYS, POINT = "rays", "point"
@@ -58,17 +57,15 @@ class Explanation:
     choices: tuple[RayChoice, ...]
 
 
-def point_error(rays: RayEmission, distance: float) -> float:
-    """Relative error of taking a ray set for a point at a distance [m], on lines through the logarithms. [-]"""
-    if not len(rays.far_distances):
-        return 0.0
-    errors = np.log(np.maximum(rays.far_errors, 1e-9))
-    distance = max(distance, float(rays.far_distances[0]))
-    return float(np.exp(np.interp(np.log(distance), np.log(rays.far_distances), errors)))
+def explain_rays(scene: Scene, limits: dict[str, float] | None = None) -> tuple[RayChoice, ...]:
+    """Say for every light of a ray set and every object which way the light takes, nearest objects first.
 
-
-def explain_rays(scene: Scene) -> tuple[RayChoice, ...]:
-    """Say for every light of a ray set and every object which way the light takes, nearest objects first."""
+    Parameters
+    ----------
+    scene : Scene
+    limits : dict of str to float or None    Distance below which rays are traced, by the light's id; None: wherever a point
+        would be wrong. [m]
+    """
     lights = [
         light
         for light in scene.lights.values()
@@ -78,22 +75,23 @@ def explain_rays(scene: Scene) -> tuple[RayChoice, ...]:
     made = []
     for light in lights:
         rays = light.rays
+        limit = rays.near if limits is None else limits.get(light.id, 0.0)
         centre = np.asarray(light.frame, dtype=np.float64)[:3, 3]
         for mesh in meshes:
             if not len(mesh.triangles):
                 continue
             nearest = box_distance(centre, mesh)
-            if nearest < rays.near:
+            if nearest < limit:
                 nearest = mesh_distance(centre, mesh)
-            is_near = nearest < rays.near
-            apart = point_error(rays, nearest)
+            is_near = nearest < limit
+            apart = float(rays.point_errors(nearest))
             made.append(
                 RayChoice(
                     light.name,
                     mesh.name,
                     nearest,
                     nearest / rays.size,
-                    rays.near,
+                    limit,
                     RAYS if is_near else POINT,
                     rays.information_error if is_near else apart,
                     apart,

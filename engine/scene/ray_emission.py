@@ -74,3 +74,11 @@ class RayEmission:
     information_error: float
     far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))
     far_errors: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def point_errors(self, distances) -> np.ndarray:
+        """Relative errors of taking the light for a point, on lines through the logarithms. (n,) [m] -> (n,) [-]"""
+        if not len(self.far_distances):
+            return np.zeros(np.shape(distances))
+        distances = np.maximum(distances, self.far_distances[0])
+        errors = np.log(np.maximum(self.far_errors, 1e-9))
+        return np.exp(np.interp(np.log(distances), np.log(self.far_distances), errors))

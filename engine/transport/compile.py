@@ -352,6 +352,10 @@ class CompiledScene:
                     self._veil.add(made.body, made.body_id, 1)
                     made.put_into(self._pool)
 
+    def sources(self) -> dict[str, Source]:
+        """Emitters of the lights at work, by the lights' ids."""
+        return {key: lamp.source for key, lamp in self._lamps.items()}
+
     def _commit_light_table(self, scene: Scene) -> None:
         """Bring bounds, mean light, portals, surroundings and the choice of lights up to date."""
         origin, self.radius = frame_of(*_bounds(scene, self._bodies.values()))

@@ -77,7 +77,8 @@ def follow(
     Returns
     -------
     dict    ``landed`` and, where it holds, ``throughput`` (share of the flux that arrived), ``shape``, ``prim``, ``uv``,
-        ``back``, ``cosine`` and ``geometric_cosine`` of `Deposits`.
+        ``back``, ``cosine`` and ``geometric_cosine`` of `Deposits`; ``bends``, and ``length`` of the way where straight ones
+        may count.
     """
     state = {
         "ray": mi.Ray3f(ray),
@@ -233,11 +234,11 @@ def gather_deposits(
     sampler : WavelengthSampler or None    None in photometric variants.
     spectral : Spectrum    Flux over density, by wavelength, as it arrives.
     wavelengths : Spectrum or None    [nm]
-    light : UInt32    What is told of every path, see below.
+    light : UInt32, or list of Float    What is told of every path, see below.
 
     Returns
     -------
-    (Deposits, (m,) uint32 array)    ``light`` of the deposits is to be set; the second tells what was given of them.
+    (Deposits, (m,) or (m, k) array)    ``light`` of the deposits is to be set; the second tells what was given of them.
     """
     amount = photometric(sampler, spectral, wavelengths)
     parts = None
@@ -265,4 +266,4 @@ def fetch_deposits(end: dict, amount, wavelengths, parts, light) -> tuple[Deposi
     arrays = {name: _fetch(column, chosen) for name, column in columns.items()}
     arrays["flux"] = arrays["flux"].astype(np.float64)
     told = _fetch(light, chosen)
-    return Deposits(**arrays, light=told), told
+    return Deposits(**arrays, light=np.zeros(len(chosen), np.uint32)), told

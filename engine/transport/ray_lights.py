@@ -4,14 +4,19 @@ By the rule of photometry a source may be taken for a point from five times its 
 is right within a hundredth (`RayEmission.near`). Light that lands straight within that distance of the source's centre is
 traced from the source, and next-event leaves it out there; farther away next-event sees a point with the distribution of
 intensity. Light that glass or a curved mirror bends is traced however far it goes.
-Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere.
+Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere. Tracing costs more than
+next-event by far, so of near light only that is traced without which all of a light's would be wrong by more than
+`POINT_ERROR`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
 """
+
+from dataclasses import replace
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from ..arrays import table_size, upload
+from ..scene.ray_emission import RayEmission
 from ..scene.scene import content_digest
 from .landing import Deposits, fetch_deposits, follow, gather_deposits
 from .ray_source import RaySource
@@ -30,8 +35,14 @@ PILOT_SEED = 0x3B1D
 LEAST_SHARE = 1e-3
 """Share of a light's flux below which tracing it does not pay."""
 
+POINT_ERROR = 0.005
+"""Error of a light by what is left to next-event within its near distance, as root mean square over its flux. [-]"""
+
 FLOOR = 0.3
 """Share of the paths that follow the flux; the rest follows what landed."""
+
+PATHS = 2.0
+"""Paths for every one that ideal lights get: what is left to chance is all direct light near them, not a few caustics."""
 
 SALT = 0x51F7
 """Sets these paths apart from others of the same seed."""
@@ -50,6 +61,7 @@ class RayLights:
     ----------
     sources : list of Source    Those that are traced.
     shares : dict of int to float    Share of the flux of all lights from ray sets, by palette row, that lands near or bent.
+    limits : dict of int to float    Distance below which their light is traced, likewise. [m]
     is_needed : bool    Whether anything is traced.
     reason : str    Why, for people.
     """
@@ -70,10 +82,12 @@ class RayLights:
                 known[key] = _Cloud(RaySource(source.luminaire.rays))
             known[key].sources.append(source)
         self._clouds = list(known.values())
-        for cloud in self._clouds:
-            cloud.upload(scene, [1.0] * len(cloud.sources))
-        self._palette = scene.lights.palette if found else None
         self.shares: dict[int, float] = {}
+        self.limits: dict[int, float] = {}
+        for cloud in self._clouds:
+            near = [source.luminaire.rays.near for source in cloud.sources]
+            cloud.upload(scene, [1.0] * len(cloud.sources), near)
+        self._palette = scene.lights.palette if found else None
         self.sources = []
         if found:
             self._learn()
@@ -88,15 +102,21 @@ class RayLights:
                 f"{'s' if more else ''} lands near them or bent, and is traced from there"
             )
 
+    def limit_of(self, source) -> float:
+        """Distance from a light below which its light is traced; 0 for lights that are not. [m]"""
+        if source.luminaire is None or source.luminaire.rays is None:
+            return 0.0
+        return self.limits.get(self._scene.lights.row_of(source), 0.0)
+
     def trace(self, count: int, seed: int, index: int = 0) -> list[Deposits]:
         """Trace as many paths in all; fluxes of deposits are ``count`` times their share of the estimate. [lm]"""
         made = []
-        for number, (cloud, width) in enumerate(zip(self._clouds, self._split(count), strict=True)):
+        split = self._split(round(count * PATHS))
+        for number, (cloud, width) in enumerate(zip(self._clouds, split, strict=True)):
             for first in range(0, width, LANES):
                 lanes = min(LANES, width - first)
                 salted = (seed + SALT * (number + 1)) & 0xFFFFFFFF
-                found, _ = self._launch(cloud, lanes, salted, index + first, count / width)
-                made.append(found)
+                made.append(self._launch(cloud, lanes, salted, index + first, count / width)[0])
         return made
 
     def close(self) -> None:
@@ -115,29 +135,37 @@ class RayLights:
 
     def _learn(self) -> None:
         """See what lands of every light, choose those that are traced, and have next-event leave that out."""
-        rows, limits = self._scene.lights.row_of, np.zeros(self._palette.count)
+        row_of, limits = self._scene.lights.row_of, np.zeros(self._palette.count)
         for cloud in self._clouds:
             lanes = PILOT * (1 << min((len(cloud.sources) - 1).bit_length(), 5))
-            made, who = self._launch(cloud, lanes, PILOT_SEED, 0, 1.0, is_pilot=True)
-            flux = np.array([source.flux for source in cloud.sources])
-            sums = np.bincount(who, made.flux, len(flux)) / lanes
-            squares = np.bincount(who, made.flux**2, len(flux)) / lanes
-            share = sums / np.maximum(flux, 1e-30)
-            weights = np.zeros(len(flux))
+            made, who, distance = self._launch(cloud, lanes, PILOT_SEED, 0, 1.0)
+            weights, near = np.zeros(len(cloud.sources)), np.zeros(len(cloud.sources))
             for i, source in enumerate(cloud.sources):
-                self.shares[rows(source)] = float(share[i])
-                if share[i] > LEAST_SHARE:
+                own = who == i
+                landed, way = made.flux[own] / lanes, distance[own]
+                near[i] = choose_limit(source.luminaire.rays, landed / source.flux, way)
+                # Bent light is traced in any case.
+                landed = landed[(way < near[i]) | (way < 0.0)]
+                share = float(landed.sum()) / source.flux
+                self.shares[row_of(source)] = share
+                if share > LEAST_SHARE:
                     self.sources.append(source)
-                    limits[rows(source)] = source.luminaire.rays.near
-                    best = np.sqrt(squares[i] / len(flux))
-                    weights[i] = FLOOR * source.flux * share[i] + (1.0 - FLOOR) * best
+                    self.limits[row_of(source)] = limits[row_of(source)] = near[i]
+                    best = np.sqrt((landed**2).sum() * lanes / len(cloud.sources))
+                    weights[i] = FLOOR * source.flux * share + (1.0 - FLOOR) * best
             cloud.weight = float(weights.sum())
             if cloud.weight > 0.0:
-                cloud.upload(self._scene, weights)
+                cloud.upload(self._scene, weights, near)
         self._palette.set_limits(limits)
 
-    def _launch(self, cloud: "_Cloud", width, seed, index, over, is_pilot=False):
-        """Run one kernel. ``over``: what fluxes are multiplied by; a pilot gives every light its limit."""
+    def _launch(self, cloud: "_Cloud", width, seed, index, over):
+        """Run one kernel. ``over``: what fluxes are multiplied by.
+
+        Returns
+        -------
+        (Deposits, (m,) array, (m,) array)    Also the place of each one's light in the cloud, and the distance of where it
+            landed from the light's centre, -1 after a bend. [m]
+        """
         lane = dr.arange(mi.UInt32, width) + dr.opaque(mi.UInt32, int(index) & 0xFFFFFFFF)
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
         stream = random_stream(lane, seed)
@@ -154,28 +182,52 @@ class RayLights:
         ray = mi.Ray3f(mi.Point3f(centre + from_centre + towards * lift), towards)
         if wavelengths is not None:
             ray.wavelengths = wavelengths
-        limit = cloud.limit
+        limit = cloud.limit(who)
 
         def counts_straight(length):
             return dr.norm(from_centre + towards * length) < limit
 
         end = follow(self._scene, ray, stream, weight > 0.0, counts_straight)
         factor = weight * dr.opaque(mi.Float, float(over)) / chance
-        light = mi.UInt32(who)
+        distance = dr.norm(from_centre + towards * end["length"])
+        told = [mi.Float(who), dr.select(end["bends"] > 0, -1.0, distance)]
         if own is None or self._sampler is None:
             spectral = self._palette.spectrum(row, wavelengths, True) * factor * end["throughput"]
-            made, told = gather_deposits(end, self._sampler, spectral, wavelengths, light)
+            made, told = gather_deposits(end, self._sampler, spectral, wavelengths, told)
         else:
             # A ray with a wavelength of its own carries lumens of that one.
             share = cloud.flux(who) * factor * end["throughput"]
-            amount = share[0]
-            parts = [0.25 * amount] * 4
-            made, told = fetch_deposits(end, amount, wavelengths, parts, light)
-        return made, told
+            parts = [0.25 * share[0]] * 4
+            made, told = fetch_deposits(end, share[0], wavelengths, parts, told)
+        number = told[:, 0].astype(np.uint32)
+        return replace(made, light=number + np.uint32(self._first)), number, told[:, 1]
+
+
+def choose_limit(rays: RayEmission, shares: np.ndarray, distances: np.ndarray) -> float:
+    """Choose the distance below which light is traced, so that the rest is right within `POINT_ERROR`.
+
+    Parameters
+    ----------
+    rays : RayEmission
+    shares : (n,) array    Of the light's flux, that landed within the near distance. [-]
+    distances : (n,) array    Where it landed, from the light's centre; below 0 what was bent. [m]
+
+    Returns
+    -------
+    float    At most the near distance. [m]
+    """
+    straight = distances >= 0.0
+    order = np.argsort(-distances[straight])
+    far = distances[straight][order]
+    squares = np.cumsum(shares[straight][order] * rays.point_errors(far) ** 2)
+    spared = int(np.searchsorted(squares, POINT_ERROR**2, side="right"))
+    if spared == len(far):
+        return 0.0
+    return float(min(far[spared] * (1.0 + 1e-6), rays.near))
 
 
 class _Cloud:
-    """Lights that share a ray set. Rows of its table: nine numbers of the axes, the centre, the flux, the palette's row."""
+    """Lights that share a ray set. Rows of its table: nine numbers of the axes, the centre, the flux, the limit."""
 
     COLUMNS = 14
 
@@ -183,22 +235,21 @@ class _Cloud:
         self.rays = rays
         self.sources = []
         self.weight = 0.0
-        self.limit = dr.opaque(mi.Float, float(rays.emission.near))
 
-    def upload(self, scene, weights) -> None:
-        """Set how often each light is chosen, up to a factor."""
+    def upload(self, scene, weights, limits) -> None:
+        """Set how often each light is chosen, up to a factor, and the distances below which its light is traced. [m]"""
         share = np.asarray(weights, dtype=np.float64)
         share = share / share.sum()
         # Of a length that is a power of two, since kernels have it in them.
-        limits, chances = np.full((2, table_size(len(share))), 2.0)
+        steps, chances = np.full((2, table_size(len(share))), 2.0)
         last = np.flatnonzero(share)[-1]
-        limits[:last] = np.cumsum(share)[:last]
+        steps[:last] = np.cumsum(share)[:last]
         chances[: len(share)] = np.maximum(share, 1e-9)
-        self._cdf, self._share = upload(mi.Float, limits), upload(mi.Float, chances)
+        self._cdf, self._share = upload(mi.Float, steps), upload(mi.Float, chances)
         rows = np.zeros((len(share), self.COLUMNS))
-        for line, source in zip(rows, self.sources, strict=True):
+        for line, source, limit in zip(rows, self.sources, limits, strict=True):
             line[:9] = source.luminaire.rotation.T.ravel()
-            line[9:12], line[12] = source.luminaire.centre, source.flux
+            line[9:12], line[12:] = source.luminaire.centre, (source.flux, limit)
         self._rows = upload(mi.Float, rows)
         self._palette_rows = upload(mi.UInt32, [scene.lights.row_of(s) for s in self.sources])
         dr.eval(self._cdf, self._share, self._rows, self._palette_rows)
@@ -221,6 +272,10 @@ class _Cloud:
     def flux(self, who):
         """Flux of the light. [lm]"""
         return dr.gather(mi.Float, self._rows, who * self.COLUMNS + 12)
+
+    def limit(self, who):
+        """Distance from the light below which its light counts. [m]"""
+        return dr.gather(mi.Float, self._rows, who * self.COLUMNS + 13)
 
     def row(self, who):
         """Row of the light in the palette."""

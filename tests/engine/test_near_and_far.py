@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from lumenray.benchmarks.ray_sources import RADIUS, disk, even_numbers, numbers, sphere
-from lumenray.engine.analysis.explanation import explain_rays, point_error
+from lumenray.engine.analysis.explanation import explain_rays
 from lumenray.engine.raysets.beam_cells import BeamCells
 from lumenray.engine.raysets.cloud import Drawn
 from lumenray.engine.raysets.emission import FAR, NEAR, far_errors, find_focus, near_distance
@@ -166,4 +166,4 @@ def test_a_scene_is_explained_object_by_object():
     # On the line through the logarithms: 0.1 at 0.1 m, 0.001 at 1 m.
     assert first.point_error == pytest.approx(0.1 * (0.2 / 0.1) ** -2)
     assert second.error == second.point_error == pytest.approx(0.001)
-    assert point_error(rays, 0.01) == pytest.approx(0.1)
+    assert float(rays.point_errors(0.01)) == pytest.approx(0.1)
