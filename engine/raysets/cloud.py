@@ -27,7 +27,7 @@ from .symmetry import Axis, find_axis
 MOST_HELD = 1 << 22
 """Rays that are held at most; of larger files a selection by chance is. About 39 bytes each."""
 
-SHARES = (0.01, 0.03, 0.1, 0.3)
+SHARES = (0.01, 0.03, 0.12, 0.42)
 """Shares of all rays that may be neighbours of one, for `REFERENCE_COUNT` rays. [-]"""
 
 REFERENCE_COUNT = 8192
@@ -260,7 +260,7 @@ def choose_share(
     if fluctuation.share is not None:
         shares = (fluctuation.share,)
     else:
-        shares = tuple(share * scale for share in SHARES if share * scale < 0.5) or (0.5,)
+        shares = tuple(share * scale for share in SHARES if share * scale < 0.75) or (0.5,)
     asked = _take(rays, order)
     spheres = [
         (
