@@ -464,7 +464,7 @@ def _prepare(options) -> int:
     for path in options.files:
         try:
             with _Bar(str(path)) as bar:
-                light = obtain_light(path, wish, True, bar)
+                light = obtain_light(path, wish, is_kept=True, progress=bar)
         except LumenrayError as error:
             rows.append({"file": str(path), "error": str(error)})
             failed = 1

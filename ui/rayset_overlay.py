@@ -1,5 +1,7 @@
 """Ray sets in the 3D view: where their light starts, as a cloud of points, and a few of their rays."""
 
+from weakref import WeakKeyDictionary
+
 import bpy
 import gpu
 import numpy as np
@@ -8,8 +10,10 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender_addon import rayset_readout
+from ..blender_addon.luminaires.pose import pose_of
 from ..blender_addon.raysets.cloud_drawing import make_points, make_rays
 from ..blender_addon.sync.units import metres_per_unit
+from ..engine.errors import SceneError
 
 POINT_COLOUR = (1.0, 0.62, 0.2, 0.9)
 RAY_COLOUR = (1.0, 0.86, 0.48, 0.75)
@@ -19,10 +23,8 @@ FADED = (1.0, 0.86, 0.48, 0.0)
 POINT_SIZE, LINE_WIDTH = 2.0, 1.2
 """[pixel]"""
 
-KEPT_SHAPES = 64
-"""Ray sets whose geometry is kept."""
-
-_batches: dict = {}
+_batches = WeakKeyDictionary()
+"""Geometry on the graphics card, for as long as the prepared light is kept."""
 
 
 def draw() -> None:
@@ -38,47 +40,59 @@ def draw() -> None:
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.depth_mask_set(False)
     gpu.state.blend_set("ALPHA")
-    gpu.state.point_size_set(POINT_SIZE * context.preferences.system.pixel_size)
+    try:
+        for thing, light in shown:
+            _draw_light(context, thing, light)
+    finally:
+        gpu.state.point_size_set(1.0)
+        gpu.state.depth_test_set(before[0])
+        gpu.state.depth_mask_set(before[1])
+        gpu.state.blend_set(before[2])
+
+
+def _draw_light(context, thing, light) -> None:
     metres = metres_per_unit(context.scene)
-    for thing, light in shown:
-        points, rays = _shape(light)
-        # Size as in the file, whatever the object's scale.
-        place = thing.matrix_world.normalized() @ Matrix.Scale(1.0 / metres, 4)
-        with gpu.matrix.push_pop():
-            gpu.matrix.multiply_matrix(place)
-            shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-            shader.uniform_float("color", POINT_COLOUR)
-            points.draw(shader)
-            shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
-            shader.uniform_float("viewportSize", (context.region.width, context.region.height))
-            shader.uniform_float("lineWidth", LINE_WIDTH * context.preferences.system.pixel_size)
-            rays.draw(shader)
-    gpu.state.point_size_set(1.0)
-    gpu.state.depth_test_set(before[0])
-    gpu.state.depth_mask_set(before[1])
-    gpu.state.blend_set(before[2])
+    try:
+        # As the engine places it: size as in the file, whatever the object's scale.
+        place = Matrix(pose_of(thing.matrix_world, metres).frame)
+    except SceneError:
+        return
+    place.translation = thing.matrix_world.translation
+    points, rays = _shape(light)
+    pixel = context.preferences.system.pixel_size
+    with gpu.matrix.push_pop():
+        gpu.matrix.multiply_matrix(place @ Matrix.Scale(1.0 / metres, 4))
+        shader, has_size = _point_shader()
+        shader.uniform_float("color", POINT_COLOUR)
+        if has_size:
+            shader.uniform_float("size", POINT_SIZE * pixel)
+        gpu.state.point_size_set(POINT_SIZE * pixel)
+        points.draw(shader)
+        shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
+        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+        shader.uniform_float("lineWidth", LINE_WIDTH * pixel)
+        rays.draw(shader)
+
+
+def _point_shader():
+    """Shader of points, and whether it takes their size: Metal and Vulkan ask for that, older Blenders have none such."""
+    try:
+        return gpu.shader.from_builtin("POINT_UNIFORM_COLOR"), True
+    except ValueError:
+        return gpu.shader.from_builtin("UNIFORM_COLOR"), False
 
 
 def _shape(light):
     """Batches of points and rays of a light. [m]"""
-    key = id(light)
-    kept = _batches.get(key)
-    # The light is kept beside its batches, so that its id stays its own.
+    kept = _batches.get(light)
     if kept is None:
-        while len(_batches) >= KEPT_SHAPES:
-            _batches.pop(next(iter(_batches)))
         ends = make_rays(light)
         colours = np.tile([RAY_COLOUR, FADED], (len(ends) // 2, 1)).astype(np.float32)
-        points = batch_for_shader(
-            gpu.shader.from_builtin("UNIFORM_COLOR"), "POINTS", {"pos": make_points(light)}
-        )
-        rays = batch_for_shader(
-            gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR"),
-            "LINES",
-            {"pos": ends, "color": colours},
-        )
-        kept = _batches[key] = (light, points, rays)
-    return kept[1:]
+        points = batch_for_shader(_point_shader()[0], "POINTS", {"pos": make_points(light)})
+        shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
+        rays = batch_for_shader(shader, "LINES", {"pos": ends, "color": colours})
+        kept = _batches[light] = (points, rays)
+    return kept
 
 
 @persistent

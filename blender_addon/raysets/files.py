@@ -7,12 +7,11 @@ bake waits for it.
 import threading
 from collections import OrderedDict
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from pathlib import Path
 
-from ...engine.errors import Cancelled, FileFormatError, LumenrayError
+from ...engine.errors import Cancelled, LumenrayError
 from ...engine.raysets.cloud import Fluctuation
 from ...engine.raysets.emission import RayLight, Wish
-from ...engine.raysets.index import obtain_light
+from ...engine.raysets.index import obtain_light, save_light, state_of
 from ...engine.raysets.record import LUMINOUS, RADIANT
 from ...engine.raysets.text import Assumed
 from .settings import absolute_path
@@ -57,6 +56,9 @@ class _Shelf:
     def __init__(self):
         self._lock = threading.Lock()
         self._jobs: OrderedDict[tuple, _Job] = OrderedDict()
+        # What each light asked for last: what no light asks for any more is not gone on with.
+        self._wanted: dict[int, tuple] = {}
+        self._fresh: set[str] = set()
         self._pool: ThreadPoolExecutor | None = None
 
     def job(self, settings) -> _Job:
@@ -65,23 +67,28 @@ class _Shelf:
         if not path:
             raise NoRayFileError("no ray file is chosen")
         wish = wish_of(settings)
-        try:
-            found = Path(path).stat()
-        except (OSError, ValueError) as error:
-            text = getattr(error, "strerror", None) or str(error)
-            raise FileFormatError(path, f"cannot be opened ({text})") from None
-        key = (path, found.st_size, found.st_mtime_ns, wish)
+        state = state_of(path, wish)
+        key = (path, state[1], state[2], wish)
+        owner = settings.id_data.original.session_uid
         with self._lock:
-            if key in self._jobs:
-                self._jobs.move_to_end(key)
-                return self._jobs[key]
-            job = self._jobs[key] = _Job()
-            if self._pool is None:
-                self._pool = ThreadPoolExecutor(1, thread_name_prefix="lumenray-rays")
-            job.future = self._pool.submit(_prepare, job, path, wish, settings.keep_index)
-            while len(self._jobs) > KEPT:
-                self._jobs.popitem(last=False)[1].stop.set()
-        watch(self.is_busy, lambda: len(self.finished()))
+            before = self._wanted.get(owner)
+            self._wanted[owner] = key
+            if before is not None and before != key and before not in self._wanted.values():
+                self._stop(before)
+            job = self._jobs.get(key)
+            if job is None:
+                job = self._jobs[key] = _Job()
+                is_fresh = path in self._fresh
+                self._fresh.discard(path)
+                if self._pool is None:
+                    self._pool = ThreadPoolExecutor(1, thread_name_prefix="lumenray-rays")
+                job.future = self._pool.submit(
+                    _prepare, job, path, wish, settings.keep_index, is_fresh
+                )
+                self._trim()
+            self._jobs.move_to_end(key)
+        if not job.is_told:
+            watch(self.is_busy, lambda: len(self.finished()))
         return job
 
     def is_busy(self) -> bool:
@@ -97,22 +104,59 @@ class _Shelf:
                 job.is_told = True
             return found
 
+    def keep(self, settings) -> None:
+        """Write the index of a file that is ready."""
+        path, wish = absolute_path(settings), wish_of(settings)
+        with self._lock:
+            found = [j for k, j in self._jobs.items() if k[0] == path and k[3] == wish]
+            ready = [j for j in found if j.future.done() and j.future.exception() is None]
+        if ready:
+            save_light(path, ready[-1].future.result(), wish)
+
+    def forget(self, path: str) -> None:
+        """Prepare a file anew when it is asked for next; who waits for it gets what is under way."""
+        with self._lock:
+            self._fresh.add(path)
+            for key in [key for key in self._jobs if key[0] == path]:
+                del self._jobs[key]
+
     def clear(self) -> None:
         """Forget all, and stop what is under way."""
         with self._lock:
             for job in self._jobs.values():
                 job.stop.set()
             self._jobs.clear()
+            self._wanted.clear()
             if self._pool is not None:
                 self._pool.shutdown(wait=False, cancel_futures=True)
                 self._pool = None
 
+    def _stop(self, key: tuple) -> None:
+        job = self._jobs.get(key)
+        if job is not None and not job.future.done():
+            job.stop.set()
+            del self._jobs[key]
 
-def _prepare(job: _Job, path: str, wish: Wish, is_kept: bool) -> RayLight:
+    def _trim(self) -> None:
+        """Let go of the oldest that are done; those under way are never many."""
+        done = [key for key, job in self._jobs.items() if job.future.done()]
+        for key in done[: max(len(self._jobs) - KEPT, 0)]:
+            del self._jobs[key]
+
+
+def _prepare(job: _Job, path: str, wish: Wish, is_kept: bool, is_fresh: bool) -> RayLight:
     def progress(share: float) -> None:
         job.share = share
 
-    return obtain_light(path, wish, is_kept, progress, job.stop.is_set)
+    try:
+        return obtain_light(path, wish, is_kept, is_fresh, progress, job.stop.is_set)
+    except LumenrayError:
+        raise
+    except Exception as error:
+        # Whoever asks for the light shows the sentence; a panel or a view must not fail of it.
+        raise LumenrayError(
+            f"its rays cannot be prepared ({type(error).__name__}: {error})"
+        ) from error
 
 
 _shelf = _Shelf()
@@ -155,8 +199,18 @@ def share_of(settings) -> float | None:
 
 
 def forget(settings) -> None:
-    """Prepare everything anew when it is asked for."""
-    _shelf.clear()
+    """Prepare the file of settings anew when it is asked for next."""
+    _shelf.forget(absolute_path(settings))
+
+
+def keep(settings) -> None:
+    """Write what is known of the file of settings beside it.
+
+    Raises
+    ------
+    FileFormatError    It cannot be written.
+    """
+    _shelf.keep(settings)
 
 
 def detach() -> None:

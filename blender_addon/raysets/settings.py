@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from ...engine.errors import LumenrayError
 from ..shared_settings import PATH_OPTIONS, tag_owner
 
 LIGHT_TYPES = ("POINT", "SPOT", "AREA")
@@ -31,6 +32,22 @@ UNITS = [
     ("m", "m", "Metres", 2),
     ("inch", "in", "Inches", 3),
 ]
+
+
+def _keep(self, context):
+    """What is ready already is written at once."""
+    from . import files
+
+    if not (self.keep_index and self.filepath):
+        return
+    try:
+        files.keep(self)
+    except LumenrayError as error:
+        text = str(error)
+        self.keep_index = False
+        context.window_manager.popup_menu(
+            lambda menu, _: menu.layout.label(text=text), title="Not kept", icon="ERROR"
+        )
 
 
 class LumenrayRaysetSettings(PropertyGroup):
@@ -136,6 +153,7 @@ class LumenrayRaysetSettings(PropertyGroup):
             "not be found out again"
         ),
         default=False,
+        update=_keep,
     )
     show_rays: BoolProperty(
         name="Show rays",

@@ -1,9 +1,19 @@
 """Tells Blender of rays that become ready in the background: panels and views are drawn anew, and lights join."""
 
+from dataclasses import dataclass
+
 import bpy
 
 TICK = 0.25
 """Between two looks. [s]"""
+
+
+@dataclass
+class _State:
+    is_watching: bool = False
+
+
+_state = _State()
 
 
 def watch(is_busy, take_finished) -> None:
@@ -14,8 +24,9 @@ def watch(is_busy, take_finished) -> None:
     is_busy : callable    Whether something is under way.
     take_finished : callable    How much came to an end since it was asked last.
     """
-    if bpy.app.background:
+    if bpy.app.background or _state.is_watching:
         return
+    _state.is_watching = True
 
     def look():
         # Asked first, so that what ends meanwhile is told by one more look.
@@ -28,6 +39,8 @@ def watch(is_busy, take_finished) -> None:
             for area in window.screen.areas:
                 if area.type in {"PROPERTIES", "VIEW_3D"}:
                     area.tag_redraw()
+        _state.is_watching = goes_on
         return TICK if goes_on else None
 
-    bpy.app.timers.register(look, first_interval=TICK)
+    # Persistent: loading a file does not end what is under way.
+    bpy.app.timers.register(look, first_interval=TICK, persistent=True)

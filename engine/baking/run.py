@@ -293,9 +293,15 @@ class Bake:
         tracer = finder = None
         if self.order.caustics != "off":
             tracer = LightTracer(compiled)
+            if not tracer.is_needed and tracer.rays.is_kept_point:
+                self._decisions.append(tracer.reason)
             if tracer.is_needed:
                 keys, meshes = [item.key for item in items], [item.mesh for item in items]
-                finder = LumelFinder(compiled, keys, meshes, atlas, table)
+                try:
+                    finder = LumelFinder(compiled, keys, meshes, atlas, table)
+                except BaseException:
+                    tracer.close()
+                    raise
                 self._decisions.append(tracer.reason)
                 self._found |= set(compiled.unfound)
             else:
@@ -310,7 +316,13 @@ class Bake:
                     )
         # Errors of layers add up as those of independent estimates.
         seed = self.order.seed + LAYER_SEEDS * layer
-        return LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, finder)
+        try:
+            return LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, finder)
+        except BaseException:
+            # What is traced of ray sets is missing from next-event until then.
+            if tracer is not None:
+                tracer.close()
+            raise
 
     def _run_layers(self, compiled, table, items, atlas) -> list[tuple[str, LayerState]]:
         """States of all layers by name; a single one without a name where no groups are asked for."""

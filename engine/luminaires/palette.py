@@ -144,9 +144,9 @@ class LuminairePalette:
         )
         self._reach = upload(mi.Float, reach if len(rows) else [0.0])
         self.has_narrow = bool(reach.any())
-        bodies = [0.0 if row.rays is None else row.rays.radius for row in rows]
-        self.has_rays = any(bodies)
-        self._bodies = upload(mi.Float, bodies or [0.0])
+        self.has_rays = any(row.rays is not None for row in rows)
+        bodies = [np.zeros(3) if row.rays is None else row.rays.half for row in rows]
+        self._bodies = upload(mi.Float, bodies or [np.zeros(3)])
         self.set_limits(np.zeros(len(rows)))
 
     def set_limits(self, limits: np.ndarray) -> None:
@@ -270,11 +270,13 @@ class LuminairePalette:
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
     def _start_at_body(self, row, ds, active) -> None:
-        """Let light of a ray set come from the sphere around its starting points: what lies within shades nothing."""
-        radius = dr.gather(mi.Float, self._bodies, row, active)
-        begins = active & (ds.dist > radius)
-        ds.p = dr.select(begins, ds.p - ds.d * radius, ds.p)
-        ds.dist = dr.select(begins, ds.dist - radius, ds.dist)
+        """Let light of a ray set come from the box around its starting points: what lies within shades nothing."""
+        half = dr.gather(mi.Vector3f, self._bodies, row, active)
+        local = dr.abs(self._to_local(row, 3, ds.d, active))
+        way = dr.min(half / dr.maximum(local, 1e-6))
+        begins = active & (ds.dist > way)
+        ds.p = dr.select(begins, ds.p - ds.d * way, ds.p)
+        ds.dist = dr.select(begins, ds.dist - way, ds.dist)
 
     def _compare(self, row, number, half, q, sample, beam, active, first):
         """Draw the rest of the candidates of near receivers and keep one. ``first``: place, density, value of the first."""

@@ -295,6 +295,8 @@ def choose_share(
     far = slice(-BANDS * SECTORS, None)
     error = 0.5 * np.sqrt(((first[far] - second[far]) ** 2).mean())
     mean = np.sqrt(((0.5 * (first[far] + second[far])) ** 2).mean())
+    # Of large sets a part was compared.
+    error *= np.sqrt(len(order) / len(rays))
     share = shares[best] * (1.0 if fluctuation.share else np.sqrt(len(halves[0]) / len(rays)))
     return float(np.clip(share, 1e-6, 1.0)), float(error / max(mean, 1e-30))
 

@@ -49,7 +49,7 @@ FOCUS_PRIOR = 1e-3
 """Weight of the middle of the starting points beside the rays. [-]"""
 
 SPARE = 1e-6
-"""Share of the size by which the sphere around the points is larger than needed. [-]"""
+"""Share of the size by which the box around the points is larger than needed. [-]"""
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def prepare_light(
     distribution = _reduce(pieces, flux or 1.0)
     centre = find_focus(held)
     distances = np.array(FAR) * cloud.size
-    errors = far_errors(pieces, centre, distances)
+    errors = settle_errors(distances, far_errors(pieces, centre, distances))
     told(1.0)
     return RayLight(
         replace(
@@ -178,7 +178,7 @@ def make_emission(
         mean_weight=float(direction_weight(drawn.direction, cloud.moments).mean()),
         size=cloud.size,
         near=NEAR * cloud.size,
-        radius=float(np.linalg.norm(drawn.position - centre, axis=1).max() * (1.0 + SPARE)),
+        half=np.abs(drawn.position - centre).max(axis=0) + SPARE * cloud.size,
         information_error=cloud.information_error if np.isfinite(cloud.information_error) else 1.0,
         far_distances=np.asarray(distances, dtype=np.float64),
         far_errors=np.asarray(errors, dtype=np.float64),
@@ -210,10 +210,7 @@ def near_distance(distances: np.ndarray, errors: np.ndarray) -> float:
     It is five times the size, or farther out the first distance with a small error, on lines through the logarithms.
     """
     first = FAR.index(NEAR)
-    distances, errors = distances[first:], np.array(errors[first:], dtype=np.float64)
-    # From afar errors fall with the square of the distance; smaller ones are chance.
-    for i in range(1, len(errors)):
-        errors[i] = max(errors[i], errors[i - 1] * (distances[i - 1] / distances[i]) ** 2)
+    distances, errors = distances[first:], settle_errors(distances[first:], errors[first:])
     small = np.flatnonzero(errors <= POINT_ERROR)
     if not len(small):
         return float(distances[-1])
@@ -223,6 +220,14 @@ def near_distance(distances: np.ndarray, errors: np.ndarray) -> float:
     pair = slice(last - 1, last + 1)
     rate = np.log(errors[pair][0] / POINT_ERROR) / np.log(errors[pair][0] / errors[pair][1])
     return float(distances[pair][0] * (distances[pair][1] / distances[pair][0]) ** rate)
+
+
+def settle_errors(distances: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Errors of a point that fall no faster than with the square of the distance; smaller ones are chance. (k,), (k,)"""
+    settled = np.array(errors, dtype=np.float64)
+    for i in range(1, len(settled)):
+        settled[i] = max(settled[i], settled[i - 1] * (distances[i - 1] / distances[i]) ** 2)
+    return settled
 
 
 def far_errors(pieces: list[Drawn], centre: np.ndarray, distances: np.ndarray) -> np.ndarray:

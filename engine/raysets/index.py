@@ -26,11 +26,14 @@ from .emission import HELD, RayLight, Wish, prepare_light
 SUFFIX = ".prepared"
 """Of the index, after the whole name of the ray file."""
 
-VERSION = 1
+VERSION = 2
 """Of what is prepared and how it is written; another one is out of date."""
 
 LARGEST = 1 << 26
 """Most bytes that all arrays of an index may have together."""
+
+KINDS = tuple(np.dtype(kind) for kind in ("<f4", "<f8", "<u4"))
+"""Numbers that arrays may hold."""
 
 _DAMAGE = (
     zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, IndexError, TypeError, AttributeError,
@@ -47,9 +50,10 @@ _EMISSION = (
     "wavelength",
     "axis",
     "moments",
+    "half",
 )
 _FAR = ("far_distances", "far_errors")
-_NUMBERS = ("mean_weight", "size", "radius", "near", "information_error")
+_NUMBERS = ("mean_weight", "size", "near", "information_error")
 
 
 def index_path(path: str | Path) -> Path:
@@ -58,8 +62,8 @@ def index_path(path: str | Path) -> Path:
     return path.with_name(path.name + SUFFIX)
 
 
-def save_light(path: str | Path, light: RayLight, wish: Wish) -> Path:
-    """Write the index of a ray file; return its path.
+def save_light(path: str | Path, light: RayLight, wish: Wish, key: list | None = None) -> Path:
+    """Write the index of a ray file; return its path. ``key``: `state_of` the file when it was read; None: as it is now.
 
     Raises
     ------
@@ -76,7 +80,7 @@ def save_light(path: str | Path, light: RayLight, wish: Wish) -> Path:
     if light.spectrum is not None:
         arrays["wavelengths"], arrays["powers"] = light.spectrum
     facts = {
-        "key": _key(path, wish),
+        "key": key or state_of(path, wish),
         "numbers": {name: float(getattr(emission, name)) for name in _NUMBERS},
         "body": [body.kind, body.is_one_sided, float(body.radius), light.body],
         "luminous_flux": light.luminous_flux,
@@ -107,9 +111,11 @@ def load_light(path: str | Path, wish: Wish) -> RayLight | None:
     """
     source = index_path(path)
     try:
+        if source.stat().st_size > LARGEST:
+            raise ValueError(f"more than {LARGEST} bytes")
         with zipfile.ZipFile(source) as archive:
             facts, arrays = _read(archive)
-        if facts["key"] != _key(path, wish):
+        if facts["key"] != state_of(path, wish):
             return None
         return _light_of(facts, arrays)
     except FileNotFoundError:
@@ -127,6 +133,7 @@ def obtain_light(
     path: str | Path,
     wish: Wish | None = None,
     is_kept: bool = False,
+    is_fresh: bool = False,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> RayLight:
@@ -136,33 +143,43 @@ def obtain_light(
     ----------
     path : str or Path
     wish, progress, cancelled :    As of `prepare_light`.
-    is_kept : bool    Whether an index is written where there is none of use.
+    is_kept : bool    Whether an index is written where there is none of use; if it cannot be, a remark says so.
+    is_fresh : bool    Whether the rays are prepared even if there is an index.
 
     Raises
     ------
-    FileFormatError    Of the ray file, or its index cannot be written; a damaged index is told and replaced.
+    FileFormatError    Of the ray file; a damaged index is told and replaced.
     Cancelled
     """
     wish = wish or Wish()
     told: tuple[Remark, ...] = ()
     try:
-        known = load_light(path, wish)
+        known = None if is_fresh else load_light(path, wish)
     except FileFormatError as error:
         known, told = None, (Remark(f"{error}; the rays were prepared anew"),)
     if known is not None:
         return known
+    key = state_of(path, wish)
     light = prepare_light(path, wish, progress, cancelled)
     light = replace(light, remarks=(*light.remarks, *told))
     if is_kept:
-        save_light(path, light, wish)
+        try:
+            save_light(path, light, wish, key)
+        except FileFormatError as error:
+            light = replace(light, remarks=(*light.remarks, Remark(f"{error}; it is not kept")))
     return light
 
 
 # ---- private ----
 
 
-def _key(path, wish: Wish) -> list:
-    """What must be the same for an index to be of use."""
+def state_of(path: str | Path, wish: Wish) -> list:
+    """What must be the same for an index to be of use: date and size of the file, and what is asked for.
+
+    Raises
+    ------
+    FileFormatError    There is no such file.
+    """
     try:
         found = Path(path).stat()
     except OSError as error:
@@ -204,27 +221,7 @@ def _light_of(facts: dict, arrays: dict[str, np.ndarray]) -> RayLight:
     count = len(arrays["threshold"])
     if not 1 <= count <= HELD:
         raise ValueError(f"{count} rays")
-    groups = -(-count // GROUP)
-    shapes = {
-        "position": (count, 3), "direction": (count, 3), "factor": (groups, 6, 6), "threshold": (count,),
-        "other": (count,), "wavelength": (count,), "axis": (2, 3), "moments": (9,), "centre": (3,),
-        "body_centre": (3,), "body_normal": (3,),
-    }  # fmt: skip
-    optional = {"wavelength", "axis"}
-    for name, shape in shapes.items():
-        array = arrays.get(name)
-        if array is None and name in optional:
-            continue
-        if arrays[name].shape != shape:
-            raise ValueError(f"'{name}' has the shape {arrays[name].shape}, expected {shape}")
-    for name, array in arrays.items():
-        if array.dtype.kind not in "fu" or not np.isfinite(array).all():
-            raise ValueError(f"'{name}' holds what is no finite number")
-    slabs = arrays["slabs"]
-    if slabs.ndim != 2 or slabs.shape[1] != 5:
-        raise ValueError(f"'slabs' has the shape {slabs.shape}")
-    if arrays["other"].dtype != np.uint32 or arrays["other"].max() >= count:
-        raise ValueError("'other' names rays that there are not")
+    _check(arrays, count)
     kind, is_one_sided, radius, body_text = facts["body"]
     if kind not in {PLANE, SPHERE, HULL}:
         raise ValueError(f"a body of the kind '{kind}'")
@@ -234,9 +231,11 @@ def _light_of(facts: dict, arrays: dict[str, np.ndarray]) -> RayLight:
         arrays["body_normal"],
         bool(is_one_sided),
         _number(radius),
-        slabs,
+        arrays["slabs"],
     )
     numbers = {name: _number(facts["numbers"][name]) for name in _NUMBERS}
+    if not min(numbers["size"], numbers["mean_weight"]) > 0.0:
+        raise ValueError("a source without a size")
     emission = RayEmission(
         **{name: arrays.get(name) for name in (*_EMISSION, *_FAR)}, body=body, **numbers
     )
@@ -255,6 +254,40 @@ def _light_of(facts: dict, arrays: dict[str, np.ndarray]) -> RayLight:
         str(body_text),
         tuple(Remark(str(text)) for text in facts["remarks"]),
     )
+
+
+def _check(arrays: dict[str, np.ndarray], count: int) -> None:
+    """Refuse arrays that do not fit each other, or hold what is no number."""
+    groups = -(-count // GROUP)
+    shapes = {
+        "position": (count, 3), "direction": (count, 3), "factor": (groups, 6, 6), "threshold": (count,),
+        "other": (count,), "wavelength": (count,), "axis": (2, 3), "moments": (9,), "centre": (3,), "half": (3,),
+        "body_centre": (3,), "body_normal": (3,),
+    }  # fmt: skip
+    optional = {"wavelength", "axis"}
+    for name, shape in shapes.items():
+        array = arrays.get(name)
+        if array is None and name in optional:
+            continue
+        if arrays[name].shape != shape:
+            raise ValueError(f"'{name}' has the shape {arrays[name].shape}, expected {shape}")
+    for name in ("far_distances", "azimuth", "polar", "wavelengths"):
+        grid = arrays.get(name, np.zeros(0))
+        if grid.ndim != 1 or (np.diff(grid) <= 0.0).any():
+            raise ValueError(f"'{name}' does not rise")
+    pairs = (("far_distances", "far_errors"), ("wavelengths", "powers"))
+    if any(arrays.get(a, np.zeros(0)).shape != arrays.get(b, np.zeros(0)).shape for a, b in pairs):
+        raise ValueError("two tables that belong together differ in length")
+    if not (arrays["far_distances"] > 0.0).all():
+        raise ValueError("a distance is not above 0")
+    for name, array in arrays.items():
+        if array.dtype.kind not in "fu" or array.dtype not in KINDS or not np.isfinite(array).all():
+            raise ValueError(f"'{name}' holds what is no finite number")
+    slabs = arrays["slabs"]
+    if slabs.ndim != 2 or slabs.shape[1] != 5:
+        raise ValueError(f"'slabs' has the shape {slabs.shape}")
+    if arrays["other"].dtype != np.uint32 or arrays["other"].max() >= count:
+        raise ValueError("'other' names rays that there are not")
 
 
 def _number(value) -> float:

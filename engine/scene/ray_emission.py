@@ -51,7 +51,7 @@ class RayEmission:
     moments : (9,) float64 array    Coefficients of the weight by direction.
     mean_weight : float    Mean of that weight. [-]
     size : float    Largest extent of the starting points. [m]
-    radius : float    Of a sphere about the centre that holds them. [m]
+    half : (3,) float64 array    Half sides of a box about the centre that holds them. [m]
     near : float    Distance from the centre within which the light is not that of a point. [m]
     information_error : float    Relative error for want of rays, of the light in a cell with a 192nd of it. [-]
     far_distances : (k,) float64 array    Distances from the centre. [m]
@@ -69,7 +69,7 @@ class RayEmission:
     moments: np.ndarray
     mean_weight: float
     size: float
-    radius: float
+    half: np.ndarray
     near: float
     information_error: float
     far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))

@@ -68,13 +68,20 @@ class LightTracer:
             self._sampler = WavelengthSampler(scene.mean_light, "luminance")
         self._bends = bool(self.lights) and targets.tree is not None
         self.rays = RayLights(scene, self._sampler, len(self.lights))
+        try:
+            self._prepare(targets)
+        except BaseException:
+            self.close()
+            raise
+
+    def _prepare(self, targets) -> None:
         self.is_needed = self._bends or self.rays.is_needed
         told = [self.rays.reason] if self.rays.is_needed else []
         if self._bends or not told:
             told.append(_explain(self.lights, targets.names))
         self.reason = "; ".join(told)
         if self._bends:
-            self._rays = EmissionRays(scene, self.lights, targets.tree)
+            self._rays = EmissionRays(self.scene, self.lights, targets.tree)
             self._learn()
 
     def close(self) -> None:

@@ -4,7 +4,9 @@ By the rule of photometry a source may be taken for a point from five times its 
 is right within a hundredth (`RayEmission.near`). Light that lands straight within that distance of the source's centre is
 traced from the source, and next-event leaves it out there; farther away next-event sees a point with the distribution of
 intensity. Light that glass or a curved mirror bends is traced however far it goes.
-Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere. Tracing costs more than
+Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere. So it does for lights that
+have surfaces near that are not matt: what is sent on of traced light is read from cells, which matt surfaces alone have.
+Tracing costs more than
 next-event by far, so of near light only that is traced without which all of a light's would be wrong by more than
 `POINT_ERROR`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
 """
@@ -19,6 +21,7 @@ from ..arrays import table_size, upload
 from ..scene.ray_emission import RayEmission
 from ..scene.scene import content_digest
 from .landing import Deposits, fetch_deposits, follow, gather_deposits
+from .matt import MattTable
 from .ray_source import RaySource
 from .rays import STEP
 from .sampler import random_stream, sobol_pair
@@ -62,6 +65,7 @@ class RayLights:
     sources : list of Source    Those that are traced.
     shares : dict of int to float    Share of the flux of all lights from ray sets, by palette row, that lands near or bent.
     limits : dict of int to float    Distance below which their light is traced, likewise. [m]
+    is_kept_point : bool    Whether some are taken for points for the sake of surfaces near them.
     is_needed : bool    Whether anything is traced.
     reason : str    Why, for people.
     """
@@ -82,6 +86,7 @@ class RayLights:
                 known[key] = _Cloud(RaySource(source.luminaire.rays))
             known[key].sources.append(source)
         self._clouds = list(known.values())
+        self.is_kept_point = False
         self.shares: dict[int, float] = {}
         self.limits: dict[int, float] = {}
         for cloud in self._clouds:
@@ -101,6 +106,9 @@ class RayLights:
                 f"{100.0 * part:.2g} % of the light of {len(self.sources)} ray set"
                 f"{'s' if more else ''} lands near them or bent, and is traced from there"
             )
+        if self.is_kept_point:
+            text = "a ray set lights surfaces close by that are not matt, so it is taken for a point there"
+            self.reason = f"{self.reason}; {text}" if self.reason else text
 
     def limit_of(self, source) -> float:
         """Distance from a light below which its light is traced; 0 for lights that are not. [m]"""
@@ -136,14 +144,20 @@ class RayLights:
     def _learn(self) -> None:
         """See what lands of every light, choose those that are traced, and have next-event leave that out."""
         row_of, limits = self._scene.lights.row_of, np.zeros(self._palette.count)
+        matt = MattTable(self._scene)
         for cloud in self._clouds:
             lanes = PILOT * (1 << min((len(cloud.sources) - 1).bit_length(), 5))
             made, who, distance = self._launch(cloud, lanes, PILOT_SEED, 0, 1.0)
             weights, near = np.zeros(len(cloud.sources)), np.zeros(len(cloud.sources))
+            shiny = matt.passing(made.shape.astype(np.int64), made.cosine) <= 0.0
             for i, source in enumerate(cloud.sources):
                 own = who == i
                 landed, way = made.flux[own] / lanes, distance[own]
                 near[i] = choose_limit(source.luminaire.rays, landed / source.flux, way)
+                lost = landed[shiny[own] & (way >= 0.0) & (way < near[i])].sum()
+                if lost > LEAST_SHARE * source.flux:
+                    # What a surface that is not matt makes of traced light, nothing would find.
+                    near[i], self.is_kept_point = 0.0, True
                 # Bent light is traced in any case.
                 landed = landed[(way < near[i]) | (way < 0.0)]
                 share = float(landed.sum()) / source.flux
@@ -197,8 +211,9 @@ class RayLights:
         else:
             # A ray with a wavelength of its own carries lumens of that one.
             share = cloud.flux(who) * factor * end["throughput"]
-            parts = [0.25 * share[0]] * 4
-            made, told = fetch_deposits(end, share[0], wavelengths, parts, told)
+            # After dispersion all of it is in the first part.
+            parts = [0.25 * share[k] for k in range(4)]
+            made, told = fetch_deposits(end, sum(parts[1:], parts[0]), wavelengths, parts, told)
         number = told[:, 0].astype(np.uint32)
         return replace(made, light=number + np.uint32(self._first)), number, told[:, 1]
 

@@ -139,7 +139,7 @@ def test_a_scene_is_explained_object_by_object():
         moments=np.zeros(9),
         mean_weight=1.0,
         size=0.1,
-        radius=0.05,
+        half=np.full(3, 0.05),
         near=0.5,
         information_error=0.03,
         far_distances=np.array([0.1, 1.0]),

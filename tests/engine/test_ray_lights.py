@@ -19,6 +19,7 @@ from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.material import (
     Cauchy,
     Dielectric,
+    Glossy,
     Material,
     TabulatedPane,
     ThinGlass,
@@ -80,7 +81,8 @@ def test_a_file_becomes_a_light_with_its_flux_and_place():
     made = light_of(disk)
     assert made.luminous_flux == pytest.approx(FLUX, rel=1e-4)
     assert made.emission.size == pytest.approx(SIZE, rel=0.01)
-    assert made.emission.radius == pytest.approx(0.5 * SIZE, rel=0.03)
+    np.testing.assert_allclose(made.emission.half[:2], 0.5 * SIZE, rtol=0.03)
+    assert made.emission.half[2] < 1e-3 * SIZE
     np.testing.assert_allclose(made.centre, 0.0, atol=1e-3)
     # Up in the file is down for a luminaire.
     assert made.emission.direction[:, 2].max() <= 1e-3
@@ -316,3 +318,36 @@ def test_rays_and_an_opening_together_are_refused():
     session = session_of(floor(1.0), BLACK, lamp)
     with pytest.raises(SceneError, match="rays and an opening"):
         session._prepare("auto", False)
+
+
+@pytest.mark.mitsuba
+def test_surfaces_near_by_that_are_not_matt_keep_their_light():
+    """A satin mirror close to the lamp throws its light on the floor: nothing of it may be lost to what is traced."""
+    centre = np.array([0.0, 0.0, 0.4])
+    # It shines up.
+    lamp = lamp_at(centre)
+    turned = lamp.frame.copy()
+    turned[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    lamp = replace(lamp, frame=turned)
+    satin = Material("satin", "satin", Glossy(Constant(0.9), 0.3))
+    ceiling = quad("ceiling", (-0.5, 0.5, 0.6), (1, 0, 0), (0, -1, 0), "satin")
+    items = (floor(0.8), BLACK, satin, ceiling, lamp)
+    means = [
+        bake(items, ("floor",), 1024, density=12.0, margin=1, caustics=way).maps[0].mean
+        for way in ("auto", "off")
+    ]
+    assert means[1] > 10.0
+    assert means[0] == pytest.approx(means[1], rel=0.03)
+
+
+@pytest.mark.mitsuba
+def test_a_long_source_does_not_shine_through_the_ceiling_above_it():
+    """The rays start within a thin bar: what lies beyond the bar shades, though a ball around the bar would reach it."""
+    centre = np.array([0.0, 0.0, 1.0])
+    made = light_of(helix)
+    thin = np.array([0.001, SIZE * 0.5, 0.001])
+    lamp = replace(lamp_at(centre, helix), rays=replace(made.emission, half=thin, near=0.0))
+    ceiling = quad("ceiling", (-1.0, -1.0, 1.0 + 0.2 * SIZE), (2, 0, 0), (0, 2, 0), "black")
+    above = quad("above", (-0.5, 0.5, 2.0), (1, 0, 0), (0, -1, 0), "black")
+    result = bake((above, ceiling, BLACK, lamp), ("above",), 64, density=8.0, caustics="off")
+    assert result.maps[0].maximum == 0.0
