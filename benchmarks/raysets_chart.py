@@ -20,10 +20,10 @@ GREY, INK = "#dddddd", "#222222"
 
 
 class Panels:
-    """Panels side by side with the same logarithmic axes."""
+    """Panels side by side with the same axes. ``across``, ``up``: logarithms of their ends."""
 
-    def __init__(self, titles, low, high, unit: str):
-        self.low, self.high = low, high
+    def __init__(self, titles, across, up, unit: str):
+        self.low, self.high = (across[0], up[0]), (across[1], up[1])
         width = MARGIN[0] + len(titles) * (PANEL[0] + GAP)
         self.size = (width, MARGIN[1] + PANEL[1] + BELOW + LEGEND)
         self.image = Image.new("RGB", tuple(SCALE * v for v in self.size), "white")

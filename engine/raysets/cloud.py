@@ -37,7 +37,10 @@ COMPARED = 1 << 14
 """Rays that the share is chosen with, at most."""
 
 MADE = 1 << 17
-"""Rays that are made for a comparison, and for the moments of directions."""
+"""Rays that are made for a comparison."""
+
+WEIGHED = 1 << 20
+"""Rays that are made, at most, to find the weight by direction of a set: their chance must not show in large sets."""
 
 LEAST_WEIGHT, LARGEST_WEIGHT = 0.25, 4.0
 """Bounds of the weight by direction. [-]"""
@@ -203,8 +206,18 @@ def make_cloud(
     rays = _take(rays, order_rays(rays.position, rays.direction, size))
     if cancelled():
         raise Cancelled("cancelled")
+    weighed = int(np.clip(4 * len(rays), MADE, WEIGHED))
     return _prepare(
-        rays, flux, shape, fluctuation, share, error, seed, lambda s: told(0.3 + 0.7 * s), cancelled
+        rays,
+        flux,
+        shape,
+        fluctuation,
+        share,
+        error,
+        seed,
+        lambda s: told(0.3 + 0.7 * s),
+        cancelled,
+        weighed,
     )
 
 
@@ -328,8 +341,9 @@ def _prepare(
     seed: int,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
+    weighed: int = MADE,
 ) -> RayCloud:
-    """Make the cloud of rays that stand in order."""
+    """Make the cloud of rays that stand in order. ``weighed``: rays that find its weight by direction."""
     size = shape.size
     spread = spread_rays(rays.position, rays.direction, size, share, seed, progress, cancelled)
     spread = _override(spread, rays, fluctuation)
@@ -348,7 +362,7 @@ def _prepare(
         share,
         error,
     )
-    return replace(cloud, moments=_match_moments(cloud, rays, seed))
+    return replace(cloud, moments=_match_moments(cloud, rays, seed, weighed))
 
 
 def _override(spread: Spread, rays: Rays, fluctuation: Fluctuation) -> Spread:
@@ -396,9 +410,9 @@ def alias_table(weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return kept.astype(np.float32), other
 
 
-def _match_moments(cloud: RayCloud, rays: Rays, seed: int) -> np.ndarray:
+def _match_moments(cloud: RayCloud, rays: Rays, seed: int, count: int) -> np.ndarray:
     """Coefficients of the weight by direction that gives all directions the moments that those of the rays have."""
-    basis = direction_basis(cloud.draw(MADE, np.random.default_rng(seed)).direction)
+    basis = direction_basis(cloud.draw(count, np.random.default_rng(seed)).direction)
     weight = rays.weight.astype(np.float64)
     wanted = weight @ direction_basis(rays.direction.astype(np.float64)) / weight.sum()
     values, vectors = np.linalg.eigh(basis.T @ basis / len(basis))
