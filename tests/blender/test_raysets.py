@@ -21,6 +21,7 @@ from lumenray.engine.session import Session
 from lumenray.libraries.raysets import PREFIX
 from lumenray.libraries.raysets.catalogue import ENTRIES
 from mathutils import Euler
+from panels import context, draw, interface
 from ray_files import zemax
 
 FLUX, COUNT = 12.0, 1500
@@ -313,3 +314,27 @@ def test_rays_are_kept_when_that_is_asked_for_afterwards_and_failures_are_told(l
     files.forget(settings)
     made = files.obtain(settings)
     assert any("not kept" in str(remark) for remark in made.remarks)
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_panels_show_the_file_its_figures_and_what_can_be_set(led, own):
+    with interface():
+        lamp = add_lamp()
+        where = context(light=lamp.data, object=lamp)
+        assert "lumenray.load_rayset" in draw("LUMENRAY_PT_rayset", where)
+        settings = rays_of(lamp)
+        settings.filepath, settings.use_file = led, True
+        settings.use_widths = own
+        settings.amount = "LUMENS" if own else "FILE"
+        assert not bpy.types.LUMENRAY_PT_light_photometry.poll(where)
+        assert "filepath" in draw("LUMENRAY_PT_rayset", where)
+        files.obtain(settings)
+        for name in ("LUMENRAY_PT_rayset", "LUMENRAY_PT_active_rayset"):
+            assert "filepath" in draw(name, where)
+        amount = draw("LUMENRAY_PT_rayset_amount", where)
+        assert ("luminous_flux" in amount) is own
+        rays = draw("LUMENRAY_PT_rayset_rays", where)
+        assert ("width_position" in rays) is own
+        assert "symmetry" in rays
+        settings.filepath = led + ".gone"
+        assert draw("LUMENRAY_PT_rayset", where)
