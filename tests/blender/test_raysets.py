@@ -12,7 +12,7 @@ from lumenray.blender_addon.report import ConversionReport, Severity
 from lumenray.blender_addon.sync.lights import convert_light
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
-from lumenray.engine.raysets import emission
+from lumenray.engine.raysets import cloud, emission
 from lumenray.engine.raysets.index import index_path
 from lumenray.engine.scene.light import Luminaire, PointLight
 from lumenray.engine.scene.scene import Scene
@@ -30,8 +30,10 @@ FLUX, COUNT = 12.0, 1500
 @pytest.fixture(autouse=True)
 def _operators(registered, monkeypatch):
     lumenray.register()
-    # Fewer rays tell the intensities: sooner, and well enough for what is asked here.
-    monkeypatch.setattr(emission, "GENERATED", emission.PIECE)
+    # Fewer rays tell intensities and moments: sooner, and well enough for what is asked here.
+    monkeypatch.setattr(emission, "GENERATED", 1 << 17)
+    monkeypatch.setattr(emission, "PIECE", 1 << 17)
+    monkeypatch.setattr(cloud, "MADE", 1 << 14)
     yield
     files.detach()
 

@@ -231,12 +231,10 @@ def test_light_of_few_even_rays_is_right_within_two_percent(name):
     assert np.sqrt(errors.mean()) < 0.02
 
 
-@pytest.mark.parametrize(("name", "bar"), [("disk", 0.03), ("sphere", 0.04), ("helix", 0.04)])
-def test_light_of_few_random_rays_is_smooth(name, bar):
-    """Some 1000 of 10 000 random rays of a sphere meet the plane, so its flux alone is uncertain by three percent."""
-    source, exact = SOURCES[name]
-    errors = _plane_errors(source, exact, numbers, (1,))
-    assert np.sqrt(errors.mean()) < bar
+def test_light_of_few_random_rays_is_smooth():
+    """Some 1000 of 10 000 random rays of the filament meet the plane, so its flux alone is uncertain by three percent."""
+    errors = _plane_errors(*SOURCES["helix"], numbers, (1,))
+    assert np.sqrt(errors.mean()) < 0.04
 
 
 def _plane_errors(source, exact, choose, seeds) -> np.ndarray:

@@ -344,9 +344,9 @@ def test_surfaces_near_by_that_are_not_matt_keep_their_light():
 def test_a_long_source_does_not_shine_through_the_ceiling_above_it():
     """The rays start within a thin bar: what lies beyond the bar shades, though a ball around the bar would reach it."""
     centre = np.array([0.0, 0.0, 1.0])
-    made = light_of(helix)
     thin = np.array([0.001, SIZE * 0.5, 0.001])
-    lamp = replace(lamp_at(centre, helix), rays=replace(made.emission, half=thin, near=0.0))
+    lamp = lamp_at(centre, sphere)
+    lamp = replace(lamp, rays=replace(lamp.rays, half=thin, near=0.0))
     ceiling = quad("ceiling", (-1.0, -1.0, 1.0 + 0.2 * SIZE), (2, 0, 0), (0, 2, 0), "black")
     above = quad("above", (-0.5, 0.5, 2.0), (1, 0, 0), (0, -1, 0), "black")
     result = bake((above, ceiling, BLACK, lamp), ("above",), 64, density=8.0, caustics="off")

@@ -8,12 +8,23 @@ import numpy as np
 import pytest
 from lumenray.benchmarks.ray_sources import disk, even_numbers
 from lumenray.engine.errors import FileFormatError
+from lumenray.engine.raysets import cloud, emission
 from lumenray.engine.raysets.cloud import Fluctuation
 from lumenray.engine.raysets.emission import Wish
 from lumenray.engine.raysets.index import index_path, load_light, obtain_light, save_light
 from ray_files import zemax
 
 PLAIN = Wish()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _sooner():
+    """Fewer rays tell intensities and moments, which do not matter here."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(emission, "GENERATED", 1 << 17)
+        patch.setattr(emission, "PIECE", 1 << 17)
+        patch.setattr(cloud, "MADE", 1 << 14)
+        yield
 
 
 @pytest.fixture(scope="module")
