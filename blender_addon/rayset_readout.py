@@ -6,7 +6,7 @@ from ..engine.errors import LumenrayError
 from ..engine.raysets.emission import RayLight
 from .raysets import files
 from .raysets.convert import luminous_flux
-from .raysets.settings import absolute_path, name_of, rays_of
+from .raysets.settings import LIGHT_TYPES, absolute_path, name_of, rays_of
 
 REMEDY = "Choose another file; until then the light is left out"
 
@@ -72,14 +72,12 @@ def length(metres: float) -> str:
 
 def settings_used(light):
     """Return the settings of a light that shines as a ray file says, None of other lights."""
-    from .raysets.settings import LIGHT_TYPES
-
     settings = light.lumenray.rayset
     return settings if light.type in LIGHT_TYPES and settings.use_file else None
 
 
 def shown_rays(context) -> list:
-    """Objects whose rays a view shows, and their lights that are ready: the selected ones and the active one."""
+    """Visible objects whose rays are to be drawn, each with its prepared light; those that are not ready are left out."""
     found = []
     for thing in context.visible_objects:
         settings = rays_of(thing)

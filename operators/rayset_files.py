@@ -6,6 +6,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ..blender_addon import rayset_readout
+from ..blender_addon.luminaires.files import stored_path
 from ..blender_addon.raysets import files
 from ..blender_addon.raysets.settings import active_rays, name_of, rays_of
 from ..engine.errors import LumenrayError
@@ -34,15 +35,8 @@ class ActiveRays:
 
 
 def choose(settings, path: str) -> None:
-    """Let settings name a file, relative to the .blend file where the user prefers that."""
-    relative = bpy.context.preferences.filepaths.use_relative_paths and bpy.data.filepath
-    if relative and not path.startswith((PREFIX, "//")):
-        try:
-            path = bpy.path.relpath(path)
-        except ValueError:
-            # Another drive of Windows.
-            path = str(path)
-    settings.filepath = path
+    """Let settings name a file: one of ours, or one on disk."""
+    settings.filepath = path if path.startswith((PREFIX, "//")) else stored_path(path)
     settings.use_file = True
 
 
@@ -54,12 +48,6 @@ class LUMENRAY_OT_load_rayset(ActiveRays, bpy.types.Operator):
 
     filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
     filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
-    wait: BoolProperty(
-        name="Wait",
-        description="Prepare the rays before going on, instead of in the background",
-        default=False,
-        options={"SKIP_SAVE"},
-    )
 
     def invoke(self, context, event):
         if self.filepath:
@@ -72,7 +60,7 @@ class LUMENRAY_OT_load_rayset(ActiveRays, bpy.types.Operator):
         before = settings.filepath, settings.use_file
         choose(settings, self.filepath)
         try:
-            light = files.obtain(settings, self.wait or bpy.app.background)
+            light = files.obtain(settings, bpy.app.background)
         except files.NotReadyError:
             self.report({"INFO"}, f"{name_of(settings)}: its rays are being prepared")
             return {"FINISHED"}

@@ -303,7 +303,7 @@ def load(settings, path: str, is_embedded: bool = True) -> Reading:
 
 def _choose(settings, path: str, text, digest: str) -> None:
     # The text of before goes when Blender saves, if nothing uses it: a render that is under way may still read it.
-    settings.filepath = _stored_path(path) if path else ""
+    settings.filepath = stored_path(path) if path else ""
     settings.text, settings.digest = text, digest
 
 
@@ -382,7 +382,7 @@ def _free_place(name: str, data: bytes) -> Path:
     return path
 
 
-def _stored_path(path: str) -> str:
+def stored_path(path: str) -> str:
     """Path as Blender keeps it: relative to the .blend file where the user prefers that."""
     if not bpy.data.filepath or not bpy.context.preferences.filepaths.use_relative_paths:
         return path

@@ -10,11 +10,10 @@ from ..errors import FileFormatError
 from ..luminaires.record import Remark
 from ..photometry.spectra import GRID, luminous_efficiency
 from ..scene.distribution import IntensityDistribution
-from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
+from ..scene.ray_emission import HULL, PLANE, SPHERE, RayBody, RayEmission
 from .beam_cells import BeamCells
 from .body import Hull, Plane, Sphere
 from .cloud import Drawn, Fluctuation, RayCloud, direction_weight, extent, hold_rays, make_cloud
-from .neighbourhoods import GROUP as SHARED_BY
 from .reader import read_rayset
 from .record import RayFile, Rays
 from .reduction import TO_LUMINAIRE, choose_step, is_rotational, reduce_rays
@@ -155,8 +154,6 @@ def make_emission(
 ) -> RayEmission:
     """Turn a cloud into the luminaire's axes, about a centre. (3,), (k,) [m], (k,) [-]"""
     spread, turn = cloud.spread, TO_LUMINAIRE
-    if SHARED_BY != GROUP:
-        raise ValueError("clouds and lights share fluctuations among different numbers of rays")
     factor = spread.factor.copy()
     # A turn of both halves of a lower triangular factor about x changes signs of rows only.
     factor *= np.array([1.0, -1.0, -1.0] * 2, dtype=np.float32)[None, :, None]

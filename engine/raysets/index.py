@@ -99,6 +99,8 @@ def save_light(path: str | Path, light: RayLight, wish: Wish, key: list | None =
         new.replace(target)
     except OSError as error:
         raise FileFormatError(target, f"cannot be written ({error.strerror})") from None
+    finally:
+        new.unlink(missing_ok=True)
     return target
 
 

@@ -16,9 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Cancelled
-
-GROUP = 64
-"""Rays that share a covariance."""
+from ..scene.ray_emission import GROUP
 
 COMPARED = 1 << 21
 """Distances that are held at a time."""

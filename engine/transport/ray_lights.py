@@ -4,11 +4,11 @@ By the rule of photometry a source may be taken for a point from five times its 
 is right within a hundredth (`RayEmission.near`). Light that lands straight within that distance of the source's centre is
 traced from the source, and next-event leaves it out there; farther away next-event sees a point with the distribution of
 intensity. Light that glass or a curved mirror bends is traced however far it goes.
+
 Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere. So it does for lights that
 have surfaces near that are not matt: what is sent on of traced light is read from cells, which matt surfaces alone have.
-Tracing costs more than
-next-event by far, so of near light only that is traced without which all of a light's would be wrong by more than
-`POINT_ERROR`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
+Tracing costs more than next-event by far, so of near light only that is traced without which all of a light's would be
+wrong by more than `POINT_ERROR`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
 """
 
 from dataclasses import replace
@@ -117,7 +117,7 @@ class RayLights:
         return self.limits.get(self._scene.lights.row_of(source), 0.0)
 
     def trace(self, count: int, seed: int, index: int = 0) -> list[Deposits]:
-        """Trace as many paths in all; fluxes of deposits are ``count`` times their share of the estimate. [lm]"""
+        """Trace `PATHS` times ``count`` paths; fluxes of deposits are ``count`` times their share of the estimate. [lm]"""
         made = []
         split = self._split(round(count * PATHS))
         for number, (cloud, width) in enumerate(zip(self._clouds, split, strict=True)):
