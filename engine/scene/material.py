@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .scattering import Scatter
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
 
@@ -119,6 +120,26 @@ class Black:
     """Absorbs everything."""
 
 
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A surface known by what was measured or computed of its scattering, side by side; None: nothing.
+
+    Parameters
+    ----------
+    front_reflection, back_reflection : Scatter or None    Of light that comes to that side.
+    front_transmission, back_transmission : Scatter or None    Of light that comes to that side and leaves by the other.
+    rotation : float    By which the sample is turned about the normal, from the surface's U to its V. [rad]
+    factor : float    On everything, for studies of how much a result depends on it. [-]
+    """
+
+    front_reflection: Scatter | None = None
+    back_reflection: Scatter | None = None
+    front_transmission: Scatter | None = None
+    back_transmission: Scatter | None = None
+    rotation: float = 0.0
+    factor: float = 1.0
+
+
 @dataclass(frozen=True)
 class Mix:
     """``factor`` 0 gives ``first``, 1 gives ``second``."""
@@ -138,6 +159,7 @@ Surface = (
     | TabulatedPane
     | Transparent
     | Black
+    | Measured
     | Mix
 )
 

@@ -1,0 +1,185 @@
+"""Tables of scattering in coordinates about the mirror direction: evaluation, integrals and checks, in double precision."""
+
+import numpy as np
+
+from ..errors import SceneError
+from ..scene.scattering import ScatterTable
+
+QUADRATURE = 4
+"""Points of Gauss and Legendre in each cell of a table."""
+
+MOST_VALUES = 1 << 28
+"""Values that a table may have."""
+
+
+def check_table(table: ScatterTable) -> None:
+    """Refuse a table that breaks its own rules.
+
+    Raises
+    ------
+    SceneError    Says what is wrong with it.
+    """
+    axes = (
+        ("rotation", table.rotations, 0.0, 2.0 * np.pi),
+        ("angle of incidence", table.incidences, 0.0, 0.5 * np.pi),
+        ("radial angle", table.radials, 0.0, np.pi),
+        ("azimuth", table.azimuths, 0.0, 2.0 * np.pi),
+        ("wavelength", table.wavelengths, 100.0, 1e5),
+    )
+    shape = tuple(len(axis) for _, axis, _, _ in axes)
+    for name, axis, low, high in axes:
+        if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all():
+            raise SceneError(f"a scattering table has no {name}, or one that is no number")
+        if np.any(np.diff(axis) <= 0.0) or axis[0] < low or axis[-1] > high + 1e-6:
+            raise SceneError(
+                f"a scattering table's {name}s must ascend strictly from {low:g} to {high:.4g}"
+            )
+    if table.values.shape != shape or table.values.size > MOST_VALUES:
+        raise SceneError(
+            f"a scattering table has values of shape {table.values.shape}, expected {shape} by its axes"
+        )
+    if len(table.azimuths) < 2 or len(table.radials) < 2:
+        raise SceneError("a scattering table needs two azimuths and two radial angles at least")
+    if table.azimuths[0] != 0.0 or min(abs(table.azimuths[-1] - np.pi * k) for k in (1, 2)) > 1e-6:
+        raise SceneError("a scattering table's azimuths must go from 0 to pi or to 2 pi")
+    if table.radials[0] != 0.0:
+        raise SceneError("a scattering table's radial angles must begin with 0")
+    if not np.isfinite(table.values).all() or table.values.min() < 0.0:
+        raise SceneError("a scattering table has a value that is negative or no finite number")
+    direct = table.direct
+    if direct is not None and (
+        direct.shape != (shape[0], shape[1], shape[4])
+        or not np.isfinite(direct).all()
+        or direct.min() < 0.0
+        or direct.max() > 1.0
+    ):
+        raise SceneError("a scattering table's direct shares must be 0 to 1, one per incidence")
+
+
+def is_symmetric(table: ScatterTable) -> bool:
+    """Whether both sides of the plane of incidence are alike."""
+    return bool(table.azimuths[-1] < 1.5 * np.pi)
+
+
+def direction_of(incidence, radial, azimuth) -> np.ndarray:
+    """Direction at a radial angle and azimuth, light coming in the xz-plane; arrays that fit together. (..., 3)"""
+    sin_s, cos_s = np.sin(incidence), np.cos(incidence)
+    cos_t, sin_t = np.cos(radial), np.sin(radial)
+    across, aside = sin_t * np.cos(azimuth), sin_t * np.sin(azimuth)
+    parts = (-sin_s * cos_t - cos_s * across, aside, cos_s * cos_t - sin_s * across)
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def coordinates_of(wi, wo) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rotation, incidence, radial angle and azimuth of pairs of directions. (n, 3) each -> (n,) each [rad]"""
+    wi, wo = np.asarray(wi, dtype=np.float64), np.asarray(wo, dtype=np.float64)
+    sine = np.hypot(wi[..., 0], wi[..., 1])
+    incidence = np.arctan2(sine, wi[..., 2])
+    rotation = np.where(sine > 0.0, np.arctan2(wi[..., 1], wi[..., 0]), 0.0) % (2.0 * np.pi)
+    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
+    x = cos_r * wo[..., 0] + sin_r * wo[..., 1]
+    y = cos_r * wo[..., 1] - sin_r * wo[..., 0]
+    sin_s, cos_s = np.sin(incidence), np.cos(incidence)
+    centre = -sin_s * x + cos_s * wo[..., 2]
+    outward = -cos_s * x - sin_s * wo[..., 2]
+    radial = np.arctan2(np.hypot(outward, y), centre)
+    azimuth = np.arctan2(y, outward) % (2.0 * np.pi)
+    return rotation, incidence, radial, azimuth
+
+
+def place_on(axis: np.ndarray, value) -> tuple[np.ndarray, np.ndarray]:
+    """Number of the grid point below values and the share of the next; the ends hold beyond. (n,), (n,)"""
+    if len(axis) == 1:
+        return np.zeros(np.shape(value), dtype=np.int64), np.zeros(np.shape(value))
+    below = np.clip(np.searchsorted(axis, value, side="right") - 1, 0, len(axis) - 2)
+    share = (value - axis[below]) / (axis[below + 1] - axis[below])
+    return below, np.clip(share, 0.0, 1.0)
+
+
+def _places_of_rotation(table: ScatterTable, rotation):
+    """The two grid points about rotations and the share of the second; the axis closes on itself."""
+    axis = table.rotations
+    closed = np.append(axis, axis[0] + 2.0 * np.pi)
+    turned = np.where(rotation < axis[0], rotation + 2.0 * np.pi, rotation)
+    below, share = place_on(closed, turned)
+    return below, (below + 1) % len(axis), share
+
+
+def evaluate_table(table: ScatterTable, wi, wo) -> np.ndarray:
+    """Values for pairs of directions at the table's wavelengths. (n, 3), (n, 3) -> (n, w) float64 [1/sr]"""
+    wi, wo = np.asarray(wi, dtype=np.float64), np.asarray(wo, dtype=np.float64)
+    rotation, incidence, radial, azimuth = coordinates_of(wi, wo)
+    if is_symmetric(table):
+        azimuth = np.where(azimuth > np.pi, 2.0 * np.pi - azimuth, azimuth)
+    first, second, turn = _places_of_rotation(table, rotation)
+    s, s_share = place_on(table.incidences, incidence)
+    t, t_share = place_on(table.radials, radial)
+    a, a_share = place_on(table.azimuths, azimuth)
+    found = np.zeros((len(wi), len(table.wavelengths)))
+    rotations = (
+        ((first, 1.0 - turn), (second, turn)) if len(table.rotations) > 1 else ((first, 1.0),)
+    )
+    ds_steps = _corners(s, s_share, len(table.incidences))
+    for p, p_weight in rotations:
+        for ds, s_weight in ds_steps:
+            for dt, t_weight in _corners(t, t_share, len(table.radials)):
+                for da, a_weight in _corners(a, a_share, len(table.azimuths)):
+                    weight = p_weight * s_weight * t_weight * a_weight
+                    found += weight[:, None] * table.values[p, ds, dt, da]
+    above = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
+    return np.where(above[:, None], found, 0.0)
+
+
+def _corners(below, share, count):
+    if count == 1:
+        return ((below, np.ones_like(share)),)
+    return ((below, 1.0 - share), (below + 1, share))
+
+
+def direct_share(table: ScatterTable, wi) -> np.ndarray:
+    """Share of light from directions that is reflected as by a mirror or passes straight. (n, 3) -> (n, w) [-]"""
+    wi = np.asarray(wi, dtype=np.float64)
+    if table.direct is None:
+        return np.zeros((len(wi), len(table.wavelengths)))
+    rotation, incidence, _, _ = coordinates_of(wi, wi)
+    first, second, turn = _places_of_rotation(table, rotation)
+    s, s_share = place_on(table.incidences, incidence)
+    found = np.zeros((len(wi), len(table.wavelengths)))
+    for p, p_weight in ((first, 1.0 - turn), (second, turn)):
+        for ds, s_weight in _corners(s, s_share, len(table.incidences)):
+            found += (p_weight * s_weight)[:, None] * table.direct[p, ds]
+    return found
+
+
+def albedo_of(table: ScatterTable, incidence: float, rotation: float = 0.0) -> np.ndarray:
+    """Share of light from one direction that is scattered, without the direct part: integral of f cos. (w,) [-]
+
+    By Gauss and Legendre in every cell, cells cut where the horizon crosses them.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+    azimuths, azimuth_weights = _cells(table.azimuths, nodes, weights)
+    # Below this radial angle directions are above the horizon: cos t cos s = sin t cos a sin s there.
+    horizon = np.arctan2(
+        np.full_like(azimuths, np.cos(incidence)), np.cos(azimuths) * np.sin(incidence)
+    )
+    radials = np.append(table.radials, np.pi) if table.radials[-1] < np.pi else table.radials
+    low, high = radials[:-1, None], np.minimum(radials[1:, None], horizon)
+    length = np.maximum(high - low, 0.0)
+    radial = low[..., None] + 0.5 * length[..., None] * (nodes + 1.0)
+    weight = 0.5 * length[..., None] * weights * azimuth_weights[:, None]
+    azimuth = np.broadcast_to(azimuths[:, None], radial.shape)
+    used = weight > 0.0
+    radial, azimuth, weight = radial[used], azimuth[used], weight[used]
+    wo = direction_of(incidence, radial, azimuth)
+    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
+    turn = np.array([[cos_r, sin_r, 0.0], [-sin_r, cos_r, 0.0], [0.0, 0.0, 1.0]])
+    wi = np.array([np.sin(incidence), 0.0, np.cos(incidence)]) @ turn
+    f = evaluate_table(table, np.broadcast_to(wi, wo.shape), wo @ turn)
+    total = (weight * np.sin(radial) * np.maximum(wo[:, 2], 0.0)) @ f
+    return total * (2.0 if is_symmetric(table) else 1.0)
+
+
+def _cells(axis: np.ndarray, nodes, weights) -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights of a quadrature in every cell of an axis."""
+    low, length = axis[:-1, None], np.diff(axis)[:, None]
+    return (low + 0.5 * length * (nodes + 1.0)).ravel(), (0.5 * length * weights).ravel()
