@@ -8,6 +8,9 @@ from ..scene.scattering import ScatterTable
 QUADRATURE = 4
 """Points of Gauss and Legendre in each cell of a table."""
 
+WIDEST = np.radians(7.5)
+"""Cells are cut to this width along the azimuth to be integrated over: the horizon bends within wider ones. [rad]"""
+
 MOST_VALUES = 1 << 28
 """Values that a table may have."""
 
@@ -108,26 +111,29 @@ def _places_of_rotation(table: ScatterTable, rotation):
 def evaluate_table(table: ScatterTable, wi, wo) -> np.ndarray:
     """Values for pairs of directions at the table's wavelengths. (n, 3), (n, 3) -> (n, w) float64 [1/sr]"""
     wi, wo = np.asarray(wi, dtype=np.float64), np.asarray(wo, dtype=np.float64)
-    rotation, incidence, radial, azimuth = coordinates_of(wi, wo)
+    above = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
+    return np.where(above[:, None], interpolate(table, *coordinates_of(wi, wo)), 0.0)
+
+
+def interpolate(table: ScatterTable, rotation, incidence, radial, azimuth) -> np.ndarray:
+    """What a table says at coordinates, above the horizon or not. (n,) each -> (n, w) float64 [1/sr]"""
     if is_symmetric(table):
         azimuth = np.where(azimuth > np.pi, 2.0 * np.pi - azimuth, azimuth)
     first, second, turn = _places_of_rotation(table, rotation)
     s, s_share = place_on(table.incidences, incidence)
     t, t_share = place_on(table.radials, radial)
     a, a_share = place_on(table.azimuths, azimuth)
-    found = np.zeros((len(wi), len(table.wavelengths)))
-    rotations = (
-        ((first, 1.0 - turn), (second, turn)) if len(table.rotations) > 1 else ((first, 1.0),)
-    )
-    ds_steps = _corners(s, s_share, len(table.incidences))
+    found = np.zeros((len(radial), len(table.wavelengths)))
+    rotations = ((first, 1.0),)
+    if len(table.rotations) > 1:
+        rotations = ((first, 1.0 - turn), (second, turn))
     for p, p_weight in rotations:
-        for ds, s_weight in ds_steps:
+        for ds, s_weight in _corners(s, s_share, len(table.incidences)):
             for dt, t_weight in _corners(t, t_share, len(table.radials)):
                 for da, a_weight in _corners(a, a_share, len(table.azimuths)):
                     weight = p_weight * s_weight * t_weight * a_weight
                     found += weight[:, None] * table.values[p, ds, dt, da]
-    above = (wo[:, 2] > 0.0) & (wi[:, 2] > 0.0)
-    return np.where(above[:, None], found, 0.0)
+    return found
 
 
 def _corners(below, share, count):
@@ -152,12 +158,30 @@ def direct_share(table: ScatterTable, wi) -> np.ndarray:
 
 
 def albedo_of(table: ScatterTable, incidence: float, rotation: float = 0.0) -> np.ndarray:
-    """Share of light from one direction that is scattered, without the direct part: integral of f cos. (w,) [-]
+    """Share of light from one direction that is scattered, without the direct part: integral of f cos. (w,) [-]"""
+    radial, azimuth, weight = quadrature(table, incidence)
+    turn, tilt = np.full_like(radial, rotation % (2.0 * np.pi)), np.full_like(radial, incidence)
+    return weight @ interpolate(table, turn, tilt, radial, azimuth)
 
-    By Gauss and Legendre in every cell, cells cut where the horizon crosses them.
+
+def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):
+    """Radial angles, azimuths and weights that integrate a function with the kinks of a table times the cosine of wo.
+
+    By Gauss and Legendre in every cell, cells cut where the horizon crosses them. Of a table with alike sides the points
+    are on one of them, with the weights of both.
+
+    Returns
+    -------
+    (n,), (n,), (n,) float64 arrays    [rad], [rad], [sr]
     """
-    nodes, weights = np.polynomial.legendre.leggauss(QUADRATURE)
-    azimuths, azimuth_weights = _cells(table.azimuths, nodes, weights)
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    pieces = [
+        np.linspace(low, high, int(np.ceil((high - low) / WIDEST)) + 1)[:-1]
+        for low, high in zip(table.azimuths[:-1], table.azimuths[1:], strict=True)
+    ]
+    azimuths, azimuth_weights = _cells(
+        np.append(np.concatenate(pieces), table.azimuths[-1]), nodes, weights
+    )
     # Below this radial angle directions are above the horizon: cos t cos s = sin t cos a sin s there.
     horizon = np.arctan2(
         np.full_like(azimuths, np.cos(incidence)), np.cos(azimuths) * np.sin(incidence)
@@ -170,13 +194,11 @@ def albedo_of(table: ScatterTable, incidence: float, rotation: float = 0.0) -> n
     azimuth = np.broadcast_to(azimuths[:, None], radial.shape)
     used = weight > 0.0
     radial, azimuth, weight = radial[used], azimuth[used], weight[used]
-    wo = direction_of(incidence, radial, azimuth)
-    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
-    turn = np.array([[cos_r, sin_r, 0.0], [-sin_r, cos_r, 0.0], [0.0, 0.0, 1.0]])
-    wi = np.array([np.sin(incidence), 0.0, np.cos(incidence)]) @ turn
-    f = evaluate_table(table, np.broadcast_to(wi, wo.shape), wo @ turn)
-    total = (weight * np.sin(radial) * np.maximum(wo[:, 2], 0.0)) @ f
-    return total * (2.0 if is_symmetric(table) else 1.0)
+    cosine = np.cos(radial) * np.cos(incidence) - np.sin(radial) * np.cos(azimuth) * np.sin(
+        incidence
+    )
+    sides = 2.0 if is_symmetric(table) else 1.0
+    return radial, azimuth, sides * weight * np.sin(radial) * np.maximum(cosine, 0.0)
 
 
 def _cells(axis: np.ndarray, nodes, weights) -> tuple[np.ndarray, np.ndarray]:

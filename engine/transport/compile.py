@@ -18,6 +18,7 @@ from ..luminaires.palette import LuminairePalette, make_emitter
 from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
+from ..scattering import plugin as scattering_plugin
 from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLight, SunLight
 from ..scene.material import Dielectric
 from ..scene.mesh import Mesh
@@ -32,6 +33,7 @@ from .lights import LightTable, Source
 from .mirrors import MirrorSet, Plane, choose_planes
 from .pool import SurfacePool
 from .requirements import Requirements
+from .surfaces import has_grain
 from .surroundings import make_surroundings, make_world
 
 
@@ -97,6 +99,7 @@ class CompiledScene:
 
     def __init__(self, scene: Scene, requirements: Requirements):
         surface_plugins.register()
+        scattering_plugin.register()
         emitter_plugins.register()
         sky_plugin.register()
         self.requirements = requirements
@@ -483,6 +486,8 @@ class CompiledScene:
             if lamp.source.luminaire is not None:
                 columns["luminaire"][lamp.body_id] = self.lights.row_of(lamp.source)
         luminaires = columns["luminaire"] if self._luminaires is not None else None
+        used = (self._finishes.item(key) for key in self._users)
+        self._pool.has_grain = any(has_grain(item.surface) for item in used if item is not None)
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         self._finishes.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}

@@ -71,9 +71,13 @@ class _Store:
 
 
 class SurfacePool:
-    """Looks up surfaces by the number of their shape (`arrays.pointer_id`)."""
+    """Looks up surfaces by the number of their shape (`arrays.pointer_id`).
+
+    ``has_grain``: whether some surface has a direction of its own, so that frames have to follow the coordinates.
+    """
 
     def __init__(self):
+        self.has_grain = False
         self._stores = {
             "positions": _Store(mi.Float),
             "faces": _Store(mi.UInt32),
@@ -229,6 +233,29 @@ class SurfacePool:
             si.time = dr.gather(mi.Float, self._luminaires, number, valid)
         si.p, si.n, si.uv = point, mi.Normal3f(normal), uv
         si.sh_frame = mi.Frame3f(mi.Vector3f(shading))
+        if self.has_grain:
+            si.sh_frame = _grain_frame(shading, (b - a, c - a), (tb - ta, tc - ta), laid)
         si.wi = dr.select(valid, si.to_local(-ray.d), -ray.d)
         si.shape, si.prim_index = hit.shape, hit.prim_index
         return si
+
+
+def _grain_frame(normal, edges, coordinates, laid):
+    """Frame about a normal whose first axis goes along U, or along the world's x or y where nothing is laid out.
+
+    Parameters
+    ----------
+    normal : Normal3f
+    edges, coordinates : pair of Vector3f, pair of Vector2f    Two sides of the triangle, and what they are in U and V.
+    laid : Bool    Whether there are coordinates.
+    """
+    (first, second), (u, v) = edges, coordinates
+    area = u.x * v.y - v.x * u.y
+    along = dr.select(area < 0.0, -1.0, 1.0) * (first * v.y - second * u.y)
+    along -= normal * dr.dot(normal, along)
+    length = dr.norm(along)
+    is_usable = laid & (length > 1e-12 * (dr.norm(first) + dr.norm(second))) & (area != 0.0)
+    other = dr.select(dr.abs(normal.x) > 0.99, mi.Vector3f(0, 1, 0), mi.Vector3f(1, 0, 0))
+    other = dr.normalize(other - normal * dr.dot(normal, other))
+    first_axis = dr.select(is_usable, along / dr.maximum(length, 1e-30), other)
+    return mi.Frame3f(first_axis, mi.Vector3f(dr.cross(normal, first_axis)), mi.Vector3f(normal))

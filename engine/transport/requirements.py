@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
+from ..scattering import surface as scattering
 from ..scene.light import CieSky, ImageWorld, UniformWorld
 from ..scene.material import (
     Black,
@@ -15,6 +16,7 @@ from ..scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Measured,
     Mix,
     TabulatedPane,
     ThinGlass,
@@ -135,6 +137,8 @@ def _is_coloured(value) -> bool:
             return value.pixels.shape[2] == 3 and recall(
                 value.pixels, "coloured", lambda pixels: spread(pixels) > 1e-4
             )
+        case Measured():
+            return scattering.is_coloured(value)
         case Conductor():
             return True
     return True
@@ -172,7 +176,7 @@ def _colours(surface):
             yield surface.tint
         case ThinGlass() | Transparent():
             yield surface.transmittance
-        case Conductor():
+        case Conductor() | Measured():
             yield surface
         case TabulatedPane() | Black():
             return

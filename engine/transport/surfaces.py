@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..materials.pane_table import check_table
+from ..scattering.surface import is_grained, parts_of, usable
 from ..scene.material import (
     Black,
     Cauchy,
@@ -11,11 +12,13 @@ from ..scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Measured,
     Mix,
     TabulatedPane,
     ThinGlass,
     Transparent,
 )
+from ..scene.scattering import ScatterTable
 from ..scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
@@ -113,6 +116,8 @@ def bsdf(surface, make: TextureMaker) -> dict:
                 "type": "lumenray_transparent",
                 "transmittance": make.reflectance(surface.transmittance),
             }
+        case Measured():
+            return _measured(surface, make)
         case Mix():
             return {
                 "type": "lumenray_mix",
@@ -129,6 +134,14 @@ def _tabulated_pane(surface: TabulatedPane):
     check_table(surface)
     plugin = mi.load_dict({"type": "lumenray_tabulated_pane"})
     plugin.set_table(surface.angles, surface.transmittance, surface.reflectance)
+    return plugin
+
+
+def _measured(surface: Measured, make: TextureMaker):
+    import mitsuba as mi
+
+    plugin = mi.load_dict({"type": "lumenray_measured"})
+    plugin.set_surface(usable(surface), make.weigh)
     return plugin
 
 
@@ -169,8 +182,28 @@ def passes_straight(surface) -> bool:
     match surface:
         case ThinGlass() | TabulatedPane() | Transparent():
             return True
+        case Measured():
+            return _passes_directly(surface)
         case Mix():
             return passes_straight(surface.first) or passes_straight(surface.second)
+    return False
+
+
+def _passes_directly(surface: Measured) -> bool:
+    parts = (surface.front_transmission, surface.back_transmission)
+    return any(
+        isinstance(part, ScatterTable) and part.direct is not None and part.direct.any()
+        for part in parts
+    )
+
+
+def has_grain(surface) -> bool:
+    """Tell whether a surface has a direction of its own, which follows U."""
+    match surface:
+        case Measured():
+            return is_grained(surface)
+        case Mix():
+            return has_grain(surface.first) or has_grain(surface.second)
     return False
 
 
@@ -179,6 +212,8 @@ def is_window(surface) -> bool:
     match surface:
         case ThinGlass() | TabulatedPane():
             return True
+        case Measured():
+            return _passes_directly(surface)
         case Transparent():
             return not isinstance(surface.transmittance, ImageTexture)
     return False
@@ -200,6 +235,8 @@ def is_purely_specular(surface) -> bool:
             return surface.roughness < SMOOTH_ROUGHNESS
         case ThinGlass() | TabulatedPane() | Transparent():
             return True
+        case Measured():
+            return not any(part is not None and part.values.any() for part in parts_of(surface))
         case Mix():
             return is_purely_specular(surface.first) and is_purely_specular(surface.second)
     return False

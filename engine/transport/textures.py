@@ -68,6 +68,19 @@ class TextureMaker:
         full = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
         return np.array([float(full @ self._weight)])
 
+    def weigh(self, values: np.ndarray, wavelengths: np.ndarray) -> np.ndarray:
+        """Values (..., w), linear between wavelengths, as the variant needs them: as they are, or one (..., 1)."""
+        if len(wavelengths) == 1 or is_spectral():
+            return values
+        below = np.clip(
+            np.searchsorted(wavelengths, GRID, side="right") - 1, 0, len(wavelengths) - 2
+        )
+        step = wavelengths[below + 1] - wavelengths[below]
+        share = np.clip((GRID - wavelengths[below]) / step, 0.0, 1.0)
+        weight = np.bincount(below, self._weight * (1.0 - share), len(wavelengths))
+        weight += np.bincount(below + 1, self._weight * share, len(wavelengths))
+        return (values @ weight.astype(values.dtype))[..., None]
+
     def picture(self, texture: ImageTexture, largest: float = 1.0):
         """Texture of a picture."""
         return self.bitmaps.texture(texture, largest)

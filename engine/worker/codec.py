@@ -24,6 +24,7 @@ from ..scene import (
     mesh,
     provenance,
     ray_emission,
+    scattering,
     scene,
     sensor,
     spectrum,
@@ -50,8 +51,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, material, mesh, provenance, ray_emission, scene, sensor, spectrum, texture, session,
-    history, stopping, order, backend,
+    camera, distribution, light, material, mesh, provenance, ray_emission, scattering, scene, sensor, spectrum, texture,
+    session, history, stopping, order, backend,
 )  # fmt: skip
 
 

@@ -1,0 +1,133 @@
+"""Scattering of any form: evaluated, integrated, and checked against what physics allows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
+from .table import albedo_of, direct_share, evaluate_table, is_symmetric
+
+CHECKED = 4096
+"""Pairs of directions that reciprocity is measured with."""
+
+STEEPEST = np.radians(80.0)
+"""Directions farther from the normal do not count: division by their small cosine is all that is measured there."""
+
+
+def evaluate(scatter: Scatter, wi, wo) -> np.ndarray:
+    """Values for pairs of directions at the scatter's own wavelengths. (n, 3), (n, 3) -> (n, w) [1/sr]"""
+    match scatter:
+        case ScatterTable():
+            return evaluate_table(scatter, wi, wo)
+        case PatchMatrix():
+            from .patches import evaluate_patches
+
+            return evaluate_patches(scatter, wi, wo)
+        case TensorTree():
+            from .tree import evaluate_tree
+
+            return evaluate_tree(scatter, wi, wo)
+    raise TypeError(f"not a scatter: {scatter!r}")
+
+
+def albedo(scatter: Scatter, incidence: float, rotation: float = 0.0) -> np.ndarray:
+    """Share of light from one direction that is scattered, without a direct part. (w,) [-]"""
+    match scatter:
+        case ScatterTable():
+            return albedo_of(scatter, incidence, rotation)
+        case PatchMatrix():
+            from .patches import albedo_of_patches
+
+            return albedo_of_patches(scatter, incidence, rotation)
+        case TensorTree():
+            from .tree import albedo_of_tree
+
+            return albedo_of_tree(scatter, incidence, rotation)
+    raise TypeError(f"not a scatter: {scatter!r}")
+
+
+def total(scatter: Scatter, incidence: float, rotation: float = 0.0) -> np.ndarray:
+    """Hemispherical reflectance or transmittance for light from one direction, direct part included. (w,) [-]"""
+    made = albedo(scatter, incidence, rotation)
+    if isinstance(scatter, ScatterTable) and scatter.direct is not None:
+        sine = np.sin(incidence)
+        wi = np.array([[sine * np.cos(rotation), sine * np.sin(rotation), np.cos(incidence)]])
+        made = made + direct_share(scatter, wi)[0]
+    return made
+
+
+def incidences_of(scatter: Scatter) -> np.ndarray:
+    """Angles of incidence that the data are for: grid lines, or middles of patches; of a tree, every ten degrees. [rad]"""
+    match scatter:
+        case ScatterTable():
+            return scatter.incidences
+        case PatchMatrix():
+            bounds = scatter.incoming.bounds
+            middle = 0.5 * (bounds[1:] + bounds[:-1])
+            return np.where(scatter.incoming.counts == 1, bounds[:-1], middle)
+    return np.radians(np.arange(0.0, 90.0, 10.0))
+
+
+def is_isotropic(scatter: Scatter) -> bool:
+    """Whether a turn of the sample about its normal changes nothing."""
+    match scatter:
+        case ScatterTable():
+            return len(scatter.rotations) == 1
+        case TensorTree():
+            return scatter.rank == 3
+    return False
+
+
+def symmetry_of(scatter: Scatter) -> str:
+    """Symmetry, for people."""
+    if not is_isotropic(scatter):
+        return "anisotropic"
+    if isinstance(scatter, ScatterTable) and not is_symmetric(scatter):
+        return "isotropic, sides of the plane of incidence differ"
+    return "isotropic"
+
+
+@dataclass(frozen=True)
+class Reciprocity:
+    """How far f(i, o) and f(o, i) differ over random pairs of directions, both within 80 degrees of the normal.
+
+    Parameters
+    ----------
+    residual : float    Root mean square of the difference over root mean square of the values, weighed by both cosines. [-]
+    largest : float    Largest difference over the largest value. [-]
+    """
+
+    residual: float
+    largest: float
+
+
+def measure_reciprocity(scatter: Scatter, back: Scatter | None = None) -> Reciprocity:
+    """Compare a scatter with itself seen the other way round.
+
+    Parameters
+    ----------
+    scatter : Scatter    Reflection, or transmission from one side.
+    back : Scatter or None    Of transmission: that from the other side; None: taken to be the same from both.
+    """
+    draw = np.random.default_rng(2).random((4, CHECKED))
+    most = np.sin(STEEPEST) ** 2
+    pair = []
+    for u, v in (draw[:2], draw[2:]):
+        sine, turn = np.sqrt(most * u), 2.0 * np.pi * v
+        pair.append(np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - sine**2)], 1))
+    # Half of the pairs lie near each other's mirror direction, where lobes are.
+    mirror = pair[0] * np.array([-1.0, -1.0, 1.0])
+    near = mirror + 0.15 * (draw[0] ** 2)[:, None] * (pair[1] - mirror)
+    half = np.arange(CHECKED) % 2 == 0
+    wo = np.where(half[:, None], near / np.linalg.norm(near, axis=1)[:, None], pair[1])
+    wi = pair[0]
+    forth = evaluate(scatter, wi, wo)
+    back_again = evaluate(scatter if back is None else back, wo, wi)
+    mean = np.sqrt((0.25 * (forth + back_again) ** 2).mean())
+    difference = forth - back_again
+    top = max(forth.max(), back_again.max())
+    if top <= 0.0:
+        return Reciprocity(0.0, 0.0)
+    return Reciprocity(
+        float(np.sqrt((difference**2).mean()) / mean), float(np.abs(difference).max() / top)
+    )

@@ -1,0 +1,69 @@
+"""Scattering files: which format a file has, by its content.
+
+Extensions are no help: ``.bsdf`` stands for three formats.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import FileFormatError
+from .record import ScatteringFile
+from .store import is_store, read_store
+
+MAXIMUM_SIZE = 256 << 20
+"""Largest file that is read. [byte]"""
+
+KNOWN = "Zemax and LightTools BSDF, WINDOW XML, RGL and MERL files, SPEOS, MDL, goniometer tables, or our own .lumbsdf"
+
+
+@dataclass(frozen=True)
+class Wish:
+    """How a file is to be read.
+
+    Parameters
+    ----------
+    tolerance : float    Error that is allowed where data have to be resampled, see `ScatterTable.error`. [-]
+    """
+
+    tolerance: float = 0.02
+
+
+def read_scattering(path, wish: Wish | None = None) -> ScatteringFile:
+    """Read a scattering file.
+
+    Raises
+    ------
+    FileFormatError    It cannot be opened, is of no known format, or breaks the rules of its own.
+    """
+    path = Path(path)
+    try:
+        size = path.stat().st_size
+        if size > MAXIMUM_SIZE:
+            raise FileFormatError(
+                path, f"has {size >> 20} MiB, expected at most {MAXIMUM_SIZE >> 20} MiB"
+            )
+        data = path.read_bytes()
+    except OSError as error:
+        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+    return parse_scattering(data, path, wish)
+
+
+def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringFile:
+    """Read the content of a scattering file; ``path`` is for messages.
+
+    Raises
+    ------
+    FileFormatError    It is of no known format, or breaks the rules of its own.
+    """
+    if not data:
+        raise FileFormatError(path, "is empty")
+    if is_store(data):
+        return read_store(data, path)
+    for is_one, read in _formats():
+        if is_one(data):
+            return read(data, path)
+    raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
+
+
+def _formats():
+    return ()

@@ -1,0 +1,314 @@
+"""Tables about the mirror direction made from any scattering that can be evaluated, as coarse as a wanted error allows.
+
+Grid lines are added where the middle between two differs most from what the table says there, axis by axis, until a random
+test of pairs of directions finds the wanted error; bands that lie on the line between their neighbours are left out. At the
+end the values of each incidence are scaled so that the table reflects, or lets through, as much as what it was made from: a
+chord lies above a lobe's flanks.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene.scattering import ScatterTable
+from .table import albedo_of, direction_of, interpolate, quadrature
+
+Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Values for pairs of directions wi, wo: (n, 3), (n, 3) -> (n, w). [1/sr]"""
+
+RADIALS = np.radians([0, 1, 2, 4, 6, 10, 15, 22, 30, 45, 60, 90, 120, 180.0])
+"""Where radial angles begin."""
+
+INCIDENCES = np.radians([0, 15, 30, 45, 60, 75, 89.0])
+"""Where angles of incidence begin; at 90 degrees nothing arrives."""
+
+LOWEST = np.radians(89.0)
+"""Directions farther from the normal take the value there: what lies below the horizon must not count as dark."""
+
+FLOOR = 0.01
+"""Share of a matt surface's value that is added to values where their error is told relative to them."""
+
+MOST_VALUES = 1 << 22
+"""Values that a table may grow to."""
+
+ROUNDS = 24
+"""Most rounds of refinement."""
+
+TESTED = 4096
+"""Pairs of directions that the error is measured with."""
+
+CHUNK = 1 << 16
+"""Pairs that are evaluated in one go."""
+
+SPECTRAL_PART = 0.3
+"""Share of the tolerance that may come of bands left out."""
+
+FIRST_THRESHOLD = 1.6
+"""Error in the middle between grid lines that is let pass at first, by the tolerance: elsewhere it is smaller."""
+
+FINE = 3
+"""Points of Gauss and Legendre in each cell that totals are found with."""
+
+GRAZING = np.radians(80.0)
+"""From here on lobes get narrower than any grid, and totals are kept below 1. [rad]"""
+
+SMALLEST_STEP = np.radians(0.05)
+"""Grid lines are never closer."""
+
+
+def resample(
+    evaluate: Evaluate,
+    wavelengths,
+    *,
+    incidences=None,
+    rotations: Sequence[float] = (0.0,),
+    is_symmetric: bool = True,
+    tolerance: float = 0.02,
+    hints: Sequence[float] = (),
+    most: int = MOST_VALUES,
+) -> ScatterTable:
+    """Make a table of scattering.
+
+    Parameters
+    ----------
+    evaluate : Evaluate    Called with wi at the incidences and rotations of the table, or anywhere where they are chosen.
+    wavelengths : (w,) array    Of the values. [nm]
+    incidences : array or None    Angles of incidence that are kept as they are; None: chosen. [rad]
+    rotations : sequence    Azimuths of incidence; one: the same for all. [rad]
+    is_symmetric : bool    Whether both sides of the plane of incidence are alike; the side of phi in 0 to pi is asked.
+    tolerance : float    Wanted error, root mean square, as `ScatterTable.error` says it. [-]
+    hints : sequence    Radial angles that the grid should have, where something narrow is known to be. [rad]
+    most : int    Values that the table may have; where they do not do, its stated error is larger than wanted.
+
+    Returns
+    -------
+    ScatterTable    Its ``error`` is what was measured with random pairs of directions; between angles of incidence that
+        were given it is not known, and measured at them.
+    """
+    maker = _Maker(
+        evaluate,
+        np.asarray(wavelengths, dtype=np.float64),
+        incidences,
+        rotations,
+        is_symmetric,
+        hints,
+    )
+    maker.choose_bands(tolerance)
+    threshold = FIRST_THRESHOLD * tolerance
+    table, error = maker.table(), np.inf
+    for _ in range(ROUNDS):
+        if maker.refine(table, threshold, most):
+            table = maker.table()
+            continue
+        error = maker.error_of(table)
+        if error <= tolerance or maker.is_full:
+            break
+        threshold *= 0.7
+    table = maker.keep_totals(table)
+    return replace(table, error=maker.error_of(table))
+
+
+class _Maker:
+    """A grid that grows, and what is known on it."""
+
+    def __init__(self, evaluate, wavelengths, incidences, rotations, symmetric, hints):
+        self.evaluate = evaluate
+        self.wavelengths = wavelengths
+        self.bands = np.arange(len(wavelengths))
+        self.has_own_incidences = incidences is not None
+        self.incidences = np.unique(
+            np.asarray(INCIDENCES if incidences is None else incidences, dtype=np.float64)
+        )
+        self.rotations = np.asarray(rotations, dtype=np.float64)
+        hints = np.asarray(hints, dtype=np.float64)
+        self.radials = np.unique(np.concatenate([RADIALS, hints]))
+        end = np.pi if symmetric else 2.0 * np.pi
+        self.azimuths = np.linspace(0.0, end, 7 if symmetric else 13)
+        self.is_full = False
+        self.random = np.random.default_rng(1)
+        # A white surface's, until a table tells better.
+        self.floor = FLOOR / np.pi
+
+    def ask(self, rotation, incidence, radial, azimuth) -> np.ndarray:
+        """What is to be tabulated at flat arrays of coordinates. (n, bands)"""
+        wo = _lift(incidence, direction_of(incidence, radial, azimuth), radial, azimuth)
+        wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=1)
+        wi, wo = _turn(wi, rotation), _turn(wo, rotation)
+        parts = [
+            self.evaluate(wi[k : k + CHUNK], wo[k : k + CHUNK])[:, self.bands]
+            for k in range(0, len(wi), CHUNK)
+        ]
+        return np.maximum(np.concatenate(parts), 0.0)
+
+    def ask_grid(self, *axes) -> np.ndarray:
+        """What is to be tabulated on a grid of rotations, incidences, radials and azimuths. (p, s, t, a, bands)"""
+        shape = tuple(len(axis) for axis in axes)
+        flat = [m.ravel() for m in np.meshgrid(*axes, indexing="ij")]
+        return self.ask(*flat).reshape(*shape, len(self.bands))
+
+    def axes(self) -> list[np.ndarray]:
+        """The grid as it is."""
+        return [self.rotations, self.incidences, self.radials, self.azimuths]
+
+    def choose_bands(self, tolerance: float) -> None:
+        """Leave out bands that linear interpolation between others gives back."""
+        if len(self.wavelengths) == 1:
+            return
+        values = self.ask(*self._random_pairs(TESTED // 4))
+        scale = values + FLOOR * max(values.max(), 1e-30)
+        kept = [0, len(self.wavelengths) - 1]
+        if np.allclose(values, values[:, :1], rtol=1e-5, atol=0.0):
+            kept = [len(self.wavelengths) // 2]
+        while len(kept) < len(self.wavelengths) and len(kept) > 1:
+            made = _between(self.wavelengths, np.array(kept), values)
+            error = np.sqrt((((made - values) / scale) ** 2).mean(axis=0))
+            worst = int(np.argmax(error))
+            if error[worst] <= SPECTRAL_PART * tolerance:
+                break
+            kept = sorted([*kept, worst])
+        self.bands = np.array(kept)
+
+    def table(self) -> ScatterTable:
+        """The table on the grid."""
+        made = ScatterTable(
+            self.rotations,
+            self.incidences,
+            self.radials,
+            self.azimuths,
+            self.wavelengths[self.bands],
+            self.ask_grid(*self.axes()).astype(np.float32),
+        )
+        albedo = max(albedo_of(made, s).max() for s in self.incidences)
+        self.floor = max(FLOOR * albedo / np.pi, 1e-12)
+        return made
+
+    def refine(self, table: ScatterTable, threshold: float, most: int) -> bool:
+        """Add grid lines where the table is off by more than a threshold; tells whether any were."""
+        axes, new = self.axes(), []
+        for number in (1, 2, 3):
+            axis = axes[number]
+            new.append(np.zeros(0))
+            if len(axis) < 2 or (number == 1 and self.has_own_incidences):
+                continue
+            middle = 0.5 * (axis[1:] + axis[:-1])
+            open_ones = np.diff(axis) > 2.0 * SMALLEST_STEP
+            error = self._errors(table, number, middle)
+            new[-1] = middle[open_ones & (error > threshold)]
+        grown = [len(self.rotations)] + [
+            len(axis) + len(extra) for axis, extra in zip(axes[1:], new, strict=True)
+        ]
+        if not any(len(extra) for extra in new):
+            return False
+        if np.prod(grown) * len(self.bands) > most:
+            self.is_full = True
+            return False
+        self.incidences, self.radials, self.azimuths = (
+            np.sort(np.concatenate([axis, extra]))
+            for axis, extra in zip(axes[1:], new, strict=True)
+        )
+        return True
+
+    def _errors(self, table: ScatterTable, number: int, middle: np.ndarray) -> np.ndarray:
+        """Error of a table in the middle between grid lines of one axis: the worst incidence's. (m,)"""
+        axes = self.axes()
+        axes[number] = middle
+        true = self.ask_grid(*axes)
+        values = table.values.astype(np.float64)
+        ends = [np.take(values, np.arange(len(middle)) + k, axis=number) for k in (0, 1)]
+        made = 0.5 * (ends[0] + ends[1])
+        wo = direction_of(*np.meshgrid(*axes[1:], indexing="ij"))
+        weight = np.maximum(wo[..., 2], 0.0) * np.sin(axes[2])[:, None] + 1e-9
+        if number == 2:
+            # The first interval is as wide as its neighbours, not as narrow as its ring.
+            weight = np.maximum(wo[..., 2], 0.0) + 1e-9
+        square = (((made - true) / (true + self.floor)) ** 2).mean(axis=-1)
+        if number == 1:
+            return np.sqrt(((square * weight).sum((2, 3)) / weight.sum((1, 2))).max(axis=0))
+        over = 4 - number
+        by_incidence = (square * weight).sum(axis=over + 1) / weight.sum(axis=over)
+        return np.sqrt(by_incidence.max(axis=(0, 1)))
+
+    def keep_totals(self, table: ScatterTable) -> ScatterTable:
+        """A table whose every incidence scatters as much as it should."""
+        values = table.values.copy()
+        for s, incidence in enumerate(self.incidences):
+            radial, azimuth, weight = quadrature(table, incidence, FINE)
+            tilt = np.full_like(radial, incidence)
+            for p, rotation in enumerate(self.rotations):
+                turn = np.full_like(radial, rotation)
+                true = weight @ self.ask(turn, tilt, radial, azimuth)
+                if incidence > GRAZING:
+                    true = np.minimum(true, 1.0)
+                made = weight @ interpolate(table, turn, tilt, radial, azimuth)
+                values[p, s] *= np.where(made > 0.0, true / np.maximum(made, 1e-30), 1.0)
+        return replace(table, values=values)
+
+    def error_of(self, table: ScatterTable) -> float:
+        """Error of a table, root mean square over random pairs and bands, as `ScatterTable.error` says it."""
+        rotation, incidence, radial, azimuth = self._random_pairs(TESTED)
+        true = self.ask(rotation, incidence, radial, azimuth)
+        made = interpolate(table, rotation, incidence, radial, azimuth)
+        return float(np.sqrt((((made - true) / (true + self.floor)) ** 2).mean()))
+
+    def _random_pairs(self, count: int) -> tuple[np.ndarray, ...]:
+        """Pairs of directions above the horizon: half spread by the cosine, half crowded about the centre."""
+        draw = self.random.random((6, 4 * count))
+        if self.has_own_incidences:
+            incidence = self.incidences[(draw[0] * len(self.incidences)).astype(int)]
+        else:
+            incidence = self.incidences[0] + draw[0] * (self.incidences[-1] - self.incidences[0])
+        rotation = self.rotations[(draw[1] * len(self.rotations)).astype(int)]
+        end = self.azimuths[-1]
+        near = draw[2] < 0.5
+        sine = np.sqrt(draw[3])
+        turn = 2.0 * np.pi * draw[4]
+        spread = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - draw[3])], 1)
+        radial, azimuth = _coordinates(incidence, spread)
+        radial = np.where(near, 0.5 * np.pi * draw[5] ** 2, radial)
+        azimuth = np.where(near, end * draw[4], azimuth)
+        azimuth = np.where(azimuth > end, 2.0 * np.pi - azimuth, azimuth)
+        good = direction_of(incidence, radial, azimuth)[:, 2] > np.cos(LOWEST)
+        return tuple(values[good][:count] for values in (rotation, incidence, radial, azimuth))
+
+
+def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:
+    """Radial angle and azimuth of directions, light coming in the xz-plane."""
+    sin_s, cos_s = np.sin(incidence), np.cos(incidence)
+    centre = -sin_s * wo[:, 0] + cos_s * wo[:, 2]
+    outward = -cos_s * wo[:, 0] - sin_s * wo[:, 2]
+    radial = np.arctan2(np.hypot(outward, wo[:, 1]), centre)
+    return radial, np.arctan2(wo[:, 1], outward) % (2.0 * np.pi)
+
+
+def _turn(directions: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """Directions turned about the normal."""
+    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
+    x, y, z = directions.T
+    return np.stack([cos_r * x - sin_r * y, sin_r * x + cos_r * y, z], axis=1)
+
+
+def _lift(incidence, wo, radial, azimuth) -> np.ndarray:
+    """Directions, those below `LOWEST` brought up to it along their azimuth about the centre."""
+    low = np.cos(LOWEST)
+    across = np.cos(azimuth) * np.sin(incidence)
+    reach = np.hypot(np.cos(incidence), across)
+    edge = np.arccos(np.clip(low / np.maximum(reach, 1e-12), -1.0, 1.0)) - np.arctan2(
+        across, np.cos(incidence)
+    )
+    below = wo[:, 2] < low
+    drawn_in = np.where(below, np.clip(np.minimum(radial, edge), 0.0, None), radial)
+    wo = np.where(below[:, None], direction_of(incidence, drawn_in, azimuth), wo)
+    flat = np.hypot(wo[:, 0], wo[:, 1])
+    factor = np.where(wo[:, 2] < low, np.sqrt(1.0 - low**2) / np.maximum(flat, 1e-12), 1.0)
+    return np.stack([wo[:, 0] * factor, wo[:, 1] * factor, np.maximum(wo[:, 2], low)], axis=1)
+
+
+def _between(wavelengths: np.ndarray, kept: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values of all bands from those that are kept, linear between them. (n, w)"""
+    below = np.clip(
+        np.searchsorted(wavelengths[kept], wavelengths, side="right") - 1, 0, len(kept) - 2
+    )
+    low, high = wavelengths[kept[below]], wavelengths[kept[below + 1]]
+    share = (wavelengths - low) / (high - low)
+    return values[:, kept[below]] * (1.0 - share) + values[:, kept[below + 1]] * share

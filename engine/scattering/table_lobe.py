@@ -1,0 +1,266 @@
+"""A table of scattering in kernels: its interpolation exactly as stated, and directions drawn from its cells."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import upload
+from ..scene.scattering import ScatterTable
+from .cells import prepare_cells
+from .table import is_symmetric
+
+MOST_BINS = 4096
+"""Bins by which places on an axis are found."""
+
+
+class Axis:
+    """An irregular axis: even bins tell the interval, or the one before it.
+
+    Parameters
+    ----------
+    values : (n,) array    Strictly ascending.
+    """
+
+    def __init__(self, values: np.ndarray):
+        values = np.asarray(values, dtype=np.float64)
+        self.single = len(values) == 1
+        if self.single:
+            return
+        low, length = values[0], values[-1] - values[0]
+        bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(1.01 * length / np.diff(values).min()))))
+        edges = low + length * np.arange(bins) / bins
+        first = np.clip(np.searchsorted(values, edges, side="right") - 1, 0, len(values) - 2)
+        last = np.searchsorted(values, edges + length / bins, side="left") - 1
+        # Where more than one grid line lies in a bin, a few steps find the interval.
+        self.steps = max(int((last - first).max()), 1)
+        self.first = upload(mi.UInt32, first)
+        self.values = upload(mi.Float, values)
+        self.low, self.scale = mi.Float(low), mi.Float(bins / length)
+        self.last_bin = mi.Int32(bins - 1)
+        self.last = mi.UInt32(len(values) - 2)
+        dr.make_opaque(self.low, self.scale, self.last_bin, self.last)
+        dr.eval(self.first, self.values)
+
+    def place(self, value, active):
+        """Interval that a value lies in and the share of its upper end; the ends hold beyond. (UInt32, Float)"""
+        if self.single:
+            return mi.UInt32(0), mi.Float(0.0)
+        number = dr.clip(mi.Int32((value - self.low) * self.scale), 0, self.last_bin)
+        below = dr.gather(mi.UInt32, self.first, mi.UInt32(number), active)
+        high = dr.gather(mi.Float, self.values, below + 1, active)
+        for _ in range(self.steps):
+            below = dr.minimum(dr.select(value >= high, below + 1, below), self.last)
+            high = dr.gather(mi.Float, self.values, below + 1, active)
+        low = dr.gather(mi.Float, self.values, below, active)
+        return below, dr.clip((value - low) / (high - low), 0.0, 1.0)
+
+    def ends(self, below, active):
+        """Both ends of an interval."""
+        return (dr.gather(mi.Float, self.values, below + k, active) for k in (0, 1))
+
+
+class TableLobe:
+    """What a table scatters, its direct part aside.
+
+    Parameters
+    ----------
+    table : ScatterTable
+    weigh : callable
+        Takes values (..., w) and wavelengths (w,); returns them as they are, or summed up to one band where the variant
+        carries no wavelengths.
+    factor : float    On all values. [-]
+    """
+
+    def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
+        values = weigh(table.values * np.float32(factor), table.wavelengths)
+        self.shape = values.shape
+        cells = prepare_cells(table)
+        self.is_symmetric = is_symmetric(table)
+        self.incidences, self.radials, self.azimuths = (
+            Axis(a) for a in (table.incidences, table.radials, table.azimuths)
+        )
+        self.rotations = None
+        if len(table.rotations) > 1:
+            self.rotations = Axis(np.append(table.rotations, table.rotations[0] + 2.0 * np.pi))
+            self.first_rotation = mi.Float(table.rotations[0])
+            dr.make_opaque(self.first_rotation)
+        self.wavelengths = Axis(table.wavelengths) if values.shape[-1] > 1 else None
+        self.values = upload(mi.Float, values)
+        self.density = upload(mi.Float, cells.density)
+        self.ring_shares = upload(mi.Float, cells.radial)
+        self.cell_shares = upload(mi.Float, cells.azimuth)
+        self.albedos = upload(mi.Float, cells.albedo * factor)
+        self.cosines = upload(mi.Float, np.cos(table.radials))
+        dr.eval(
+            self.values,
+            self.density,
+            self.ring_shares,
+            self.cell_shares,
+            self.albedos,
+            self.cosines,
+        )
+
+    # ---- places ----
+
+    def _frame(self, wi):
+        """Sine and cosine of the incidence, and those of the azimuth of ``wi``."""
+        sine = dr.hypot(wi.x, wi.y)
+        is_inclined = sine > 0.0
+        cos_r = dr.select(is_inclined, wi.x / sine, 1.0)
+        sin_r = dr.select(is_inclined, wi.y / sine, 0.0)
+        return sine, wi.z, cos_r, sin_r
+
+    def _nodes(self, frame, active):
+        """Grid points about an incidence: (number, weight) pairs that sum up to 1."""
+        sine, cosine, cos_r, sin_r = frame
+        s, s_share = self.incidences.place(dr.atan2(sine, cosine), active)
+        count = self.shape[1]
+        steps = [(s, 1.0 - s_share), (s + 1, s_share)] if count > 1 else [(s, mi.Float(1.0))]
+        if self.rotations is None:
+            return steps
+        turn = dr.atan2(sin_r, cos_r)
+        turn = dr.select(turn < 0.0, turn + dr.two_pi, turn)
+        turn = dr.select(turn < self.first_rotation, turn + dr.two_pi, turn)
+        p, p_share = self.rotations.place(turn, active)
+        following = dr.select(p + 1 >= self.shape[0], 0, p + 1)
+        return [
+            (row * count + each, w_row * weight)
+            for row, w_row in ((p, 1.0 - p_share), (following, p_share))
+            for each, weight in steps
+        ]
+
+    def _cell(self, frame, wo, active):
+        """Radial interval, its share, azimuth interval, its share."""
+        sin_s, cos_s, cos_r, sin_r = frame
+        x, y = cos_r * wo.x + sin_r * wo.y, cos_r * wo.y - sin_r * wo.x
+        centre, outward = cos_s * wo.z - sin_s * x, -cos_s * x - sin_s * wo.z
+        radial = dr.atan2(dr.hypot(outward, y), centre)
+        azimuth = dr.atan2(dr.abs(y) if self.is_symmetric else y, outward)
+        if not self.is_symmetric:
+            azimuth = dr.select(azimuth < 0.0, azimuth + dr.two_pi, azimuth)
+        return *self.radials.place(radial, active), *self.azimuths.place(azimuth, active)
+
+    # ---- what the plug-in asks ----
+
+    def evaluate(self, wi, wo, wavelengths, active):
+        """Value times the cosine of ``wo`` [1/sr], and the density of `sample` over solid angle [1/sr]."""
+        frame = self._frame(wi)
+        nodes = self._nodes(frame, active)
+        t, t_share, a, a_share = self._cell(frame, wo, active)
+        _, _, radials, azimuths, bands = self.shape
+        cells = (radials - 1) * (azimuths - 1)
+        cell = t * (azimuths - 1) + a
+        density, corners = mi.Float(0.0), []
+        for node, weight in nodes:
+            density = dr.fma(
+                weight, dr.gather(mi.Float, self.density, node * cells + cell, active), density
+            )
+            for dt, t_weight in ((0, 1.0 - t_share), (1, t_share)):
+                for da, a_weight in ((0, 1.0 - a_share), (1, a_share)):
+                    place = (node * radials + t + dt) * azimuths + a + da
+                    corners.append((place * bands, weight * t_weight * a_weight))
+        value = mi.Spectrum(0.0)
+        if self.wavelengths is None:
+            total = mi.Float(0.0)
+            for place, weight in corners:
+                total = dr.fma(weight, dr.gather(mi.Float, self.values, place, active), total)
+            value = mi.Spectrum(total)
+        else:
+            for k in range(len(value)):
+                band, share = self.wavelengths.place(wavelengths[k], active)
+                low, high = mi.Float(0.0), mi.Float(0.0)
+                for place, weight in corners:
+                    at = place + band
+                    low = dr.fma(weight, dr.gather(mi.Float, self.values, at, active), low)
+                    high = dr.fma(weight, dr.gather(mi.Float, self.values, at + 1, active), high)
+                value[k] = dr.lerp(low, high, share)
+        return value * wo.z, density
+
+    def sample(self, wi, sample, active):
+        """Draw a direction; it may lie below the horizon, where nothing is scattered. ``sample``: Point2f"""
+        frame = self._frame(wi)
+        first, second = mi.Float(sample.x), mi.Float(sample.y)
+        node, passed = mi.UInt32(0), mi.Float(0.0)
+        chosen, share_before, share_of = mi.UInt32(0), mi.Float(0.0), mi.Float(1.0)
+        for number, (node, weight) in enumerate(self._nodes(frame, active)):
+            is_this = (first >= passed) if number else mi.Bool(True)
+            chosen = dr.select(is_this, node, chosen)
+            share_before = dr.select(is_this, passed, share_before)
+            share_of = dr.select(is_this, weight, share_of)
+            passed = passed + weight
+        first = dr.clip(
+            (first - share_before) / dr.maximum(share_of, 1e-12),
+            0.0,
+            dr.one_minus_epsilon(mi.Float),
+        )
+        _, _, radials, azimuths, _ = self.shape
+        t, first = _draw(self.ring_shares, chosen * (radials - 1), radials - 1, first, active)
+        row = (chosen * (radials - 1) + t) * (azimuths - 1)
+        if self.is_symmetric:
+            is_left = second >= 0.5
+            second = 2.0 * second - dr.select(is_left, 1.0, 0.0)
+        a, second = _draw(self.cell_shares, row, azimuths - 1, second, active)
+        high, low = (dr.gather(mi.Float, self.cosines, t + k, active) for k in (0, 1))
+        cos_t = dr.lerp(high, low, first)
+        sin_t = dr.safe_sqrt(dr.fma(-cos_t, cos_t, 1.0))
+        azimuth = dr.lerp(*self.azimuths.ends(a, active), second)
+        if self.is_symmetric:
+            azimuth = dr.select(is_left, -azimuth, azimuth)
+        sin_a, cos_a = dr.sincos(azimuth)
+        sin_s, cos_s, cos_r, sin_r = frame
+        x = -sin_s * cos_t - cos_s * sin_t * cos_a
+        y = sin_t * sin_a
+        z = cos_s * cos_t - sin_s * sin_t * cos_a
+        return mi.Vector3f(cos_r * x - sin_r * y, sin_r * x + cos_r * y, z)
+
+    def albedo(self, wi, active):
+        """Share of light that is scattered, mean over the bands. [-]"""
+        found = mi.Float(0.0)
+        for node, weight in self._nodes(self._frame(wi), active):
+            found = dr.fma(weight, dr.gather(mi.Float, self.albedos, node, active), found)
+        return found
+
+
+class DirectShares:
+    """What a table reflects as a mirror or lets pass straight, by incidence."""
+
+    def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
+        direct = weigh(table.direct * np.float32(factor), table.wavelengths)
+        self.shape = direct.shape
+        self.incidences = Axis(table.incidences)
+        self.wavelengths = Axis(table.wavelengths) if direct.shape[-1] > 1 else None
+        # Shares over the azimuth of incidence are averaged: no instrument tells them apart.
+        self.values = upload(mi.Float, direct.mean(axis=0))
+        dr.eval(self.values)
+
+    def evaluate(self, wi, wavelengths, active):
+        """Share of light from ``wi``. (Spectrum)"""
+        s, share = self.incidences.place(dr.atan2(dr.hypot(wi.x, wi.y), wi.z), active)
+        count, bands = self.shape[1:]
+        above = dr.minimum(s + 1, count - 1)
+        value = mi.Spectrum(0.0)
+        for k in range(len(value)):
+            ends = []
+            for row in (s, above):
+                if self.wavelengths is None:
+                    ends.append(dr.gather(mi.Float, self.values, row * bands, active))
+                    continue
+                band, place = self.wavelengths.place(wavelengths[k], active)
+                low, high = (
+                    dr.gather(mi.Float, self.values, row * bands + band + j, active) for j in (0, 1)
+                )
+                ends.append(dr.lerp(low, high, place))
+            value[k] = dr.lerp(*ends, share)
+        return value
+
+
+def _draw(shares, start, count: int, sample, active):
+    """Draw an entry from cumulative shares that begin at ``start``; also the sample, spread out again over [0, 1)."""
+    found = dr.binary_search(
+        0, count - 1, lambda i: dr.gather(mi.Float, shares, start + i, active) <= sample
+    )
+    found = mi.UInt32(found)
+    above = dr.gather(mi.Float, shares, start + found, active)
+    below = dr.gather(mi.Float, shares, start + found - 1, active & (found > 0))
+    left = (sample - below) / dr.maximum(above - below, 1e-12)
+    return found, dr.clip(left, 0.0, dr.one_minus_epsilon(mi.Float))

@@ -1,0 +1,323 @@
+"""Measured surfaces in kernels: the table's values, directions as dense as stated, bounded weights, pictures as analytic."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from lumenray.engine.scattering.evaluation import albedo, evaluate, total
+from lumenray.engine.scattering.resampling import resample
+from lumenray.engine.scene.material import Measured
+from lumenray.engine.scene.scattering import ScatterTable
+from lumenray.engine.transport import backend
+from scipy import stats
+
+from ..helpers.scattering_models import directions, ggx, lambert, schlick, towards
+from .test_scatter_tables import random_table
+
+pytestmark = pytest.mark.mitsuba
+
+NM = (450.0, 520.0, 610.0, 680.0)
+
+
+@pytest.fixture(autouse=True)
+def _spectral():
+    backend.start(spectral=True)
+
+
+def plugin(surface, light=None):
+    from lumenray.engine.scattering import plugin as plugins
+    from lumenray.engine.transport.surfaces import bsdf
+    from lumenray.engine.transport.textures import TextureMaker
+
+    plugins.register()
+    return bsdf(surface, TextureMaker(np.ones(471) if light is None else light))
+
+
+def interaction(direction, count):
+    import drjit as dr
+    import mitsuba as mi
+
+    si = dr.zeros(mi.SurfaceInteraction3f, count)
+    si.wi = mi.Vector3f(
+        *(mi.Float(np.atleast_1d(c).astype(np.float32)) for c in np.transpose(direction))
+    )
+    si.n, si.sh_frame = mi.Normal3f(0, 0, 1), mi.Frame3f(mi.Normal3f(0, 0, 1))
+    if mi.is_spectral:
+        si.wavelengths = mi.Spectrum(*NM)
+    return si
+
+
+def vectors(v):
+    import mitsuba as mi
+
+    return mi.Vector3f(
+        *(mi.Float(np.ascontiguousarray(c, dtype=np.float32)) for c in np.transpose(v))
+    )
+
+
+def sampled(bsdf, direction, count, seed=5):
+    """Directions, weights (4, n), densities and kinds of samples for one direction."""
+    import mitsuba as mi
+
+    stream = mi.PCG32(size=count, initstate=seed)
+    si = interaction(direction, count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    bs, weight = bsdf.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    return (
+        np.stack([np.array(c) for c in bs.wo], axis=1),
+        np.array(weight),
+        np.array(bs.pdf),
+        np.array(bs.sampled_type),
+    )
+
+
+@lru_cache
+def paint():
+    lobe = ggx(0.1, schlick)
+    return resample(lambda wi, wo: lobe(wi, wo) + 0.15, [550.0], tolerance=0.03)
+
+
+SURFACES = {
+    "paint": lambda: Measured(paint(), paint()),
+    "random": lambda: Measured(random_table(3), random_table(4), rotation=0.4),
+    "alike sides": lambda: Measured(random_table(5, 1, True)),
+    "sheet": lambda: Measured(
+        resample(lambert(0.3), [550.0]), None, random_table(6, 1), resample(lambert(0.4), [550.0])
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_kernels_give_the_values_of_the_table(name):
+    import mitsuba as mi
+    from lumenray.engine.scattering.surface import usable
+
+    surface = SURFACES[name]()
+    bsdf, used = plugin(surface), usable(surface)
+    wi, wo = directions(4000, 1), directions(4000, 2)
+    wi[::3, 2] *= -1.0
+    wo[::4, 2] *= -1.0
+    made = np.array(bsdf.eval(mi.BSDFContext(), interaction(wi, 4000), vectors(wo), True))
+    for front in (True, False):
+        for through in (True, False):
+            lanes = ((wi[:, 2] > 0) == front) & ((wi[:, 2] * wo[:, 2] < 0) == through)
+            part = getattr(
+                used,
+                f"{'front' if front else 'back'}_{'transmission' if through else 'reflection'}",
+            )
+            if part is None:
+                assert not made[:, lanes].any()
+                continue
+            c, s = np.cos(surface.rotation), np.sin(surface.rotation)
+            turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+            a, b = (v[lanes] @ turn * [1, 1, np.nan] for v in (wi, wo))
+            a[:, 2], b[:, 2] = np.abs(wi[lanes, 2]), np.abs(wo[lanes, 2])
+            at = evaluate(part, a, b)
+            expected = np.stack([_between(part.wavelengths, at, nm) for nm in NM]) * b[:, 2]
+            off = np.abs(made[:, lanes] - expected) > 2e-3 * expected + 2e-5
+        print(
+            off.sum(),
+            (made[:, lanes])[off][:9],
+            expected[off][:9],
+            np.where(off)[0][:9],
+            a[off.any(axis=0)][:5],
+            b[off.any(axis=0)][:5],
+        )
+        assert np.allclose(made[:, lanes], expected, rtol=2e-3, atol=2e-5)
+
+
+def _between(wavelengths, values, nm):
+    if len(wavelengths) == 1:
+        return values[:, 0]
+    return np.array([np.interp(nm, wavelengths, row) for row in values])
+
+
+@pytest.mark.parametrize("angle", [3, 50, 75, 130])
+@pytest.mark.parametrize("name", SURFACES)
+def test_directions_are_as_dense_as_stated_and_weights_are_bounded(name, angle):
+    import mitsuba as mi
+
+    surface = SURFACES[name]()
+    bsdf = plugin(surface)
+    count = 1 << 18
+    direction = towards(angle, 40)
+    wo, weight, pdf, _ = sampled(bsdf, direction, count)
+    if name == "alike sides" and angle > 90:
+        assert not weight.any()
+        return
+    valid = pdf > 0.0
+    bins = (20, 16)
+
+    def cells(v):
+        z = np.clip(((v[:, 2] + 1) / 2 * bins[0]).astype(int), 0, bins[0] - 1)
+        turn = (np.arctan2(v[:, 1], v[:, 0]) / (2 * np.pi)) % 1.0
+        return z * bins[1] + np.minimum((turn * bins[1]).astype(int), bins[1] - 1)
+
+    observed = np.bincount(cells(wo[valid]), minlength=np.prod(bins))
+    fine = 40
+    z = (np.arange(bins[0] * fine) + 0.5) / (bins[0] * fine) * 2 - 1
+    turn = (np.arange(bins[1] * fine) + 0.5) / (bins[1] * fine) * 2 * np.pi
+    zz, tt = (m.ravel() for m in np.meshgrid(z, turn, indexing="ij"))
+    sine = np.sqrt(1 - zz**2)
+    grid = np.stack([sine * np.cos(tt), sine * np.sin(tt), zz], axis=1)
+    context = mi.BSDFContext()
+    density = np.array(
+        bsdf.pdf(context, interaction(direction, len(grid)), vectors(grid), True), dtype=float
+    )
+    expected = np.bincount(cells(grid), weights=density, minlength=np.prod(bins))
+    expected *= 4 * np.pi / len(grid) * count
+    enough = expected > 20
+    # The density jumps at the edges of the table's cells: its integral over a bin is known to 0.5 %.
+    spread = expected[enough] + (0.005 * expected[enough]) ** 2
+    chi = ((observed - expected)[enough] ** 2 / spread).sum()
+    assert stats.chi2.sf(chi, enough.sum() - 1) > 1e-4
+    value = np.array(bsdf.eval(context, interaction(direction, count), vectors(wo), True))
+    assert np.allclose(weight[:, valid], value[:, valid] / pdf[valid], rtol=5e-3, atol=1e-4)
+    # No sample counts for more than a few times the mean.
+    assert weight.mean(axis=0).max() < 10.0 * weight.mean()
+
+
+@pytest.mark.parametrize("angle", [0, 40, 70, 84])
+@pytest.mark.parametrize("name", SURFACES)
+def test_the_furnace_gives_the_albedo(name, angle):
+    from lumenray.engine.scattering.surface import usable
+
+    surface = SURFACES[name]()
+    used = usable(surface)
+    parts = [p for p in (used.front_reflection, used.front_transmission) if p is not None]
+    _, weight, _, _ = sampled(plugin(surface), towards(angle, 40), 1 << 18)
+    # At normal incidence there is no azimuth of incidence, and 0 stands for it.
+    rotation = np.radians(40) - surface.rotation if angle else 0.0
+    expected = sum(
+        np.interp(NM, p.wavelengths, total(p, np.radians(angle), rotation)) for p in parts
+    )
+    error = weight.std(axis=1) / np.sqrt(weight.shape[1])
+    assert (np.abs(weight.mean(axis=1) - expected) < 4.5 * error + 1e-4).all()
+    assert weight.mean(axis=1).max() < 1.002
+
+
+def test_mirror_and_straight_parts_are_drawn_with_their_shares():
+    import mitsuba as mi
+
+    table = resample(lambert(0.2), [550.0], incidences=np.radians([0.0, 60.0]))
+    mirror = replace(table, direct=np.array([[[0.1], [0.3]]], dtype=np.float32))
+    straight = replace(table, direct=np.array([[[0.4], [0.2]]], dtype=np.float32))
+    bsdf = plugin(Measured(mirror, mirror, straight, straight))
+    direction = towards(30, 20)
+    wo, weight, _, kind = sampled(bsdf, direction, 1 << 17)
+    mirrored = kind == +mi.BSDFFlags.DeltaReflection
+    passed = kind == +mi.BSDFFlags.Null
+    assert np.allclose(wo[mirrored], direction * [-1, -1, 1], atol=1e-6)
+    assert np.allclose(wo[passed], -direction, atol=1e-6)
+    for lanes, share in ((mirrored, 0.2), (passed, 0.3), (~mirrored & ~passed, 0.4)):
+        part = weight[0] * lanes
+        assert abs(part.mean() - share) < 4.5 * part.std() / np.sqrt(len(part))
+    through = bsdf.eval_null_transmission(interaction(direction, 1), True)
+    assert np.array(through)[:, 0] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_photometric_transport_weighs_the_bands_by_light_and_eye():
+    nm = np.array([400.0, 480.0, 560.0, 640.0, 720.0])
+    shares = np.array([0.1, 0.3, 0.8, 0.4, 0.2])
+    table = resample(lambda wi, wo: lambert(1.0)(wi, wo) * shares, nm, tolerance=0.005)
+    from lumenray.engine.photometry.spectra import GRID, illuminant, luminous_efficiency
+
+    light = illuminant(GRID, "A")
+    backend.start(spectral=False)
+    import mitsuba as mi
+
+    bsdf = plugin(Measured(table, table), light)
+    weight = light * luminous_efficiency()
+    expected = (np.interp(GRID, nm, shares) * weight).sum() / weight.sum()
+    up = vectors(towards(0)[None])
+    made = np.array(bsdf.eval(mi.BSDFContext(), interaction(towards(20), 1), up, True))
+    assert made.ravel()[0] == pytest.approx(expected / np.pi, rel=2e-3)
+
+
+def test_without_data_for_a_side_it_is_black():
+    bsdf = plugin(Measured(paint()))
+    assert sampled(bsdf, towards(40), 1000)[1].any()
+    assert not sampled(bsdf, towards(140), 1000)[1].any()
+
+
+ANALYTIC = {
+    "matt": (lambert(0.6), {"type": "diffuse", "reflectance": {"type": "uniform", "value": 0.6}}),
+    "metal": (
+        # Mitsuba takes masking and shadowing for independent.
+        ggx(0.3, is_joint=False),
+        {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": 0.3},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ANALYTIC)
+def test_pictures_are_those_of_the_analytic_model(name):
+    # A ball on a floor of the same stuff, a lamp and a grey sky; both by Mitsuba's own path tracer.
+    backend.start(spectral=False)
+    import mitsuba as mi
+
+    exact, analytic = ANALYTIC[name]
+    table = resample(exact, [550.0], tolerance=0.01)
+    measured = plugin(Measured(table, table))
+    pictures = []
+    for bsdf in (measured, mi.load_dict({"type": "twosided", "nested": analytic})):
+        pictures.append([_picture(bsdf, seed) for seed in range(8)])
+    ours, theirs = (np.stack(p) for p in pictures)
+    mean = theirs.mean(axis=0)
+    noise = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8)
+    allowed = 4.5 * noise + max(table.error, 0.002) * 3.0 * mean + 1e-4
+    assert (np.abs(ours.mean(axis=0) - mean) < allowed).all()
+    assert ours.mean() == pytest.approx(mean.mean(), rel=0.004)
+
+
+def _picture(bsdf, seed):
+    """Means of 8 x 8 blocks of a picture of 48 x 48 pixels."""
+    import mitsuba as mi
+
+    scene = mi.load_dict(
+        {
+            "type": "scene",
+            "sky": {"type": "constant", "radiance": 0.3},
+            "lamp": {
+                "type": "rectangle",
+                "to_world": mi.ScalarTransform4f().look_at([2, -2, 3], [0, 0, 0], [0, 0, 1]),
+                "emitter": {"type": "area", "radiance": 6.0},
+            },
+            "ball": {"type": "sphere", "bsdf": bsdf},
+            "floor": {
+                "type": "rectangle",
+                "to_world": mi.ScalarTransform4f().translate([0, 0, -1]).scale(4.0),
+                "bsdf": bsdf,
+            },
+            "sensor": {
+                "type": "perspective",
+                "fov": 40.0,
+                "to_world": mi.ScalarTransform4f().look_at([0, -6, 1.5], [0, 0, 0], [0, 0, 1]),
+                "film": {"type": "hdrfilm", "width": 48, "height": 48, "rfilter": {"type": "box"}},
+            },
+            "integrator": {"type": "path", "max_depth": 4},
+        }
+    )
+    picture = np.array(mi.render(scene, spp=64, seed=seed)).mean(axis=2)
+    return picture.reshape(6, 8, 6, 8).mean(axis=(1, 3))
+
+
+def test_brushed_metal_follows_u():
+    """Light across the brushing spreads along it: the direction comes from the coordinates of the mesh."""
+    rotations = np.arange(8) * np.pi / 4
+    table = resample(
+        ggx(0.1, along=0.5),
+        [550.0],
+        rotations=rotations,
+        is_symmetric=False,
+        tolerance=0.3,
+        most=1 << 18,
+    )
+    assert isinstance(table, ScatterTable)
+    along = albedo(table, np.radians(30), 0.0)
+    bsdf = plugin(Measured(table, table))
+    wo, weight, _, _ = sampled(bsdf, towards(0.5), 1 << 16)
+    spread = np.sqrt(np.average(wo**2, axis=0, weights=weight[0]))
+    assert spread[0] > 2.5 * spread[1]
+    assert along > 0.5

@@ -1,0 +1,54 @@
+"""Scattering that is known in closed form, to make tables of."""
+
+import numpy as np
+
+
+def lambert(reflectance=0.5):
+    """Return an evaluator of Lambert's law. [1/sr]"""
+    return lambda wi, wo: np.full((len(wi), 1), reflectance / np.pi)
+
+
+def schlick(cosine):
+    """Reflectance of glass (4 % at normal incidence) by Schlick's formula. [-]"""
+    return 0.04 + 0.96 * (1.0 - cosine) ** 5
+
+
+def ggx(alpha, fresnel=np.ones_like, along=None, is_joint=True):
+    """Return an evaluator of a GGX mirror. [1/sr]
+
+    ``alpha``: its width across x, and along x unless ``along`` is given; ``is_joint``: whether masking and shadowing go by
+    their heights together.
+    """
+    across = alpha if along is None else along
+
+    def evaluate(wi, wo):
+        half = wi + wo
+        half = half / np.linalg.norm(half, axis=1, keepdims=True)
+        spread = (half[:, 0] / across) ** 2 + (half[:, 1] / alpha) ** 2 + half[:, 2] ** 2
+        density = 1.0 / (np.pi * alpha * across * spread**2)
+
+        def root(v):
+            return np.sqrt((across * v[:, 0]) ** 2 + (alpha * v[:, 1]) ** 2 + v[:, 2] ** 2)
+
+        if is_joint:
+            joint = 0.5 / (wo[:, 2] * root(wi) + wi[:, 2] * root(wo))
+        else:
+            joint = 1.0 / ((wo[:, 2] + root(wo)) * (wi[:, 2] + root(wi)))
+        return (fresnel((wi * half).sum(axis=1)) * density * joint)[:, None]
+
+    return evaluate
+
+
+def directions(count, seed, lowest=0.05):
+    """Unit vectors spread by solid angle over the hemisphere, z above ``lowest``. (n, 3)"""
+    rng = np.random.default_rng(seed)
+    z = lowest + (1.0 - lowest) * rng.random(count)
+    turn = 2.0 * np.pi * rng.random(count)
+    sine = np.sqrt(1.0 - z**2)
+    return np.stack([sine * np.cos(turn), sine * np.sin(turn), z], axis=1)
+
+
+def towards(angle, azimuth=0.0):
+    """Direction at an angle to the normal. (3,) [deg]"""
+    s, a = np.radians(angle), np.radians(azimuth)
+    return np.array([np.sin(s) * np.cos(a), np.sin(s) * np.sin(a), np.cos(s)])
