@@ -115,7 +115,7 @@ def test_kernels_give_the_values_of_the_table(name):
             a[:, 2], b[:, 2] = np.abs(wi[lanes, 2]), np.abs(wo[lanes, 2])
             at = evaluate(part, a, b)
             expected = np.stack([_between(part.wavelengths, at, nm) for nm in NM]) * b[:, 2]
-        assert np.allclose(made[:, lanes], expected, rtol=2e-3, atol=2e-5)
+            assert np.allclose(made[:, lanes], expected, rtol=2e-3, atol=2e-5)
 
 
 def _between(wavelengths, values, nm):
