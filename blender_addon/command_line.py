@@ -8,7 +8,13 @@ import time
 from pathlib import Path
 
 from ..engine.scene.sensor import SensorKind
-from . import explain_command, luminaire_commands, rayset_commands, validate_command
+from . import (
+    explain_command,
+    luminaire_commands,
+    rayset_commands,
+    scattering_commands,
+    validate_command,
+)
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
@@ -18,6 +24,7 @@ EPILOG = """examples:
   lumenray explain office.blend
   lumenray luminaire info downlight.ies
   lumenray rayset info led.ray
+  lumenray brdf info paint.bsdf
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -71,6 +78,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_scene(explain_command.add_command(commands))
     luminaire_commands.add_commands(commands, _size)
     rayset_commands.add_commands(commands)
+    scattering_commands.add_commands(commands)
     validate_command.add_command(commands)
 
     demo = commands.add_parser("demo", help="render and bake the bundled office")
@@ -367,6 +375,7 @@ def main(arguments=None) -> int:
             "explain": _explain,
             "luminaire": luminaire_commands.run,
             "rayset": rayset_commands.run,
+            "brdf": scattering_commands.run,
             "validate": validate_command.run,
             "demo": _demo,
             "benchmark": _benchmark,

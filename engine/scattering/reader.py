@@ -7,8 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import FileFormatError
+from .goniometer import read_goniometer
+from .goniometer_text import is_goniometer
+from .lighttools import is_lighttools, read_lighttools
+from .mdl import is_mdl, read_mdl
+from .merl import is_merl, read_merl
 from .record import ScatteringFile
+from .speos import is_speos, read_speos
 from .store import is_store, read_store
+from .tensor_file import is_tensor_file, read_tensor_file
+from .window_xml import is_window_xml, read_window_xml
+from .zemax import is_zemax, read_zemax
 
 MAXIMUM_SIZE = 256 << 20
 """Largest file that is read. [byte]"""
@@ -57,13 +66,22 @@ def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringF
     """
     if not data:
         raise FileFormatError(path, "is empty")
-    if is_store(data):
-        return read_store(data, path)
-    for is_one, read in _formats():
+    tolerance = (wish or Wish()).tolerance
+    for is_one, read, is_resampled in _FORMATS:
         if is_one(data):
-            return read(data, path)
+            return read(data, path, tolerance) if is_resampled else read(data, path)
     raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
 
 
-def _formats():
-    return ()
+_FORMATS = (
+    (is_store, read_store, False),
+    (is_tensor_file, read_tensor_file, True),
+    (is_merl, read_merl, True),
+    (is_window_xml, read_window_xml, False),
+    (is_mdl, read_mdl, False),
+    (is_speos, read_speos, False),
+    (is_lighttools, read_lighttools, False),
+    (is_zemax, read_zemax, False),
+    (is_goniometer, read_goniometer, True),
+)
+"""How formats are told, in the order in which they are tried, and whether their reader takes a tolerance."""

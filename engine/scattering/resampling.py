@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..scene.scattering import ScatterTable
-from .table import albedo_of, direction_of, interpolate, quadrature
+from .table import albedo_of, direction_of, interpolate, quadrature, turned
 
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values for pairs of directions wi, wo: (n, 3), (n, 3) -> (n, w). [1/sr]"""
@@ -134,7 +134,7 @@ class _Maker:
         """What is to be tabulated at flat arrays of coordinates. (n, bands)"""
         wo = _lift(incidence, direction_of(incidence, radial, azimuth), radial, azimuth)
         wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=1)
-        wi, wo = _turn(wi, rotation), _turn(wo, rotation)
+        wi, wo = turned(wi, rotation), turned(wo, rotation)
         parts = [
             self.evaluate(wi[k : k + CHUNK], wo[k : k + CHUNK])[:, self.bands]
             for k in range(0, len(wi), CHUNK)
@@ -279,13 +279,6 @@ def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:
     outward = -cos_s * wo[:, 0] - sin_s * wo[:, 2]
     radial = np.arctan2(np.hypot(outward, wo[:, 1]), centre)
     return radial, np.arctan2(wo[:, 1], outward) % (2.0 * np.pi)
-
-
-def _turn(directions: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Directions turned about the normal."""
-    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
-    x, y, z = directions.T
-    return np.stack([cos_r * x - sin_r * y, sin_r * x + cos_r * y, z], axis=1)
 
 
 def _lift(incidence, wo, radial, azimuth) -> np.ndarray:

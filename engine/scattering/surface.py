@@ -7,12 +7,16 @@ import numpy as np
 from ..scene.material import Measured
 from ..scene.memo import recall
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
-from .evaluation import incidences_of, total
+from .evaluation import evaluate, incidences_of, total
 from .record import SIDES
-from .table import check_table
+from .table import check_table, direction_of, turned
 
 ROUNDING = 1e-3
 """By which totals may exceed 1 before they are scaled down: more is light from nothing. [-]"""
+
+
+LOWEST = 0.02
+"""Cosine below which a direction is too near to the horizon to be turned round. [-]"""
 
 
 def parts_of(surface: Measured) -> list[Scatter | None]:
@@ -66,6 +70,20 @@ def excess_of(reflection: Scatter | None, transmission: Scatter | None) -> float
     if len(totals) == 2 and totals[0].shape == totals[1].shape:
         return float((totals[0] + totals[1]).max())
     return float(sum(each.max() for each in totals))
+
+
+def make_reciprocal(table: ScatterTable) -> ScatterTable:
+    """Return a table whose grid points hold the mean of f(i, o) and f(o, i), as tables of one side should be alike."""
+    axes = np.meshgrid(
+        table.rotations, table.incidences, table.radials, table.azimuths, indexing="ij"
+    )
+    rotation, incidence, radial, azimuth = (axis.ravel() for axis in axes)
+    wo = turned(direction_of(incidence, radial, azimuth), rotation)
+    wi = turned(direction_of(-incidence, np.zeros_like(incidence), 0.0), rotation)
+    above = wo[:, 2] > LOWEST
+    values = table.values.reshape(-1, len(table.wavelengths)).copy()
+    values[above] = 0.5 * (values[above] + evaluate(table, wo[above], wi[above]))
+    return replace(table, values=values.reshape(table.values.shape))
 
 
 def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:

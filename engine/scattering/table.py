@@ -73,6 +73,13 @@ def direction_of(incidence, radial, azimuth) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
+def turned(directions: np.ndarray, rotation) -> np.ndarray:
+    """Directions (n, 3) turned about the normal by angles (n,). [rad]"""
+    cos_r, sin_r = np.cos(rotation), np.sin(rotation)
+    x, y, z = directions.T
+    return np.stack([cos_r * x - sin_r * y, sin_r * x + cos_r * y, z], axis=1)
+
+
 def coordinates_of(wi, wo) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rotation, incidence, radial angle and azimuth of pairs of directions. (n, 3) each -> (n,) each [rad]"""
     wi, wo = np.asarray(wi, dtype=np.float64), np.asarray(wo, dtype=np.float64)
