@@ -13,6 +13,7 @@ from . import (
     luminaire_commands,
     rayset_commands,
     scattering_commands,
+    sensitivity_command,
     validate_command,
 )
 
@@ -76,6 +77,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     _add_measure(commands)
     _add_scene(explain_command.add_command(commands))
+    _add_scene(sensitivity_command.add_command(commands))
     luminaire_commands.add_commands(commands, _size)
     rayset_commands.add_commands(commands)
     scattering_commands.add_commands(commands)
@@ -373,6 +375,7 @@ def main(arguments=None) -> int:
             "bake": _bake,
             "measure": _measure,
             "explain": _explain,
+            "sensitivity": _sensitivity,
             "luminaire": luminaire_commands.run,
             "rayset": rayset_commands.run,
             "brdf": scattering_commands.run,
@@ -597,6 +600,13 @@ def _smoothed(picture, linear, white):
 def _explain(options) -> int:
     depsgraph = _open(options.file)
     return explain_command.run(options, depsgraph, _transport(options, depsgraph.scene.lumenray))
+
+
+def _sensitivity(options) -> int:
+    depsgraph = _open(options.file)
+    settings = depsgraph.scene.lumenray
+    seed = settings.seed if options.seed is None else options.seed
+    return sensitivity_command.run(options, depsgraph, _transport(options, settings), seed)
 
 
 def _bake(options) -> int:

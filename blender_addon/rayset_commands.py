@@ -133,7 +133,7 @@ def _open(options, path):
     return read_rayset(path, Assumed(options.unit, LUMINOUS if options.lumens else RADIANT))
 
 
-class _Bar:
+class ShareBar:
     """Share that is done, on a terminal; silent when nobody watches."""
 
     def __init__(self, title: str):
@@ -146,7 +146,7 @@ class _Bar:
             sys.stderr.write(f"\r{text:<60}")
             sys.stderr.flush()
 
-    def __enter__(self) -> "_Bar":
+    def __enter__(self) -> "ShareBar":
         return self
 
     def __exit__(self, *_):
@@ -165,7 +165,7 @@ def _info(options) -> int:
     for name in options.files:
         try:
             file = _open(options, name)
-            with _Bar(name) as bar:
+            with ShareBar(name) as bar:
                 row = describe(name, file, survey_rays(file, bar))
         except FileFormatError as error:
             row = {"file": name, "error": str(error)}
@@ -290,7 +290,7 @@ def _plot(options) -> int:
     if not 64 <= options.size <= LARGEST_PICTURE:
         raise LumenrayError(f"panels of {options.size} pixels, expected 64 to {LARGEST_PICTURE}")
     file = _open(options, options.file)
-    with _Bar(str(options.file)) as bar:
+    with ShareBar(str(options.file)) as bar:
         survey, light = _light(options, file, bar)
         pieces = list(light.pieces())
     reduced = _reduce_pieces([(direction, flux) for _, direction, flux in pieces])
@@ -348,7 +348,7 @@ def _reduce(options) -> int:
     if options.planes is not None and not 1 <= options.planes <= 720:
         raise LumenrayError(f"{options.planes} planes, expected 1 to 720")
     file = _open(options, options.file)
-    with _Bar(str(options.file)) as bar:
+    with ShareBar(str(options.file)) as bar:
         survey, light = _light(options, file, bar)
         pieces = [(direction, amount) for _, direction, amount in light.pieces()]
     reduced = _reduce_pieces(pieces, options.step, options.planes)
@@ -381,7 +381,7 @@ def _convert(options) -> int:
             options.output, f"'{ending}' is no format that is written, expected .tm25ray or .dat"
         )
     file = _open(options, options.file)
-    with _Bar(str(options.file)) as bar:
+    with ShareBar(str(options.file)) as bar:
         survey = survey_rays(file, lambda share: bar(0.5 * share))
         if options.generate is None:
             pieces = read_rays(file, progress=lambda share: bar(0.5 + 0.5 * share))
@@ -463,7 +463,7 @@ def _prepare(options) -> int:
     rows, failed = [], 0
     for path in options.files:
         try:
-            with _Bar(str(path)) as bar:
+            with ShareBar(str(path)) as bar:
                 light = obtain_light(path, wish, is_kept=True, progress=bar)
         except LumenrayError as error:
             rows.append({"file": str(path), "error": str(error)})

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.material import Black, Coated, Conductor, Diffuse, Glossy, Mix
+from ..scene.material import Black, Coated, Conductor, Diffuse, Glossy, Measured, Mix
 
 WELD = 2.0**-20
 """Corners nearer than about this are one, relative to the size of their object. [-]"""
@@ -53,6 +53,8 @@ def is_opaque(surface) -> bool:
             return surface.transmittance is None
         case Coated() | Glossy() | Conductor() | Black():
             return True
+        case Measured():
+            return surface.front_transmission is None and surface.back_transmission is None
         case Mix():
             return is_opaque(surface.first) and is_opaque(surface.second)
     return False

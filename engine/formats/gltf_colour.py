@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import BackendError
 from ..photometry.colour import REC709_LUMINANCE, scene_linear
 from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, illuminant, observer
+from ..scattering.evaluation import total
 from ..scene.material import (
     Coated,
     Conductor,
@@ -18,6 +19,7 @@ from ..scene.material import (
     Emission,
     Glossy,
     Material,
+    Measured,
     Mix,
     TabulatedPane,
     ThinGlass,
@@ -79,6 +81,14 @@ def _look(surface) -> tuple[np.ndarray, float]:
             return nothing, float(np.interp(0.0, surface.angles, surface.transmittance))
         case Transparent():
             return nothing, _luminous(surface.transmittance)
+        case Measured():
+            reflected, passed = (
+                np.zeros(3)
+                if part is None
+                else _daylit(np.interp(GRID, part.wavelengths, total(part, 0.0)))
+                for part in (surface.front_reflection, surface.front_transmission)
+            )
+            return reflected, float(np.clip(passed @ REC709_LUMINANCE, 0.0, 1.0))
         case Mix():
             factor = surface.factor
             share = _mean(factor).mean() if isinstance(factor, ImageTexture) else float(factor)

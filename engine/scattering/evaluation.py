@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
+from .patches import albedo_of_patches, evaluate_patches
 from .table import albedo_of, direct_share, evaluate_table, is_symmetric
+from .tree import albedo_of_tree, evaluate_tree
 
 CHECKED = 4096
 """Pairs of directions that reciprocity is measured with."""
@@ -20,12 +22,8 @@ def evaluate(scatter: Scatter, wi, wo) -> np.ndarray:
         case ScatterTable():
             return evaluate_table(scatter, wi, wo)
         case PatchMatrix():
-            from .patches import evaluate_patches
-
             return evaluate_patches(scatter, wi, wo)
         case TensorTree():
-            from .tree import evaluate_tree
-
             return evaluate_tree(scatter, wi, wo)
     raise TypeError(f"not a scatter: {scatter!r}")
 
@@ -36,12 +34,8 @@ def albedo(scatter: Scatter, incidence: float, rotation: float = 0.0) -> np.ndar
         case ScatterTable():
             return albedo_of(scatter, incidence, rotation)
         case PatchMatrix():
-            from .patches import albedo_of_patches
-
             return albedo_of_patches(scatter, incidence, rotation)
         case TensorTree():
-            from .tree import albedo_of_tree
-
             return albedo_of_tree(scatter, incidence, rotation)
     raise TypeError(f"not a scatter: {scatter!r}")
 

@@ -4,12 +4,18 @@ Tables are read with ``wi`` as the incidence. Paths from the eye meet surfaces b
 if it is reciprocal; how far it is, is measured where files are read. Matrices and trees are turned round instead.
 """
 
+from dataclasses import replace
+
 import drjit as dr
 import mitsuba as mi
 
 from ..scene.material import Measured
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
+from .patch_lobe import PatchLobe
+from .patches import transposed
 from .table_lobe import DirectShares, TableLobe
+from .tree import transposed_tree
+from .tree_lobe import TreeLobe
 
 NAME = "lumenray_measured"
 
@@ -25,14 +31,33 @@ def make_lobe(scatter: Scatter, weigh, factor: float):
         case ScatterTable():
             return TableLobe(scatter, weigh, factor)
         case PatchMatrix():
-            from .patch_lobe import PatchLobe
-
             return PatchLobe(scatter, weigh, factor)
         case TensorTree():
-            from .tree_lobe import TreeLobe
-
             return TreeLobe(scatter, weigh, factor)
     raise TypeError(f"not a scatter: {scatter!r}")
+
+
+def seen_from_the_eye(surface: Measured) -> Measured:
+    """Return a surface whose matrices and trees tell, by where the eye is, how much light comes from elsewhere to it."""
+
+    def turned_round(scatter, otherwise):
+        match scatter:
+            case PatchMatrix():
+                return transposed(scatter)
+            case TensorTree() if scatter.rank == 4:
+                return transposed_tree(scatter)
+        return otherwise
+
+    return replace(
+        surface,
+        **{
+            f"{side}_{kind}": turned_round(
+                getattr(surface, f"{source}_{kind}"), getattr(surface, f"{side}_{kind}")
+            )
+            for side, other in (("front", "back"), ("back", "front"))
+            for kind, source in (("reflection", side), ("transmission", other))
+        },
+    )
 
 
 class _Part:
@@ -110,6 +135,7 @@ def _measured_class():
 
         def set_surface(self, surface: Measured, weigh):
             """Set what it scatters. ``weigh``: see `TableLobe`."""
+            surface = seen_from_the_eye(surface)
             parts: dict[int, _Part] = {}
 
             def part(scatter):

@@ -8,8 +8,10 @@ from ..scene.material import Measured
 from ..scene.memo import recall
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .evaluation import evaluate, incidences_of, total
+from .patches import check_patches
 from .record import SIDES
 from .table import check_table, direction_of, turned
+from .tree import check_tree
 
 ROUNDING = 1e-3
 """By which totals may exceed 1 before they are scaled down: more is light from nothing. [-]"""
@@ -31,6 +33,14 @@ def is_grained(surface: Measured) -> bool:
         and not (isinstance(part, ScatterTable) and len(part.rotations) == 1)
         and not (isinstance(part, TensorTree) and part.rank == 3)
         for part in parts_of(surface)
+    )
+
+
+def mirrors_light(surface: Measured) -> bool:
+    """Whether some of the light is reflected as by a mirror."""
+    return any(
+        isinstance(part, ScatterTable) and part.direct is not None and part.direct.any()
+        for part in (surface.front_reflection, surface.back_reflection)
     )
 
 
@@ -142,10 +152,6 @@ def check(part: Scatter) -> None:
         case ScatterTable():
             check_table(part)
         case PatchMatrix():
-            from .patches import check_patches
-
             check_patches(part)
         case TensorTree():
-            from .tree import check_tree
-
             check_tree(part)

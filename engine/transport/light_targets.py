@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.material import Conductor, Dielectric, Glossy, Mix, TabulatedPane, ThinGlass
+from ..scattering.surface import mirrors_light
+from ..scene.material import Conductor, Dielectric, Glossy, Measured, Mix, TabulatedPane, ThinGlass
 from .surfaces import SMOOTH_ROUGHNESS, is_mirror
 
 MAXIMUM_TARGETS = 64
@@ -41,6 +42,8 @@ def is_bending(surface) -> bool:
             return surface.ior != 1.0
         case TabulatedPane():
             return bool(np.any(np.asarray(surface.reflectance) > 0.0))
+        case Measured():
+            return mirrors_light(surface)
         case Mix():
             return is_bending(surface.first) or is_bending(surface.second)
     return False

@@ -24,7 +24,11 @@ def measured_like(
     without=(),
     **instead,
 ) -> bytes:
-    """A file whose arrays all vary; fields may be left out, or given instead."""
+    """A file whose arrays all vary; fields may be left out, or given instead.
+
+    Both sides of the plane of incidence of isotropic ones are alike: Mitsuba 3.9.1 leaves it to chance whether it turns those
+    over, as it never sets into how many parts their turn falls.
+    """
     rng = np.random.default_rng(7)
     rows, columns = 24, 20
     u, v = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
@@ -53,5 +57,10 @@ def measured_like(
     }
     if not is_rgb:
         fields["wavelengths"] = np.asarray(wavelengths)
+    if len(azimuths) <= 2:
+        for name in ("rgb" if is_rgb else "spectra", "ndf"):
+            axis = fields[name].ndim - 2
+            fields[name] = 0.5 * (fields[name] + np.flip(fields[name], axis))
+        fields["sigma"] = np.broadcast_to(fields["sigma"][:1], (8, 10))
     fields |= {name: np.asarray(values) for name, values in instead.items()}
     return pack_fields({name: values for name, values in fields.items() if name not in without})

@@ -15,7 +15,7 @@ SMALL_COUNT = 7
 
 def basis(name: str, rings) -> str:
     blocks = "".join(
-        f"<AngleBasisBlock><Theta>{(low + high) / 2 if count > 1 else 0}</Theta><nPhis>{count}</nPhis>"
+        f"<AngleBasisBlock><Theta>{(low + high) / 2}</Theta><nPhis>{count}</nPhis>"
         f"<ThetaBounds><LowerTheta>{low}</LowerTheta><UpperTheta>{high}</UpperTheta></ThetaBounds>"
         "</AngleBasisBlock>\n"
         for low, high, count in rings
