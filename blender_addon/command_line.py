@@ -111,6 +111,18 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for sync.md and its picture (default: docs/benchmarks)",
     )
+    scattering = kinds.add_parser(
+        "scattering", help="measured materials: storage over error, sampling, speed, pictures"
+    )
+    scattering.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    scattering.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("docs/benchmarks"),
+        metavar="DIR",
+        help="folder for scattering.md and its pictures (default: docs/benchmarks)",
+    )
     raysets = kinds.add_parser(
         "raysets", help="error over the size of ray files, convergence, speed"
     )
@@ -797,6 +809,14 @@ def _benchmark(options) -> int:
         raise LumenrayError(
             "this installation has no benchmarks; they come with Lumenray's source code"
         ) from None
+    if options.kind == "scattering":
+        from ..benchmarks import scattering
+
+        scattering.write_results(
+            scattering.run(say=scattering.report_progress), options.output, options.json
+        )
+        print(f"written to {options.output / 'scattering.md'}")
+        return 0
     if options.kind == "raysets":
         from ..benchmarks import raysets
 

@@ -17,6 +17,7 @@ from ..engine.photometry import units
 from ..libraries import spectra
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .raysets.settings import LumenrayRaysetSettings
+from .scattering.settings import LumenrayMeasuredSettings
 from .shared_settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
 from .sky import SOURCES, LumenraySkySettings
 
@@ -122,6 +123,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("DIELECTRIC", "Solid glass", "Transparent body that refracts", 3),
             ("THIN_GLASS", "Pane", "Thin sheet of glass as one surface", 4),
             ("EMITTER", "Emitter", "Luminous surface, black by itself", 5),
+            ("MEASURED", "Measured", "Scattering measured or computed: a BRDF or BTDF file", 6),
         ],
         default="DIFFUSE",
         update=tag_owner,
@@ -255,6 +257,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         default=True,
         update=tag_owner,
     )
+    measured: PointerProperty(type=LumenrayMeasuredSettings)
     light_group: _light_group("what glows with this material")
 
 
@@ -793,6 +796,7 @@ CLASSES = (
     LumenrayTextSettings,
     LumenrayRaysetSettings,
     LumenrayLightSettings,
+    LumenrayMeasuredSettings,
     LumenrayMaterialSettings,
     LumenraySkySettings,
     LumenrayWorldSettings,

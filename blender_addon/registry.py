@@ -10,6 +10,7 @@ def _groups():
     from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
     from .asset_library import registration as asset_libraries
     from .raysets import files as ray_files
+    from .scattering import files as scattering_files
     from .sync import live
 
     return (
@@ -20,6 +21,7 @@ def _groups():
         identity,
         live,
         ray_files,
+        scattering_files,
         engine_process,
         feed,
         viewport,

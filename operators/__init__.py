@@ -8,6 +8,7 @@ from . import (
     luminaire_files,
     rayset_files,
     restart_engine,
+    scattering_files,
     show_baked,
 )
 
@@ -19,5 +20,6 @@ CLASSES = (
     *luminaire_files.CLASSES,
     *rayset_files.CLASSES,
     *restart_engine.CLASSES,
+    *scattering_files.CLASSES,
     *show_baked.CLASSES,
 )

@@ -1,6 +1,6 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
-from ..blender_addon import error_graphs, luminaire_pictures
+from ..blender_addon import error_graphs, luminaire_pictures, scattering_pictures
 from . import (
     add_menu,
     bake,
@@ -12,6 +12,7 @@ from . import (
     rayset,
     rayset_overlay,
     render,
+    scattering,
     sidebar,
     world,
 )
@@ -21,6 +22,7 @@ CLASSES = (
     *luminaire.CLASSES,
     *rayset.CLASSES,
     *material.CLASSES,
+    *scattering.CLASSES,
     *world.CLASSES,
     *render.CLASSES,
     *sidebar.CLASSES,
@@ -43,5 +45,6 @@ def detach():
     rayset_overlay.detach()
     luminaire_overlay.detach()
     luminaire_pictures.close()
+    scattering_pictures.close()
     error_graphs.close()
     compatibility.detach()

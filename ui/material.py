@@ -75,6 +75,10 @@ def _draw_emitter(layout, settings):
         layout.prop(settings, "reflectance_color", text="Colour")
 
 
+def _draw_measured(layout, settings):
+    layout.label(text="See the panel below", icon="INFO")
+
+
 DRAWN = {
     "DIFFUSE": _draw_diffuse,
     "COATED": _draw_coated,
@@ -82,6 +86,7 @@ DRAWN = {
     "DIELECTRIC": _draw_dielectric,
     "THIN_GLASS": _draw_pane,
     "EMITTER": _draw_emitter,
+    "MEASURED": _draw_measured,
 }
 """What is drawn for each model of a surface."""
 

@@ -37,11 +37,12 @@ class MaterialTable:
     ----------
     images : ImageCache    What was read of images before.
     pictures : PictureTable    What the engine has of them.
+    is_patient : bool    Whether to wait for scattering files that are being read.
     """
 
-    def __init__(self, images: ImageCache, pictures: PictureTable):
+    def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
         self.efficacy = 0.0
-        self._images, self._pictures = images, pictures
+        self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self._entries: dict[int, _Entry] = {}
@@ -119,7 +120,9 @@ class MaterialTable:
 
     def _update(self, block, entry) -> None:
         entry.report = ConversionReport()
-        made = convert_material(block, entry.key, entry.report, self.efficacy, self._images)
+        made = convert_material(
+            block, entry.key, entry.report, self.efficacy, self._images, self._is_patient
+        )
         entry.is_stale = False
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0

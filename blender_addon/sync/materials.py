@@ -33,6 +33,7 @@ def convert_material(
     report: ConversionReport,
     efficacy: float,
     images: ImageCache | None = None,
+    is_patient: bool = True,
 ) -> Material:
     """Convert a Blender material.
 
@@ -43,6 +44,7 @@ def convert_material(
     report : ConversionReport    Gets a row for everything that is not taken over as it is.
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
+    is_patient : bool    Whether to wait for a scattering file that is being read.
 
     Returns
     -------
@@ -51,7 +53,7 @@ def convert_material(
     """
     settings = getattr(material, "lumenray", None)
     if settings is not None and settings.use_override:
-        surface, emission = convert_override(settings, report, material.name)
+        surface, emission = convert_override(settings, report, material.name, is_patient)
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     try:

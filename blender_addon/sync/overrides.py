@@ -18,14 +18,19 @@ from ...engine.scene.material import (
 )
 from ...engine.scene.spectrum import Constant, Rgb, Spectrum, Tabulated
 from ..report import ConversionReport
+from ..scattering.convert import convert_measured
+from ..scattering.settings import MEASURED
 from .spectra import convert_spectrum, read_file
 
 HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
+MISSING_REFLECTANCE = 0.5
+"""Diffuse reflectance in place of a scattering file that cannot be used. [-]"""
+
 
 def convert_override(
-    settings, report: ConversionReport, datablock: str
+    settings, report: ConversionReport, datablock: str, is_patient: bool = True
 ) -> tuple[Surface, Emission | None]:
     """Return the surface and the emission that a material's settings state.
 
@@ -33,11 +38,14 @@ def convert_override(
     ----------
     settings : LumenrayMaterialSettings    With `use_override` on.
     report, datablock : ConversionReport, str    Where departures go.
+    is_patient : bool    Whether to wait for a scattering file that is being read.
     """
     if settings.model == "EMITTER":
         spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
         emission = Emission(spectrum, settings.luminance, None, settings.two_sided)
         return Black(), emission if settings.luminance > 0 else None
+    if settings.model == MEASURED:
+        return _measured(settings, report, datablock, is_patient), None
     return _SURFACES[settings.model](settings, report, datablock), None
 
 
@@ -101,6 +109,12 @@ def _pane(settings, report, datablock):
             return table
     ior = _single_index(_refractive_index(settings, report, datablock))
     return ThinGlass(ior, Constant(settings.transmittance))
+
+
+def _measured(settings, report, datablock, is_patient):
+    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
+    surface = convert_measured(settings.measured, report, datablock, remedy, is_patient)
+    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
 
 def _refractive_index(settings, report, datablock) -> RefractiveIndex:

@@ -107,7 +107,7 @@ class SceneSync:
         self._shown: dict[object, _Shown] = {}
         self._geometries = GeometryTable()
         self._images, self._pictures = ImageCache(), PictureTable()
-        self._materials = MaterialTable(self._images, self._pictures)
+        self._materials = MaterialTable(self._images, self._pictures, self.final)
         self._world = _World()
         self._scale = self._efficacy = 0.0
         self._copies = 0

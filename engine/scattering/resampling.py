@@ -50,6 +50,9 @@ FIRST_THRESHOLD = 1.6
 FINE = 3
 """Points of Gauss and Legendre in each cell that totals are found with."""
 
+MOST_PARTS = 4
+"""Parts that an interval is divided into at a time."""
+
 GRAZING = np.radians(80.0)
 """From here on lobes get narrower than any grid, and totals are kept below 1. [rad]"""
 
@@ -192,9 +195,8 @@ class _Maker:
             if len(axis) < 2 or (number == 1 and self.has_own_incidences):
                 continue
             middle = 0.5 * (axis[1:] + axis[:-1])
-            open_ones = np.diff(axis) > 2.0 * SMALLEST_STEP
             error = self._errors(table, number, middle)
-            new[-1] = middle[open_ones & (error > threshold)]
+            new[-1] = _divide(axis, error / threshold)
         grown = [len(self.rotations)] + [
             len(axis) + len(extra) for axis, extra in zip(axes[1:], new, strict=True)
         ]
@@ -270,6 +272,19 @@ class _Maker:
         azimuth = np.where(azimuth > end, 2.0 * np.pi - azimuth, azimuth)
         good = direction_of(incidence, radial, azimuth)[:, 2] > np.cos(LOWEST)
         return tuple(values[good][:count] for values in (rotation, incidence, radial, azimuth))
+
+
+def _divide(axis: np.ndarray, excess: np.ndarray) -> np.ndarray:
+    """Points to be added within the intervals of an axis, by how many times too large the error in their middles is.
+
+    It falls with the square of the interval's length, so that several points are added at once where it is far too large.
+    """
+    made = [np.zeros(0)]
+    for low, high, by in zip(axis[:-1], axis[1:], excess, strict=True):
+        parts = min(int(np.ceil(np.sqrt(by))), MOST_PARTS, int((high - low) / SMALLEST_STEP))
+        if by > 1.0 and parts > 1:
+            made.append(np.linspace(low, high, parts + 1)[1:-1])
+    return np.concatenate(made)
 
 
 def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from lumenray.engine.baking.order import Layout as MapLayout
 from lumenray.engine.baking.order import LuxMap
 from lumenray.engine.scene.provenance import Provenance
 from lumenray.engine.transport.backend import BackendStatus
-from lumenray.ui import bake, compatibility, luminaire, material, rayset, sidebar
+from lumenray.ui import bake, compatibility, luminaire, material, rayset, scattering, sidebar
 from panels import Drawn, Layout, context, draw, interface, new_light
 
 
@@ -43,8 +43,8 @@ def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
             material=bpy.data.materials.new("Paint"),
         )
         for kind in ui.CLASSES:
-            # Those that need a photometric or a ray file are looked at in test_luminaire_ui and test_raysets.
-            files = luminaire.LuminaireChild | rayset.RaysetChild
+            # Those that need a file are looked at in test_luminaire_ui, test_raysets and test_scattering.
+            files = luminaire.LuminaireChild | rayset.RaysetChild | scattering.MeasuredPanel
             if issubclass(kind, files | bake.LUMENRAY_PT_luminaire_group):
                 continue
             if getattr(kind, "bl_space_type", "") == "PROPERTIES":

@@ -26,8 +26,8 @@ def measured_like(
 ) -> bytes:
     """A file whose arrays all vary; fields may be left out, or given instead.
 
-    Both sides of the plane of incidence of isotropic ones are alike: Mitsuba 3.9.1 leaves it to chance whether it turns those
-    over, as it never sets into how many parts their turn falls.
+    Both sides of the plane of incidence of isotropic ones are alike: Mitsuba 3.9.1 leaves it to chance whether it turns
+    those over, as it never sets into how many parts their turn falls.
     """
     rng = np.random.default_rng(7)
     rows, columns = 24, 20

@@ -1,0 +1,145 @@
+"""What the user sets about a measured material: its file, and how the sample lies on the surface."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import PropertyGroup
+
+from ...libraries import spectra
+from ...libraries.materials import FOLDER, PREFIX
+from ..shared_settings import PATH_OPTIONS, enum_from_names, tag_owner
+
+MEASURED = "MEASURED"
+"""Name of the model of a surface in the settings of a material."""
+
+BACKS = [
+    ("SAME", "As the front", "Of what the file tells of one side only, the other side does the same", 0),
+    ("NONE", "Black", "What the file does not tell of a side is absorbed there", 1),
+]  # fmt: skip
+
+
+def _unload(self, context):
+    """Another path names another file than the one that is embedded."""
+    if self.text is not None:
+        self.text = None
+    tag_owner(self, context)
+
+
+def _swatch(self):
+    from ..scattering_readout import swatch
+
+    return swatch(self)
+
+
+class LumenrayMeasuredSettings(PropertyGroup):
+    """Scattering file of a material; it counts where the material's model is measured."""
+
+    version: IntProperty(default=1, options={"HIDDEN"})
+    filepath: StringProperty(
+        name="File",
+        description=(
+            "Scattering file: BRDF or BTDF of an instrument or a program, told apart by content. 'library:' and a name is "
+            "one of ours. While the file is embedded: where it was read from; another path takes the embedded one's place"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=_unload,
+    )
+    text: PointerProperty(
+        name="Embedded file",
+        description="Text data-block with the content of the file; without one it is read from its path",
+        type=bpy.types.Text,
+        update=tag_owner,
+    )
+    back: EnumProperty(
+        name="Back",
+        description="What a side does that the file does not tell of",
+        items=BACKS,
+        default="SAME",
+        update=tag_owner,
+    )
+    is_turned: BoolProperty(
+        name="Turn over",
+        description="The front of the file's sample is the back of the surface, where normals do not point",
+        default=False,
+        update=tag_owner,
+    )
+    rotation: FloatProperty(
+        name="Rotation",
+        description=(
+            "Turn of the sample about the normal, from the surface's U to its V; it counts where the scattering has a "
+            "direction, such as that of brushed metal or a weave"
+        ),
+        default=0.0,
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description=(
+            "Error that is allowed where the file's data have to be brought onto another grid, root mean square, as a "
+            "share; a smaller one takes more time and memory"
+        ),
+        default=0.02,
+        min=0.005,
+        max=0.1,
+        precision=3,
+        update=tag_owner,
+    )
+    illuminant: EnumProperty(
+        name="Illuminant",
+        description="Light under which the panel tells the colour; it does not count for the picture",
+        items=enum_from_names(spectra.illuminant_names()),
+        default="D65",
+    )
+    swatch: FloatVectorProperty(
+        name="Colour",
+        description="Of all light that is reflected, or else transmitted, near the normal under the illuminant",
+        subtype="COLOR",
+        size=3,
+        min=0.0,
+        max=1.0,
+        get=_swatch,
+    )
+
+
+def is_measured(material) -> bool:
+    """Whether a material scatters as a file says."""
+    settings = material.lumenray
+    return settings.use_override and settings.model == MEASURED
+
+
+def active_material(context):
+    """Return the material that a panel or an operator is about, None if there is none."""
+    material = getattr(context, "material", None)
+    if material is None:
+        thing = getattr(context, "object", None)
+        material = getattr(thing, "active_material", None)
+    return None if material is None or material.grease_pencil else material
+
+
+def absolute_path(settings) -> str:
+    """Return where a scattering file is, empty if none is chosen."""
+    if settings.filepath.startswith(PREFIX):
+        # A name, not a path that leads out of the library.
+        name = Path(settings.filepath.removeprefix(PREFIX)).name
+        return str(FOLDER / f"{name}.lumbsdf")
+    if not settings.filepath:
+        return ""
+    return bpy.path.abspath(settings.filepath, library=settings.id_data.library)
+
+
+def name_of(settings) -> str:
+    """Name of the file for people."""
+    if settings.text is not None:
+        return settings.text.name
+    return bpy.path.basename(settings.filepath.removeprefix(PREFIX))
