@@ -353,7 +353,7 @@ def _vectors(v):
 
 def _rgl(table, folder: Path) -> dict:
     """An RGL file of a table, as Mitsuba reads it."""
-    from ..engine.scattering.tensor_file import write_tensor_file
+    from ..engine.scattering.readers.tensor_file import write_tensor_file
 
     path = folder / "material.bsdf"
     angles = np.radians(np.concatenate([np.arange(0.0, 81.0, 5.0), [84.0, 87.0, 89.0]]))
@@ -373,8 +373,8 @@ def measure_pictures(told) -> list[dict]:
     with tempfile.TemporaryDirectory() as folder:
         exact = paint(0.2, RED)
         path = Path(folder) / "red.bsdf"
-        from ..engine.scattering.reader import Wish, read_scattering
-        from ..engine.scattering.tensor_file import write_tensor_file
+        from ..engine.scattering.readers.reader import Wish, read_scattering
+        from ..engine.scattering.readers.tensor_file import write_tensor_file
 
         angles = np.radians(np.concatenate([np.arange(0.0, 81.0, 4.0), [83.0, 86.0, 89.0]]))
         write_tensor_file(path, exact, angles, WAVELENGTHS, 64)

@@ -111,30 +111,20 @@ def build_parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="folder for sync.md and its picture (default: docs/benchmarks)",
     )
-    scattering = kinds.add_parser(
-        "scattering", help="measured materials: storage over error, sampling, speed, pictures"
-    )
-    scattering.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    scattering.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("docs/benchmarks"),
-        metavar="DIR",
-        help="folder for scattering.md and its pictures (default: docs/benchmarks)",
-    )
-    raysets = kinds.add_parser(
-        "raysets", help="error over the size of ray files, convergence, speed"
-    )
-    raysets.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    raysets.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("docs/benchmarks"),
-        metavar="DIR",
-        help="folder for raysets.md and its pictures (default: docs/benchmarks)",
-    )
+    for name, what in (
+        ("raysets", "error over the size of ray files, convergence, speed"),
+        ("scattering", "measured materials: storage over error, sampling, speed, pictures"),
+    ):
+        kind = kinds.add_parser(name, help=what)
+        kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+        kind.add_argument(
+            "-o",
+            "--output",
+            type=Path,
+            default=Path("docs/benchmarks"),
+            metavar="DIR",
+            help=f"folder for {name}.md and its pictures (default: docs/benchmarks)",
+        )
     luminaires = kinds.add_parser(
         "luminaires", help="agreement with Radiance, speed of look-up and noise of luminaires"
     )

@@ -141,7 +141,7 @@ def run(options) -> int:
 
 
 def _open(options, path):
-    from ..engine.scattering.reader import Wish, read_scattering
+    from ..engine.scattering.readers.reader import Wish, read_scattering
 
     if not 1e-3 <= options.tolerance <= 0.5:
         raise LumenrayError(f"a tolerance of {options.tolerance:g}, expected 0.001 to 0.5")
@@ -453,7 +453,7 @@ def _write_rgl(path: Path, file) -> None:
     import numpy as np
 
     from ..engine.scattering.evaluation import evaluate, is_isotropic
-    from ..engine.scattering.tensor_file import write_tensor_file
+    from ..engine.scattering.readers.tensor_file import write_tensor_file
 
     scatter = file.sides.get("front_reflection")
     if scatter is None or not is_isotropic(scatter) or getattr(scatter, "direct", None) is not None:
@@ -468,8 +468,8 @@ def _write_rgl(path: Path, file) -> None:
 
 def _process(options) -> int:
     from ..engine.analysis.scattering_picture import draw_before_after
-    from ..engine.scattering.measuring import process_measurement
-    from ..engine.scattering.raw_measurement import read_raw_measurement
+    from ..engine.scattering.measuring.processing import process_measurement
+    from ..engine.scattering.measuring.raw_measurement import read_raw_measurement
     from ..engine.scattering.record import ScatteringFile
     from ..engine.scattering.store import write_store
 

@@ -20,7 +20,7 @@ import numpy as np
 from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.luminaires.text import read_bytes
 from ...engine.scattering.look import Look, fit_look
-from ...engine.scattering.reader import MAXIMUM_SIZE, Wish, parse_scattering
+from ...engine.scattering.readers.reader import MAXIMUM_SIZE, Wish, parse_scattering
 from ...engine.scattering.record import ScatteringFile
 from ...engine.scattering.store import SUFFIX, is_store
 from ...engine.scattering.store import pack as pack_store

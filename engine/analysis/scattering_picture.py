@@ -8,7 +8,7 @@ from PIL import Image
 
 from ..photometry.spectra import GRID, luminous_efficiency
 from ..scattering.evaluation import evaluate, total
-from ..scattering.measuring import ProcessedMeasurement
+from ..scattering.measuring.processing import ProcessedMeasurement
 from ..scattering.record import SIDES, ScatteringFile
 from ..scattering.table import direct_share
 from ..scene.scattering import Scatter, ScatterTable

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.scattering import Scatter
-from .checks import shares_of
 from .evaluation import incidences_of, measure_reciprocity, symmetry_of, total
+from .readers.checks import shares_of
 from .record import SIDES, ScatteringFile
 from .tristimulus import tristimulus
 

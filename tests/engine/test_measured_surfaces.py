@@ -10,10 +10,8 @@ from lumenray.engine.scattering.resampling import resample
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import ScatterTable
 from lumenray.engine.transport import backend
+from scattering_models import directions, ggx, lambert, random_table, schlick, towards
 from scipy import stats
-
-from ..helpers.scattering_models import directions, ggx, lambert, schlick, towards
-from .test_scatter_tables import random_table
 
 pytestmark = pytest.mark.mitsuba
 

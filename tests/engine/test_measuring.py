@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from instruments import DARK, INCIDENCES, REFERENCE_DARK, STEEPEST, WHITE, measure, paint
 from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.scattering.calibration import calibrate
-from lumenray.engine.scattering.measuring import process_measurement
-from lumenray.engine.scattering.raw_measurement import (
+from lumenray.engine.scattering.measuring.calibration import calibrate
+from lumenray.engine.scattering.measuring.processing import process_measurement
+from lumenray.engine.scattering.measuring.raw_measurement import (
     Instrument,
     is_raw_measurement,
     read_raw_measurement,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.evaluation import albedo, evaluate
-from lumenray.engine.scattering.merl import (
+from lumenray.engine.scattering.readers.merl import (
     SHAPE,
     SIZE,
     cell_middles,

@@ -8,13 +8,14 @@ import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.photometry.colour import XYZ_TO_REC709
 from lumenray.engine.photometry.spectra import GRID, illuminant, observer
-from lumenray.engine.scattering.blocks import unpack_lz4
-from lumenray.engine.scattering.colour import spectra_of_rgb
 from lumenray.engine.scattering.evaluation import total
-from lumenray.engine.scattering.lighttools import is_lighttools, read_lighttools
-from lumenray.engine.scattering.mdl import is_mdl, read_mdl
+from lumenray.engine.scattering.readers.blocks import unpack_lz4
+from lumenray.engine.scattering.readers.colour import spectra_of_rgb
+from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
+from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
+from lumenray.engine.scattering.readers.speos import is_speos, read_speos
+from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
 from lumenray.engine.scattering.record import SIDES
-from lumenray.engine.scattering.speos import is_speos, read_speos
 from lumenray.engine.scattering.table import (
     albedo_of,
     check_table,
@@ -22,7 +23,6 @@ from lumenray.engine.scattering.table import (
     direction_of,
     evaluate_table,
 )
-from lumenray.engine.scattering.zemax import is_zemax, read_zemax
 from scattering_files import (
     SHARES,
     alike,
@@ -539,7 +539,7 @@ def test_real_coatings_agree_between_both_files():
 @needs_data
 def test_a_measured_car_paint_is_red_and_reflects_less_than_all(monkeypatch):
     # A coarse table has the same light, and is made sooner.
-    monkeypatch.setattr("lumenray.engine.scattering.slices.MOST_NODES", 1 << 13)
+    monkeypatch.setattr("lumenray.engine.scattering.readers.slices.MOST_NODES", 1 << 13)
     table = real("mdl/carpaint_red.mbsdf").sides["front_reflection"]
     for incidence in table.incidences[::11]:
         share = total(table, incidence)

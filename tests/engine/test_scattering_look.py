@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.photometry.colour import XYZ_TO_REC709
-from lumenray.engine.scattering.colour import spectra_of_rgb
 from lumenray.engine.scattering.look import energy_of_lobe, fit_look
+from lumenray.engine.scattering.readers.colour import spectra_of_rgb
 from lumenray.engine.scattering.record import ScatteringFile
 from lumenray.engine.scattering.resampling import resample
 from lumenray.engine.scattering.summary import summarise

@@ -14,8 +14,7 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.sensitivity import measure_sensitivities, scale_surface
 from lumenray.engine.session import Session
-
-from ..helpers.scattering_models import ggx, lambert
+from scattering_models import ggx, lambert
 
 pytestmark = pytest.mark.mitsuba
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.evaluation import albedo, evaluate
-from lumenray.engine.scattering.marginal_warp import MarginalWarp, Slices
-from lumenray.engine.scattering.tensor_file import (
+from lumenray.engine.scattering.readers.marginal_warp import MarginalWarp, Slices
+from lumenray.engine.scattering.readers.tensor_file import (
     SIGNATURE,
     is_tensor_file,
     pack_fields,

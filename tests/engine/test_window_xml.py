@@ -21,6 +21,7 @@ from lumenray.engine.scattering.patches import (
     solid_angles,
     transposed,
 )
+from lumenray.engine.scattering.readers.window_xml import SIDES, is_window_xml, read_window_xml
 from lumenray.engine.scattering.tree import (
     albedo_of_tree,
     albedos_of_tree,
@@ -31,7 +32,6 @@ from lumenray.engine.scattering.tree import (
     raster_of,
     square_of,
 )
-from lumenray.engine.scattering.window_xml import SIDES, is_window_xml, read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
 from window_files import (
     KLEMS_FULL,

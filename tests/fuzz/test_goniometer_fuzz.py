@@ -10,18 +10,21 @@ import pytest
 from goniometer_files import about_mirror, about_normal, e1392, in_plane, lobe
 from instruments import measure, paint
 from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.scattering.calibration import calibrate
-from lumenray.engine.scattering.goniometer import is_goniometer, read_goniometer
-from lumenray.engine.scattering.measuring import process_measurement
-from lumenray.engine.scattering.merl import SHAPE, SIZE, is_merl, read_merl
-from lumenray.engine.scattering.raw_measurement import is_raw_measurement, read_raw_measurement
-from lumenray.engine.scattering.table import check_table
-from lumenray.engine.scattering.tensor_file import (
+from lumenray.engine.scattering.measuring.calibration import calibrate
+from lumenray.engine.scattering.measuring.processing import process_measurement
+from lumenray.engine.scattering.measuring.raw_measurement import (
+    is_raw_measurement,
+    read_raw_measurement,
+)
+from lumenray.engine.scattering.readers.goniometer import is_goniometer, read_goniometer
+from lumenray.engine.scattering.readers.merl import SHAPE, SIZE, is_merl, read_merl
+from lumenray.engine.scattering.readers.tensor_file import (
     SIGNATURE,
     is_tensor_file,
     parse_tensor_file,
     read_tensor_file,
 )
+from lumenray.engine.scattering.table import check_table
 from mutations import mutate
 from tensor_files import measured_like
 

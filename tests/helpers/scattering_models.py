@@ -1,6 +1,7 @@
 """Scattering that is known in closed form, to make tables of."""
 
 import numpy as np
+from lumenray.engine.scene.scattering import ScatterTable
 
 
 def lambert(reflectance=0.5):
@@ -52,3 +53,23 @@ def towards(angle, azimuth=0.0):
     """Direction at an angle to the normal. (3,) [deg]"""
     s, a = np.radians(angle), np.radians(azimuth)
     return np.array([np.sin(s) * np.cos(a), np.sin(s) * np.sin(a), np.cos(s)])
+
+
+def random_table(seed=1, rotations=3, is_symmetric=False, bands=3):
+    """A table with steep, random values on random axes."""
+    rng = np.random.default_rng(seed)
+
+    def axis(count, low, high):
+        inner = np.sort(rng.uniform(low + 0.01, high - 0.01, count - 2))
+        return np.concatenate([[low], inner, [high]])
+
+    end = np.pi if is_symmetric else 2.0 * np.pi
+    axes = [
+        np.sort(rng.uniform(0.0, 2.0 * np.pi, rotations)) if rotations > 1 else np.zeros(1),
+        axis(4, 0.1, 1.4),
+        axis(7, 0.0, np.pi),
+        axis(6, 0.0, end),
+        axis(bands, 400.0, 700.0) if bands > 1 else np.array([550.0]),
+    ]
+    shape = tuple(len(a) for a in axes)
+    return ScatterTable(*axes, rng.exponential(0.2, shape).astype(np.float32))

@@ -4,14 +4,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..luminaires.record import Remark
-from ..photometry.colour import scene_linear
+from ...luminaires.record import Remark
+from ...photometry.colour import scene_linear
+from ..table import direction_of
 from .checks import tell_missing, tell_negative
 from .colour import spectra_of_rgb
 from .columns import Columns
 from .goniometer_text import ABOUT_MIRROR, ABOUT_NORMAL
 from .in_plane import SHADOW
-from .table import direction_of
 
 QUANTITIES = {
     "brdf": "brdf", "btdf": "brdf", "bsdf": "brdf",

@@ -4,12 +4,12 @@ import re
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
 from .blocks import Blocks
 from .checks import shares_of, tell_excess, tell_negative
 from .colour import ANY_WAVELENGTH, WAVELENGTHS, spectra_of_rgb
-from .record import ScatteringFile
 from .slices import Slice, SliceFan
 from .words import LARGEST
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..table import direction_of
 from .raw_measurement import Instrument, RawMeasurement, RawSlice
-from .table import direction_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.record import Remark
-from ..scene.scattering import ScatterTable
+from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ...scene.scattering import ScatterTable
+from ..record import ScatteringFile
+from ..table import albedo_of, direction_of, place_on
 from .checks import LIMIT_POLAR, tell_excess, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
-from .record import ScatteringFile
-from .table import albedo_of, direction_of, place_on
 from .words import Words
 
 SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
+from ..resampling import resample
 from .colour import spectra_of_rgb
-from .record import ScatteringFile
-from .resampling import resample
 
 SHAPE = 90, 90, 180
 """Cells in theta of the half vector, theta of the difference, and phi of the difference."""

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..luminaires.record import Remark
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_missing, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
-from .record import ScatteringFile
 from .slices import SliceFan, choose_fan, slice_about_light, turn_up
 from .words import Words
 from .zemax import MOST_ANGLES, MOST_NODES, MOST_TIS, MOST_VALUES

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError, SceneError
-from ..luminaires.record import Remark
-from ..luminaires.safe_xml import XmlElement, parse_xml
-from ..scene.scattering import PatchBasis, PatchMatrix, Scatter, TensorTree
-from .patches import MOST_PATCHES, albedos, patch_of, starts_of, transposed
-from .record import ScatteringFile
-from .tree import (
+from ...errors import FileFormatError, SceneError
+from ...luminaires.record import Remark
+from ...luminaires.safe_xml import XmlElement, parse_xml
+from ...scene.scattering import PatchBasis, PatchMatrix, Scatter, TensorTree
+from ..patches import MOST_PATCHES, albedos, patch_of, starts_of, transposed
+from ..record import ScatteringFile
+from ..tree import (
     MOST_LEVELS,
     albedos_of_tree,
     grow_children,

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..luminaires.record import Remark
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
 from .blocks import Blocks
 from .checks import shares_of, tell_excess, tell_missing, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
-from .record import ScatteringFile
 from .slices import Slice, SliceFan, choose_fan, slice_about_light, turn_up
 from .words import Words
 

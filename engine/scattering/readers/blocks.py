@@ -5,7 +5,7 @@ import zlib
 
 import numpy as np
 
-from ..errors import FileFormatError
+from ...errors import FileFormatError
 from .words import LARGEST
 
 MOST_GROWTH = {"zlib": 1040, "lz4": 260}

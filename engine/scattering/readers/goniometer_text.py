@@ -2,8 +2,8 @@
 
 import re
 
-from ..errors import FileFormatError
-from ..luminaires.text import decode, parse_number
+from ...errors import FileFormatError
+from ...luminaires.text import decode, parse_number
 from .columns import Columns, name_columns, parse_columns, read_keyword, wavelength_of
 
 SIGNATURE = "lumenray goniometer"

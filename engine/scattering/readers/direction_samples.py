@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .table import place_on
+from ..table import place_on
 
 SAME = 2e-5
 """Angles that differ by less are one. [rad]"""

@@ -23,9 +23,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.record import Remark
-from ..scene.scattering import ScatterTable
+from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ...scene.scattering import ScatterTable
+from ..measuring.raw_measurement import is_raw_measurement
+from ..record import ScatteringFile
+from ..resampling import resample
+from ..table import albedo_of
 from .checks import tell_excess
 from .columns import Columns
 from .direction_samples import (
@@ -47,10 +51,6 @@ from .goniometer_rows import (
 )
 from .goniometer_text import is_goniometer, parse_goniometer
 from .in_plane import make_plane_table
-from .raw_measurement import is_raw_measurement
-from .record import ScatteringFile
-from .resampling import resample
-from .table import albedo_of
 
 __all__ = ["is_goniometer", "read_goniometer"]
 

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
+from ..resampling import resample
 from .colour import spectra_of_rgb
 from .marginal_warp import MarginalWarp, Slices, place_in, read_bilinear
-from .record import ScatteringFile
-from .resampling import resample
 
 SIGNATURE = b"tensor_file\0"
 

@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import SceneError
-from ..luminaires.record import Remark
-from ..scene.scattering import ScatterTable
+from ...errors import SceneError
+from ...luminaires.record import Remark
+from ...scene.scattering import ScatterTable
+from ..evaluation import measure_reciprocity
+from ..readers.direction_samples import SAME
+from ..table import albedo_of, check_table, direction_of, evaluate_table
 from .calibration import CalibratedSlice, calibrate
-from .direction_samples import SAME
-from .evaluation import measure_reciprocity
 from .mirror_peak import split_mirror_peak
 from .raw_measurement import RawMeasurement
 from .smoothing import SmoothSlice, smooth_slice
-from .table import albedo_of, check_table, direction_of, evaluate_table
 
 RADIALS = np.radians(
     np.concatenate(

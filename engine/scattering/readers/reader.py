@@ -6,15 +6,15 @@ Extensions are no help: ``.bsdf`` stands for three formats.
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import FileFormatError
+from ...errors import FileFormatError
+from ..record import ScatteringFile
+from ..store import is_store, read_store
 from .goniometer import read_goniometer
 from .goniometer_text import is_goniometer
 from .lighttools import is_lighttools, read_lighttools
 from .mdl import is_mdl, read_mdl
 from .merl import is_merl, read_merl
-from .record import ScatteringFile
 from .speos import is_speos, read_speos
-from .store import is_store, read_store
 from .tensor_file import is_tensor_file, read_tensor_file
 from .window_xml import is_window_xml, read_window_xml
 from .zemax import is_zemax, read_zemax

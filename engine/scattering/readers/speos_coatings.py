@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 
-from ..luminaires.record import Remark
+from ...luminaires.record import Remark
+from ..record import ScatteringFile
 from .blocks import Blocks
 from .checks import MOST_LIGHT
 from .mixtures import direct_table
-from .record import ScatteringFile
 from .words import Words
 
 MOST_INCIDENCES, MOST_BANDS = 10_000, 2_000

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..luminaires.record import Remark
-from ..scene.scattering import ScatterTable
+from ...luminaires.record import Remark
+from ...scene.scattering import ScatterTable
+from ..table import place_on
 from .direction_samples import SAME, merge_angles
-from .table import place_on
 
 SHADOW = np.radians(12.0)
 """Zeros so near to the direction of the light are its detector's shadow."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.text import MAXIMUM_SIZE, decode, parse_number, parse_whole
+from ...errors import FileFormatError
+from ...luminaires.text import MAXIMUM_SIZE, decode, parse_number, parse_whole
 
 SHOWN = 40
 """Characters of a word that messages quote."""

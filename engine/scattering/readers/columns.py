@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import FileFormatError
-from ..luminaires.text import parse_number
+from ...errors import FileFormatError
+from ...luminaires.text import parse_number
 
 MOST_ROWS = 1_000_000
 """Rows that a table may have."""
