@@ -29,10 +29,10 @@ LOWEST = np.radians(89.0)
 FLOOR = 0.01
 """Share of a matt surface's value that is added to values where their error is told relative to them."""
 
-MOST_VALUES = 1 << 22
-"""Values that a table may grow to."""
+MOST_VALUES = 1 << 21
+"""Values that a table may grow to: 4 MB before its file is compressed."""
 
-ROUNDS = 24
+ROUNDS = 48
 """Most rounds of refinement."""
 
 TESTED = 4096
@@ -44,11 +44,14 @@ CHUNK = 1 << 16
 SPECTRAL_PART = 0.3
 """Share of the tolerance that may come of bands left out."""
 
-FIRST_THRESHOLD = 1.6
+FIRST_THRESHOLD = 2.5
 """Error in the middle between grid lines that is let pass at first, by the tolerance: elsewhere it is smaller."""
 
 FINE = 3
 """Points of Gauss and Legendre in each cell that totals are found with."""
+
+LOOKED_AT = (3, 8, 20, 12)
+"""Rotations, incidences, radial angles and azimuths along which the other axes are judged in a round."""
 
 MOST_PARTS = 4
 """Parts that an interval is divided into at a time."""
@@ -99,15 +102,16 @@ def resample(
     )
     maker.choose_bands(tolerance)
     threshold = FIRST_THRESHOLD * tolerance
-    table, error = maker.table(), np.inf
+    table = maker.table()
     for _ in range(ROUNDS):
-        if maker.refine(table, threshold, most):
-            table = maker.table()
+        if maker.refine(threshold, most) and not maker.is_full:
             continue
-        error = maker.error_of(table)
-        if error <= tolerance or maker.is_full:
+        table = maker.table()
+        if maker.is_full or maker.error_of(table) <= tolerance:
             break
         threshold *= 0.7
+    else:
+        table = maker.table()
     table = maker.keep_totals(table)
     return replace(table, error=maker.error_of(table))
 
@@ -186,50 +190,55 @@ class _Maker:
         self.floor = max(FLOOR * albedo / np.pi, 1e-12)
         return made
 
-    def refine(self, table: ScatterTable, threshold: float, most: int) -> bool:
-        """Add grid lines where the table is off by more than a threshold; tells whether any were."""
-        axes, new = self.axes(), []
-        for number in (1, 2, 3):
-            axis = axes[number]
-            new.append(np.zeros(0))
-            if len(axis) < 2 or (number == 1 and self.has_own_incidences):
-                continue
-            middle = 0.5 * (axis[1:] + axis[:-1])
-            error = self._errors(table, number, middle)
-            new[-1] = _divide(axis, error / threshold)
-        grown = [len(self.rotations)] + [
-            len(axis) + len(extra) for axis, extra in zip(axes[1:], new, strict=True)
-        ]
-        if not any(len(extra) for extra in new):
-            return False
-        if np.prod(grown) * len(self.bands) > most:
-            self.is_full = True
-            return False
-        self.incidences, self.radials, self.azimuths = (
-            np.sort(np.concatenate([axis, extra]))
-            for axis, extra in zip(axes[1:], new, strict=True)
-        )
-        return True
-
-    def _errors(self, table: ScatterTable, number: int, middle: np.ndarray) -> np.ndarray:
-        """Error of a table in the middle between grid lines of one axis: the worst incidence's. (m,)"""
+    def refine(self, threshold: float, most: int) -> bool:
+        """Add grid lines where the table would be off by more than a threshold; tells whether any were."""
         axes = self.axes()
-        axes[number] = middle
+        excess = [None] * 4
+        for number in (1, 2, 3):
+            if len(axes[number]) > 1 and not (number == 1 and self.has_own_incidences):
+                excess[number] = self._errors(number) / threshold
+        while True:
+            grown = [
+                axis if by is None else np.union1d(axis, _divide(axis, by))
+                for axis, by in zip(axes, excess, strict=True)
+            ]
+            size = np.prod([float(len(axis)) for axis in grown]) * len(self.bands)
+            if size <= most:
+                break
+            # What does not fit is left; the worst intervals are divided first.
+            self.is_full = True
+            excess = [None if by is None else by / 1.3 for by in excess]
+        _, self.incidences, self.radials, self.azimuths = grown
+        return any(len(a) > len(b) for a, b in zip(grown, axes, strict=True))
+
+    def _errors(self, number: int) -> np.ndarray:
+        """Error in the middles between grid lines of one axis, along some of the lines of the others. (m,)"""
+        axes = [
+            axis if k == number else self._some(axis, LOOKED_AT[k])
+            for k, axis in enumerate(self.axes())
+        ]
+        values = self.ask_grid(*axes)
+        axis = axes[number]
+        axes[number] = 0.5 * (axis[1:] + axis[:-1])
         true = self.ask_grid(*axes)
-        values = table.values.astype(np.float64)
-        ends = [np.take(values, np.arange(len(middle)) + k, axis=number) for k in (0, 1)]
-        made = 0.5 * (ends[0] + ends[1])
+        ends = [np.take(values, np.arange(len(axis) - 1) + k, axis=number) for k in (0, 1)]
+        square = ((0.5 * (ends[0] + ends[1]) - true) / (true + self.floor)) ** 2
         wo = direction_of(*np.meshgrid(*axes[1:], indexing="ij"))
-        weight = np.maximum(wo[..., 2], 0.0) * np.sin(axes[2])[:, None] + 1e-9
-        if number == 2:
-            # The first interval is as wide as its neighbours, not as narrow as its ring.
-            weight = np.maximum(wo[..., 2], 0.0) + 1e-9
-        square = (((made - true) / (true + self.floor)) ** 2).mean(axis=-1)
-        if number == 1:
-            return np.sqrt(((square * weight).sum((2, 3)) / weight.sum((1, 2))).max(axis=0))
-        over = 4 - number
-        by_incidence = (square * weight).sum(axis=over + 1) / weight.sum(axis=over)
-        return np.sqrt(by_incidence.max(axis=(0, 1)))
+        weight = np.maximum(wo[..., 2], 0.0) + 1e-9
+        if number != 2:
+            # Of radial intervals the first is as wide as its neighbours, not as narrow as its ring.
+            weight = weight * (np.sin(axes[2])[:, None] + 1e-9)
+        square = square.mean(axis=-1)
+        over = tuple(k for k in (2, 3) if k != number)
+        sums = (square * weight).sum(over), weight.sum(tuple(k - 1 for k in over))
+        mean = sums[0] / sums[1]
+        return np.sqrt(mean.max(axis=0 if number == 1 else (0, 1)))
+
+    def _some(self, axis: np.ndarray, count: int) -> np.ndarray:
+        """At most so many entries of an axis, others each time."""
+        if len(axis) <= count:
+            return axis
+        return np.sort(self.random.choice(axis, count, replace=False))
 
     def keep_totals(self, table: ScatterTable) -> ScatterTable:
         """A table whose every incidence scatters as much as it should."""

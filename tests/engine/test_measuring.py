@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from instruments import DARK, INCIDENCES, REFERENCE_DARK, STEEPEST, WHITE, measure, paint
+from instruments import DARK, INCIDENCES, REFERENCE_DARK, STEEPEST, WHITE, measure, paint, text_of
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.scattering.measuring.calibration import calibrate
 from lumenray.engine.scattering.measuring.processing import process_measurement
@@ -203,28 +203,6 @@ def test_too_few_directions_are_refused():
 
 
 # ---- the text ----
-
-
-def text_of(raw, *head) -> bytes:
-    lines = ["# lumenray raw measurement 1", f"# white brdf: {WHITE}", *head]
-    lines.append("sigma, theta, phi, wavelength, sample, sample_reference, white, white_reference")
-    rows = []
-    for piece in raw.slices:
-        for d in range(len(piece.radial)):
-            angles = np.degrees([piece.incidence, piece.radial[d], piece.azimuth[d]])
-            for w, wavelength in enumerate(raw.wavelengths):
-                channels = (
-                    piece.sample,
-                    piece.sample_reference,
-                    piece.white,
-                    piece.white_reference,
-                )
-                counts = ["" if np.isnan(c[d, w]) else repr(float(c[d, w])) for c in channels]
-                rows.append(
-                    ", ".join([*map(repr, map(float, angles)), repr(float(wavelength)), *counts])
-                )
-    np.random.default_rng(1).shuffle(rows)
-    return "\n".join(lines + rows).encode()
 
 
 def test_counts_come_back_from_their_text():

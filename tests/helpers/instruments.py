@@ -98,3 +98,25 @@ def measure(
         np.full(bands, REFERENCE_DARK),
         Instrument(**{"repeatability": noise or 0.01, "lowest": 1.0, **known}),
     )
+
+
+def text_of(raw, *head) -> bytes:
+    lines = ["# lumenray raw measurement 1", f"# white brdf: {WHITE}", *head]
+    lines.append("sigma, theta, phi, wavelength, sample, sample_reference, white, white_reference")
+    rows = []
+    for piece in raw.slices:
+        for d in range(len(piece.radial)):
+            angles = np.degrees([piece.incidence, piece.radial[d], piece.azimuth[d]])
+            for w, wavelength in enumerate(raw.wavelengths):
+                channels = (
+                    piece.sample,
+                    piece.sample_reference,
+                    piece.white,
+                    piece.white_reference,
+                )
+                counts = ["" if np.isnan(c[d, w]) else repr(float(c[d, w])) for c in channels]
+                rows.append(
+                    ", ".join([*map(repr, map(float, angles)), repr(float(wavelength)), *counts])
+                )
+    np.random.default_rng(1).shuffle(rows)
+    return "\n".join(lines + rows).encode()

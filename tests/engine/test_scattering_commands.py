@@ -1,0 +1,161 @@
+"""The commands ``lumenray brdf``: what they print, draw and write, and how they refuse."""
+
+import json
+
+import numpy as np
+import pytest
+from lumenray.blender_addon.command_line import main
+from lumenray.engine.scattering import store
+from lumenray.engine.scattering.evaluation import evaluate, measure_reciprocity, total
+from lumenray.engine.scattering.readers.reader import read_scattering
+from lumenray.engine.scattering.record import ScatteringFile
+from lumenray.engine.scattering.resampling import resample
+from PIL import Image
+from scattering_models import directions, ggx, lambert, schlick
+
+
+def run(capsys, *arguments):
+    """Exit code, standard output and standard error of a command."""
+    code = main(["brdf", *map(str, arguments)])
+    printed = capsys.readouterr()
+    return code, printed.out, printed.err
+
+
+def write(path, **sides):
+    store.write_store(path, ScatteringFile(path, "", sides, "sample"))
+    return path
+
+
+@pytest.fixture
+def paint(tmp_path):
+    """Table of a satin paint."""
+    lobe = ggx(0.3, schlick)
+    table = resample(lambda wi, wo: lobe(wi, wo) + 0.4 / np.pi, [550.0], tolerance=0.05)
+    return write(tmp_path / "paint.lumbsdf", front_reflection=table)
+
+
+FIELDS = {
+    "file", "format", "symmetry", "wavelengths_nm", "incidence_deg", "hemispherical_reflectance",
+    "hemispherical_transmittance", "reciprocity_residual", "warnings",
+}  # fmt: skip
+
+
+def test_info_as_json_has_the_promised_fields(capsys, paint, tmp_path):
+    broken = tmp_path / "broken.bsdf"
+    broken.write_bytes(b"hello, this is no scattering")
+    code, out, _ = run(capsys, "info", "--json", paint, broken, tmp_path / "none.bsdf")
+    assert code == 1
+    good, bad, missing = json.loads(out)
+    assert set(good) >= FIELDS
+    assert good["symmetry"] == "isotropic"
+    assert good["hemispherical_transmittance"] is None
+    table = read_scattering(paint).sides["front_reflection"]
+    expected = [total(table, s)[0] for s in table.incidences]
+    assert good["hemispherical_reflectance"] == pytest.approx(expected, rel=1e-4)
+    assert good["incidence_deg"] == pytest.approx(np.degrees(table.incidences), rel=1e-4)
+    assert set(bad) == set(missing) == {"file", "error"}
+    assert "known format" in bad["error"]
+    assert "cannot be opened" in missing["error"]
+
+
+def test_info_tells_it_to_people(capsys, paint):
+    code, out, _ = run(capsys, "info", paint)
+    assert code == 0
+    for word in (
+        "sample",
+        "isotropic",
+        "neutral",
+        "reflectance",
+        "residual",
+        "resampled with an error",
+    ):
+        assert word in out
+
+
+def test_check_says_what_is_bad(capsys, paint, tmp_path):
+    code, out, _ = run(capsys, "check", paint)
+    assert code == 0
+    assert "BAD" not in out
+    # A white tile whose values are luminance factors, not 1/sr.
+    factors = write(tmp_path / "tile.lumbsdf", front_reflection=resample(lambert(3.08), [550.0]))
+    code, out, _ = run(capsys, "check", "--json", factors)
+    assert code == 1
+    (row,) = json.loads(out)
+    bad = [check for check in row["checks"] if not check["good"]]
+    assert [check["what"] for check in bad] == ["energy"]
+    assert "luminance factors" in bad[0]["text"]
+
+
+@pytest.mark.parametrize("more", [(), ("--totals",), ("--dark", "--incidences", "10,70")])
+def test_plot_draws_a_picture(capsys, paint, tmp_path, more):
+    target = tmp_path / "paint.png"
+    code, _, _ = run(capsys, "plot", paint, "-o", target, "--size", 320, *more)
+    assert code == 0
+    picture = np.asarray(Image.open(target).convert("RGB"))
+    assert picture.shape[1] == 320
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
+    assert (picture.mean() < 100) == ("--dark" in more)
+
+
+def test_plot_refuses_a_side_without_data(capsys, paint, tmp_path):
+    code, _, err = run(capsys, "plot", paint, "-o", tmp_path / "x.png", "--side", "back")
+    assert code == 1
+    assert "no data for light that comes to the back" in err
+
+
+def test_convert_writes_what_others_read(capsys, paint, tmp_path):
+    target = tmp_path / "paint.bsdf"
+    assert run(capsys, "convert", paint, target)[0] == 0
+    again = read_scattering(target)
+    assert again.format == "tensor file"
+    wi, wo = directions(3000, 1, 0.2), directions(3000, 2, 0.1)
+    old = evaluate(read_scattering(paint).sides["front_reflection"], wi, wo)[:, 0]
+    made = again.sides["front_reflection"]
+    new = evaluate(made, wi, wo).mean(axis=1)
+    assert np.sqrt((((new - old) / (old + 0.02)) ** 2).mean()) < 0.04
+    code, _, err = run(capsys, "convert", paint, target)
+    assert code == 1
+    assert "--force" in err
+    assert run(capsys, "convert", "--force", paint, target)[0] == 0
+
+
+def test_convert_makes_reciprocal_and_takes_away_light_from_nothing(capsys, tmp_path):
+    unfair = resample(lambda wi, wo: 0.5 * (1 + wi[:, 2:]) / np.pi * 1.2, [550.0], tolerance=0.01)
+    source = write(tmp_path / "a.lumbsdf", front_reflection=unfair)
+    target = tmp_path / "b.lumbsdf"
+    assert run(capsys, "convert", "--reciprocal", "--limit", source, target)[0] == 0
+    made = read_scattering(target).sides["front_reflection"]
+    before, after = (measure_reciprocity(t).residual for t in (unfair, made))
+    # What is left comes of scaling at steep incidence, where it was more than all light.
+    assert after < 0.5 * before
+    assert max(total(made, s)[0] for s in made.incidences) < 1.001
+    assert max(total(unfair, s)[0] for s in unfair.incidences) > 1.15
+
+
+def test_convert_refuses_what_a_format_cannot_hold(capsys, tmp_path):
+    sheet = resample(lambert(0.4), [550.0])
+    source = write(tmp_path / "sheet.lumbsdf", front_transmission=sheet)
+    code, _, err = run(capsys, "convert", source, tmp_path / "sheet.bsdf")
+    assert code == 1
+    assert "isotropic reflection" in err
+    code, _, err = run(capsys, "convert", source, tmp_path / "sheet.xyz")
+    assert code == 1
+    assert ".lumbsdf or .bsdf" in err
+
+
+def test_process_makes_a_table_of_counts(capsys, tmp_path):
+    from instruments import measure, paint, text_of
+
+    source, target, report = (tmp_path / n for n in ("raw.csv", "out.lumbsdf", "report.png"))
+    source.write_bytes(text_of(measure(paint([550.0]), [550.0])))
+    code, out, _ = run(capsys, "process", source, target, "--report", report)
+    assert code == 0
+    assert "residual" in out
+    assert read_scattering(target).sides["front_reflection"].values.min() >= 0.0
+    assert Image.open(report).width > 300
+
+
+def test_a_tolerance_out_of_range_is_refused(capsys, paint):
+    code, _, err = run(capsys, "info", "--tolerance", "0", paint)
+    assert code == 1
+    assert "0.001 to 0.5" in err
