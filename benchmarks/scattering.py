@@ -113,7 +113,7 @@ def _error_of(table, exact, wavelengths) -> float:
     above = wo[:, 2] > 0.05
     wi, wo = wi[above], wo[above]
     true = _at_bands(exact(wi, wo), wavelengths, table.wavelengths)
-    floor = 0.01 * max(albedo(table, s).max() for s in table.incidences) / np.pi
+    floor = 0.05 * max(albedo(table, s).max() for s in table.incidences) / np.pi
     relative = (evaluate(table, wi, wo) - true) / (true + floor)
     return float(np.sqrt((relative**2).mean()))
 

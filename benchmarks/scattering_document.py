@@ -32,7 +32,7 @@ are that have to be resampled.
 STORAGE = """## Storage over error
 
 *Wanted*: the error that the table was made for. *Stated*: what it says of itself. *Measured*: over other random pairs of
-directions. Errors are root mean squares, relative to the value plus a hundredth of the largest albedo over pi. *Albedo*:
+directions. Errors are root mean squares, relative to the value plus a twentieth of the largest albedo over pi. *Albedo*:
 largest relative error of the reflectance at 0, 15, 30, 45, 60 and 75 degrees. *Reciprocity*: residual of the table.
 Grids are rotations x incidences x radial angles x azimuths x bands.
 

@@ -26,7 +26,7 @@ INCIDENCES = np.radians([0, 15, 30, 45, 60, 75, 89.0])
 LOWEST = np.radians(89.0)
 """Directions farther from the normal take the value there: what lies below the horizon must not count as dark."""
 
-FLOOR = 0.01
+FLOOR = 0.05
 """Share of a matt surface's value that is added to values where their error is told relative to them."""
 
 MOST_VALUES = 1 << 21
@@ -102,12 +102,17 @@ def resample(
     )
     maker.choose_bands(tolerance)
     threshold = FIRST_THRESHOLD * tolerance
-    table = maker.table()
+    table, is_hopeless = maker.table(), False
     for _ in range(ROUNDS):
         if maker.refine(threshold, most) and not maker.is_full:
+            is_hopeless = False
             continue
-        table = maker.table()
-        if maker.is_full or maker.error_of(table) <= tolerance:
+        # Twice nothing to add: what is left is narrower than grids can be.
+        if maker.is_full or is_hopeless:
+            table = maker.table()
+            break
+        table, is_hopeless = maker.table(), True
+        if maker.error_of(table) <= tolerance:
             break
         threshold *= 0.7
     else:

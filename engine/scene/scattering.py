@@ -39,7 +39,7 @@ class ScatterTable:
     direct : (p, s, w) float32 array or None    Share of light reflected as by a mirror, or that passes straight. [-]
     error : float
         Stated error of the values against what they were made from: root mean square, relative to the value plus a
-        hundredth of the largest albedo over pi; 0: none is known. [-]
+        twentieth of the largest albedo over pi; 0: none is known. [-]
     """
 
     rotations: np.ndarray

@@ -7,7 +7,8 @@ shows one half-way; ``baked`` and ``baked_lux`` bake the whole office and show i
 illuminance in material preview; ``viewport`` moves an object in the rendered view, ``viewport_lux``
 shows the illuminance there. ``luminaire`` has a scene of its own: luminaires from the library before
 a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
-with their points and rays. ``library`` shows the luminaires in the Asset
+with their points and rays; so has ``measured``: balls of measured materials in the rendered view, and
+one's panel. ``library`` shows the luminaires in the Asset
 Browser. ``world`` shows houses under a clear sky of the CIE and its sun. In the others the sidebar
 shows the tab of Lumenray.
 """
@@ -49,7 +50,15 @@ RAYSETS = (
 )
 """Ray sets of the library and their places [m], the active one in the middle."""
 
+BALLS = (
+    ("lacquer_red_gloss", (-0.115, 0.02, 0.05)),
+    ("aluminium_brushed", (0.0, 0.0, 0.05)),
+    ("car_blue", (0.115, 0.02, 0.05)),
+)
+"""Measured materials of the library and places of their balls [m], the active one in the middle."""
+
 CONTEXT = {
+    "measured": "MATERIAL",
     "light": "DATA",
     "luminaire": "DATA",
     "rayset": "DATA",
@@ -58,7 +67,7 @@ CONTEXT = {
 }
 """Tab of the properties editor; elsewhere that of the render settings."""
 
-LARGE_PROPERTIES = {"luminaire", "rayset", "world"}
+LARGE_PROPERTIES = {"luminaire", "measured", "rayset", "world"}
 """Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
 
 SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire", "rayset"}
@@ -70,6 +79,7 @@ ZOOM = {
     "baked": 20.0,
     "baked_lux": 20.0,
     "luminaire": 29.0,
+    "measured": 29.0,
     "rayset": 29.0,
     "world": 29.0,
 }
@@ -210,6 +220,40 @@ def build_raysets():
     camera = staging.new_camera((0.012, -0.075, 0.034), (72.0, 0.0, 9.0), lens=32.0)
     camera.data.clip_start = 0.001
     staging.set_render(1248, 940, 500.0)
+
+
+def build_balls():
+    """Put balls of measured materials on a floor below a lamp, under a grey sky."""
+    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
+    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
+    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    collection = staging.new_collection("Samples")
+    ground = staging.new_material("Ground", "ShaderNodeBsdfDiffuse", {"Color": (0.3, 0.3, 0.3)})
+    plain = shapes.quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
+    assembly().add(ground, plain).build("Floor", collection)
+    balls = []
+    for name, place in BALLS:
+        bpy.ops.mesh.primitive_uv_sphere_add(
+            segments=96, ring_count=48, radius=0.05, location=place
+        )
+        bpy.ops.object.shade_smooth()
+        ball = bpy.context.object
+        material = bpy.data.materials.new(name.replace("_", " ").title())
+        material.use_nodes = True
+        ball.data.materials.append(material)
+        settings = material.lumenray
+        settings.use_override, settings.model = True, "MEASURED"
+        settings.measured.filepath = f"library:{name}"
+        balls.append(ball)
+    for ball in balls:
+        ball.select_set(False)
+    bpy.context.view_layer.objects.active = balls[1]
+    lamp = staging.new_light("Lamp", "AREA", collection, (0.35, -0.3, 0.6), "LUMINOUS_FLUX", 700.0)
+    lamp.data.size = 0.25
+    lamp.rotation_euler = [math.radians(angle) for angle in (35.0, 0.0, 45.0)]
+    staging.set_sky((1.0, 1.0, 1.0), 100.0)
+    staging.new_camera((0.0, -0.42, 0.16), (76.0, 0.0, 0.0), lens=45.0)
+    staging.set_render(1248, 940, 300.0)
 
 
 def build_houses():
@@ -391,7 +435,12 @@ bpy.context.preferences.view.show_splash = False
 if VIEW in LARGE_PROPERTIES:
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
-    {"luminaire": build_luminaires, "rayset": build_raysets, "world": build_houses}[VIEW]()
+    {
+        "luminaire": build_luminaires,
+        "measured": build_balls,
+        "rayset": build_raysets,
+        "world": build_houses,
+    }[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
 elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)

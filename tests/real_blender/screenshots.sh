@@ -3,8 +3,8 @@
 # with the extension installed.
 #
 #   screenshots.sh [SECONDS [VIEW...]]   how long the window may take before the picture (default: 60), and which
-#                                        pictures: light, luminaire, rayset, library, material, world, render, bake,
-#                                        bake_graph, baked, baked_lux, viewport, viewport_lux (default: all); the
+#                                        pictures: light, luminaire, rayset, library, material, measured, world, render,
+#                                        bake, bake_graph, baked, baked_lux, viewport, viewport_lux (default: all); the
 #                                        baked ones want 300 seconds or more
 #   VENV, LUMENRAY_OUT                   as for run_smoke.sh
 set -euo pipefail
@@ -13,7 +13,7 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 project="$(cd "$here/../.." && pwd)"
 seconds="${1:-60}"
 views=("${@:2}")
-[ "${#views[@]}" -gt 0 ] || views=(light luminaire rayset library material world render bake bake_graph baked baked_lux viewport viewport_lux)
+[ "${#views[@]}" -gt 0 ] || views=(light luminaire rayset library material measured world render bake bake_graph baked baked_lux viewport viewport_lux)
 export LUMENRAY_PROFILE=screenshots-profile
 
 "$here/install.sh"
