@@ -247,6 +247,8 @@ def approximations(surface) -> list[str]:
     match surface:
         case Mix():
             return approximations(surface.first) + approximations(surface.second)
+        case Measured() if usable(surface) is not surface:
+            return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.roughness >= SMOOTH_ROUGHNESS and (
             not isinstance(surface.ior, Cauchy) or surface.ior.b != 0.0
         ):

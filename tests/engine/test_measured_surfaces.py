@@ -260,6 +260,29 @@ def test_pictures_are_those_of_the_analytic_model(name):
     assert ours.mean() == pytest.approx(mean.mean(), rel=0.004)
 
 
+def test_pictures_by_an_rgl_file_are_those_of_mitsubas_own_reader(tmp_path):
+    import mitsuba as mi
+    from lumenray.engine.scattering.readers.reader import Wish, read_scattering
+    from lumenray.engine.scattering.readers.tensor_file import write_tensor_file
+
+    lobe, nm = ggx(0.3, schlick), np.array([420.0, 500.0, 580.0, 660.0])
+    shares = np.array([0.2, 0.3, 0.6, 0.7])
+    path = tmp_path / "paint.bsdf"
+    angles = np.radians([0, 10, 20, 30, 40, 50, 60, 70, 78, 84, 88.0])
+    write_tensor_file(path, lambda wi, wo: lobe(wi, wo) + shares / np.pi, angles, nm, 32)
+    table = read_scattering(path, Wish(0.03)).sides["front_reflection"]
+    theirs = mi.load_dict(
+        {"type": "twosided", "nested": {"type": "measured", "filename": str(path)}}
+    )
+    ours = plugin(Measured(table, table))
+    a, b = (np.stack([_picture(bsdf, seed) for seed in range(6)]) for bsdf in (ours, theirs))
+    mean = b.mean(axis=0)
+    noise = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / 6) / mean
+    apart = a.mean(axis=0) / mean - 1.0
+    assert np.sqrt(max((apart**2).mean() - (noise**2).mean(), 0.0)) < table.error
+    assert abs(a.mean() / b.mean() - 1.0) < 0.5 * table.error
+
+
 def _picture(bsdf, seed):
     """Means of 8 x 8 blocks of a picture of 48 x 48 pixels."""
     import mitsuba as mi
