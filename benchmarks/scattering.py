@@ -483,7 +483,7 @@ def measure_backlight(told) -> dict:
     )
     places, normals = sensors_above()
     figures = measure_sensitivities(session, places, normals, StopRule(samples=4096), 1)
-    rule = StopRule(samples=1 << 15)
+    rule = StopRule(samples=1 << 17)
     right = session.measure(places, normals, rule, 7)
     rows = []
     wanted = next(f for f in figures if f.material == walls.id)

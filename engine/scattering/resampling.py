@@ -102,23 +102,49 @@ def resample(
     )
     maker.choose_bands(tolerance)
     threshold = FIRST_THRESHOLD * tolerance
-    table, is_hopeless = maker.table(), False
+    table, is_old = maker.table(), True
     for _ in range(ROUNDS):
-        if maker.refine(threshold, most) and not maker.is_full:
-            is_hopeless = False
-            continue
-        # Twice nothing to add: what is left is narrower than grids can be.
-        if maker.is_full or is_hopeless:
-            table = maker.table()
-            break
-        table, is_hopeless = maker.table(), True
-        if maker.error_of(table) <= tolerance:
-            break
+        if maker.refine(threshold, most):
+            is_old = True
+            if not maker.is_full:
+                continue
+        if is_old:
+            table, is_old = maker.table(), False
+            if maker.is_full or maker.error_of(table) <= tolerance:
+                break
         threshold *= 0.7
-    else:
+    if is_old:
         table = maker.table()
     table = maker.keep_totals(table)
     return replace(table, error=maker.error_of(table))
+
+
+def choose_bands(wavelengths: np.ndarray, values: np.ndarray, tolerance: float) -> np.ndarray:
+    """Choose bands from which linear interpolation gives the others back.
+
+    Parameters
+    ----------
+    wavelengths : (w,) array    Ascending. [nm]
+    values : (n, w) array    Some spectra of the material. [1/sr]
+    tolerance : float    Root mean square of the error over the value plus a part of a matt surface's, in each band. [-]
+
+    Returns
+    -------
+    (k,) int array    Numbers of the bands; one if all are alike.
+    """
+    if np.allclose(values, values[:, :1], rtol=1e-5, atol=0.0):
+        return np.array([len(wavelengths) // 2])
+    # A matt surface's, or less: a peak must not hide what lies beside it.
+    scale = values + FLOOR * min(1.0 / np.pi, max(float(values.mean()), 1e-12))
+    kept = [0, len(wavelengths) - 1]
+    while len(kept) < len(wavelengths):
+        made = _between(wavelengths, np.array(kept), values)
+        error = np.sqrt((((made - values) / scale) ** 2).mean(axis=0))
+        worst = int(np.argmax(error))
+        if error[worst] <= tolerance:
+            break
+        kept = sorted([*kept, worst])
+    return np.array(kept)
 
 
 class _Maker:
@@ -168,18 +194,7 @@ class _Maker:
         if len(self.wavelengths) == 1:
             return
         values = self.ask(*self._random_pairs(TESTED // 4))
-        scale = values + FLOOR * max(values.max(), 1e-30)
-        kept = [0, len(self.wavelengths) - 1]
-        if np.allclose(values, values[:, :1], rtol=1e-5, atol=0.0):
-            kept = [len(self.wavelengths) // 2]
-        while len(kept) < len(self.wavelengths) and len(kept) > 1:
-            made = _between(self.wavelengths, np.array(kept), values)
-            error = np.sqrt((((made - values) / scale) ** 2).mean(axis=0))
-            worst = int(np.argmax(error))
-            if error[worst] <= SPECTRAL_PART * tolerance:
-                break
-            kept = sorted([*kept, worst])
-        self.bands = np.array(kept)
+        self.bands = choose_bands(self.wavelengths, values, SPECTRAL_PART * tolerance)
 
     def table(self) -> ScatterTable:
         """The table on the grid."""

@@ -243,3 +243,26 @@ def test_damaged_files_of_ours_are_refused_with_a_sentence():
             assert "x.lumbsdf" in str(error)
             refused += 1
     assert refused > 200
+
+
+def test_light_along_the_normal_is_extrapolated_alike_in_all_azimuths():
+    # ln f = a + b sin^2 of the half angle between wi and wo, even in the incidence: exact for the parabola to 1 %.
+    from lumenray.engine.scattering.normal_incidence import add_normal_incidence
+
+    def hazy(wi, wo):
+        return np.exp(-3.0 * (1.0 - wo[:, 2:]) - 1.5 * (1.0 - wi[:, 2:]))
+
+    table = resample(hazy, [550.0], incidences=np.radians([10.0, 20.0, 40.0]), tolerance=0.005)
+    made = add_normal_incidence(table)
+    assert made.incidences[0] == 0.0
+    wi = np.tile([0.0, 0.0, 1.0], (200, 1))
+    # Towards the horizon fewer azimuths tell of it.
+    wo = directions(200, 3, 0.45)
+    assert np.allclose(evaluate(made, wi, wo), hazy(wi, wo), rtol=0.03)
+    # Without it the lowest incidence would hold, and the sample look lopsided.
+    around = np.array([towards(30, a) for a in range(0, 360, 20)])
+    before, after = (evaluate(t, np.tile([0.0, 0.0, 1.0], (18, 1)), around) for t in (table, made))
+    assert np.ptp(after) < 1e-6
+    assert np.ptp(before) > 0.05 * before.mean()
+    assert add_normal_incidence(made) is None
+    assert np.array_equal(made.values[:, 1:], table.values)

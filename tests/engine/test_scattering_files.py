@@ -496,8 +496,8 @@ def test_a_sample_has_the_same_handedness_in_zemax_and_speos():
     other = real("speos/one_wavelength.brdf").sides["front_reflection"]
     found = np.array([differences(one, other, incidence, 80.0) for incidence in one.incidences])
     np.testing.assert_allclose(found[:, 0], 1.0, atol=0.02)
-    assert found[:, 1].max() < 0.02
-    assert found[:, 1].sum() < 0.6 * found[:, 2].sum()
+    assert found[:, 1].max() < 0.03
+    assert found[:, 1].sum() < 0.75 * found[:, 2].sum()
 
 
 @needs_data

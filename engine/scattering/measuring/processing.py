@@ -16,6 +16,7 @@ from ...errors import SceneError
 from ...luminaires.record import Remark
 from ...scene.scattering import ScatterTable
 from ..evaluation import measure_reciprocity
+from ..normal_incidence import along_normal
 from ..readers.direction_samples import SAME
 from ..table import albedo_of, check_table, direction_of, evaluate_table
 from .calibration import CalibratedSlice, calibrate
@@ -215,7 +216,7 @@ def _complete(incidences, values, mirrored, remarks):
         remarks.append(
             Remark(f"light along the normal is extrapolated from {_told(incidences[:2])}")
         )
-        first = _along_normal(incidences, values)
+        first = along_normal(RADIALS, AZIMUTHS, incidences, values)
         incidences, values = np.append(0.0, incidences), np.concatenate([first[None], values])
         mirrored = np.concatenate([mirrored[:1], mirrored])
     if incidences[-1] < 0.5 * np.pi - SAME:
@@ -227,30 +228,6 @@ def _complete(incidences, values, mirrored, remarks):
 
 def _told(angles) -> str:
     return " and ".join(f"{np.degrees(angle):.3g}°" for angle in angles)
-
-
-def _along_normal(incidences, values) -> np.ndarray:
-    """Values for light along the normal: the even parabola through the logarithms of two incidences' means. (t, a, w)"""
-    means = [
-        _mean_around(angle, each) for angle, each in zip(incidences[:2], values[:2], strict=True)
-    ]
-    made = means[0]
-    if len(means) == 2:
-        first, second = incidences[:2] ** 2
-        made = (second * means[0] - first * means[1]) / (second - first)
-    return np.broadcast_to(np.exp(made)[:, None], values.shape[1:])
-
-
-def _mean_around(incidence: float, values) -> np.ndarray:
-    """Mean logarithm over the azimuths above the horizon, at every radial angle. (t, w)"""
-    radial, azimuth = np.meshgrid(RADIALS, AZIMUTHS, indexing="ij")
-    above = direction_of(incidence, radial, azimuth)[..., 2] > 0.0
-    # Half the ends: the trapezium, around the whole turn.
-    weight = np.where((azimuth <= 0.0) | (azimuth >= np.pi), 0.5, 1.0)
-    counted = np.where(above.any(axis=1, keepdims=True), above * weight, weight)
-    return np.einsum("ta,taw->tw", counted, np.log(np.maximum(values, 1e-12))) / counted.sum(
-        axis=1, keepdims=True
-    )
 
 
 # ---- bands and energy ----

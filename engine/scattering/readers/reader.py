@@ -3,10 +3,15 @@
 Extensions are no help: ``.bsdf`` stands for three formats.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ...errors import FileFormatError
+from ...luminaires.record import Remark
+from ...scene.scattering import ScatterTable
+from ..normal_incidence import add_normal_incidence
 from ..record import ScatteringFile
 from ..store import is_store, read_store
 from .goniometer import read_goniometer
@@ -69,8 +74,27 @@ def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringF
     tolerance = (wish or Wish()).tolerance
     for is_one, read, is_resampled in _FORMATS:
         if is_one(data):
-            return read(data, path, tolerance) if is_resampled else read(data, path)
+            made = read(data, path, tolerance) if is_resampled else read(data, path)
+            return made if read is read_store else _complete(made)
     raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
+
+
+def _complete(file: ScatteringFile) -> ScatteringFile:
+    """Add light along the normal where isotropic tables lack it; sides that share a table still do."""
+    made, told = {}, ()
+    for scatter in file.sides.values():
+        if isinstance(scatter, ScatterTable) and id(scatter) not in made:
+            made[id(scatter)] = add_normal_incidence(scatter)
+            if made[id(scatter)] is not None:
+                lowest = f"{np.degrees(scatter.incidences[0]):.3g}"
+                told = (Remark(f"light along the normal is extrapolated from {lowest} degrees on"),)
+    if not told:
+        return file
+    sides = {side: made.get(id(scatter)) or scatter for side, scatter in file.sides.items()}
+    incidences = file.incidences
+    if not len(incidences):
+        incidences = next(iter(file.sides.values())).incidences
+    return replace(file, sides=sides, incidences=incidences, remarks=(*file.remarks, *told))
 
 
 _FORMATS = (

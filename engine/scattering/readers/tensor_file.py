@@ -20,7 +20,7 @@ import numpy as np
 from ...errors import FileFormatError
 from ...luminaires.record import Remark
 from ..record import ScatteringFile
-from ..resampling import resample
+from ..resampling import choose_bands, resample
 from .colour import spectra_of_rgb
 from .marginal_warp import MarginalWarp, Slices, place_in, read_bilinear
 
@@ -110,18 +110,9 @@ def read_tensor_file(data: bytes, path, tolerance: float = 0.02) -> ScatteringFi
 
 def _choose_bands(material: "TensorMaterial", tolerance: float) -> np.ndarray:
     """Numbers of the bands between which the others lie; what has many takes long to be resampled. (k,)"""
-    wavelengths = material.wavelengths
-    flat = material.values.reshape(-1, len(wavelengths))
+    flat = material.values.reshape(-1, len(material.wavelengths))
     some = flat[np.random.default_rng(6).integers(len(flat), size=COMPARED)].astype(np.float64)
-    scale = some + 0.01 * max(float(some.max()), 1e-30)
-    kept = sorted({0, len(wavelengths) - 1})
-    while len(kept) < len(wavelengths):
-        made = np.stack([np.interp(wavelengths, wavelengths[kept], row[kept]) for row in some])
-        error = np.sqrt((((made - some) / scale) ** 2).mean(axis=0))
-        if error.max() <= tolerance:
-            break
-        kept = sorted([*kept, int(error.argmax())])
-    return np.array(kept)
+    return choose_bands(material.wavelengths, some, tolerance)
 
 
 def _rotations(material: "TensorMaterial") -> np.ndarray:
