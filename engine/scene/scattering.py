@@ -12,8 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 
 
+class _Kept:
+    """Data whose values cannot be written to, so that what follows from them is found once (see `memo`)."""
+
+    def __post_init__(self):
+        if self.values.flags.writeable:
+            values = self.values.view()
+            values.flags.writeable = False
+            object.__setattr__(self, "values", values)
+
+
 @dataclass(frozen=True, eq=False)
-class ScatterTable:
+class ScatterTable(_Kept):
     """Scattering on an irregular grid about the direction in which a mirror reflects, or in which light passes straight.
 
     With the incidence in the xz-plane, wi = (sin s, 0, cos s), the centre is c = (-sin s, 0, cos s), and the direction at
@@ -69,7 +79,7 @@ class PatchBasis:
 
 
 @dataclass(frozen=True, eq=False)
-class PatchMatrix:
+class PatchMatrix(_Kept):
     """Scattering that is constant over pairs of patches (Klems).
 
     Parameters
@@ -86,7 +96,7 @@ class PatchMatrix:
 
 
 @dataclass(frozen=True, eq=False)
-class TensorTree:
+class TensorTree(_Kept):
     """Scattering that is constant over the leaves of a tree that halves all coordinates at once.
 
     Of rank 4 the coordinates are (in x, in y, out x, out y) on the unit square, to which Shirley's and Chiu's map brings
