@@ -6,8 +6,9 @@ the same random numbers, so that most noise cancels in the difference:
 
     S = (E(1 + h) - E(1 - h)) / (2 h E(1))
 
-S = 3 means that 1 % more of the surface's reflectance is 3 % more light. It is repeated with other numbers, and its
-standard error is that of the mean over the repetitions.
+S = 3 means that 1 % more of the surface's reflectance is 3 % more light. Where 1 + h would be more than all light, three
+points from below give the slope at 1. It is repeated with other numbers, and its standard error is that of the ratio over
+the repetitions.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +18,7 @@ import numpy as np
 
 from .accuracy.stopping import StopRule
 from .errors import SceneError
-from .scattering.surface import excess_of
+from .scattering.surface import excess_of, usable
 from .scene.material import (
     Coated,
     Dielectric,
@@ -36,8 +37,8 @@ from .scene.spectrum import Constant, Rgb, Tabulated
 from .scene.texture import ImageTexture
 from .session import Session
 
-STEP = 0.02
-"""By which reflectances are changed. [-]"""
+STEP, LEAST_STEP = 0.02, 0.0005
+"""By which reflectances are changed, and the least. [-]"""
 
 REPETITIONS = 4
 """Independent estimates of each figure."""
@@ -89,54 +90,80 @@ def measure_sensitivities(
     SceneError    A material is unknown or has nothing that can be changed, or the scene cannot be computed.
     Cancelled
     """
-    scene = session.scene
-    chosen = _choose(scene, materials)
-    steps = 2 * REPETITIONS * len(chosen)
-    done = 0
-    made = []
+    chosen = _choose(session.scene, materials)
+    done, made = 0, []
     for material in chosen:
-        low, high = _steps(material.surface)
-        estimates = {low: [], high: []}
+        surface = material.surface
+        if isinstance(surface, Measured):
+            # What is scaled down because it would be more than all light must not be scaled down again.
+            surface = usable(surface)
+        scheme = _choose_scheme(surface)
+        readings: list[list[np.ndarray]] = []
         try:
-            for factor, found in estimates.items():
-                changed = replace(material, surface=scale_surface(material.surface, factor))
+            for factor in scheme.factors:
+                changed = replace(material, surface=scale_surface(surface, factor))
                 session.apply(SceneDelta((changed,)))
+                readings.append([])
                 for repetition in range(REPETITIONS):
-                    reading = session.measure(
-                        positions,
-                        normals,
-                        rule,
-                        seed + repetition,
-                        transport,
-                        kind=kind,
+                    found = session.measure(
+                        positions, normals, rule, seed + repetition, transport, kind=kind
                     )
-                    found.append(reading.illuminance)
+                    readings[-1].append(found.illuminance)
                     done += 1
                     if progress is not None:
-                        progress(done / steps)
+                        progress(min(done / (2.5 * REPETITIONS * len(chosen)), 1.0))
         finally:
             session.apply(SceneDelta((material,)))
-        made.append(_compare(material, low, high, *(np.stack(e) for e in estimates.values())))
+        made.append(_compare(material, scheme, np.array(readings, dtype=np.float64)))
     return sorted(made, key=lambda each: -abs(each.mean))
 
 
-def _compare(material: Material, low: float, high: float, less, more) -> Sensitivity:
-    """Sensitivity from readings (repetitions, n) with less and more of a material."""
-    share = (1.0 - low) / (high - low)
-    middle = less + share * (more - less)
-    change = (more - less) / (high - low)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        each = np.where(middle.mean(axis=0) > 0.0, change / middle.mean(axis=0), np.nan)
-    whole = change.mean(axis=1) / max(float(middle.mean()), 1e-300)
-    count = np.sqrt(len(less))
-    return Sensitivity(
-        material.id,
-        material.name,
-        float(whole.mean()),
-        float(whole.std(ddof=1) / count),
-        each.mean(axis=0),
-        each.std(axis=0, ddof=1) / count,
+@dataclass(frozen=True)
+class _Scheme:
+    """Factors with which a surface is computed, and weights that make the derivative at 1, and the value there."""
+
+    factors: tuple[float, ...]
+    slope: tuple[float, ...]
+    value: tuple[float, ...]
+
+
+def _choose_scheme(surface) -> _Scheme:
+    """Central differences; where more of the surface would be more than all light, one-sided ones of second order."""
+    if isinstance(surface, Measured):
+        sides = [
+            excess_of(getattr(surface, f"{s}_reflection"), getattr(surface, f"{s}_transmission"))
+            for s in ("front", "back")
+        ]
+        largest = max(sides) * surface.factor
+    else:
+        largest = _largest(surface)
+    if largest * (1.0 + STEP) <= 1.0:
+        return _Scheme((1.0 - STEP, 1.0 + STEP), (-0.5 / STEP, 0.5 / STEP), (0.5, 0.5))
+    # Light that is reflected often grows as 1 / (1 - rho): steps stay well below what is missing to 1.
+    step = float(np.clip(0.1 * (1.0 - largest), LEAST_STEP, STEP))
+    return _Scheme(
+        (1.0 - 2.0 * step, 1.0 - step, 1.0),
+        (0.5 / step, -2.0 / step, 1.5 / step),
+        (0.0, 0.0, 1.0),
     )
+
+
+def _compare(material: Material, scheme: _Scheme, readings: np.ndarray) -> Sensitivity:
+    """Sensitivity from readings (factors, repetitions, n)."""
+    change = np.tensordot(scheme.slope, readings, axes=1)
+    value = np.tensordot(scheme.value, readings, axes=1)
+    each, each_error = _ratio(change, value)
+    mean, mean_error = _ratio(change.mean(axis=1), value.mean(axis=1))
+    return Sensitivity(material.id, material.name, float(mean), float(mean_error), each, each_error)
+
+
+def _ratio(change: np.ndarray, value: np.ndarray):
+    """Ratio of means over repetitions (r, ...) and its standard error: both share most of their noise."""
+    whole = value.mean(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(whole > 0.0, change.mean(axis=0) / whole, np.nan)
+        scatter = (change - ratio * value).std(axis=0, ddof=1)
+        return ratio, scatter / (np.sqrt(len(change)) * whole)
 
 
 def _choose(scene: Scene, materials: Sequence[str] | None) -> list[Material]:
@@ -153,21 +180,6 @@ def _choose(scene: Scene, materials: Sequence[str] | None) -> list[Material]:
             raise SceneError(f"material '{name}' has no reflectance that could be changed")
         made.append(scene.materials[key])
     return made
-
-
-def _steps(surface) -> tuple[float, float]:
-    """Factors with which a surface is computed; where more of it would be more than all light, only less is."""
-    if isinstance(surface, Measured):
-        sides = [
-            excess_of(getattr(surface, f"{s}_reflection"), getattr(surface, f"{s}_transmission"))
-            for s in ("front", "back")
-        ]
-        largest = max(sides) * surface.factor
-    else:
-        largest = _largest(surface)
-    if largest * (1.0 + STEP) <= 1.0:
-        return 1.0 - STEP, 1.0 + STEP
-    return 1.0 - 2.0 * STEP, 1.0
 
 
 def scale_surface(surface, factor: float):

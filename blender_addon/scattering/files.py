@@ -18,9 +18,8 @@ import bpy
 import numpy as np
 
 from ...engine.errors import FileFormatError, LumenrayError
-from ...engine.luminaires.text import read_bytes
 from ...engine.scattering.look import Look, fit_look
-from ...engine.scattering.readers.reader import MAXIMUM_SIZE, Wish, parse_scattering
+from ...engine.scattering.readers.reader import Wish, parse_scattering, read_content
 from ...engine.scattering.record import ScatteringFile
 from ...engine.scattering.store import SUFFIX, is_store
 from ...engine.scattering.store import pack as pack_store
@@ -32,8 +31,8 @@ from .settings import absolute_path, is_measured, name_of
 LINE = 76
 """Characters in a line of an embedded file."""
 
-KEPT = 32
-"""Files that are kept."""
+KEPT = 256
+"""Files that are kept: more than scenes have, as each reading of all of them would else read all anew."""
 
 TICK = 0.25
 """Between two looks at what is being read. [s]"""
@@ -182,7 +181,7 @@ def _source(settings):
     path = absolute_path(settings)
     if not path:
         raise NoFileError("no scattering file is chosen")
-    return ("path", path, *_stamp(path)), lambda: lambda: (_bytes_of(path), path, None)
+    return ("path", path, *_stamp(path)), lambda: lambda: (read_content(path), path, None)
 
 
 def _loader_of_text(text):
@@ -198,15 +197,6 @@ def _stamp(path: str) -> tuple:
     except (OSError, ValueError):
         return ()
     return (found.st_mtime_ns, found.st_size)
-
-
-def _bytes_of(path: str) -> bytes:
-    size = _stamp(path)[1:]
-    if size and size[0] > MAXIMUM_SIZE:
-        raise FileFormatError(
-            path, f"has {size[0] >> 20} MiB, expected at most {MAXIMUM_SIZE >> 20} MiB"
-        )
-    return read_bytes(path)
 
 
 def _make(data: bytes, path, origin: str | None, wish: Wish) -> Reading:
@@ -348,7 +338,7 @@ def pack(settings) -> None:
     LumenrayError    It cannot be read.
     """
     reading, path = obtain(settings), absolute_path(settings)
-    data = read_bytes(path)
+    data = read_content(path)
     if not is_store(data):
         data = pack_store(reading.file)
     settings.text = embed(data, name_of(settings), reading.file.format)

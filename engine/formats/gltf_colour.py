@@ -85,8 +85,11 @@ def _look(surface) -> tuple[np.ndarray, float]:
             reflected, passed = (
                 np.zeros(3)
                 if part is None
-                else _daylit(np.interp(GRID, part.wavelengths, total(part, 0.0)))
-                for part in (surface.front_reflection, surface.front_transmission)
+                else _daylit(np.interp(GRID, part.wavelengths, surface.factor * total(part, 0.0)))
+                for part in (
+                    surface.front_reflection or surface.back_reflection,
+                    surface.front_transmission or surface.back_transmission,
+                )
             )
             return reflected, float(np.clip(passed @ REC709_LUMINANCE, 0.0, 1.0))
         case Mix():

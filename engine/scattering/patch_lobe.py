@@ -156,6 +156,10 @@ class PatchLobe:
         rest = dr.clip((sample.x - low) / dr.maximum(high - low, 1e-12), 0.0, 1.0)
         return self._outgoing.direction_in(place - first, mi.Point2f(rest, sample.y), active)
 
+    def reflectance(self, wi, wavelengths, active):
+        """Share of light that is scattered, the mean over the bands at every wavelength. (Spectrum)"""
+        return mi.Spectrum(self.albedo(wi, active))
+
     def albedo(self, wi, active):
         """Share of light that is scattered, mean over the wavelengths. mi.Float [-]"""
         return dr.gather(mi.Float, self._albedos, self._incoming.patch_of(wi, active), active)

@@ -1,7 +1,7 @@
 """Measured surfaces as a Mitsuba plug-in: up to four lobes, of what each side reflects and lets through.
 
-Tables are read with ``wi`` as the incidence. Paths from the eye meet surfaces backwards, so their light is that of the table
-if it is reciprocal; how far it is, is measured where files are read. Matrices and trees are turned round instead.
+Paths from the eye meet surfaces backwards: see `seen_from_the_eye`. How far data are reciprocal is measured where files are
+read.
 """
 
 from dataclasses import replace
@@ -38,26 +38,39 @@ def make_lobe(scatter: Scatter, weigh, factor: float):
 
 
 def seen_from_the_eye(surface: Measured) -> Measured:
-    """Return a surface whose matrices and trees tell, by where the eye is, how much light comes from elsewhere to it."""
+    """Return a surface whose parts tell, by where the eye is, how much light comes from elsewhere to it.
 
-    def turned_round(scatter, otherwise):
+    What passes to an eye in front came from behind. Matrices and trees of rank 4 are turned round; tables, and trees of
+    rank 3, are read with the eye's direction as the incidence, which is the same as far as they are reciprocal.
+    """
+
+    def turned_round(scatter):
         match scatter:
             case PatchMatrix():
                 return transposed(scatter)
             case TensorTree() if scatter.rank == 4:
                 return transposed_tree(scatter)
-        return otherwise
+        return scatter
+
+    made: dict[int, Scatter] = {}
+
+    def once(scatter):
+        if scatter is None:
+            return None
+        return made.setdefault(id(scatter), turned_round(scatter))
 
     return replace(
         surface,
-        **{
-            f"{side}_{kind}": turned_round(
-                getattr(surface, f"{source}_{kind}"), getattr(surface, f"{side}_{kind}")
-            )
-            for side, other in (("front", "back"), ("back", "front"))
-            for kind, source in (("reflection", side), ("transmission", other))
-        },
+        front_reflection=once(surface.front_reflection),
+        back_reflection=once(surface.back_reflection),
+        front_transmission=once(surface.back_transmission),
+        back_transmission=once(surface.front_transmission),
     )
+
+
+def _key(scatter: Scatter) -> tuple:
+    """What is the same for scatters that hold the same arrays, as those of both sides do behind a process's border."""
+    return tuple((a.__array_interface__["data"][0], a.shape) for a in scatter.arrays())
 
 
 class _Part:
@@ -118,6 +131,13 @@ class _Sides:
             found = dr.select(lanes, lobe.albedo(wi, lanes), found)
         return found
 
+    def reflectance(self, wi, is_front, wavelengths, active):
+        """Scattered share by wavelength."""
+        found = mi.Spectrum(0.0)
+        for lobe, lanes in self._each("lobe", is_front, active):
+            found = dr.select(lanes, lobe.reflectance(wi, wavelengths, lanes), found)
+        return found
+
     def direct(self, wi, is_front, wavelengths, active):
         """Direct share."""
         found = mi.Spectrum(0.0)
@@ -136,12 +156,12 @@ def _measured_class():
         def set_surface(self, surface: Measured, weigh):
             """Set what it scatters. ``weigh``: see `TableLobe`."""
             surface = seen_from_the_eye(surface)
-            parts: dict[int, _Part] = {}
+            parts: dict[tuple, _Part] = {}
 
             def part(scatter):
                 if scatter is None:
                     return None
-                key = id(scatter)
+                key = _key(scatter)
                 if key not in parts:
                     parts[key] = _Part(scatter, weigh, surface.factor)
                 return parts[key]
@@ -272,7 +292,7 @@ def _measured_class():
         def eval_diffuse_reflectance(self, si, active=True):
             active = mi.Bool(active)
             wi, is_front = self._upright(si.wi), si.wi.z > 0.0
-            return mi.Spectrum(self.reflection.albedo(wi, is_front, active))
+            return self.reflection.reflectance(wi, is_front, si.wavelengths, active)
 
         def to_string(self):
             return "MeasuredSurface[]"

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..errors import SceneError
 from ..scene.scattering import ScatterTable
 from .table import albedo_of, direction_of, interpolate, quadrature, turned
 
@@ -31,6 +32,9 @@ FLOOR = 0.05
 
 MOST_VALUES = 1 << 21
 """Values that a table may grow to: 4 MB before its file is compressed."""
+
+LARGEST_START = 1 << 25
+"""Values of the grid to begin with, at most."""
 
 ROUNDS = 48
 """Most rounds of refinement."""
@@ -92,6 +96,12 @@ def resample(
     ScatterTable    Its ``error`` is what was measured with random pairs of directions; between angles of incidence that
         were given it is not known, and measured at them.
     """
+    started = len(RADIALS) * 13 * max(len(rotations), 1) * len(np.atleast_1d(wavelengths))
+    if started * (1 if incidences is None else len(incidences)) > LARGEST_START:
+        raise SceneError(
+            f"scattering at {len(rotations)} rotations, {len(incidences)} incidences and {len(wavelengths)} bands is too "
+            "much for a table; leave out some"
+        )
     maker = _Maker(
         evaluate,
         np.asarray(wavelengths, dtype=np.float64),
@@ -227,6 +237,8 @@ class _Maker:
                 break
             # What does not fit is left; the worst intervals are divided first.
             self.is_full = True
+            if all(len(new) == len(old) for new, old in zip(grown, axes, strict=True)):
+                break
             excess = [None if by is None else by / 1.3 for by in excess]
         _, self.incidences, self.radials, self.azimuths = grown
         return any(len(a) > len(b) for a, b in zip(grown, axes, strict=True))

@@ -33,9 +33,10 @@ LARGEST = 1 << 28
 LONGEST_TEXT = 1 << 16
 """Of the facts. [byte]"""
 
-SMALLEST = 2.0**-24
-"""Smallest positive number of half precision."""
+LONGEST_WORDS, LONGEST_REMARK, MOST_REMARKS = 4000, 500, 50
+"""Characters of a name, description or source, and of a remark, and remarks; the rest is cut off."""
 
+_PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _KINDS = tuple(np.dtype(kind) for kind in ("<f2", "<f4", "<f8", "<i4"))
 _ARRAYS = {
     "table": ("rotations", "incidences", "radials", "azimuths", "wavelengths", "values", "direct"),
@@ -69,13 +70,13 @@ def pack(file: ScatteringFile) -> bytes:
             arrays |= {f"{side}.{name}": array for name, array in own.items()}
         facts = {
             "version": VERSION,
-            "name": file.name,
-            "description": file.description,
-            "source": file.source,
+            "name": file.name[:LONGEST_WORDS],
+            "description": file.description[:LONGEST_WORDS],
+            "source": file.source[:LONGEST_WORDS],
             "sides": sides,
-            "remarks": [remark.text for remark in file.remarks],
+            "remarks": [remark.text[:LONGEST_REMARK] for remark in file.remarks[:MOST_REMARKS]],
         }
-        _add(archive, "facts.json", json.dumps(facts).encode())
+        _add(archive, "facts.json", json.dumps(facts, ensure_ascii=False).encode())
         for name, array in arrays.items():
             content = io.BytesIO()
             np.save(content, np.ascontiguousarray(array), allow_pickle=False)
@@ -129,17 +130,16 @@ def read_store(data: bytes, path) -> ScatteringFile:
 
 def _read(archive: zipfile.ZipFile, path) -> ScatteringFile:
     entries = archive.infolist()
+    if any(entry.compress_type not in _PACKINGS for entry in entries):
+        raise ValueError("entries packed in an unusual way")
+    if len({entry.filename for entry in entries}) < len(entries):
+        raise ValueError("two entries of the same name")
     if sum(entry.file_size for entry in entries) > LARGEST or len(entries) > 64:
         raise FileFormatError(
             path,
             f"holds more than {LARGEST >> 20} MiB of arrays, expected less; resample it coarser",
         )
-    text = (
-        archive.read("facts.json")
-        if archive.getinfo("facts.json").file_size <= LONGEST_TEXT
-        else b""
-    )
-    facts = json.loads(text)
+    facts = json.loads(_read_entry(archive, "facts.json", LONGEST_TEXT))
     if facts["version"] != VERSION:
         raise FileFormatError(
             path, f"has the version {facts['version']!r}, expected {VERSION}; update Lumenray"
@@ -160,6 +160,15 @@ def _read(archive: zipfile.ZipFile, path) -> ScatteringFile:
     return ScatteringFile(Path(path), FORMAT, sides, *words, remarks=remarks)
 
 
+def _read_entry(archive: zipfile.ZipFile, name: str, most: int) -> bytes:
+    """Content of an entry, no more of it than its stated size, whatever is packed in it."""
+    size = archive.getinfo(name).file_size
+    if size > most:
+        raise ValueError(f"entry {name} has {size} bytes, expected at most {most}")
+    with archive.open(name) as entry:
+        return entry.read(size)
+
+
 def _load(archive: zipfile.ZipFile, side: str, kind: str) -> dict[str, np.ndarray]:
     """Arrays of one side, each as large as its entry says."""
     made = {}
@@ -168,7 +177,7 @@ def _load(archive: zipfile.ZipFile, side: str, kind: str) -> dict[str, np.ndarra
         entry = f"{side}.{name}.npy"
         if entry not in names:
             continue
-        content = io.BytesIO(archive.read(entry))
+        content = io.BytesIO(_read_entry(archive, entry, LARGEST))
         version = np.lib.format.read_magic(content)
         if version != (1, 0):
             raise ValueError(f"array {entry} has the version {version}")

@@ -68,7 +68,7 @@ def _other_way(side: str) -> str:
 def _summarise(file: ScatteringFile, scatter: Scatter, back: Scatter | None) -> SideSummary:
     steepest, largest = max(shares_of(scatter), key=lambda each: each[1])
     reciprocity = None
-    if back is None or len(back.wavelengths) == len(scatter.wavelengths):
+    if back is not None and len(back.wavelengths) == len(scatter.wavelengths):
         reciprocity = measure_reciprocity(scatter, back).residual
     return SideSummary(
         symmetry_of(scatter),

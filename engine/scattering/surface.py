@@ -4,18 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..errors import SceneError
 from ..scene.material import Measured
-from ..scene.memo import recall
+from ..scene.memo import recall_latest
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .evaluation import evaluate, incidences_of, total
 from .patches import check_patches
 from .record import SIDES
-from .table import check_table, direction_of, turned
+from .table import check_table, direction_of, place_on, turned
 from .tree import check_tree
 
 ROUNDING = 1e-3
 """By which totals may exceed 1 before they are scaled down: more is light from nothing. [-]"""
 
+STEEPEST = np.radians(89.5)
+"""Farthest incidence at which totals are looked at: behind it nothing arrives. [rad]"""
 
 LOWEST = 0.02
 """Cosine below which a direction is too near to the horizon to be turned round. [-]"""
@@ -54,32 +57,120 @@ def usable(surface: Measured) -> Measured:
 
     Raises
     ------
-    SceneError    Its data break their own rules.
+    SceneError    Its data break their own rules, or its factor is none.
     """
+    if not (np.isfinite(surface.factor) and surface.factor >= 0.0):
+        raise SceneError(f"a measured surface has the factor {surface.factor}, expected 0 or more")
     made = {}
     for side in ("front", "back"):
         names = [f"{side}_reflection", f"{side}_transmission"]
         parts = [getattr(surface, name) for name in names]
-        excess = excess_of(*parts) * surface.factor
+        is_too_much = surface.factor * excess_of(*parts) > 1.0 + ROUNDING
         for name, part in zip(names, parts, strict=True):
             made[name] = part
-            if part is not None and excess > 1.0 + ROUNDING:
+            if part is not None and is_too_much:
                 made[name] = replace(part, **_limited(part, parts, surface.factor))
     if all(made[name] is getattr(surface, name) for name in made):
         return surface
-    if surface.front_reflection is surface.back_reflection:
-        made["back_reflection"] = made["front_reflection"]
-    if surface.front_transmission is surface.back_transmission:
-        made["back_transmission"] = made["front_transmission"]
+    for kind in ("reflection", "transmission"):
+        front, back = (f"{side}_{kind}" for side in ("front", "back"))
+        shared = getattr(surface, front)
+        if shared is not None and shared is getattr(surface, back):
+            made[front] = made[back] = _darker(made[front], made[back])
     return replace(surface, **made)
 
 
 def excess_of(reflection: Scatter | None, transmission: Scatter | None) -> float:
     """Largest share of light that a side sends out again, over all incidences and wavelengths. [-]"""
-    totals = [_totals(part) for part in (reflection, transmission) if part is not None]
-    if len(totals) == 2 and totals[0].shape == totals[1].shape:
-        return float((totals[0] + totals[1]).max())
-    return float(sum(each.max() for each in totals))
+    parts = [part for part in (reflection, transmission) if part is not None]
+    return float(_side_totals(parts)[1].max()) if parts else 0.0
+
+
+def _side_totals(parts: list[Scatter]):
+    """Totals of all parts of a side together, on the union of their axes: what is asked of them is asked at once.
+
+    Returns
+    -------
+    axes : tuple of (p,), (s,), (w,) arrays    Rotations, incidences, wavelengths.
+    totals : (p, s, w) array
+    """
+    arrays = [array for part in parts for array in part.arrays()]
+    values, *others = sorted(arrays, key=lambda a: -a.size)
+    return recall_latest(
+        values, "side totals", others, len(parts), lambda: _find_side_totals(parts)
+    )
+
+
+def _find_side_totals(parts: list[Scatter]):
+    for part in parts:
+        check(part)
+    incidences = np.unique(np.concatenate([[0.0, STEEPEST], *map(incidences_of, parts)]))
+    # Between incidences a table may scatter more than at either.
+    incidences = np.union1d(incidences, 0.5 * (incidences[1:] + incidences[:-1]))
+    turns = [part.rotations for part in parts if isinstance(part, ScatterTable)]
+    if not all(isinstance(part, ScatterTable) for part in parts):
+        turns.append(np.arange(24) * np.pi / 12.0)
+    rotations = np.unique(np.concatenate(turns))
+    wavelengths = np.unique(np.concatenate([part.wavelengths for part in parts]))
+    totals = np.zeros((len(rotations), len(incidences), len(wavelengths)))
+    for part in parts:
+        is_one = isinstance(part, ScatterTable) and len(part.rotations) == 1
+        found = np.array(
+            [
+                [total(part, s, p) for s in incidences]
+                for p in (rotations[:1] if is_one else rotations)
+            ]
+        )
+        below, share = place_on(part.wavelengths, wavelengths)
+        above = np.minimum(below + 1, len(part.wavelengths) - 1)
+        totals += found[..., below] * (1.0 - share) + found[..., above] * share
+    return (rotations, incidences, wavelengths), totals
+
+
+def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:
+    """Values, and direct shares, scaled down where they and the others of their side are too much.
+
+    Tables are scaled per rotation, incidence and wavelength, matrices per ring, trees as a whole.
+    """
+    axes, totals = _side_totals([each for each in parts if each is not None])
+    over = np.maximum(factor * totals, 1.0)
+    if isinstance(part, TensorTree):
+        made = {"values": part.values / over.max()}
+    elif isinstance(part, PatchMatrix):
+        rings = _largest_near(over.max(axis=(0, 2)), axes[1], incidences_of(part), 0)
+        made = {"values": part.values / np.repeat(rings, part.incoming.counts)[:, None, None]}
+    else:
+        if len(part.rotations) == 1:
+            over = over.max(axis=0, keepdims=True)
+        else:
+            over = _largest_near(over, axes[0], part.rotations, 0)
+        over = _largest_near(over, axes[1], part.incidences, 1)
+        over = _largest_near(over, axes[2], part.wavelengths, 2)
+        made = {"values": part.values / over[:, :, None, None, :]}
+        if part.direct is not None:
+            made["direct"] = part.direct / over
+    return {name: values.astype(np.float32) for name, values in made.items()}
+
+
+def _largest_near(
+    values: np.ndarray, places: np.ndarray, nodes: np.ndarray, axis: int
+) -> np.ndarray:
+    """Largest values along an axis between the middles to the neighbours of each node, the ends open."""
+    middles = 0.5 * (nodes[1:] + nodes[:-1])
+    low, high = np.append(-np.inf, middles), np.append(middles, np.inf)
+    parts = [
+        values.compress((places >= a - 1e-9) & (places <= b + 1e-9), axis=axis).max(axis=axis)
+        for a, b in zip(low, high, strict=True)
+    ]
+    return np.stack(parts, axis=axis)
+
+
+def _darker(first: Scatter, second: Scatter) -> Scatter:
+    """What is the smaller of two scatters that differ by scaling only."""
+    made = {"values": np.minimum(first.values, second.values)}
+    if isinstance(first, ScatterTable) and first.direct is not None:
+        made["direct"] = np.minimum(first.direct, second.direct)
+    return replace(first, **made)
 
 
 def make_reciprocal(table: ScatterTable) -> ScatterTable:
@@ -94,51 +185,6 @@ def make_reciprocal(table: ScatterTable) -> ScatterTable:
     values = table.values.reshape(-1, len(table.wavelengths)).copy()
     values[above] = 0.5 * (values[above] + evaluate(table, wo[above], wi[above]))
     return replace(table, values=values.reshape(table.values.shape))
-
-
-def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:
-    """Values, and direct shares, scaled down where they and the others of their side are too much.
-
-    Tables are scaled per rotation, incidence and wavelength, matrices per patch, trees as a whole.
-    """
-    totals = [_totals(each) for each in parts if each is not None]
-    own = _totals(part)
-    if all(each.shape == own.shape for each in totals):
-        share = 1.0 / np.maximum(factor * sum(totals), 1.0)
-    else:
-        share = np.full(own.shape, 1.0 / (factor * sum(each.max() for each in totals)))
-    match part:
-        case ScatterTable():
-            made = {"values": part.values * share[:, :, None, None, :]}
-            if part.direct is not None:
-                made["direct"] = part.direct * share
-        case PatchMatrix():
-            rings = np.repeat(share.min(axis=0), part.incoming.counts, axis=0)
-            made = {"values": part.values * rings[:, None, :]}
-        case TensorTree():
-            made = {"values": part.values * share.min(axis=(0, 1))}
-    return {name: values.astype(np.float32) for name, values in made.items()}
-
-
-def _totals(part: Scatter) -> np.ndarray:
-    """Totals of a scatter over incidences and, where it has them, rotations, by wavelength."""
-    return recall(part.values, "totals", lambda _: _find_totals(part))
-
-
-def _find_totals(part: Scatter) -> np.ndarray:
-    check(part)
-    incidences = incidences_of(part)
-    if not isinstance(part, ScatterTable):
-        turns = np.arange(8) * np.pi / 4.0
-        return np.array([[total(part, s, p) for s in incidences] for p in turns])
-    made = np.array([[total(part, s, p) for s in incidences] for p in part.rotations])
-    # Between incidences a table may scatter more than at either.
-    middles = 0.5 * (incidences[1:] + incidences[:-1])
-    if len(middles):
-        between = np.array([[total(part, s, p) for s in middles] for p in part.rotations])
-        made[:, 1:] = np.maximum(made[:, 1:], between)
-        made[:, :-1] = np.maximum(made[:, :-1], between)
-    return made
 
 
 def check(part: Scatter) -> None:

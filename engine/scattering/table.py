@@ -11,8 +11,11 @@ QUADRATURE = 4
 WIDEST = np.radians(7.5)
 """Cells are cut to this width along the azimuth to be integrated over: the horizon bends within wider ones. [rad]"""
 
-MOST_VALUES = 1 << 28
-"""Values that a table may have."""
+MOST_VALUES, MOST_DIRECTIONS = 1 << 26, 1 << 18
+"""Values that a table may have, and directions of each incidence."""
+
+CLOSEST = 1e-6
+"""Grid lines nearer than this share of the axis' range are one in single precision. [-]"""
 
 
 def check_table(table: ScatterTable) -> None:
@@ -29,14 +32,20 @@ def check_table(table: ScatterTable) -> None:
         ("azimuth", table.azimuths, 0.0, 2.0 * np.pi),
         ("wavelength", table.wavelengths, 100.0, 1e5),
     )
-    shape = tuple(len(axis) for _, axis, _, _ in axes)
     for name, axis, low, high in axes:
         if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all():
             raise SceneError(f"a scattering table has no {name}, or one that is no number")
-        if np.any(np.diff(axis) <= 0.0) or axis[0] < low or axis[-1] > high + 1e-6:
+        if np.any(np.diff(axis) <= CLOSEST * high) or axis[0] < low or axis[-1] > high + 1e-6:
             raise SceneError(
                 f"a scattering table's {name}s must ascend strictly from {low:g} to {high:.4g}"
             )
+    if table.rotations[-1] > table.rotations[0] + 2.0 * np.pi * (1.0 - CLOSEST):
+        raise SceneError("a scattering table has its first rotation twice, at 0 and at 360 degrees")
+    shape = tuple(len(axis) for _, axis, _, _ in axes)
+    if shape[2] * shape[3] > MOST_DIRECTIONS:
+        raise SceneError(
+            f"a scattering table has {shape[2]} x {shape[3]} directions, expected {MOST_DIRECTIONS} at most"
+        )
     if table.values.shape != shape or table.values.size > MOST_VALUES:
         raise SceneError(
             f"a scattering table has values of shape {table.values.shape}, expected {shape} by its axes"

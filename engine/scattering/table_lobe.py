@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..scene.scattering import ScatterTable
-from .cells import prepare_cells
+from .cells import prepare_cells, reach_around
 from .table import is_symmetric
 
 MOST_BINS = 4096
@@ -59,48 +59,18 @@ class Axis:
         return (dr.gather(mi.Float, self.values, below + k, active) for k in (0, 1))
 
 
-class TableLobe:
-    """What a table scatters, its direct part aside.
+class _Incidences:
+    """Grid points about the direction that light comes from."""
 
-    Parameters
-    ----------
-    table : ScatterTable
-    weigh : callable
-        Takes values (..., w) and wavelengths (w,); returns them as they are, or summed up to one band where the variant
-        carries no wavelengths.
-    factor : float    On all values. [-]
-    """
-
-    def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
-        values = weigh(table.values * np.float32(factor), table.wavelengths)
-        self.shape = values.shape
-        cells = prepare_cells(table)
-        self.is_symmetric = is_symmetric(table)
-        self.incidences, self.radials, self.azimuths = (
-            Axis(a) for a in (table.incidences, table.radials, table.azimuths)
-        )
+    def __init__(self, table: ScatterTable):
+        self.count = len(table.incidences)
+        self.turns = len(table.rotations)
+        self.incidences = Axis(table.incidences)
         self.rotations = None
-        if len(table.rotations) > 1:
+        if self.turns > 1:
             self.rotations = Axis(np.append(table.rotations, table.rotations[0] + 2.0 * np.pi))
             self.first_rotation = mi.Float(table.rotations[0])
             dr.make_opaque(self.first_rotation)
-        self.wavelengths = Axis(table.wavelengths) if values.shape[-1] > 1 else None
-        self.values = upload(mi.Float, values)
-        self.density = upload(mi.Float, cells.density)
-        self.ring_shares = upload(mi.Float, cells.radial)
-        self.cell_shares = upload(mi.Float, cells.azimuth)
-        self.albedos = upload(mi.Float, cells.albedo * factor)
-        self.cosines = upload(mi.Float, np.cos(table.radials))
-        dr.eval(
-            self.values,
-            self.density,
-            self.ring_shares,
-            self.cell_shares,
-            self.albedos,
-            self.cosines,
-        )
-
-    # ---- places ----
 
     def _frame(self, wi):
         """Sine and cosine of the incidence, and those of the azimuth of ``wi``."""
@@ -114,7 +84,7 @@ class TableLobe:
         """Grid points about an incidence: (number, weight) pairs that sum up to 1."""
         sine, cosine, cos_r, sin_r = frame
         s, s_share = self.incidences.place(dr.atan2(sine, cosine), active)
-        count = self.shape[1]
+        count = self.count
         steps = [(s, 1.0 - s_share), (s + 1, s_share)] if count > 1 else [(s, mi.Float(1.0))]
         if self.rotations is None:
             return steps
@@ -122,12 +92,53 @@ class TableLobe:
         turn = dr.select(turn < 0.0, turn + dr.two_pi, turn)
         turn = dr.select(turn < self.first_rotation, turn + dr.two_pi, turn)
         p, p_share = self.rotations.place(turn, active)
-        following = dr.select(p + 1 >= self.shape[0], 0, p + 1)
+        following = dr.select(p + 1 >= self.turns, 0, p + 1)
         return [
             (row * count + each, w_row * weight)
             for row, w_row in ((p, 1.0 - p_share), (following, p_share))
             for each, weight in steps
         ]
+
+
+class TableLobe(_Incidences):
+    """What a table scatters, its direct part aside.
+
+    Parameters
+    ----------
+    table : ScatterTable
+    weigh : callable
+        Takes values (..., w) and wavelengths (w,); returns them as they are, or summed up to one band where the variant
+        carries no wavelengths.
+    factor : float    On all values. [-]
+    """
+
+    def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
+        super().__init__(table)
+        cells = prepare_cells(reach_around(table))
+        table = reach_around(table)
+        values = weigh(table.values * np.float32(factor), table.wavelengths)
+        albedos = weigh(cells.albedo * factor, table.wavelengths)
+        self.shape = values.shape
+        self.is_symmetric = is_symmetric(table)
+        self.radials, self.azimuths = Axis(table.radials), Axis(table.azimuths)
+        self.wavelengths = Axis(table.wavelengths) if values.shape[-1] > 1 else None
+        self.values = upload(mi.Float, values)
+        self.density = upload(mi.Float, cells.density)
+        self.ring_shares = upload(mi.Float, cells.radial)
+        self.cell_shares = upload(mi.Float, cells.azimuth)
+        self.albedos = upload(mi.Float, albedos.mean(axis=-1))
+        self.albedos_by_band = upload(mi.Float, albedos)
+        # 1 - cos, which tells small angles apart.
+        self.versines = upload(mi.Float, 2.0 * np.sin(0.5 * table.radials) ** 2)
+        dr.eval(
+            self.values,
+            self.density,
+            self.ring_shares,
+            self.cell_shares,
+            self.albedos,
+            self.albedos_by_band,
+            self.versines,
+        )
 
     def _cell(self, frame, wo, active):
         """Radial interval, its share, azimuth interval, its share."""
@@ -200,9 +211,10 @@ class TableLobe:
             is_left = second >= 0.5
             second = 2.0 * second - dr.select(is_left, 1.0, 0.0)
         a, second = _draw(self.cell_shares, row, azimuths - 1, second, active)
-        high, low = (dr.gather(mi.Float, self.cosines, t + k, active) for k in (0, 1))
-        cos_t = dr.lerp(high, low, first)
-        sin_t = dr.safe_sqrt(dr.fma(-cos_t, cos_t, 1.0))
+        versine = dr.lerp(
+            *(dr.gather(mi.Float, self.versines, t + k, active) for k in (0, 1)), first
+        )
+        cos_t, sin_t = 1.0 - versine, dr.safe_sqrt(versine * (2.0 - versine))
         azimuth = dr.lerp(*self.azimuths.ends(a, active), second)
         if self.is_symmetric:
             azimuth = dr.select(is_left, -azimuth, azimuth)
@@ -220,38 +232,47 @@ class TableLobe:
             found = dr.fma(weight, dr.gather(mi.Float, self.albedos, node, active), found)
         return found
 
+    def reflectance(self, wi, wavelengths, active):
+        """Share of light that is scattered, by wavelength. (Spectrum)"""
+        nodes = self._nodes(self._frame(wi), active)
+        return _by_wavelength(
+            self.albedos_by_band, nodes, self.shape[-1], self.wavelengths, wavelengths, active
+        )
 
-class DirectShares:
+
+class DirectShares(_Incidences):
     """What a table reflects as a mirror or lets pass straight, by incidence."""
 
     def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
+        super().__init__(table)
         direct = weigh(table.direct * np.float32(factor), table.wavelengths)
-        self.shape = direct.shape
-        self.incidences = Axis(table.incidences)
-        self.wavelengths = Axis(table.wavelengths) if direct.shape[-1] > 1 else None
-        # Shares over the azimuth of incidence are averaged: no instrument tells them apart.
-        self.values = upload(mi.Float, direct.mean(axis=0))
+        self.bands = direct.shape[-1]
+        self.wavelengths = Axis(table.wavelengths) if self.bands > 1 else None
+        self.values = upload(mi.Float, direct)
         dr.eval(self.values)
 
     def evaluate(self, wi, wavelengths, active):
         """Share of light from ``wi``. (Spectrum)"""
-        s, share = self.incidences.place(dr.atan2(dr.hypot(wi.x, wi.y), wi.z), active)
-        count, bands = self.shape[1:]
-        above = dr.minimum(s + 1, count - 1)
-        value = mi.Spectrum(0.0)
-        for k in range(len(value)):
-            ends = []
-            for row in (s, above):
-                if self.wavelengths is None:
-                    ends.append(dr.gather(mi.Float, self.values, row * bands, active))
-                    continue
-                band, place = self.wavelengths.place(wavelengths[k], active)
-                low, high = (
-                    dr.gather(mi.Float, self.values, row * bands + band + j, active) for j in (0, 1)
-                )
-                ends.append(dr.lerp(low, high, place))
-            value[k] = dr.lerp(*ends, share)
-        return value
+        nodes = self._nodes(self._frame(wi), active)
+        return _by_wavelength(self.values, nodes, self.bands, self.wavelengths, wavelengths, active)
+
+
+def _by_wavelength(values, nodes, bands: int, axis, wavelengths, active):
+    """Spectrum of values (nodes, bands) between grid points. ``axis``: of the bands; None: there is one."""
+    made = mi.Spectrum(0.0)
+    for k in range(len(made)):
+        band, share = (mi.UInt32(0), None)
+        if axis is not None:
+            band, share = axis.place(wavelengths[k], active)
+        found = mi.Float(0.0)
+        for node, weight in nodes:
+            value = dr.gather(mi.Float, values, node * bands + band, active)
+            if share is not None:
+                above = dr.gather(mi.Float, values, node * bands + band + 1, active)
+                value = dr.lerp(value, above, share)
+            found = dr.fma(weight, value, found)
+        made[k] = found
+    return made
 
 
 def _draw(shares, start, count: int, sample, active):

@@ -209,6 +209,10 @@ class TreeLobe:
         place -= first
         return place, (mi.Float(place) + rest) / mi.Float(self._size)
 
+    def reflectance(self, wi, wavelengths, active):
+        """Share of light that is scattered, the mean over the bands at every wavelength. (Spectrum)"""
+        return mi.Spectrum(self.albedo(wi, active))
+
     def albedo(self, wi, active):
         """Share of light that is scattered, mean over the wavelengths and the grid's incident cell. mi.Float [-]"""
         return dr.gather(mi.Float, self._albedos, self._cell_of(wi), active)

@@ -7,19 +7,32 @@ On the back of a surface x and y stay what they are in front, and z is turned up
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 
 class _Kept:
-    """Data whose values cannot be written to, so that what follows from them is found once (see `memo`)."""
+    """Data whose arrays cannot be written to, so that what follows from them is found once (see `memo`)."""
 
     def __post_init__(self):
-        if self.values.flags.writeable:
-            values = self.values.view()
-            values.flags.writeable = False
-            object.__setattr__(self, "values", values)
+        for field in fields(self):
+            array = getattr(self, field.name)
+            if isinstance(array, np.ndarray) and array.flags.writeable:
+                array = array.view()
+                array.flags.writeable = False
+                object.__setattr__(self, field.name, array)
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """All arrays, those of parts included."""
+        found = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                found.append(value)
+            elif isinstance(value, _Kept):
+                found.extend(value.arrays())
+        return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +76,7 @@ class ScatterTable(_Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class PatchBasis:
+class PatchBasis(_Kept):
     """A hemisphere cut into rings and these into patches, counted from the pole outwards, each ring from +x to +y.
 
     Patch j of a ring with n patches spans the azimuths 2 pi (j - 1/2) / n to 2 pi (j + 1/2) / n.

@@ -19,8 +19,9 @@ from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_orde
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
 from ..scattering import plugin as scattering_plugin
+from ..scattering.surface import mirrors_light
 from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLight, SunLight
-from ..scene.material import Dielectric
+from ..scene.material import Dielectric, Measured
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..sky import plugin as sky_plugin
@@ -502,7 +503,7 @@ class CompiledScene:
     def _note(self, scene: Scene) -> None:
         """Say what is approximated, and which light the paths cannot find."""
         self.notes = self._finishes.notes()
-        used = (self._finishes.item(key) for key in sorted(self._users))
+        used = [self._finishes.item(key) for key in sorted(self._users)]
         glass = sorted(item.name for item in used if isinstance(item.surface, Dielectric))
         points = sorted(
             light.name
@@ -516,6 +517,16 @@ class CompiledScene:
             self.unfound.append(
                 f"light of '{points[0]}' that passes solid glass ('{glass[0]}') is missing: no path finds an ideal "
                 "point or spot through it; use a point light with a radius, or a pane"
+            )
+        mirrors = [
+            item.name
+            for item in used
+            if isinstance(item.surface, Measured) and mirrors_light(item.surface)
+        ]
+        if mirrors and points:
+            self.unfound.append(
+                f"light of '{points[0]}' that '{mirrors[0]}' reflects as a mirror is missing in pictures and at sensors: no "
+                "path finds an ideal point or spot in it; use a point light with a radius"
             )
         self.notes += self.unfound
 

@@ -140,6 +140,9 @@ def _transplant(new, old) -> bool:
         if any(type(new.__dict__.get(k)) is not type(v) for k, v in old.__dict__.items()):
             return False
         old.__dict__.update(new.__dict__)
+        if isinstance(new, mi.BSDF):
+            # What a surface can do may depend on its data, and these two are not in Python's dictionary.
+            old.m_components, old.m_flags = new.m_components, new.m_flags
         return True
     values, given = mi.traverse(old), mi.traverse(new)
     if (

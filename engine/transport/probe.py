@@ -18,6 +18,7 @@ from ..errors import Cancelled, SceneError
 from ..materials import plugins
 from ..photometry.spectra import GRID
 from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
+from ..scattering import plugin as scattering_plugin
 from ..scene.material import Material
 from .requirements import pictures
 from .sampler import hash_words, sobol_pair
@@ -84,6 +85,7 @@ def measure(
     Cancelled    When ``cancelled`` answered true.
     """
     plugins.register()
+    scattering_plugin.register()
     made = bsdf(surface, TextureMaker(np.ones(len(GRID))))
     model = mi.load_dict(made) if isinstance(made, dict) else made
     count = 1 if angles is None else len(angles)

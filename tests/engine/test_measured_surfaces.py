@@ -32,6 +32,13 @@ def plugin(surface, light=None):
     return bsdf(surface, TextureMaker(np.ones(471) if light is None else light))
 
 
+def as_seen(surface):
+    """What passes to an eye in front came from behind."""
+    from lumenray.engine.scattering.plugin import seen_from_the_eye
+
+    return seen_from_the_eye(surface)
+
+
 def interaction(direction, count):
     import drjit as dr
     import mitsuba as mi
@@ -92,7 +99,8 @@ def test_kernels_give_the_values_of_the_table(name):
     from lumenray.engine.scattering.surface import usable
 
     surface = SURFACES[name]()
-    bsdf, used = plugin(surface), usable(surface)
+    bsdf = plugin(surface)
+    used = as_seen(usable(surface))
     wi, wo = directions(4000, 1), directions(4000, 2)
     wi[::3, 2] *= -1.0
     wo[::4, 2] *= -1.0
@@ -173,7 +181,7 @@ def test_the_furnace_gives_the_albedo(name, angle):
     from lumenray.engine.scattering.surface import usable
 
     surface = SURFACES[name]()
-    used = usable(surface)
+    used = as_seen(usable(surface))
     parts = [p for p in (used.front_reflection, used.front_transmission) if p is not None]
     _, weight, _, _ = sampled(plugin(surface), towards(angle, 40), 1 << 18)
     # At normal incidence there is no azimuth of incidence, and 0 stands for it.
@@ -333,3 +341,64 @@ def test_brushed_metal_follows_u():
     spread = np.sqrt(np.average(wo**2, axis=0, weights=weight[0]))
     assert spread[0] > 2.5 * spread[1]
     assert along > 0.5
+
+
+def test_tables_that_end_early_are_sampled_where_their_last_values_hold():
+    """Radial angles up to 60 degrees, incidences from 20 to 45: beyond, the ends hold, and nothing is lost."""
+    table = resample(lambert(0.5), [550.0], incidences=np.radians([20.0, 45.0]))
+    kept = table.radials < np.radians(61.0)
+    short = replace(table, radials=table.radials[kept], values=table.values[:, :, kept])
+    bsdf = plugin(Measured(short, short))
+    for angle in (2, 30, 60, 85):
+        _, weight, _, _ = sampled(bsdf, towards(angle), 1 << 16)
+        error = weight[0].std() / np.sqrt(weight.shape[1])
+        assert abs(weight[0].mean() - 0.5) < 4.5 * error + 1e-4
+
+
+def test_what_passes_to_an_eye_comes_from_the_other_side():
+    """A sheet that lets light from its front through: an eye behind sees it, one in front nothing."""
+    import mitsuba as mi
+
+    through = resample(lambert(0.4), [550.0])
+    bsdf = plugin(Measured(front_transmission=through))
+    context = mi.BSDFContext()
+    for eye, expected in ((150, 0.4 / np.pi), (30, 0.0)):
+        light = vectors(towards(180 - eye)[None])
+        value = np.array(bsdf.eval(context, interaction(towards(eye), 1), light, True))[0, 0]
+        assert value == pytest.approx(expected * np.cos(np.radians(30)), rel=1e-4, abs=1e-9)
+
+
+def test_the_reflectance_of_exitance_maps_has_the_colour_of_the_data():
+    nm = np.array([450.0, 550.0, 650.0])
+    shares = np.array([0.05, 0.08, 0.6])
+    table = resample(lambda wi, wo: lambert(1.0)(wi, wo) * shares, nm)
+    made = plugin(Measured(table, table)).eval_diffuse_reflectance(interaction(towards(10), 1))
+    assert np.array(made).ravel() == pytest.approx(np.interp(NM, nm, shares), rel=0.02)
+
+
+def test_another_kind_of_data_for_a_surface_that_is_there_counts_in_full():
+    """From a mirror to a matt table by an edit: what next-event estimation asks must not be that of the mirror."""
+    from lumenray.engine.accuracy.stopping import StopRule
+    from lumenray.engine.scene.light import Output, PointLight, Quantity
+    from lumenray.engine.scene.material import Material
+    from lumenray.engine.scene.scene import SceneDelta
+    from small_scenes import quad, session_of
+
+    matt = resample(lambert(0.5), [550.0])
+    mirror = replace(
+        matt, values=0 * matt.values, direct=np.full((1, len(matt.incidences), 1), 0.9, np.float32)
+    )
+    lamp = PointLight(
+        "lamp", "Lamp", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([0, 0, 1.0]), 0.0
+    )
+    floor = quad("floor", (-1, -1, 0), (2, 0, 0), (0, 2, 0), "m")
+    place, down = np.array([[0.3, 0.0, 0.5]]), np.array([[0.0, 0.0, -1.0]])
+    session = session_of(Material("m", "M", Measured(mirror, mirror)), floor, lamp)
+    session.measure(place, down, StopRule(samples=64))
+    session.apply(SceneDelta((Material("m", "M", Measured(matt, matt)),)))
+    edited = session.measure(place, down, StopRule(samples=4096))
+    fresh = session_of(Material("m", "M", Measured(matt, matt)), floor, lamp)
+    wanted = fresh.measure(place, down, StopRule(samples=4096))
+    noise = np.hypot(edited.standard_error, wanted.standard_error)
+    assert abs(edited.illuminance - wanted.illuminance) < 4.5 * noise
+    assert wanted.illuminance > 5.0

@@ -188,6 +188,47 @@ def test_a_surface_that_makes_light_is_scaled_down_where_it_does():
     assert np.max(both) < 1.001
 
 
+def test_reflection_and_transmission_are_added_at_the_same_angle():
+    """A pane that reflects what it does not let through, tabulated at different angles, makes no light."""
+
+    def pane(reflected, angles):
+        shares = np.interp(angles, [0, 60, 89], [0.1, 0.2, 0.9])
+        shares = shares if reflected else 0.95 - shares
+        table = resample(lambert(0.5), [550.0], incidences=np.radians(angles))
+        return replace(table, values=table.values * (2 * shares[None, :, None, None, None]))
+
+    clear = Measured(pane(True, [0, 30, 60, 89]), None, pane(False, [0, 20, 40, 60, 89]), None)
+    assert usable(clear) is clear
+    # Bands too: what one reflects, the other lets through.
+    red = resample(lambda wi, wo: lambert(1.0)(wi, wo) * [0.1, 0.9], [400.0, 600.0])
+    blue = resample(lambda wi, wo: lambert(1.0)(wi, wo) * [0.85, 0.05], [400.0, 600.0])
+    both = Measured(red, None, blue, None)
+    assert usable(both) is both
+
+
+def test_a_shared_table_is_limited_for_the_side_that_needs_it():
+    shared, dark, bright = (resample(lambert(r), [550.0]) for r in (0.7, 0.2, 0.6))
+    made = usable(Measured(shared, shared, dark, bright))
+    assert made.front_reflection is made.back_reflection
+    for side in ("front", "back"):
+        parts = [getattr(made, f"{side}_{kind}") for kind in ("reflection", "transmission")]
+        assert sum(total(part, 0.5)[0] for part in parts) < 1.001
+
+
+def test_light_from_nothing_outside_the_tabulated_angles_is_found():
+    table = resample(lambert(0.9), [550.0], incidences=np.radians([60.0]))
+    lobe = np.where(table.radials[:, None, None] < 0.5, 1.0, 0.02) * table.values[0, 0]
+    lobe *= 0.9 / total(replace(table, values=lobe[None, None]), np.radians(60.0))[0]
+    steep = replace(table, values=lobe[None, None].astype(np.float32))
+    made = usable(Measured(steep, None)).front_reflection
+    assert total(made, 0.0)[0] < 1.001
+
+
+def test_a_grid_that_is_too_large_at_once_ends():
+    table = resample(lambert(0.5), [550.0], most=200)
+    assert table.values.size > 200
+
+
 def test_a_direct_part_counts():
     table = resample(lambert(0.5), [550.0], incidences=np.radians([0.0, 80.0]))
     table = replace(table, direct=np.array([[[0.1], [0.3]]], dtype=np.float32))
@@ -266,3 +307,30 @@ def test_light_along_the_normal_is_extrapolated_alike_in_all_azimuths():
     assert np.ptp(before) > 0.05 * before.mean()
     assert add_normal_incidence(made) is None
     assert np.array_equal(made.values[:, 1:], table.values)
+
+
+def test_an_archive_that_lies_about_its_sizes_does_not_fill_the_memory():
+    import io
+    import struct
+    import zipfile
+
+    data = store.pack(store_file(front_reflection=random_table()))
+    for packing in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
+        other = io.BytesIO()
+        with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(other, "w", packing) as new:
+            for name in old.namelist():
+                new.writestr(name, old.read(name))
+        with pytest.raises(FileFormatError, match="unusual"):
+            store.read_store(other.getvalue(), "x.lumbsdf")
+    # An entry of 64 MB that says it has 100 bytes.
+    bomb = io.BytesIO()
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("facts.json", b" " * (64 << 20))
+    lying = bomb.getvalue().replace(struct.pack("<I", 64 << 20), struct.pack("<I", 100))
+    with pytest.raises(FileFormatError, match="damaged"):
+        store.read_store(lying, "x.lumbsdf")
+
+
+def test_long_texts_are_cut_so_that_files_can_be_read_again():
+    file = replace(store_file(front_reflection=random_table()), description="é" * 100_000)
+    assert store.read_store(store.pack(file), "x.lumbsdf").description.startswith("éé")

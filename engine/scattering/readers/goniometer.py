@@ -49,7 +49,7 @@ from .goniometer_rows import (
     take_angles,
     take_values,
 )
-from .goniometer_text import is_goniometer, parse_goniometer
+from .goniometer_text import LAYOUTS, is_goniometer, parse_goniometer
 from .in_plane import make_plane_table
 
 __all__ = ["is_goniometer", "read_goniometer"]
@@ -92,7 +92,7 @@ def read_goniometer(data: bytes, path, tolerance: float = 0.02) -> ScatteringFil
     layout, columns = parse_goniometer(data, path)
     measured = take_angles(columns, layout)
     take_values(columns, measured)
-    quantity = stated_quantity(columns)
+    quantity = stated_quantity(columns) or ("brdf" if layout == LAYOUTS[2] else None)
     side = stated_side(columns)
     clean_rows(columns, measured, quantity, side)
     table = _make_table(columns, measured, tolerance)

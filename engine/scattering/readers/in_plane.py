@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from ...errors import SceneError
 from ...luminaires.record import Remark
 from ...scene.scattering import ScatterTable
-from ..table import place_on
+from ..table import MOST_VALUES, place_on
 from .direction_samples import SAME, merge_angles
 
 SHADOW = np.radians(12.0)
@@ -42,6 +43,11 @@ def make_plane_table(rotations, incidences, slices, remarks: list[Remark]) -> Sc
     radials = merge_angles(angles)[0]
     if len(radials) > MOST_RADIALS:
         radials = np.linspace(0.0, radials[-1], MOST_RADIALS)
+    if len(lines) * len(radials) * 2 * len(slices[0].wavelengths) > MOST_VALUES:
+        raise SceneError(
+            f"{len(lines)} angles of incidence, {len(radials)} angles and {len(slices[0].wavelengths)} bands are too much "
+            "for a table; leave out some"
+        )
     values = np.stack([_read_halves(radials, *line) for line in lines])
     remarks.append(
         Remark(

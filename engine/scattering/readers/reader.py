@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import FileFormatError
+from ...errors import FileFormatError, SceneError
 from ...luminaires.record import Remark
 from ...scene.scattering import ScatterTable
 from ..normal_incidence import add_normal_incidence
@@ -49,6 +49,16 @@ def read_scattering(path, wish: Wish | None = None) -> ScatteringFile:
     ------
     FileFormatError    It cannot be opened, is of no known format, or breaks the rules of its own.
     """
+    return parse_scattering(read_content(path), path, wish)
+
+
+def read_content(path) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    FileFormatError    It cannot be opened or is too large.
+    """
     path = Path(path)
     try:
         size = path.stat().st_size
@@ -56,10 +66,9 @@ def read_scattering(path, wish: Wish | None = None) -> ScatteringFile:
             raise FileFormatError(
                 path, f"has {size >> 20} MiB, expected at most {MAXIMUM_SIZE >> 20} MiB"
             )
-        data = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
-    return parse_scattering(data, path, wish)
 
 
 def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringFile:
@@ -74,8 +83,11 @@ def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringF
     tolerance = (wish or Wish()).tolerance
     for is_one, read, is_resampled in _FORMATS:
         if is_one(data):
-            made = read(data, path, tolerance) if is_resampled else read(data, path)
-            return made if read is read_store else _complete(made)
+            try:
+                made = read(data, path, tolerance) if is_resampled else read(data, path)
+                return made if read is read_store else _complete(made)
+            except SceneError as error:
+                raise FileFormatError(path, str(error)) from None
     raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
 
 

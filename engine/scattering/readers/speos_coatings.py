@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from ...luminaires.record import Remark
+from ...photometry.spectra import GRID, luminous_efficiency
 from ..record import ScatteringFile
 from .blocks import Blocks
 from .checks import MOST_LIGHT
@@ -107,9 +108,16 @@ def _check_shares(source: Words | Blocks, percents: np.ndarray) -> np.ndarray:
     return np.clip(0.01 * percents, 0.0, 1.0)
 
 
+def _by_eye(table) -> np.ndarray:
+    """Direct shares of all incidences as the eye weighs them at equal energy. (s,)"""
+    weight = luminous_efficiency()
+    shares = [np.interp(GRID, table.wavelengths, row) @ weight for row in table.direct[0]]
+    return np.array(shares) / weight.sum()
+
+
 def _file(path, kind: str, sides: dict, name: str, incidences) -> ScatteringFile:
     told = {
-        side: table.direct[0].mean(axis=-1).astype(np.float64)
+        side: _by_eye(table)
         for side, table in sides.items()
         if np.array_equal(table.incidences, incidences)
     }

@@ -41,6 +41,9 @@ MOST_TIS = 1.02
 
 _COATINGS = re.compile(rb"(?:^|\n)[ \t]*(?:MATE|COAT|TABLE|ENCRYPTED)[ \t]+\S", re.IGNORECASE)
 
+TAIL = np.radians(0.1)
+"""Within which values fall to zero where nothing is beyond. [rad]"""
+
 _HEAD = 1 << 16
 """How much of a file is looked at. [byte]"""
 
@@ -82,7 +85,7 @@ def read_zemax(data: bytes, path) -> ScatteringFile:
     remarks = tell_negative(side, int((values < 0.0).sum()), values.size)
     values, totals = np.maximum(values[turns][:, order], 0.0), totals[turns][:, order]
     table = _table(words, head, rotations, incidences, values)
-    table, shares, more = _scale(table, totals, side)
+    table, shares, more = _scale(_choose_tail(table, totals), totals, side)
     remarks += more + _tell(head, totals) + tell_excess(side, shares)
     return ScatteringFile(
         path,
@@ -232,6 +235,26 @@ def _fill_below_horizon(values, incidences, radials, azimuths) -> None:
     above[:, 0] = True
     last = np.maximum.accumulate(np.where(above, np.arange(len(radials))[None, :, None], 0), axis=1)
     values[:] = np.take_along_axis(values, last[None], axis=2)
+
+
+def _choose_tail(table: ScatterTable, totals: np.ndarray) -> ScatterTable:
+    """Let values hold beyond the last radial angle, or be zero there, whichever is nearer to the stated totals (p, s)."""
+    if table.radials[-1] > LIMIT_POLAR - 1e-6:
+        return table
+    dark = replace(
+        table,
+        radials=np.append(table.radials, table.radials[-1] + TAIL),
+        values=np.concatenate([table.values, np.zeros_like(table.values[:, :, :1])], axis=2),
+    )
+
+    def apart(made):
+        have = np.array(
+            [[albedo_of(made, s, p)[0] for s in made.incidences] for p in made.rotations]
+        )
+        known = (totals > 0.0) & (have > 0.0)
+        return np.abs(np.log(have[known] / totals[known])).sum()
+
+    return dark if apart(dark) < apart(table) else table
 
 
 def _scale(table: ScatterTable, totals: np.ndarray, side: str):
