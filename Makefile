@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires test validate mutations lint extension smoke viewer viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -26,6 +26,11 @@ scenes: setup ## build the bundled scenes anew
 luminaires: setup ## render the library's luminaires anew and write their assets with a real Blender (root)
 	$(PYTHON_IN_VENV) -m lumenray.libraries.luminaires
 	@tests/real_blender/write_assets.sh
+
+materials: setup ## compute the library's materials anew, render them and write their assets with a real Blender (root)
+	$(PYTHON_IN_VENV) -m lumenray.libraries.materials tables
+	$(PYTHON_IN_VENV) -m lumenray.libraries.materials assets --pictures all --sheet docs/pictures/material_library.png
+	@tests/real_blender/write_assets.sh materials
 
 test: setup ## run the tests, all but those that need a real Blender
 	$(PYTHON_IN_VENV) -m pytest

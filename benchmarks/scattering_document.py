@@ -226,15 +226,15 @@ def _backlight(made) -> str:
         lines.append(f"| {row['material']} | {row['mean']:.3f} % | {row['error']:.3f} % |")
     lines += [
         "",
-        "Then the reflector's table is wrong on purpose, and the box is computed again with other random numbers:",
+        "Then the reflector's table is wrong on purpose. The box is computed with and without the error, with "
+        "the same random numbers, other ones than those of the figures:",
         "",
-        "| error of the reflectance | change foretold | computed | standard error |",
-        "|---|---|---|---|",
+        "| error of the reflectance | change foretold | computed |",
+        "|---|---|---|",
     ]
     for row in made["rows"]:
         lines.append(
-            f"| {100 * row['error']:+g} % | {100 * row['foretold']:+.2f} % | {100 * row['computed']:+.2f} % | "
-            f"{100 * row['noise']:.2f} % |"
+            f"| {100 * row['error']:+g} % | {100 * row['foretold']:+.2f} % | {100 * row['computed']:+.2f} % |"
         )
     return "\n".join([*lines, ""])
 

@@ -1,1 +1,1 @@
-"""Luminaires as Blender assets: pictures of their light, files of assets, and their place in the Asset Browser."""
+"""Luminaires and materials as Blender assets: pictures, files of assets, and their place in the Asset Browser."""

@@ -93,14 +93,14 @@ def build_assets(library: Library, folder: Path | None = None) -> Built:
         raise LumenrayError(f"{library.folder}: there is no photometric file that can be used")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _save(built.path)
+        save_file(built.path)
         write_catalogues(folder / CATALOGUES, {model.category for model in library.models})
     except (OSError, RuntimeError) as error:
         raise LumenrayError(f"{built.path}: cannot be written ({error})") from None
     return built
 
 
-def _save(path: Path) -> None:
+def save_file(path: Path) -> None:
     """Save the open file without a backup beside it. Writing single data-blocks would lose the pictures of collections."""
     settings = bpy.context.preferences.filepaths
     kept, settings.save_version = settings.save_version, 0
@@ -113,18 +113,18 @@ def _save(path: Path) -> None:
 # ---- catalogues ----
 
 
-def catalogue_path(category: str) -> str:
-    """Return the path of a category's catalogue in the Asset Browser."""
+def catalogue_path(category: str, root: str = ROOT) -> str:
+    """Return the path of a category's catalogue in the Asset Browser, below one for all of a kind."""
     parts = [part.strip() for part in category.replace(":", " ").replace("\\", "/").split("/")]
-    return "/".join([ROOT, *(part for part in parts if part)])
+    return "/".join([root, *(part for part in parts if part)])
 
 
-def catalogue_id(category: str) -> str:
+def catalogue_id(category: str, root: str = ROOT) -> str:
     """Return the identity of a category's catalogue: the same for the same path in all libraries."""
-    return str(uuid.uuid5(_NAMESPACE, catalogue_path(category)))
+    return str(uuid.uuid5(_NAMESPACE, catalogue_path(category, root)))
 
 
-def write_catalogues(path: Path, categories) -> None:
+def write_catalogues(path: Path, categories, root: str = ROOT) -> None:
     """Write the file of the catalogues; those that others made there stay."""
     rows = {}
     if path.is_file():
@@ -133,8 +133,8 @@ def write_catalogues(path: Path, categories) -> None:
                 key, place, name = line.split(":", 2)
                 rows[key] = (place, name)
     for category in categories:
-        place = catalogue_path(category)
-        rows[catalogue_id(category)] = (place, place.replace("/", "-"))
+        place = catalogue_path(category, root)
+        rows[catalogue_id(category, root)] = (place, place.replace("/", "-"))
     lines = sorted(f"{place}\0{key}:{place}:{name}" for key, (place, name) in rows.items())
     text = "\n".join(line.split("\0", 1)[1] for line in lines)
     path.write_text(f"{_CATALOGUE_HEAD}{text}\n", encoding="utf-8", newline="\n")
@@ -156,7 +156,7 @@ def _make_asset(model: Model) -> None:
         _embed(asset.data.lumenray.luminaire, data, model.file.name)
     asset.asset_mark()
     _describe(asset.asset_data, model, file)
-    _set_preview(asset, model.thumbnail)
+    set_preview(asset, model.thumbnail)
 
 
 def _light(name: str, model: Model, file: LuminaireFile, amount: float):
@@ -233,8 +233,8 @@ def _describe(metadata, model: Model, file: LuminaireFile) -> None:
         metadata.tags.new(tag, skip_if_exists=True)
 
 
-def _set_preview(asset, path: Path) -> None:
-    """Show the picture of the light; without one Blender shows what it has for a light."""
+def set_preview(asset, path: Path) -> None:
+    """Show a picture of an asset; without one Blender shows what it has for its kind."""
     if not path.is_file():
         return
     from PIL import Image

@@ -1,4 +1,7 @@
-"""The command that makes a Blender asset library of a folder of photometric files; it needs Blender's Python module."""
+"""The command that makes a Blender asset library of a folder of photometric files or of materials.
+
+It needs Blender's Python module. `material_command` has what differs for materials.
+"""
 
 import argparse
 import sys
@@ -7,8 +10,10 @@ from pathlib import Path
 from ...engine.errors import LumenrayError
 from ...libraries.luminaires import Library, Problem, read_library
 
+FOLDER_HELP = "folder of IES, EULUMDAT and TM-33 files; folders in it are categories"
 
-def add_options(parser, folder: Path | None = None) -> None:
+
+def add_options(parser, folder: Path | None = None, folder_help: str = FOLDER_HELP) -> None:
     """Describe the command to argparse; ``folder`` is what it works on if none is given."""
     parser.add_argument(
         "folder",
@@ -16,16 +21,16 @@ def add_options(parser, folder: Path | None = None) -> None:
         metavar="FOLDER",
         nargs="?" if folder is not None else None,
         default=folder,
-        help="folder of IES, EULUMDAT and TM-33 files; folders in it are categories",
+        help=folder_help,
     )
     parser.add_argument(
         "--pictures",
         choices=("missing", "all", "none"),
         default="missing",
-        help="which pictures of the light to render first (default: those that are not there)",
+        help="which pictures to render first (default: those that are not there)",
     )
     parser.add_argument(
-        "--only", metavar="A,B", default="", help="render pictures of these models by name only"
+        "--only", metavar="A,B", default="", help="render pictures of these by name only"
     )
 
 
@@ -58,7 +63,12 @@ def run(options) -> int:
         ) from None
     registry.register()
     built = build_assets(library)
-    _say(f"{built.path}: {len(built.names)} assets, {built.path.stat().st_size / 1e6:.1f} MB")
+    return tell(built, problems)
+
+
+def tell(built, problems: list[Problem]) -> int:
+    """Tell what was written, and what was left out; 1 if something was."""
+    say(f"{built.path}: {len(built.names)} assets, {built.path.stat().st_size / 1e6:.1f} MB")
     # A refused file has no picture either, and is told once.
     told = {problem.path for problem in built.problems}
     left_out = [*built.problems, *(problem for problem in problems if problem.path not in told)]
@@ -69,23 +79,31 @@ def run(options) -> int:
 
 def _render(library: Library, options) -> list[Problem]:
     """Render pictures; a model whose file is refused has none."""
-    if options.pictures == "none":
-        return []
-    from .thumbnails import write_thumbnail
-
     problems = []
-    only = {name.strip() for name in options.only.split(",") if name.strip()}
-    for model in library.models:
-        is_there = options.pictures == "missing" and model.thumbnail.is_file()
-        if is_there or (only and model.name not in only):
-            continue
+    for model in chosen(library.models, options):
+        from .thumbnails import write_thumbnail
+
         try:
-            _say(f"{write_thumbnail(model)}")
+            say(f"{write_thumbnail(model)}")
         except LumenrayError as error:
             problems.append(Problem(model.file, str(error)))
     return problems
 
 
-def _say(text: str) -> None:
+def chosen(models, options) -> list:
+    """Models whose pictures the options ask for; anything with a ``name`` and the path of a ``thumbnail``."""
+    if options.pictures == "none":
+        return []
+    only = {name.strip() for name in options.only.split(",") if name.strip()}
+    return [
+        model
+        for model in models
+        if not (options.pictures == "missing" and model.thumbnail.is_file())
+        and (not only or model.name in only)
+    ]
+
+
+def say(text: str) -> None:
+    """Write a line to standard output at once."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()

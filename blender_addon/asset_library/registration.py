@@ -1,4 +1,4 @@
-"""Our luminaires, and a folder of the user's own, as asset libraries in Blender's preferences.
+"""Our luminaires and materials, and a folder of the user's own, as asset libraries in Blender's preferences.
 
 They are there while the extension is on. Whether the preferences count as changed by the user is left as it was, so that
 switching the extension on and off does not make Blender save them.
@@ -10,11 +10,17 @@ from pathlib import Path
 
 import bpy
 
-from ...libraries import luminaires
+from ...libraries import luminaires, materials
 from .. import preferences
 
 NAME = "Lumenray"
-"""Of the library that ships, in the Asset Browser."""
+"""Of the luminaires that ship, in the Asset Browser."""
+
+MATERIALS_NAME = "Lumenray: materials"
+"""Of the materials that ship, in the Asset Browser."""
+
+SHIPPED = {NAME: luminaires.FOLDER, MATERIALS_NAME: materials.LIBRARY}
+"""Folders of the libraries that ship, by their names."""
 
 OWN_NAME = "Lumenray: own luminaires"
 """Of the user's folder, in the Asset Browser."""
@@ -23,14 +29,18 @@ OWN_NAME = "Lumenray: own luminaires"
 def attach() -> None:
     """Let the libraries be where they are now."""
     with _unchanged_preferences():
-        _place(_shipped(), NAME, luminaires.FOLDER)
+        for name, folder in SHIPPED.items():
+            _place(_shipped(folder), name, folder)
     follow_own_folder()
 
 
 def detach() -> None:
     """Take our libraries away again; all others stay."""
     with _unchanged_preferences():
-        for library in (*_shipped(), *_own()):
+        for folder in SHIPPED.values():
+            for library in _shipped(folder):
+                _libraries().remove(library)
+        for library in _own():
             _libraries().remove(library)
 
 
@@ -49,9 +59,9 @@ def _libraries():
     return bpy.context.preferences.filepaths.asset_libraries
 
 
-def _shipped() -> list:
-    """Entries of the library that ships, also of a version that lay elsewhere; never a library of the user's own."""
-    ending = luminaires.FOLDER.parts[-2:]
+def _shipped(folder: Path) -> list:
+    """Entries of a library that ships, also of a version that lay elsewhere; never a library of the user's own."""
+    ending = folder.parts[-2:]
     named = [library for library in _libraries() if library.name.startswith(NAME)]
     return [library for library in named if Path(library.path).parts[-2:] == ending]
 
@@ -61,7 +71,7 @@ def _own() -> list:
 
 
 def _place(found: list, name: str, folder: Path) -> None:
-    """Let a library be a folder; lights are appended from it, so that they can be edited."""
+    """Let a library be a folder; what is taken from it is appended, so that it can be edited."""
     library = found[0] if found else _libraries().new(name=name, directory=str(folder))
     if os.path.normpath(library.path) != os.path.normpath(folder):
         library.path = str(folder)

@@ -15,7 +15,7 @@ from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.luminaires.reader import read_luminaire
 from lumenray.engine.scene.light import Luminaire
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant
-from lumenray.libraries import luminaires
+from lumenray.libraries import luminaires, materials
 from lumenray.libraries.luminaires.model import MOUNTS
 from PIL import Image
 
@@ -240,7 +240,11 @@ def test_the_library_is_in_the_asset_browser_while_the_extension_is_on(detached)
     bpy.context.preferences.is_dirty = False
     registration.attach()
     registration.attach()
-    assert entries() == {**before, "Lumenray": (str(luminaires.FOLDER), "APPEND")}
+    assert entries() == {
+        **before,
+        "Lumenray": (str(luminaires.FOLDER), "APPEND"),
+        "Lumenray: materials": (str(materials.LIBRARY), "APPEND"),
+    }
     registration.detach()
     assert entries() == before
     assert not bpy.context.preferences.is_dirty
@@ -260,9 +264,10 @@ def test_an_entry_of_an_older_version_is_moved(detached):
     libraries = bpy.context.preferences.filepaths.asset_libraries
     libraries.new(name="Lumenray", directory="/old/lumenray/libraries/luminaires")
     registration.attach()
-    assert [path for name, (path, _) in entries().items() if name.startswith("Lumenray")] == [
-        str(luminaires.FOLDER)
-    ]
+    assert {path for name, (path, _) in entries().items() if name.startswith("Lumenray")} == {
+        str(luminaires.FOLDER),
+        str(materials.LIBRARY),
+    }
 
 
 def test_the_own_folder_follows_the_preferences(detached, tmp_path, monkeypatch):

@@ -1,7 +1,8 @@
-"""Write the library's assets with the oldest Blender at hand: ``--python assets.py -- FOLDER``.
+"""Write a library's assets with the oldest Blender at hand: ``--python assets.py -- FOLDER luminaires|materials``.
 
 Blender opens files of older versions, not of newer ones, so what ships is written here and not by the bpy wheel. The
-pictures are those that ``python -m lumenray.libraries.luminaires`` rendered.
+pictures are those that ``python -m lumenray.libraries.luminaires`` and ``python -m lumenray.libraries.materials assets``
+rendered.
 """
 
 import importlib
@@ -11,11 +12,16 @@ from pathlib import Path
 PACKAGE = "bl_ext.user_default.lumenray"
 """Name of the installed extension."""
 
-library = importlib.import_module(f"{PACKAGE}.libraries.luminaires")
-build = importlib.import_module(f"{PACKAGE}.blender_addon.asset_library.build")
-made = build.build_assets(
-    library.read_library(library.FOLDER), Path(sys.argv[sys.argv.index("--") + 1])
-)
+folder, name = sys.argv[sys.argv.index("--") + 1 :]
+library = importlib.import_module(f"{PACKAGE}.libraries.{name}")
+rooms = f"{PACKAGE}.blender_addon.asset_library"
+if name == "luminaires":
+    build = importlib.import_module(f"{rooms}.build").build_assets
+    content = library.read_library(library.FOLDER)
+else:
+    build = importlib.import_module(f"{rooms}.material_assets").build_material_assets
+    content = library.read_library(library.LIBRARY)
+made = build(content, Path(folder))
 for problem in made.problems:
     print(f"left out: {problem}", file=sys.stderr)
 print(f"{len(made.names)} assets in {made.path}")
