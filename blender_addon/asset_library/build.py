@@ -233,17 +233,17 @@ def _describe(metadata, model: Model, file: LuminaireFile) -> None:
         metadata.tags.new(tag, skip_if_exists=True)
 
 
-def set_preview(asset, path: Path) -> None:
-    """Show a picture of an asset; without one Blender shows what it has for its kind."""
+def set_preview(asset, path: Path, side: int = PREVIEW) -> None:
+    """Show a picture of an asset, with a side in pixels; without one Blender shows what it has for its kind."""
     if not path.is_file():
         return
     from PIL import Image
 
     with Image.open(path) as picture:
-        shown = picture.convert("RGBA").resize((PREVIEW, PREVIEW))
+        shown = picture.convert("RGBA").resize((side, side))
     pixels = np.asarray(shown, dtype=np.float32)[::-1] / 255.0
     preview = asset.preview_ensure()
-    preview.image_size = (PREVIEW, PREVIEW)
+    preview.image_size = (side, side)
     preview.image_pixels_float.foreach_set(pixels.ravel())
 
 

@@ -35,8 +35,7 @@ def write_sheet(path: Path, entries) -> Path:
             draw.text((x, y + SIDE + 2 + line * LINE), text, INK, font)
         draw.text((x, y + SIDE + 2 + len(lines[:2]) * LINE), group, FAINT, small)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # 256 colours: a third of the size.
-    sheet.quantize(256, Image.Quantize.MEDIANCUT).save(path, optimize=True)
+    sheet.save(path, optimize=True)
     return path
 
 

@@ -22,6 +22,9 @@ ASSETS = "materials.blend"
 ROOT = "Materials"
 """Catalogue above all others."""
 
+PREVIEW = 160
+"""Side of the preview pictures. [pixel]"""
+
 METAL_LOOKS = {
     "Ag": (0.95, 0.93, 0.88),
     "Al": (0.91, 0.92, 0.92),
@@ -98,7 +101,7 @@ def _make_asset(entry: Entry, folder: Path) -> None:
         raise
     material.asset_mark()
     _describe(material.asset_data, entry)
-    set_preview(material, entry.thumbnail)
+    set_preview(material, entry.thumbnail, PREVIEW)
 
 
 def apply_settings(material, entry: Entry) -> None:

@@ -37,6 +37,9 @@ TILE, TILES = 0.25, 16
 LIGHT_TILE, DARK_TILE, WALL = 0.45, 0.12, 0.30
 """Reflectances."""
 
+SEEN_THROUGH = 0.1
+"""Share of light that passes straight from which on one sees what lies behind."""
+
 HEADLAMP = "Road/Signs"
 """Category that is shown by a lamp beside the eye."""
 
@@ -101,7 +104,7 @@ def is_seen_through(surface: Surface) -> bool:
     if not isinstance(surface, Measured):
         return False
     direct = getattr(surface.front_transmission, "direct", None)
-    return direct is not None and bool(direct.any())
+    return direct is not None and bool(direct.max() > SEEN_THROUGH)
 
 
 def set_material_stage(entry: Entry, surface: Surface, size: int) -> tuple[tuple, Camera]:

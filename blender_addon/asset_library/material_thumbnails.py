@@ -40,13 +40,11 @@ def render_material(entry: Entry, samples: int = SAMPLES, size: int = SIZE) -> n
     """
     surface = surface_of(entry)
     items, camera = set_material_stage(entry, surface, size * FINER)
-    shows_behind = is_seen_through(surface)
-    rule = StopRule(samples=samples * (3 if shows_behind else 1))
     session = Session()
     session.apply(SceneDelta(changed=items))
-    picture = session.render(camera, ViewSettings(rule))
+    picture = session.render(camera, ViewSettings(StopRule(samples=samples)))
     linear = scene_linear(picture.tristimulus, WHITE)
-    if not shows_behind:
+    if not is_seen_through(surface):
         error = picture.luminance_error / WHITE
         # The albedo of a sheet is that of what lies behind it.
         albedo = np.ones_like(picture.albedo) if lets_through(surface) else picture.albedo

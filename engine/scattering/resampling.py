@@ -93,8 +93,8 @@ def resample(
 
     Returns
     -------
-    ScatterTable    Its ``error`` is what was measured with random pairs of directions; between angles of incidence that
-        were given it is not known, and measured at them.
+    ScatterTable    Its ``error`` is what was measured with random pairs of directions; between incidences
+        and rotations that were given it is not known, and measured at them.
     """
     started = len(RADIALS) * 13 * max(len(rotations), 1) * len(np.atleast_1d(wavelengths))
     if started * (1 if incidences is None else len(incidences)) > LARGEST_START:
