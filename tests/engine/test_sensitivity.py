@@ -58,7 +58,7 @@ def light_box(reflector, diffuser, lamp_place, size=(0.3, 0.2, 0.05)):
     return session, walls, sheet
 
 
-@pytest.mark.parametrize("rho", [0.6, 0.96, 0.99])
+@pytest.mark.parametrize("rho", [0.6, 0.985])
 def test_in_a_closed_matt_box_the_figure_is_that_of_the_furnace_series(rho):
     # A sphere-like closed box of one reflectance: all light together is 1 / (1 - rho) of the first arrival, so that of the
     # walls' mean illuminance d ln E / d ln rho = rho / (1 - rho). In a box it holds for the mean over all walls.
@@ -76,7 +76,10 @@ def test_in_a_closed_matt_box_the_figure_is_that_of_the_furnace_series(rho):
             places.append(place)
             normals.append(np.tile(np.eye(3)[axis] * (1 - 2 * side), (len(u), 1)))
     made = measure_sensitivities(
-        session, np.concatenate(places), np.concatenate(normals), StopRule(samples=512)
+        session,
+        np.concatenate(places),
+        np.concatenate(normals),
+        StopRule(samples=512 if rho < 0.9 else 128),
     )
     assert [one.material for one in made] == ["wall"]
     exact = rho / (1 - rho)
