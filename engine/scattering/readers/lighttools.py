@@ -59,7 +59,7 @@ class _Block:
     values: np.ndarray
 
 
-def read_lighttools(data: bytes, path) -> ScatteringFile:
+def read_lighttools(data: bytes, path, tolerance: float = 0.02) -> ScatteringFile:
     """Read a table. Values at several wavelengths become spectra; of X, Y and Z only Y is kept.
 
     Light comes from the azimuth of 90 degrees more than the plane of incidence (POI), unless values tell otherwise: of the
@@ -89,7 +89,7 @@ def read_lighttools(data: bytes, path) -> ScatteringFile:
             )
         fan, factors = fan.brought_to(totals)
         remarks += tell_scaling(side, factors) + tell_missing(side, fan.steepest)
-        sides[side] = fan.to_table()
+        sides[side] = fan.to_table(tolerance=tolerance)
         remarks += tell_excess(side, shares_of(sides[side]))
         if not stated:
             incidences = fan.incidences[0]

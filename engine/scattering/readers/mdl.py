@@ -36,7 +36,7 @@ def is_mdl(data: bytes) -> bool:
     return START.strip() in data[:256]
 
 
-def read_mdl(data: bytes, path) -> ScatteringFile:
+def read_mdl(data: bytes, path, tolerance: float = 0.02) -> ScatteringFile:
     """Read measured scattering of MDL.
 
     After a line for the side stand the kind (0 numbers, 1 colours of linear Rec. 709), the numbers of cells of the angles to
@@ -62,7 +62,9 @@ def read_mdl(data: bytes, path) -> ScatteringFile:
         fan, more = _fan(side, values)
         remarks += more
         is_coloured = values.shape[-1] == 3
-        sides[side] = fan.to_table((lambda v: spectra_of_rgb(v)[1]) if is_coloured else None)
+        sides[side] = fan.to_table(
+            (lambda v: spectra_of_rgb(v)[1]) if is_coloured else None, tolerance
+        )
         remarks += tell_excess(side, shares_of(sides[side]))
         incidences = incidences if incidences.size else fan.incidences[0]
     if not sides:

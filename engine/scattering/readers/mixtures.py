@@ -41,7 +41,7 @@ class Mixture:
     along: np.ndarray
     across: np.ndarray
 
-    def to_table(self) -> ScatterTable:
+    def to_table(self, tolerance: float = 0.02) -> ScatterTable:
         """The table of it on its angles of incidence."""
         is_narrow = np.minimum(self.along, self.across) < NARROWEST
         mixture = replace(
@@ -60,6 +60,7 @@ class Mixture:
             self.wavelengths,
             incidences=self.incidences,
             hints=hints[hints < 3.0],
+            tolerance=tolerance,
         )
         return add_direct(table, self.wavelengths, mixture.direct)
 

@@ -114,9 +114,9 @@ _FORMATS = (
     (is_tensor_file, read_tensor_file, True),
     (is_merl, read_merl, True),
     (is_window_xml, read_window_xml, False),
-    (is_mdl, read_mdl, False),
-    (is_speos, read_speos, False),
-    (is_lighttools, read_lighttools, False),
+    (is_mdl, read_mdl, True),
+    (is_speos, read_speos, True),
+    (is_lighttools, read_lighttools, True),
     (is_zemax, read_zemax, False),
     (is_goniometer, read_goniometer, True),
 )

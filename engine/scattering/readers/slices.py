@@ -230,12 +230,13 @@ class SliceFan:
         middle = 0.5 * (closed[1:] + closed[:-1])
         return np.searchsorted(middle, turned) % len(self.rotations)
 
-    def to_table(self, colours=None) -> ScatterTable:
+    def to_table(self, colours=None, tolerance: float = 0.02) -> ScatterTable:
         """The table of it, on the angles of incidence of all rotations.
 
         Parameters
         ----------
         colours : function or None    Makes spectra (n, w) of values (n, 3), where these are colours.
+        tolerance : float    Error that is allowed, see `ScatterTable.error`. [-]
         """
 
         def evaluate(wi, wo):
@@ -247,6 +248,7 @@ class SliceFan:
             self.wavelengths,
             incidences=np.unique(np.concatenate(self.incidences)),
             rotations=tuple(self.rotations),
+            tolerance=tolerance,
             is_symmetric=all(each.has_mirror() for row in self.slices for each in row),
             most=min(MOST_NODES * len(self.wavelengths), MOST_VALUES),
         )

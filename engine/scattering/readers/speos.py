@@ -29,7 +29,7 @@ def is_speos(data: bytes) -> bool:
     return data.startswith(START)
 
 
-def read_speos(data: bytes, path) -> ScatteringFile:
+def read_speos(data: bytes, path, tolerance: float = 0.02) -> ScatteringFile:
     """Read a file of any kind of SPEOS that is scattering.
 
     Raises
@@ -43,10 +43,10 @@ def read_speos(data: bytes, path) -> ScatteringFile:
         raise FileFormatError(
             path, f"begins with '{line}', expected scattering of SPEOS: {', '.join(_READERS)}", 1
         )
-    return _READERS[kind](data, path, head.end())
+    return _READERS[kind](data, path, head.end(), tolerance)
 
 
-def _read_scattering(data: bytes, path, _) -> ScatteringFile:
+def _read_scattering(data: bytes, path, _, tolerance: float) -> ScatteringFile:
     """Shares of light by angle of incidence and wavelength.
 
     After a comment stand the numbers of angles and of wavelengths, the wavelengths, then for each angle the angle and five
@@ -81,7 +81,7 @@ def _read_scattering(data: bytes, path, _) -> ScatteringFile:
         across = np.where(across > 0.0, across, along)
         sides[side] = Mixture(
             incidences, wavelengths, direct, lambert, gauss, along, across
-        ).to_table()
+        ).to_table(tolerance)
         remarks += tell_excess(side, shares_of(sides[side]))
     remarks.append(
         Remark(
@@ -95,7 +95,7 @@ def _read_scattering(data: bytes, path, _) -> ScatteringFile:
     )
 
 
-def _read_simple(data: bytes, path, _) -> ScatteringFile:
+def _read_simple(data: bytes, path, _, tolerance: float) -> ScatteringFile:
     """Shares of light at all angles and wavelengths: absorbed, then of the rest Lambertian and Gaussian, and a width.
 
     What is left of the rest is direct: leather with 20, 30 and 70 per cent has shares that sum up to 100 only so.
@@ -128,7 +128,7 @@ def _read_simple(data: bytes, path, _) -> ScatteringFile:
         np.full(shape, rest * gauss),
         np.full(shape, width),
         np.full(shape, width),
-    ).to_table()
+    ).to_table(tolerance)
     return ScatteringFile(
         path,
         "SPEOS simple scattering",

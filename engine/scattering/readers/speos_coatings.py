@@ -20,7 +20,7 @@ MOST_TEXT = 100_000
 _COATED = re.compile(rb"OPTIS - Coated surface file v2\n")
 
 
-def read_coated(data: bytes, path, _) -> ScatteringFile:
+def read_coated(data: bytes, path, *_) -> ScatteringFile:
     """Read per cent reflected and transmitted of one side: a pair for each wavelength, a row for each polarisation."""
     words = Words(data, path)
     words.read_line()
@@ -41,7 +41,7 @@ def read_coated(data: bytes, path, _) -> ScatteringFile:
     return _file(path, "SPEOS coated surface", sides, name, incidences)
 
 
-def read_two_sides(data: bytes, path, at: int) -> ScatteringFile:
+def read_two_sides(data: bytes, path, at: int, *_) -> ScatteringFile:
     """Read a file that holds coated surfaces of both sides, in compressed blocks.
 
     After a text stand two marks for the sides, then for each side a file of its own: a first line, the number 3, a name, the

@@ -59,10 +59,10 @@ class _Spectrum:
 # ---- .anisotropicbsdf ----
 
 
-def read_anisotropic(data: bytes, path, at: int) -> ScatteringFile:
+def read_anisotropic(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
     """Read a table for several azimuths of the sample, with one spectrum. Version 8 to 11 as text, 9 in binary."""
     if data[at : at + 1] == b"1":
-        return _read_binary(data, path, at + 1)
+        return _read_binary(data, path, at + 1, tolerance)
     words = Words(data, path)
     words.read_line()
     words.whole("the mark of text (0) or binary (1)", 0, 0)
@@ -89,7 +89,7 @@ def read_anisotropic(data: bytes, path, at: int) -> ScatteringFile:
         remarks.append(
             Remark("holds reflection and transmission, taken to stand one after the other")
         )
-    return _make_anisotropic(words, read, is_intensity, comment, description, remarks)
+    return _make_anisotropic(words, read, is_intensity, comment, description, remarks, tolerance)
 
 
 def _read_kinds(words: Words) -> list[str]:
@@ -160,7 +160,7 @@ def _check_grid(source: Words | Blocks, degrees, azimuths, values) -> _Grid:
     return _Grid(np.radians(degrees), azimuths, values)
 
 
-def _read_binary(data: bytes, path, at: int) -> ScatteringFile:
+def _read_binary(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
     """Read the binary form, as far as it is known: without comments, with reflection only.
 
     Before every array stand its size, and for each block of it the size and the compressed size; whatever follows the last
@@ -192,7 +192,7 @@ def _read_binary(data: bytes, path, at: int) -> ScatteringFile:
     spectrum = _check_spectrum(blocks, incidence, rotation, wavelengths, totals)
     grids = [[_read_binary_grid(blocks) for _ in some] for some in angles]
     read = {"front_reflection": (turns, angles, spectrum, grids)}
-    return _make_anisotropic(blocks, read, is_intensity, "", "", [])
+    return _make_anisotropic(blocks, read, is_intensity, "", "", [], tolerance)
 
 
 def _read_binary_grid(blocks: Blocks) -> _Grid:
@@ -212,13 +212,15 @@ def _check_angles(blocks: Blocks, degrees: np.ndarray, highest: float) -> np.nda
     return np.radians(np.minimum(degrees, highest))
 
 
-def _make_anisotropic(source, read, is_intensity, comment, description, remarks) -> ScatteringFile:
+def _make_anisotropic(
+    source, read, is_intensity, comment, description, remarks, tolerance
+) -> ScatteringFile:
     sides, stated, incidences = {}, {}, np.zeros(0)
     for side, (turns, angles, spectrum, grids) in read.items():
         fan, more = _fan(source, side, turns, angles, grids, is_intensity)
         fan, again = _unfold(fan, np.degrees(turns[-1]))
         fan = _with_spectrum(source, fan, spectrum)
-        sides[side] = fan.to_table()
+        sides[side] = fan.to_table(tolerance=tolerance)
         remarks += more + again + tell_missing(side, fan.steepest)
         remarks += tell_excess(side, shares_of(sides[side]))
         if not incidences.size:
@@ -345,7 +347,7 @@ def _with_spectrum(source, fan: SliceFan, spectrum: _Spectrum) -> SliceFan:
 # ---- .brdf ----
 
 
-def read_brdf(data: bytes, path, at: int) -> ScatteringFile:
+def read_brdf(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
     """Read a table for several wavelengths, with a total for each and each angle of incidence; reflection comes first."""
     words = Words(data, path)
     words.read_line()
@@ -381,7 +383,7 @@ def read_brdf(data: bytes, path, at: int) -> ScatteringFile:
             np.zeros(1), (incidences,), (tuple(_join(some) for some in slices),), wavelengths
         )
         fan, factors = fan.brought_to(totals)
-        sides[side] = fan.to_table()
+        sides[side] = fan.to_table(tolerance=tolerance)
         stated[side] = totals[0].mean(axis=-1)
         remarks += more + tell_scaling(side, factors) + tell_missing(side, fan.steepest)
         remarks += tell_excess(side, shares_of(sides[side]))
