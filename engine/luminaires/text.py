@@ -12,8 +12,8 @@ END_OF_FILE = "\x1a"
 """Ctrl-Z, with which old programs end a text."""
 
 
-def read_bytes(path) -> bytes:
-    """Return the content of a file.
+def read_bytes(path, most: int = MAXIMUM_SIZE) -> bytes:
+    """Return the content of a file of at most so many bytes.
 
     Raises
     ------
@@ -22,10 +22,8 @@ def read_bytes(path) -> bytes:
     path = Path(path)
     try:
         size = path.stat().st_size
-        if size > MAXIMUM_SIZE:
-            raise FileFormatError(
-                path, f"has {size >> 20} MiB, expected at most {MAXIMUM_SIZE >> 20} MiB"
-            )
+        if size > most:
+            raise FileFormatError(path, f"has {size >> 20} MiB, expected at most {most >> 20} MiB")
         return path.read_bytes()
     except OSError as error:
         raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None

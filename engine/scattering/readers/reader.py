@@ -4,12 +4,12 @@ Extensions are no help: ``.bsdf`` stands for three formats.
 """
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
 from ...luminaires.record import Remark
+from ...luminaires.text import read_bytes
 from ...scene.scattering import ScatterTable
 from ..normal_incidence import add_normal_incidence
 from ..record import ScatteringFile
@@ -59,16 +59,7 @@ def read_content(path) -> bytes:
     ------
     FileFormatError    It cannot be opened or is too large.
     """
-    path = Path(path)
-    try:
-        size = path.stat().st_size
-        if size > MAXIMUM_SIZE:
-            raise FileFormatError(
-                path, f"has {size >> 20} MiB, expected at most {MAXIMUM_SIZE >> 20} MiB"
-            )
-        return path.read_bytes()
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+    return read_bytes(path, MAXIMUM_SIZE)
 
 
 def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringFile:
