@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
-from .patches import albedo_of_patches, evaluate_patches
+from .patches import albedo_of_patches, evaluate_patches, reciprocity_of
 from .table import albedo_of, direct_share, evaluate_table, is_symmetric
 from .tree import albedo_of_tree, evaluate_tree
 
@@ -87,7 +87,9 @@ class Reciprocity:
 
     Parameters
     ----------
-    residual : float    Root mean square of the difference over root mean square of the values, weighed by both cosines. [-]
+    residual : float
+        Root mean square of the difference over root mean square of the values, weighed by both cosines; of matrices over all
+        pairs of patches. [-]
     largest : float    Largest difference over the largest value. [-]
     """
 
@@ -120,8 +122,7 @@ def measure_reciprocity(scatter: Scatter, back: Scatter | None = None) -> Recipr
     mean = np.sqrt((0.25 * (forth + back_again) ** 2).mean())
     difference = forth - back_again
     top = max(forth.max(), back_again.max())
-    if top <= 0.0:
-        return Reciprocity(0.0, 0.0)
-    return Reciprocity(
-        float(np.sqrt((difference**2).mean()) / mean), float(np.abs(difference).max() / top)
-    )
+    largest = float(np.abs(difference).max() / top) if top > 0.0 else 0.0
+    if isinstance(scatter, PatchMatrix) and isinstance(back, PatchMatrix | None):
+        return Reciprocity(reciprocity_of(scatter, back), largest)
+    return Reciprocity(float(np.sqrt((difference**2).mean()) / mean) if top > 0.0 else 0.0, largest)
