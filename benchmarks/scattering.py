@@ -16,7 +16,7 @@ from ..engine.scattering.evaluation import albedo, evaluate, measure_reciprocity
 from ..engine.scattering.record import ScatteringFile
 from ..engine.scattering.resampling import resample
 from ..engine.scattering.store import pack
-from ..engine.scattering.table import direction_of, evaluate_table
+from ..engine.scattering.table import direction_of, evaluate_table, place_on
 from .machine import OtherLoad, describe_machine
 from .scattering_models import MATERIALS, RED, WAVELENGTHS, mirror, paint
 
@@ -112,9 +112,13 @@ def _error_of(table, exact, wavelengths) -> float:
     wo = np.where(np.arange(len(wi))[:, None] % 2 == 0, near, spread)
     above = wo[:, 2] > 0.05
     wi, wo = wi[above], wo[above]
-    true = _at_bands(exact(wi, wo), wavelengths, table.wavelengths)
+    true = exact(wi, wo)
     floor = 0.05 * max(albedo(table, s).max() for s in table.incidences) / np.pi
-    relative = (evaluate(table, wi, wo) - true) / (true + floor)
+    made = evaluate(table, wi, wo)
+    if made.shape[1] > 1:
+        below, share = place_on(table.wavelengths, wavelengths)
+        made = made[:, below] * (1.0 - share) + made[:, below + 1] * share
+    relative = (made - true) / (true + floor)
     return float(np.sqrt((relative**2).mean()))
 
 

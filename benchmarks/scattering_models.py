@@ -71,7 +71,7 @@ MATERIALS = {
     "brushed metal": (
         mirror(0.3, gold_like, 0.15),
         np.array([550.0]),
-        {"rotations": np.arange(12) * np.pi / 6.0, "is_symmetric": False},
+        {"rotations": None, "is_orthotropic": True, "is_symmetric": False},
     ),
 }
 """Evaluator, wavelengths [nm] and further arguments of `resample`, by name."""

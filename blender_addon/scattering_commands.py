@@ -227,11 +227,14 @@ def _totals(scatter, incidences=None):
 
     from ..engine.analysis.scattering_picture import luminous_mean
     from ..engine.scattering.evaluation import incidences_of, is_isotropic, total
+    from ..engine.scattering.table import rotations_around
+    from ..engine.scene.scattering import ScatterTable
 
-    rotations = getattr(scatter, "rotations", None)
     if is_isotropic(scatter):
         rotations = np.zeros(1)
-    elif rotations is None:
+    elif isinstance(scatter, ScatterTable):
+        rotations = rotations_around(scatter)
+    else:
         # Twice as many as the finest Klems ring has patches, so that each counts alike.
         rotations = np.arange(48) * np.pi / 24.0
     incidences = incidences_of(scatter) if incidences is None else incidences

@@ -21,6 +21,9 @@ Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 RADIALS = np.radians([0, 1, 2, 4, 6, 10, 15, 22, 30, 45, 60, 90, 120, 180.0])
 """Where radial angles begin."""
 
+ROTATIONS = 12
+"""Into how many parts a turn is divided where rotations begin."""
+
 INCIDENCES = np.radians([0, 15, 30, 45, 60, 75, 89.0])
 """Where angles of incidence begin; at 90 degrees nothing arrives."""
 
@@ -30,8 +33,8 @@ LOWEST = np.radians(89.0)
 FLOOR = 0.05
 """Share of a matt surface's value that is added to values where their error is told relative to them."""
 
-MOST_VALUES = 1 << 21
-"""Values that a table may grow to: 4 MB before its file is compressed."""
+MOST_VALUES = 1 << 23
+"""Values that a table may grow to: 16 MB before its file is compressed, some 2 MB then."""
 
 LARGEST_START = 1 << 25
 """Values of the grid to begin with, at most."""
@@ -39,14 +42,18 @@ LARGEST_START = 1 << 25
 ROUNDS = 48
 """Most rounds of refinement."""
 
-TESTED = 4096
+TESTED = 1 << 14
 """Pairs of directions that the error is measured with."""
 
 CHUNK = 1 << 16
 """Pairs that are evaluated in one go."""
 
-SPECTRAL_PART = 0.3
-"""Share of the tolerance that may come of bands left out."""
+SPECTRAL_PART = 0.5
+"""Share of the tolerance that may come of bands left out: with the same order of error along all four axes of an isotropic
+table, a quarter of the square is theirs."""
+
+AIM = 0.85
+"""Share of the tolerance at which refinement ends: other pairs may say more, and totals have to be kept."""
 
 FIRST_THRESHOLD = 2.5
 """Error in the middle between grid lines that is let pass at first, by the tolerance: elsewhere it is smaller."""
@@ -72,8 +79,9 @@ def resample(
     wavelengths,
     *,
     incidences=None,
-    rotations: Sequence[float] = (0.0,),
+    rotations: Sequence[float] | None = (0.0,),
     is_symmetric: bool = True,
+    is_orthotropic: bool = False,
     tolerance: float = 0.02,
     hints: Sequence[float] = (),
     most: int = MOST_VALUES,
@@ -85,8 +93,9 @@ def resample(
     evaluate : Evaluate    Called with wi at the incidences and rotations of the table, or anywhere where they are chosen.
     wavelengths : (w,) array    Of the values. [nm]
     incidences : array or None    Angles of incidence that are kept as they are; None: chosen. [rad]
-    rotations : sequence    Azimuths of incidence; one: the same for all. [rad]
+    rotations : sequence or None    Azimuths of incidence; one: the same for all. None: chosen. [rad]
     is_symmetric : bool    Whether both sides of the plane of incidence are alike; the side of phi in 0 to pi is asked.
+    is_orthotropic : bool    As of `ScatterTable`; rotations that are given go from 0 to pi / 2 then.
     tolerance : float    Wanted error, root mean square, as `ScatterTable.error` says it. [-]
     hints : sequence    Radial angles that the grid should have, where something narrow is known to be. [rad]
     most : int    Values that the table may have; where they do not do, its stated error is larger than wanted.
@@ -96,10 +105,11 @@ def resample(
     ScatterTable    Its ``error`` is what was measured with random pairs of directions; between incidences
         and rotations that were given it is not known, and measured at them.
     """
-    started = len(RADIALS) * 13 * max(len(rotations), 1) * len(np.atleast_1d(wavelengths))
+    turns = ROTATIONS if rotations is None else len(rotations)
+    started = len(RADIALS) * 13 * turns * len(np.atleast_1d(wavelengths))
     if started * (1 if incidences is None else len(incidences)) > LARGEST_START:
         raise SceneError(
-            f"scattering at {len(rotations)} rotations, {len(incidences)} incidences and {len(wavelengths)} bands is too "
+            f"scattering at {turns} rotations, {len(incidences)} incidences and {len(wavelengths)} bands is too "
             "much for a table; leave out some"
         )
     maker = _Maker(
@@ -108,6 +118,7 @@ def resample(
         incidences,
         rotations,
         is_symmetric,
+        is_orthotropic,
         hints,
     )
     maker.choose_bands(tolerance)
@@ -120,7 +131,7 @@ def resample(
                 continue
         if is_old:
             table, is_old = maker.table(), False
-            if maker.is_full or maker.error_of(table) <= tolerance:
+            if maker.is_full or maker.error_of(table) <= AIM * tolerance:
                 break
         threshold *= 0.7
     if is_old:
@@ -148,7 +159,7 @@ def choose_bands(wavelengths: np.ndarray, values: np.ndarray, tolerance: float) 
     scale = values + FLOOR * min(1.0 / np.pi, max(float(values.mean()), 1e-12))
     kept = [0, len(wavelengths) - 1]
     while len(kept) < len(wavelengths):
-        made = _between(wavelengths, np.array(kept), values)
+        made = _between(wavelengths, np.array(kept), values[:, kept])
         error = np.sqrt((((made - values) / scale) ** 2).mean(axis=0))
         worst = int(np.argmax(error))
         if error[worst] <= tolerance:
@@ -160,7 +171,7 @@ def choose_bands(wavelengths: np.ndarray, values: np.ndarray, tolerance: float) 
 class _Maker:
     """A grid that grows, and what is known on it."""
 
-    def __init__(self, evaluate, wavelengths, incidences, rotations, symmetric, hints):
+    def __init__(self, evaluate, wavelengths, incidences, rotations, symmetric, orthotropic, hints):
         self.evaluate = evaluate
         self.wavelengths = wavelengths
         self.bands = np.arange(len(wavelengths))
@@ -168,6 +179,12 @@ class _Maker:
         self.incidences = np.unique(
             np.asarray(INCIDENCES if incidences is None else incidences, dtype=np.float64)
         )
+        self.has_own_rotations = rotations is not None
+        self.is_orthotropic = orthotropic
+        self.last_rotation = (0.5 if orthotropic else 2.0) * np.pi
+        if rotations is None:
+            step = 2.0 * np.pi / ROTATIONS
+            rotations = step * np.arange(ROTATIONS // 4 + 1 if orthotropic else ROTATIONS)
         self.rotations = np.asarray(rotations, dtype=np.float64)
         hints = np.asarray(hints, dtype=np.float64)
         self.radials = np.unique(np.concatenate([RADIALS, hints]))
@@ -178,13 +195,14 @@ class _Maker:
         # A white surface's, until a table tells better.
         self.floor = FLOOR / np.pi
 
-    def ask(self, rotation, incidence, radial, azimuth) -> np.ndarray:
-        """What is to be tabulated at flat arrays of coordinates. (n, bands)"""
+    def ask(self, rotation, incidence, radial, azimuth, bands=None) -> np.ndarray:
+        """What is to be tabulated at flat arrays of coordinates; of some bands, or of those that are kept. (n, bands)"""
+        bands = self.bands if bands is None else bands
         wo = _lift(incidence, direction_of(incidence, radial, azimuth), radial, azimuth)
         wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=1)
         wi, wo = turned(wi, rotation), turned(wo, rotation)
         parts = [
-            self.evaluate(wi[k : k + CHUNK], wo[k : k + CHUNK])[:, self.bands]
+            self.evaluate(wi[k : k + CHUNK], wo[k : k + CHUNK])[:, bands]
             for k in range(0, len(wi), CHUNK)
         ]
         return np.maximum(np.concatenate(parts), 0.0)
@@ -203,7 +221,8 @@ class _Maker:
         """Leave out bands that linear interpolation between others gives back."""
         if len(self.wavelengths) == 1:
             return
-        values = self.ask(*self._random_pairs(TESTED // 4))
+        *coordinates, _ = self._random_pairs(TESTED // 16)
+        values = self.ask(*coordinates)
         self.bands = choose_bands(self.wavelengths, values, SPECTRAL_PART * tolerance)
 
     def table(self) -> ScatterTable:
@@ -215,18 +234,22 @@ class _Maker:
             self.azimuths,
             self.wavelengths[self.bands],
             self.ask_grid(*self.axes()).astype(np.float32),
+            is_orthotropic=self.is_orthotropic,
         )
-        albedo = max(albedo_of(made, s).max() for s in self.incidences)
+        # Near grazing incidence a coarse grid may scatter more than comes, until totals are kept.
+        albedo = min(max(albedo_of(made, s).max() for s in self.incidences), 1.0)
         self.floor = max(FLOOR * albedo / np.pi, 1e-12)
         return made
 
     def refine(self, threshold: float, most: int) -> bool:
         """Add grid lines where the table would be off by more than a threshold; tells whether any were."""
         axes = self.axes()
+        axes[0] = self._closed_rotations()
         excess = [None] * 4
-        for number in (1, 2, 3):
-            if len(axes[number]) > 1 and not (number == 1 and self.has_own_incidences):
-                excess[number] = self._errors(number) / threshold
+        kept = (self.has_own_rotations, self.has_own_incidences, False, False)
+        for number, axis in enumerate(axes):
+            if len(axis) > 1 and not kept[number]:
+                excess[number] = self._errors(number, axis) / threshold
         while True:
             grown = [
                 axis if by is None else np.union1d(axis, _divide(axis, by))
@@ -240,17 +263,22 @@ class _Maker:
             if all(len(new) == len(old) for new, old in zip(grown, axes, strict=True)):
                 break
             excess = [None if by is None else by / 1.3 for by in excess]
-        _, self.incidences, self.radials, self.azimuths = grown
+        turns, self.incidences, self.radials, self.azimuths = grown
+        if not self.has_own_rotations:
+            self.rotations = turns if self.is_orthotropic else turns[:-1]
         return any(len(a) > len(b) for a, b in zip(grown, axes, strict=True))
 
-    def _errors(self, number: int) -> np.ndarray:
+    def _closed_rotations(self) -> np.ndarray:
+        """The rotations, and where they end that are chosen: what lies behind the last one is an interval too."""
+        if self.has_own_rotations or self.is_orthotropic:
+            return self.rotations
+        return np.append(self.rotations, 2.0 * np.pi)
+
+    def _errors(self, number: int, axis: np.ndarray) -> np.ndarray:
         """Error in the middles between grid lines of one axis, along some of the lines of the others. (m,)"""
-        axes = [
-            axis if k == number else self._some(axis, LOOKED_AT[k])
-            for k, axis in enumerate(self.axes())
-        ]
+        axes = [self._some(each, LOOKED_AT[k]) for k, each in enumerate(self.axes())]
+        axes[number] = axis
         values = self.ask_grid(*axes)
-        axis = axes[number]
         axes[number] = 0.5 * (axis[1:] + axis[:-1])
         true = self.ask_grid(*axes)
         ends = [np.take(values, np.arange(len(axis) - 1) + k, axis=number) for k in (0, 1)]
@@ -264,7 +292,7 @@ class _Maker:
         over = tuple(k for k in (2, 3) if k != number)
         sums = (square * weight).sum(over), weight.sum(tuple(k - 1 for k in over))
         mean = sums[0] / sums[1]
-        return np.sqrt(mean.max(axis=0 if number == 1 else (0, 1)))
+        return np.sqrt(mean.max(axis={0: 1, 1: 0}.get(number, (0, 1))))
 
     def _some(self, axis: np.ndarray, count: int) -> np.ndarray:
         """At most so many entries of an axis, others each time."""
@@ -288,22 +316,43 @@ class _Maker:
         return replace(table, values=values)
 
     def error_of(self, table: ScatterTable) -> float:
-        """Error of a table, root mean square over random pairs and bands, as `ScatterTable.error` says it."""
-        rotation, incidence, radial, azimuth = self._random_pairs(TESTED)
-        true = self.ask(rotation, incidence, radial, azimuth)
-        made = interpolate(table, rotation, incidence, radial, azimuth)
-        return float(np.sqrt((((made - true) / (true + self.floor)) ** 2).mean()))
+        """Error of a table, root mean square over random pairs and all bands, as `ScatterTable.error` says it.
+
+        Of pairs spread by the cosine and of those crowded about the centre, whichever is larger: a narrow lobe is missed by
+        the ones, and what lies beside it by the others.
+        """
+        *coordinates, is_near = self._random_pairs(TESTED)
+        true = self.ask(*coordinates, slice(None))
+        made = _between(self.wavelengths, self.bands, interpolate(table, *coordinates))
+        square = (((made - true) / (true + self.floor)) ** 2).mean(axis=1)
+        return float(np.sqrt(max(square[is_near].mean(), square[~is_near].mean())))
 
     def _random_pairs(self, count: int) -> tuple[np.ndarray, ...]:
-        """Pairs of directions above the horizon: half spread by the cosine, half crowded about the centre."""
+        """Pairs of directions above the horizon, half of them crowded about the centre, the others spread by the cosine.
+
+        Returns
+        -------
+        Rotation, incidence, radial angle, azimuth : (n,) arrays    [rad]
+        is_near : (n,) bool array    Whether a pair is one of the crowded ones.
+        """
         draw = self.random.random((6, 4 * count))
+        near = draw[2] < 0.5
         if self.has_own_incidences:
             incidence = self.incidences[(draw[0] * len(self.incidences)).astype(int)]
         else:
-            incidence = self.incidences[0] + draw[0] * (self.incidences[-1] - self.incidences[0])
-        rotation = self.rotations[(draw[1] * len(self.rotations)).astype(int)]
+            lowest, highest = self.incidences[[0, -1]]
+            # Light from everywhere, or lobes at all incidences alike.
+            sines = np.sin(lowest) ** 2, np.sin(highest) ** 2
+            incidence = np.where(
+                near,
+                lowest + draw[0] * (highest - lowest),
+                np.arcsin(np.sqrt(sines[0] + draw[0] * (sines[1] - sines[0]))),
+            )
+        if self.has_own_rotations:
+            rotation = self.rotations[(draw[1] * len(self.rotations)).astype(int)]
+        else:
+            rotation = draw[1] * self.last_rotation
         end = self.azimuths[-1]
-        near = draw[2] < 0.5
         sine = np.sqrt(draw[3])
         turn = 2.0 * np.pi * draw[4]
         spread = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - draw[3])], 1)
@@ -312,7 +361,9 @@ class _Maker:
         azimuth = np.where(near, end * draw[4], azimuth)
         azimuth = np.where(azimuth > end, 2.0 * np.pi - azimuth, azimuth)
         good = direction_of(incidence, radial, azimuth)[:, 2] > np.cos(LOWEST)
-        return tuple(values[good][:count] for values in (rotation, incidence, radial, azimuth))
+        return tuple(
+            values[good][:count] for values in (rotation, incidence, radial, azimuth, near)
+        )
 
 
 def _divide(axis: np.ndarray, excess: np.ndarray) -> np.ndarray:
@@ -354,10 +405,12 @@ def _lift(incidence, wo, radial, azimuth) -> np.ndarray:
 
 
 def _between(wavelengths: np.ndarray, kept: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values of all bands from those that are kept, linear between them. (n, w)"""
+    """Values of all bands from those of the ones that are kept, linear between them. (n, k) -> (n, w)"""
+    if len(kept) == 1:
+        return np.broadcast_to(values, (len(values), len(wavelengths)))
     below = np.clip(
         np.searchsorted(wavelengths[kept], wavelengths, side="right") - 1, 0, len(kept) - 2
     )
     low, high = wavelengths[kept[below]], wavelengths[kept[below + 1]]
     share = (wavelengths - low) / (high - low)
-    return values[:, kept[below]] * (1.0 - share) + values[:, kept[below + 1]] * share
+    return values[:, below] * (1.0 - share) + values[:, below + 1] * share

@@ -11,7 +11,7 @@ from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .evaluation import evaluate, incidences_of, total
 from .patches import check_patches
 from .record import SIDES
-from .table import check_table, direction_of, place_on, turned
+from .table import check_table, direction_of, fold_rotation, place_on, rotations_around, turned
 from .tree import check_tree
 
 ROUNDING = 1e-3
@@ -96,9 +96,8 @@ def _side_totals(parts: list[Scatter]):
     """
     arrays = [array for part in parts for array in part.arrays()]
     values, *others = sorted(arrays, key=lambda a: -a.size)
-    return recall_latest(
-        values, "side totals", others, len(parts), lambda: _find_side_totals(parts)
-    )
+    folds = [getattr(part, "is_orthotropic", None) for part in parts]
+    return recall_latest(values, "side totals", others, folds, lambda: _find_side_totals(parts))
 
 
 def _find_side_totals(parts: list[Scatter]):
@@ -107,7 +106,7 @@ def _find_side_totals(parts: list[Scatter]):
     incidences = np.unique(np.concatenate([[0.0, STEEPEST], *map(incidences_of, parts)]))
     # Between incidences a table may scatter more than at either.
     incidences = np.union1d(incidences, 0.5 * (incidences[1:] + incidences[:-1]))
-    turns = [part.rotations for part in parts if isinstance(part, ScatterTable)]
+    turns = [rotations_around(part) for part in parts if isinstance(part, ScatterTable)]
     if not all(isinstance(part, ScatterTable) for part in parts):
         turns.append(np.arange(24) * np.pi / 12.0)
     rotations = np.unique(np.concatenate(turns))
@@ -143,7 +142,8 @@ def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:
         if len(part.rotations) == 1:
             over = over.max(axis=0, keepdims=True)
         else:
-            over = _largest_near(over, axes[0], part.rotations, 0)
+            places = fold_rotation(axes[0])[0] if part.is_orthotropic else axes[0]
+            over = _largest_near(over, places, part.rotations, 0)
         over = _largest_near(over, axes[1], part.incidences, 1)
         over = _largest_near(over, axes[2], part.wavelengths, 2)
         made = {"values": part.values / over[:, :, None, None, :]}

@@ -41,6 +41,9 @@ def check_table(table: ScatterTable) -> None:
             )
     if table.rotations[-1] > table.rotations[0] + 2.0 * np.pi * (1.0 - CLOSEST):
         raise SceneError("a scattering table has its first rotation twice, at 0 and at 360 degrees")
+    ends = table.rotations[[0, -1]] - [0.0, 0.5 * np.pi]
+    if table.is_orthotropic and np.abs(ends).max() > CLOSEST:
+        raise SceneError("an orthotropic scattering table's rotations must go from 0 to 90 degrees")
     shape = tuple(len(axis) for _, axis, _, _ in axes)
     if shape[2] * shape[3] > MOST_DIRECTIONS:
         raise SceneError(
@@ -115,9 +118,26 @@ def place_on(axis: np.ndarray, value) -> tuple[np.ndarray, np.ndarray]:
     return below, np.clip(share, 0.0, 1.0)
 
 
+def fold_rotation(rotation) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations of the first quarter at which an orthotropic surface does the same, and whether it does it mirrored."""
+    half = np.asarray(rotation) % np.pi
+    return np.minimum(half, np.pi - half), half > 0.5 * np.pi
+
+
+def rotations_around(table: ScatterTable) -> np.ndarray:
+    """Rotations of all that a table tells, those of all quarters. [rad]"""
+    if not table.is_orthotropic:
+        return table.rotations
+    half = np.concatenate([table.rotations, np.pi - table.rotations[-2:0:-1]])
+    return np.concatenate([half, half + np.pi])
+
+
 def _places_of_rotation(table: ScatterTable, rotation):
-    """The two grid points about rotations and the share of the second; the axis closes on itself."""
+    """The two grid points about rotations and the share of the second; the axis closes on itself, or ends at a quarter."""
     axis = table.rotations
+    if table.is_orthotropic:
+        below, share = place_on(axis, rotation)
+        return below, below + 1, share
     closed = np.append(axis, axis[0] + 2.0 * np.pi)
     turned = np.where(rotation < axis[0], rotation + 2.0 * np.pi, rotation)
     below, share = place_on(closed, turned)
@@ -133,6 +153,9 @@ def evaluate_table(table: ScatterTable, wi, wo) -> np.ndarray:
 
 def interpolate(table: ScatterTable, rotation, incidence, radial, azimuth) -> np.ndarray:
     """What a table says at coordinates, above the horizon or not. (n,) each -> (n, w) float64 [1/sr]"""
+    if table.is_orthotropic:
+        rotation, is_mirrored = fold_rotation(rotation)
+        azimuth = np.where(is_mirrored, 2.0 * np.pi - azimuth, azimuth)
     if is_symmetric(table):
         azimuth = np.where(azimuth > np.pi, 2.0 * np.pi - azimuth, azimuth)
     first, second, turn = _places_of_rotation(table, rotation)
@@ -164,6 +187,8 @@ def direct_share(table: ScatterTable, wi) -> np.ndarray:
     if table.direct is None:
         return np.zeros((len(wi), len(table.wavelengths)))
     rotation, incidence, _, _ = coordinates_of(wi, wi)
+    if table.is_orthotropic:
+        rotation, _ = fold_rotation(rotation)
     first, second, turn = _places_of_rotation(table, rotation)
     s, s_share = place_on(table.incidences, incidence)
     found = np.zeros((len(wi), len(table.wavelengths)))

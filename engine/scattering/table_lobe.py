@@ -67,13 +67,23 @@ class _Incidences:
         self.turns = len(table.rotations)
         self.incidences = Axis(table.incidences)
         self.rotations = None
-        if self.turns > 1:
+        self.is_orthotropic = table.is_orthotropic
+        if table.is_orthotropic:
+            self.rotations = Axis(table.rotations)
+        elif self.turns > 1:
             self.rotations = Axis(np.append(table.rotations, table.rotations[0] + 2.0 * np.pi))
             self.first_rotation = mi.Float(table.rotations[0])
             dr.make_opaque(self.first_rotation)
 
+    def _fold(self, wi, v):
+        """A direction as it is in the quarter that stands for that of ``wi``, or brought back from there."""
+        if not self.is_orthotropic:
+            return v
+        return mi.Vector3f(dr.mulsign(v.x, wi.x), dr.mulsign(v.y, wi.y), v.z)
+
     def _frame(self, wi):
         """Sine and cosine of the incidence, and those of the azimuth of ``wi``."""
+        wi = self._fold(wi, wi)
         sine = dr.hypot(wi.x, wi.y)
         is_inclined = sine > 0.0
         cos_r = dr.select(is_inclined, wi.x / sine, 1.0)
@@ -89,10 +99,13 @@ class _Incidences:
         if self.rotations is None:
             return steps
         turn = dr.atan2(sin_r, cos_r)
-        turn = dr.select(turn < 0.0, turn + dr.two_pi, turn)
-        turn = dr.select(turn < self.first_rotation, turn + dr.two_pi, turn)
+        if not self.is_orthotropic:
+            turn = dr.select(turn < 0.0, turn + dr.two_pi, turn)
+            turn = dr.select(turn < self.first_rotation, turn + dr.two_pi, turn)
         p, p_share = self.rotations.place(turn, active)
-        following = dr.select(p + 1 >= self.turns, 0, p + 1)
+        following = p + 1
+        if not self.is_orthotropic:
+            following = dr.select(following >= self.turns, 0, following)
         return [
             (row * count + each, w_row * weight)
             for row, w_row in ((p, 1.0 - p_share), (following, p_share))
@@ -157,7 +170,7 @@ class TableLobe(_Incidences):
         """Value times the cosine of ``wo`` [1/sr], and the density of `sample` over solid angle [1/sr]."""
         frame = self._frame(wi)
         nodes = self._nodes(frame, active)
-        t, t_share, a, a_share = self._cell(frame, wo, active)
+        t, t_share, a, a_share = self._cell(frame, self._fold(wi, wo), active)
         _, _, radials, azimuths, bands = self.shape
         cells = (radials - 1) * (azimuths - 1)
         cell = t * (azimuths - 1) + a
@@ -223,7 +236,7 @@ class TableLobe(_Incidences):
         x = -sin_s * cos_t - cos_s * sin_t * cos_a
         y = sin_t * sin_a
         z = cos_s * cos_t - sin_s * sin_t * cos_a
-        return mi.Vector3f(cos_r * x - sin_r * y, sin_r * x + cos_r * y, z)
+        return self._fold(wi, mi.Vector3f(cos_r * x - sin_r * y, sin_r * x + cos_r * y, z))
 
     def albedo(self, wi, active):
         """Share of light that is scattered, mean over the bands. [-]"""

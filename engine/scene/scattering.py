@@ -51,7 +51,8 @@ class ScatterTable(_Kept):
     Parameters
     ----------
     rotations : (p,) float64 array
-        Azimuths of wi about the normal from +x, ascending within [0, 2 pi); periodic. One entry: the same for all. [rad]
+        Azimuths of wi about the normal from +x, ascending within [0, 2 pi); periodic. One entry: the same for all. Of an
+        orthotropic surface from 0 to pi / 2. [rad]
     incidences : (s,) float64 array    Angles of wi to the normal, strictly ascending within [0, pi / 2]. [rad]
     radials : (t,) float64 array    Angles from the centre, strictly ascending from 0 to pi at most. [rad]
     azimuths : (a,) float64 array
@@ -63,6 +64,9 @@ class ScatterTable(_Kept):
     error : float
         Stated error of the values against what they were made from: root mean square, relative to the value plus a
         twentieth of the largest albedo over pi; 0: none is known. [-]
+    is_orthotropic : bool
+        Whether the surface looks the same in a mirror along x and in one along y, as brushed or woven ones do: its rotations
+        are those of a quarter, and the others follow.
     """
 
     rotations: np.ndarray
@@ -73,6 +77,7 @@ class ScatterTable(_Kept):
     values: np.ndarray
     direct: np.ndarray | None = None
     error: float = 0.0
+    is_orthotropic: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,8 +32,8 @@ INCIDENCES = np.radians(
 )
 """Of all tables: the direct part is linear in between, Fresnel's equations and 1 / cos are steep at last. [rad]"""
 
-ROTATIONS = np.radians(np.arange(0.0, 360.0, 22.5))
-"""Of tables of what has a grain. [rad]"""
+ROTATIONS = np.radians(np.linspace(0.0, 90.0, 19))
+"""Of tables of what has a grain along x. [rad]"""
 
 LEVELS, STEP = 10, 0.77
 """Halvings of a tree's finest cells, 0.1 degrees near the normal, and by how much values may differ in a cell."""
@@ -111,6 +111,7 @@ def make_scatter(part: Part | Sheeting, bands: np.ndarray, is_grained: bool) -> 
         incidences=INCIDENCES,
         rotations=ROTATIONS if part.is_grained else (0.0,),
         is_symmetric=not part.is_grained,
+        is_orthotropic=part.is_grained,
         tolerance=part.tolerance,
     )
     if len(bands) > 1:
@@ -123,6 +124,7 @@ def make_scatter(part: Part | Sheeting, bands: np.ndarray, is_grained: bool) -> 
         rotations=rotations,
         wavelengths=wavelengths,
         values=np.broadcast_to(table.values, shape).astype(np.float32),
+        is_orthotropic=is_grained,
     )
     if part.direct is None:
         return table

@@ -86,6 +86,9 @@ def paint():
 SURFACES = {
     "paint": lambda: Measured(paint(), paint()),
     "random": lambda: Measured(random_table(3), random_table(4), rotation=0.4),
+    "grained": lambda: Measured(
+        random_table(8, is_orthotropic=True), random_table(9, 4, is_orthotropic=True), rotation=2.0
+    ),
     "alike sides": lambda: Measured(random_table(5, 1, True)),
     "sheet": lambda: Measured(
         resample(lambert(0.3), [550.0]), None, random_table(6, 1), resample(lambert(0.4), [550.0])

@@ -12,7 +12,13 @@ from lumenray.engine.scattering.evaluation import albedo, evaluate, measure_reci
 from lumenray.engine.scattering.record import ScatteringFile
 from lumenray.engine.scattering.resampling import resample
 from lumenray.engine.scattering.surface import usable
-from lumenray.engine.scattering.table import check_table, coordinates_of, direction_of
+from lumenray.engine.scattering.table import (
+    check_table,
+    coordinates_of,
+    direct_share,
+    direction_of,
+    rotations_around,
+)
 from lumenray.engine.scene.material import Measured
 from scattering_models import directions, ggx, lambert, random_table, schlick, towards
 
@@ -78,6 +84,26 @@ def test_the_axis_of_rotations_closes_on_itself():
     assert at(middle) == pytest.approx(0.5 * (at(first) + at(last)), rel=1e-6)
 
 
+@pytest.mark.parametrize("is_symmetric", [True, False])
+def test_an_orthotropic_table_is_the_same_in_its_mirrors(is_symmetric):
+    table = random_table(3, 4, is_symmetric, is_orthotropic=True)
+    direct = np.random.default_rng(2).random((4, 4, 3)).astype(np.float32)
+    table = replace(table, direct=direct)
+    check_table(table)
+    quarter = replace(table, is_orthotropic=False)
+    wi, wo = directions(3000, 1), directions(3000, 2)
+    wi[:, :2] = np.abs(wi[:, :2])
+    expected, shares = evaluate(quarter, wi, wo), direct_share(quarter, wi)
+    for mirror in ([1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]):
+        assert np.allclose(evaluate(table, wi * mirror, wo * mirror), expected, atol=1e-9)
+        assert np.allclose(direct_share(table, wi * mirror), shares, atol=1e-9)
+    # All quarters are told of, each rotation once.
+    around = rotations_around(table)
+    assert len(around) == 12
+    assert (np.diff(around) > 0.0).all()
+    assert around[-1] < 2.0 * np.pi
+
+
 def test_ends_hold_and_nothing_leaves_below_the_horizon():
     table = random_table(rotations=1)
     steep, last = towards(85), towards(np.degrees(table.incidences[-1]))
@@ -127,6 +153,46 @@ def test_resampling_keeps_the_wanted_error(tolerance):
     relative = (evaluate(table, wi, wo) - true) / (true + floor)
     assert np.sqrt((relative**2).mean()) < 1.1 * tolerance
     assert table.values.nbytes < 2_000_000
+
+
+@pytest.mark.parametrize("is_orthotropic", [True, False])
+def test_rotations_are_chosen_for_the_wanted_error_between_them(is_orthotropic):
+    exact = ggx(0.45, schlick, along=0.25)
+
+    def brushed(wi, wo):
+        return exact(wi, wo) + 0.1 / np.pi
+
+    table = resample(
+        brushed,
+        [550.0],
+        rotations=None,
+        is_symmetric=False,
+        is_orthotropic=is_orthotropic,
+        tolerance=0.1,
+    )
+    check_table(table)
+    assert table.is_orthotropic == is_orthotropic
+    assert table.error <= 0.1
+    wi, wo = directions(20_000, 8, 0.09), directions(20_000, 9, 0.02)
+    floor = 0.05 * max(albedo(table, s)[0] for s in table.incidences) / np.pi
+    true = brushed(wi, wo)
+    relative = (evaluate(table, wi, wo) - true) / (true + floor)
+    assert np.sqrt((relative**2).mean()) < 1.1 * table.error
+
+
+def test_what_is_too_bright_at_grazing_does_not_hide_errors():
+    """Values that rise with 1 / cos beyond what a surface can send: their floor is still a white surface's."""
+    lobe = ggx(0.2)
+
+    def glare(wi, wo):
+        return lobe(wi, wo) * 4.0 / np.maximum(wi[:, 2:], 0.02)
+
+    table = resample(glare, [550.0], tolerance=0.1)
+    # Without the totals' bound at grazing, which is no error of the grid.
+    wi, wo = directions(40_000, 8, np.cos(np.radians(78))), directions(40_000, 9, 0.05)
+    true = glare(wi, wo)
+    relative = (evaluate(table, wi, wo) - true) / (true + 0.05 / np.pi)
+    assert np.sqrt((relative**2).mean()) < 1.1 * table.error
 
 
 def test_a_resampled_lobe_reflects_as_much_as_the_lobe():
@@ -235,6 +301,13 @@ def test_a_direct_part_counts():
     assert total(table, np.radians(40.0)) == pytest.approx(0.7, rel=1e-4)
 
 
+def test_orthotropic_rotations_fill_a_quarter():
+    table = random_table(rotations=3, is_orthotropic=True)
+    for rotations in ([0.0, 0.5, 1.5], [0.1, 0.5, 0.5 * np.pi]):
+        with pytest.raises(SceneError, match="from 0 to 90 degrees"):
+            check_table(replace(table, rotations=np.array(rotations)))
+
+
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
@@ -266,6 +339,22 @@ def test_files_of_ours_give_back_what_was_written():
     assert np.array_equal(made.direct, table.direct)
     assert np.array_equal(made.azimuths, table.azimuths)
     assert made.error == table.error
+
+
+def test_files_keep_that_a_table_is_orthotropic():
+    table = random_table(2, is_orthotropic=True)
+    data = store.pack(store_file(front_reflection=table))
+    made = store.read_store(data, "x.lumbsdf").sides["front_reflection"]
+    assert made.is_orthotropic
+    assert np.array_equal(made.rotations, table.rotations)
+
+
+def test_files_of_another_version_are_refused(monkeypatch):
+    monkeypatch.setattr(store, "VERSION", 1)
+    data = store.pack(store_file(front_reflection=random_table()))
+    monkeypatch.undo()
+    with pytest.raises(FileFormatError, match="another version of Lumenray"):
+        store.read_store(data, "x.lumbsdf")
 
 
 def test_damaged_files_of_ours_are_refused_with_a_sentence():

@@ -55,7 +55,7 @@ def towards(angle, azimuth=0.0):
     return np.array([np.sin(s) * np.cos(a), np.sin(s) * np.sin(a), np.cos(s)])
 
 
-def random_table(seed=1, rotations=3, is_symmetric=False, bands=3):
+def random_table(seed=1, rotations=3, is_symmetric=False, bands=3, is_orthotropic=False):
     """A table with steep, random values on random axes."""
     rng = np.random.default_rng(seed)
 
@@ -64,12 +64,17 @@ def random_table(seed=1, rotations=3, is_symmetric=False, bands=3):
         return np.concatenate([[low], inner, [high]])
 
     end = np.pi if is_symmetric else 2.0 * np.pi
+    if is_orthotropic:
+        turns = axis(rotations, 0.0, 0.5 * np.pi)
+    else:
+        turns = np.sort(rng.uniform(0.0, 2.0 * np.pi, rotations)) if rotations > 1 else np.zeros(1)
     axes = [
-        np.sort(rng.uniform(0.0, 2.0 * np.pi, rotations)) if rotations > 1 else np.zeros(1),
+        turns,
         axis(4, 0.1, 1.4),
         axis(7, 0.0, np.pi),
         axis(6, 0.0, end),
         axis(bands, 400.0, 700.0) if bands > 1 else np.array([550.0]),
     ]
     shape = tuple(len(a) for a in axes)
-    return ScatterTable(*axes, rng.exponential(0.2, shape).astype(np.float32))
+    values = rng.exponential(0.2, shape).astype(np.float32)
+    return ScatterTable(*axes, values, is_orthotropic=is_orthotropic)

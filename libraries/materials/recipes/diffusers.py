@@ -30,7 +30,7 @@ def _film(name, title, what, x, y, transmitted, reflected, *tags) -> Recipe:
         # What is reflected is weak, and told as for a film that spreads evenly.
         mean = np.sqrt(np.radians(x) * np.radians(y))
         alike = Film(mean, mean)
-        coarse = 0.2 if is_grained else 0.04
+        coarse = 0.06 if is_grained else 0.04
         return {
             "front_reflection": Part(alike.reflect, tolerance=coarse),
             "back_reflection": Part(alike.reflect_back, alike.direct, tolerance=coarse),

@@ -21,7 +21,7 @@ def recipes() -> list[Recipe]:
             # Tables with a grain are large; grey metals do with the index at 550 nm.
             index = index_of(metal)[WAVELENGTHS == 550.0] if is_grained else index_of(metal)
             made = Metal(index, facets, **more)
-            return both(Part(made.evaluate, None, is_grained, 0.2 if is_grained else 0.04))
+            return both(Part(made.evaluate, None, is_grained, 0.06 if is_grained else 0.04))
 
         return Recipe(
             name,

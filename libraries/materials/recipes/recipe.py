@@ -16,7 +16,7 @@ class Part:
     ----------
     evaluate : callable    (n, 3), (n, 3) -> (n, w) at `colour.WAVELENGTHS`, or (n, 1) the same at all. [1/sr]
     direct : callable or None    Share mirrored, or passing straight, by angles of incidence [rad]: (s,) -> (s, w). [-]
-    is_grained : bool    Whether it matters how the sample is turned about its normal.
+    is_grained : bool    Whether it has a grain along x: mirrors along x and y change nothing, turns about the normal do.
     tolerance : float    Of the table, see `engine.scattering.resampling.resample`. [-]
     """
 
