@@ -1,9 +1,9 @@
 """Tables about the mirror direction made from any scattering that can be evaluated, as coarse as a wanted error allows.
 
-Grid lines are added where the middle between two differs most from what the table says there, axis by axis, until a random
-test of pairs of directions finds the wanted error; bands that lie on the line between their neighbours are left out. At the
-end the values of each incidence are scaled so that the table reflects, or lets through, as much as what it was made from: a
-chord lies above a lobe's flanks.
+Random pairs of directions tell how much of the error comes of each interval of each axis; those are halved that it falls
+most by for the values that they cost, until it is as wanted. Bands that lie on the line between their neighbours are left
+out. At the end the values of each incidence are scaled so that the table reflects, or lets through, as much as what it was
+made from: a chord lies above a lobe's flanks.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..scene.scattering import ScatterTable
-from .table import albedo_of, direction_of, interpolate, quadrature, turned
+from .table import albedo_of, direction_of, interpolate, place_on, quadrature, turned
 
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values for pairs of directions wi, wo: (n, 3), (n, 3) -> (n, w). [1/sr]"""
@@ -28,19 +28,16 @@ INCIDENCES = np.radians([0, 15, 30, 45, 60, 75, 89.0])
 """Where angles of incidence begin; at 90 degrees nothing arrives."""
 
 LOWEST = np.radians(89.0)
-"""Directions farther from the normal take the value there: what lies below the horizon must not count as dark."""
+"""Directions farther from the normal take the value there: what lies below the horizon must not count as dark. [rad]"""
 
 FLOOR = 0.05
 """Share of a matt surface's value that is added to values where their error is told relative to them."""
 
-MOST_VALUES = 1 << 23
-"""Values that a table may grow to: 16 MB before its file is compressed, some 2 MB then."""
+MOST_VALUES = 1 << 21
+"""Values that a table may grow to: 4 MB before its file is compressed."""
 
 LARGEST_START = 1 << 25
 """Values of the grid to begin with, at most."""
-
-ROUNDS = 48
-"""Most rounds of refinement."""
 
 TESTED = 1 << 14
 """Pairs of directions that the error is measured with."""
@@ -55,23 +52,23 @@ table, a quarter of the square is theirs."""
 AIM = 0.85
 """Share of the tolerance at which refinement ends: other pairs may say more, and totals have to be kept."""
 
-FIRST_THRESHOLD = 2.5
-"""Error in the middle between grid lines that is let pass at first, by the tolerance: elsewhere it is smaller."""
+LEAST_AIM = 0.3
+"""Share of the tolerance below which the grid's part of the error is not brought: what is left comes of bands left out."""
+
+GROWTH = 1.2
+"""By how much a grid grows at most before errors are measured again."""
+
+WORST = 1.0
+"""Square of an error that counts as much as any larger one while a grid is coarse. [-]"""
 
 FINE = 3
 """Points of Gauss and Legendre in each cell that totals are found with."""
-
-LOOKED_AT = (3, 8, 20, 12)
-"""Rotations, incidences, radial angles and azimuths along which the other axes are judged in a round."""
-
-MOST_PARTS = 4
-"""Parts that an interval is divided into at a time."""
 
 GRAZING = np.radians(80.0)
 """From here on lobes get narrower than any grid, and totals are kept below 1. [rad]"""
 
 SMALLEST_STEP = np.radians(0.05)
-"""Grid lines are never closer."""
+"""Intervals that are shorter are not halved."""
 
 
 def resample(
@@ -122,20 +119,20 @@ def resample(
         hints,
     )
     maker.choose_bands(tolerance)
-    threshold = FIRST_THRESHOLD * tolerance
-    table, is_old = maker.table(), True
-    for _ in range(ROUNDS):
-        if maker.refine(threshold, most):
-            is_old = True
-            if not maker.is_full:
-                continue
-        if is_old:
-            table, is_old = maker.table(), False
-            if maker.is_full or maker.error_of(table) <= AIM * tolerance:
+    table, goal = maker.table(), AIM * tolerance
+    while True:
+        shares, error = maker.find_errors()
+        is_fine = error <= goal
+        if is_fine:
+            table = maker.table()
+            found = maker.error_of(table)
+            if found <= AIM * tolerance or goal < LEAST_AIM * tolerance:
                 break
-        threshold *= 0.7
-    if is_old:
-        table = maker.table()
+            goal = error * max(0.95 * AIM * tolerance / found, 0.7)
+        if not maker.divide(shares, most):
+            # What does not fit is left; the table tells its error.
+            table = table if is_fine else maker.table()
+            break
     table = maker.keep_totals(table)
     return replace(table, error=maker.error_of(table))
 
@@ -190,7 +187,6 @@ class _Maker:
         self.radials = np.unique(np.concatenate([RADIALS, hints]))
         end = np.pi if symmetric else 2.0 * np.pi
         self.azimuths = np.linspace(0.0, end, 7 if symmetric else 13)
-        self.is_full = False
         self.random = np.random.default_rng(1)
         # A white surface's, until a table tells better.
         self.floor = FLOOR / np.pi
@@ -198,7 +194,7 @@ class _Maker:
     def ask(self, rotation, incidence, radial, azimuth, bands=None) -> np.ndarray:
         """What is to be tabulated at flat arrays of coordinates; of some bands, or of those that are kept. (n, bands)"""
         bands = self.bands if bands is None else bands
-        wo = _lift(incidence, direction_of(incidence, radial, azimuth), radial, azimuth)
+        wo = _raised(direction_of(incidence, radial, azimuth))
         wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=1)
         wi, wo = turned(wi, rotation), turned(wo, rotation)
         parts = [
@@ -241,64 +237,64 @@ class _Maker:
         self.floor = max(FLOOR * albedo / np.pi, 1e-12)
         return made
 
-    def refine(self, threshold: float, most: int) -> bool:
-        """Add grid lines where the table would be off by more than a threshold; tells whether any were."""
-        axes = self.axes()
-        axes[0] = self._closed_rotations()
-        excess = [None] * 4
-        kept = (self.has_own_rotations, self.has_own_incidences, False, False)
-        for number, axis in enumerate(axes):
-            if len(axis) > 1 and not kept[number]:
-                excess[number] = self._errors(number, axis) / threshold
-        while True:
-            grown = [
-                axis if by is None else np.union1d(axis, _divide(axis, by))
-                for axis, by in zip(axes, excess, strict=True)
-            ]
-            size = np.prod([float(len(axis)) for axis in grown]) * len(self.bands)
-            if size <= most:
+    def find_errors(self) -> tuple[list[np.ndarray], float]:
+        """Squares of errors by axis and interval, as they count by the values that an interval costs; and the whole error.
+
+        Of random pairs, along each axis alone: between its grid lines there is a chord, elsewhere what is to be tabulated.
+        """
+        *places, is_near = self._random_pairs(TESTED)
+        true = self.ask(*places)
+        axes = [self._closed_rotations(), *self.axes()[1:]]
+        squares = [self._squares_along(k, axis, places, true) for k, axis in enumerate(axes)]
+        both = [sum(square[those].mean() for square in squares) for those in (is_near, ~is_near)]
+        # As the larger one of both populations tells the error, that one counts for more.
+        weight = np.where(is_near, both[0] / is_near.sum(), both[1] / (~is_near).sum())
+        shares = []
+        for axis, place, square in zip(axes, places, squares, strict=True):
+            below = place_on(axis, place)[0] if len(axis) > 1 else np.zeros(len(place), dtype=int)
+            share = np.bincount(below, square * weight, max(len(axis) - 1, 0)) * len(axis)
+            shares.append(np.where(np.diff(axis) > SMALLEST_STEP, share[: len(axis) - 1], 0.0))
+        return shares, float(np.sqrt(max(both)))
+
+    def _squares_along(self, number: int, axis: np.ndarray, places: list, true) -> np.ndarray:
+        """Squares of the relative errors of pairs between the grid lines of one axis, mean over the bands. (n,)"""
+        is_kept = (self.has_own_rotations, self.has_own_incidences, False, False)[number]
+        if is_kept or len(axis) == 1:
+            return np.zeros(len(true))
+        below, share = place_on(axis, places[number])
+        ends = [
+            self.ask(*places[:number], axis[below + step], *places[number + 1 :]) for step in (0, 1)
+        ]
+        made = ends[0] + share[:, None] * (ends[1] - ends[0])
+        return np.minimum((((made - true) / (true + self.floor)) ** 2).mean(axis=1), WORST)
+
+    def divide(self, shares: list[np.ndarray], most: int) -> bool:
+        """Halve the intervals that count most; tells whether there were any for which there is room."""
+        axes = [self._closed_rotations(), *self.axes()[1:]]
+        counts = np.array([len(axis) for axis in axes], dtype=float)
+        room = min(GROWTH * counts.prod(), most / len(self.bands))
+        added: list[list[float]] = [[], [], [], []]
+        numbers = np.repeat(range(4), [len(share) for share in shares])
+        places = np.concatenate([np.arange(len(share)) for share in shares])
+        shares = np.concatenate(shares)
+        for best in np.argsort(-shares, kind="stable")[: np.count_nonzero(shares)]:
+            number, place = numbers[best], places[best]
+            counts[number] += 1
+            # The first one may be more than the growth of a round.
+            if counts.prod() > (room if any(added) else most / len(self.bands)):
                 break
-            # What does not fit is left; the worst intervals are divided first.
-            self.is_full = True
-            if all(len(new) == len(old) for new, old in zip(grown, axes, strict=True)):
-                break
-            excess = [None if by is None else by / 1.3 for by in excess]
-        turns, self.incidences, self.radials, self.azimuths = grown
+            added[number].append(axes[number][place : place + 2].mean())
+        axes = [np.union1d(axis, new) for axis, new in zip(axes, added, strict=True)]
+        turns, self.incidences, self.radials, self.azimuths = axes
         if not self.has_own_rotations:
             self.rotations = turns if self.is_orthotropic else turns[:-1]
-        return any(len(a) > len(b) for a, b in zip(grown, axes, strict=True))
+        return any(added)
 
     def _closed_rotations(self) -> np.ndarray:
         """The rotations, and where they end that are chosen: what lies behind the last one is an interval too."""
         if self.has_own_rotations or self.is_orthotropic:
             return self.rotations
         return np.append(self.rotations, 2.0 * np.pi)
-
-    def _errors(self, number: int, axis: np.ndarray) -> np.ndarray:
-        """Error in the middles between grid lines of one axis, along some of the lines of the others. (m,)"""
-        axes = [self._some(each, LOOKED_AT[k]) for k, each in enumerate(self.axes())]
-        axes[number] = axis
-        values = self.ask_grid(*axes)
-        axes[number] = 0.5 * (axis[1:] + axis[:-1])
-        true = self.ask_grid(*axes)
-        ends = [np.take(values, np.arange(len(axis) - 1) + k, axis=number) for k in (0, 1)]
-        square = ((0.5 * (ends[0] + ends[1]) - true) / (true + self.floor)) ** 2
-        wo = direction_of(*np.meshgrid(*axes[1:], indexing="ij"))
-        weight = np.maximum(wo[..., 2], 0.0) + 1e-9
-        if number != 2:
-            # Of radial intervals the first is as wide as its neighbours, not as narrow as its ring.
-            weight = weight * (np.sin(axes[2])[:, None] + 1e-9)
-        square = square.mean(axis=-1)
-        over = tuple(k for k in (2, 3) if k != number)
-        sums = (square * weight).sum(over), weight.sum(tuple(k - 1 for k in over))
-        mean = sums[0] / sums[1]
-        return np.sqrt(mean.max(axis={0: 1, 1: 0}.get(number, (0, 1))))
-
-    def _some(self, axis: np.ndarray, count: int) -> np.ndarray:
-        """At most so many entries of an axis, others each time."""
-        if len(axis) <= count:
-            return axis
-        return np.sort(self.random.choice(axis, count, replace=False))
 
     def keep_totals(self, table: ScatterTable) -> ScatterTable:
         """A table whose every incidence scatters as much as it should."""
@@ -366,19 +362,6 @@ class _Maker:
         )
 
 
-def _divide(axis: np.ndarray, excess: np.ndarray) -> np.ndarray:
-    """Points to be added within the intervals of an axis, by how many times too large the error in their middles is.
-
-    It falls with the square of the interval's length, so that several points are added at once where it is far too large.
-    """
-    made = [np.zeros(0)]
-    for low, high, by in zip(axis[:-1], axis[1:], excess, strict=True):
-        parts = min(int(np.ceil(np.sqrt(by))), MOST_PARTS, int((high - low) / SMALLEST_STEP))
-        if by > 1.0 and parts > 1:
-            made.append(np.linspace(low, high, parts + 1)[1:-1])
-    return np.concatenate(made)
-
-
 def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:
     """Radial angle and azimuth of directions, light coming in the xz-plane."""
     sin_s, cos_s = np.sin(incidence), np.cos(incidence)
@@ -388,17 +371,9 @@ def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:
     return radial, np.arctan2(wo[:, 1], outward) % (2.0 * np.pi)
 
 
-def _lift(incidence, wo, radial, azimuth) -> np.ndarray:
-    """Directions, those below `LOWEST` brought up to it along their azimuth about the centre."""
+def _raised(wo) -> np.ndarray:
+    """Directions, those below `LOWEST` brought up to it in their plane with the normal."""
     low = np.cos(LOWEST)
-    across = np.cos(azimuth) * np.sin(incidence)
-    reach = np.hypot(np.cos(incidence), across)
-    edge = np.arccos(np.clip(low / np.maximum(reach, 1e-12), -1.0, 1.0)) - np.arctan2(
-        across, np.cos(incidence)
-    )
-    below = wo[:, 2] < low
-    drawn_in = np.where(below, np.clip(np.minimum(radial, edge), 0.0, None), radial)
-    wo = np.where(below[:, None], direction_of(incidence, drawn_in, azimuth), wo)
     flat = np.hypot(wo[:, 0], wo[:, 1])
     factor = np.where(wo[:, 2] < low, np.sqrt(1.0 - low**2) / np.maximum(flat, 1e-12), 1.0)
     return np.stack([wo[:, 0] * factor, wo[:, 1] * factor, np.maximum(wo[:, 2], low)], axis=1)

@@ -63,7 +63,8 @@ class ScatterTable(_Kept):
     direct : (p, s, w) float32 array or None    Share of light reflected as by a mirror, or that passes straight. [-]
     error : float
         Stated error of the values against what they were made from: root mean square, relative to the value plus a
-        twentieth of the largest albedo over pi; 0: none is known. [-]
+        twentieth of the largest albedo over pi, over light from everywhere to everywhere or over directions crowded about
+        the centre, whichever is larger; 0: none is known. [-]
     is_orthotropic : bool
         Whether the surface looks the same in a mirror along x and in one along y, as brushed or woven ones do: its rotations
         are those of a quarter, and the others follow.
