@@ -13,7 +13,8 @@ ALIGNMENT = 64
 
 def upload(kind, values):
     """Make a Dr.Jit array of a flat numpy array."""
-    dtype = {mi.Float: np.float32, mi.UInt32: np.uint32, mi.Bool: bool}[kind]
+    half = dr.float16_array_t(mi.Float)
+    dtype = {mi.Float: np.float32, half: np.float16, mi.UInt32: np.uint32, mi.Bool: bool}[kind]
     values = np.asarray(values).reshape(-1)
     size = values.size * np.dtype(dtype).itemsize
     memory = np.empty(size + ALIGNMENT, dtype=np.uint8)

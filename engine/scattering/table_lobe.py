@@ -12,9 +12,12 @@ from .table import is_symmetric
 MOST_BINS = 4096
 """Bins by which places on an axis are found."""
 
+LARGEST = 60000.0
+"""Largest value as kernels hold it: with the 11 bits of half precision, as files do, since memory is what they wait for."""
+
 
 class Axis:
-    """An irregular axis: even bins tell the interval, or the one before it.
+    """An irregular axis: even bins tell the interval, or the one before it, with a single memory access where they are fine.
 
     Parameters
     ----------
@@ -35,6 +38,14 @@ class Axis:
         self.steps = max(int((last - first).max()), 1)
         self.first = upload(mi.UInt32, first)
         self.values = upload(mi.Float, values)
+        if self.steps == 1:
+            # In one place what a bin needs: an interval and the next one. The last bins begin with the last but one; where
+            # there is a single interval, one is thought before it.
+            start = np.minimum(first, len(values) - 3)
+            ends = np.append(values[0] - 1.0, values)
+            corners = [ends[start + 1 + k] for k in range(3)]
+            self.bins = upload(mi.Float, np.stack([start, *corners], axis=1))
+            dr.eval(self.bins)
         self.low, self.scale = mi.Float(low), mi.Float(bins / length)
         self.last_bin = mi.Int32(bins - 1)
         self.last = mi.UInt32(len(values) - 2)
@@ -46,6 +57,12 @@ class Axis:
         if self.single:
             return mi.UInt32(0), mi.Float(0.0)
         number = dr.clip(mi.Int32((value - self.low) * self.scale), 0, self.last_bin)
+        if self.steps == 1:
+            start, low, middle, high = dr.gather(mi.Vector4f, self.bins, mi.UInt32(number), active)
+            is_second = dr.maximum(value, self.low) >= middle
+            below = mi.UInt32(start + dr.select(is_second, 1.0, 0.0))
+            low, high = dr.select(is_second, middle, low), dr.select(is_second, high, middle)
+            return below, dr.clip((value - low) / (high - low), 0.0, 1.0)
         below = dr.gather(mi.UInt32, self.first, mi.UInt32(number), active)
         high = dr.gather(mi.Float, self.values, below + 1, active)
         for _ in range(self.steps):
@@ -135,7 +152,13 @@ class TableLobe(_Incidences):
         self.is_symmetric = is_symmetric(table)
         self.radials, self.azimuths = Axis(table.radials), Axis(table.azimuths)
         self.wavelengths = Axis(table.wavelengths) if values.shape[-1] > 1 else None
-        self.values = upload(mi.Float, values)
+        largest = float(values.max(initial=0.0))
+        scale = largest / LARGEST if largest > 0.0 else 1.0
+        self.scale = mi.Float(scale)
+        dr.make_opaque(self.scale)
+        self.quad = dr.float16_array_t(mi.Vector4f)
+        quads = quads_of((values / np.float32(scale)).astype(np.float16))
+        self.quads = upload(dr.float16_array_t(mi.Float), quads)
         self.density = upload(mi.Float, cells.density)
         self.ring_shares = upload(mi.Float, cells.radial)
         self.cell_shares = upload(mi.Float, cells.azimuth)
@@ -144,7 +167,7 @@ class TableLobe(_Incidences):
         # 1 - cos, which tells small angles apart.
         self.versines = upload(mi.Float, 2.0 * np.sin(0.5 * table.radials) ** 2)
         dr.eval(
-            self.values,
+            self.quads,
             self.density,
             self.ring_shares,
             self.cell_shares,
@@ -174,31 +197,33 @@ class TableLobe(_Incidences):
         _, _, radials, azimuths, bands = self.shape
         cells = (radials - 1) * (azimuths - 1)
         cell = t * (azimuths - 1) + a
-        density, corners = mi.Float(0.0), []
+        density = mi.Float(0.0)
         for node, weight in nodes:
-            density = dr.fma(
-                weight, dr.gather(mi.Float, self.density, node * cells + cell, active), density
-            )
-            for dt, t_weight in ((0, 1.0 - t_share), (1, t_share)):
-                for da, a_weight in ((0, 1.0 - a_share), (1, a_share)):
-                    place = (node * radials + t + dt) * azimuths + a + da
-                    corners.append((place * bands, weight * t_weight * a_weight))
-        value = mi.Spectrum(0.0)
-        if self.wavelengths is None:
+            cell_density = dr.gather(mi.Float, self.density, node * cells + cell, active)
+            density = dr.fma(weight, cell_density, density)
+        shares = mi.Vector4f(
+            (1.0 - t_share) * (1.0 - a_share),
+            (1.0 - t_share) * a_share,
+            t_share * (1.0 - a_share),
+            t_share * a_share,
+        )
+
+        def look_up(band):
             total = mi.Float(0.0)
-            for place, weight in corners:
-                total = dr.fma(weight, dr.gather(mi.Float, self.values, place, active), total)
-            value = mi.Spectrum(total)
+            for node, weight in nodes:
+                place = (node * cells + cell) * bands + band
+                quad = mi.Vector4f(dr.gather(self.quad, self.quads, place, active))
+                total = dr.fma(weight, dr.dot(quad, shares), total)
+            return total
+
+        if self.wavelengths is None:
+            value = mi.Spectrum(look_up(0))
         else:
+            value = mi.Spectrum(0.0)
             for k in range(len(value)):
                 band, share = self.wavelengths.place(wavelengths[k], active)
-                low, high = mi.Float(0.0), mi.Float(0.0)
-                for place, weight in corners:
-                    at = place + band
-                    low = dr.fma(weight, dr.gather(mi.Float, self.values, at, active), low)
-                    high = dr.fma(weight, dr.gather(mi.Float, self.values, at + 1, active), high)
-                value[k] = dr.lerp(low, high, share)
-        return value * wo.z, density
+                value[k] = dr.lerp(look_up(band), look_up(band + 1), share)
+        return value * (wo.z * self.scale), density
 
     def sample(self, wi, sample, active):
         """Draw a direction; it may lie below the horizon, where nothing is scattered. ``sample``: Point2f"""
@@ -251,6 +276,22 @@ class TableLobe(_Incidences):
         return _by_wavelength(
             self.albedos_by_band, nodes, self.shape[-1], self.wavelengths, wavelengths, active
         )
+
+
+def quads_of(values: np.ndarray) -> np.ndarray:
+    """Values at the four corners of each cell side by side, as one memory access takes them.
+
+    (p, s, t, a, w) -> (p, s, t - 1, a - 1, w, 4)
+    """
+    return np.stack(
+        [
+            values[:, :, :-1, :-1],
+            values[:, :, :-1, 1:],
+            values[:, :, 1:, :-1],
+            values[:, :, 1:, 1:],
+        ],
+        axis=-1,
+    )
 
 
 class DirectShares(_Incidences):
