@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -214,7 +215,7 @@ def _photometric(values, wavelengths):
     """Sum over the bands by the eye at equal energy, as photometric kernels take them here."""
     from ..engine.transport.textures import TextureMaker
 
-    return TextureMaker(np.ones(471)).weigh(values, wavelengths)[0]
+    return TextureMaker(np.ones(471)).weigh(values, wavelengths)[..., 0]
 
 
 # ---- speed ----
@@ -229,8 +230,14 @@ def measure_speed(told) -> dict:
     rows = {"table": list(table.values.shape), "pairs": PAIRS}
     rows["python"] = _time_python(table, wi, wo)
     told(f"one by one in Python: {rows['python']:.0f} a second")
+    weighed = replace(
+        table,
+        wavelengths=table.wavelengths[:1],
+        values=_photometric(table.values, table.wavelengths)[..., None].astype(np.float32),
+    )
     rows["compiled"] = _time_compiled(table, wi, wo, nm)
-    told(f"one by one, compiled: {rows['compiled']}")
+    rows["compiled photometric"] = _time_compiled(weighed, wi, wo, nm[:, :1])
+    told(f"one by one, compiled: {rows['compiled']} and {rows['compiled photometric']}")
     start = time.perf_counter()
     evaluate_table(table, wi[: PAIRS // 8], wo[: PAIRS // 8])
     rows["numpy"] = PAIRS / 8 / (time.perf_counter() - start)
@@ -266,7 +273,8 @@ def _time_compiled(table, wi, wo, nm) -> float | None:
             np.ascontiguousarray(a, dtype=np.float32)
             for a in (table.incidences, table.radials, table.azimuths, table.wavelengths)
         ]
-        result = np.zeros((PAIRS, 4), dtype=np.float32)
+        asked = nm.shape[1]
+        result = np.zeros((PAIRS, asked), dtype=np.float32)
 
         def at(array):
             return array.ctypes.data_as(pointer)
@@ -275,7 +283,7 @@ def _time_compiled(table, wi, wo, nm) -> float | None:
         for _ in range(REPEATS):
             start = time.perf_counter()
             program.evaluate(
-                PAIRS, at(kept[0]), at(kept[1]), 4, at(kept[2]),
+                PAIRS, at(kept[0]), at(kept[1]), asked, at(kept[2]),
                 *(Axis(len(a), at(a)) for a in axes), at(kept[3]), at(result),
             )  # fmt: skip
             best = min(best, time.perf_counter() - start)
@@ -302,21 +310,18 @@ def _time_kernels(table, wi, wo, nm, told) -> list[dict]:
                 {"type": "principled", "roughness": 0.45}
             )
             for name, bsdf in surfaces.items():
-                evaluations, samples = _time_surface(bsdf, wi, wo, nm)
-                rows.append(
-                    {
-                        "surface": name,
-                        "spectral": spectral,
-                        "evaluations": evaluations,
-                        "samples": samples,
-                    }
+                speeds = _time_surface(bsdf, wi, wo, nm)
+                rows.append({"surface": name, "spectral": spectral, **speeds})
+                told(
+                    f"{name}: "
+                    + ", ".join(f"{speed / 1e6:.1f}" for speed in speeds.values())
+                    + " M/s"
                 )
-                told(f"{name}: {evaluations / 1e6:.1f} and {samples / 1e6:.1f} M/s")
     return rows
 
 
-def _time_surface(bsdf, wi, wo, nm) -> tuple[float, float]:
-    """Evaluations with their density, and samples with theirs, a second."""
+def _time_surface(bsdf, wi, wo, nm) -> dict[str, float]:
+    """Values, values with the density of sampling, and samples with theirs, a second."""
     import drjit as dr
     import mitsuba as mi
 
@@ -330,10 +335,11 @@ def _time_surface(bsdf, wi, wo, nm) -> tuple[float, float]:
     second = mi.Point2f(stream.next_float32(), stream.next_float32())
     dr.eval(si, out, first, second)
     context = mi.BSDFContext()
-    return (
-        PAIRS / _fastest(lambda: bsdf.eval_pdf(context, si, out)),
-        PAIRS / _fastest(lambda: bsdf.sample(context, si, first, second)),
-    )
+    return {
+        "values": PAIRS / _fastest(lambda: bsdf.eval(context, si, out)),
+        "evaluations": PAIRS / _fastest(lambda: bsdf.eval_pdf(context, si, out)),
+        "samples": PAIRS / _fastest(lambda: bsdf.sample(context, si, first, second)),
+    }
 
 
 def _fastest(work) -> float:

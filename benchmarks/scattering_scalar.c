@@ -32,16 +32,26 @@ void evaluate(int pairs, const float *wi, const float *wo, int asked, const floa
         int k = place(&incidences, atan2f(sine, a[2]), &shares[0]);
         int t = place(&radials, atan2f(sqrtf(outward * outward + y * y), centre), &shares[1]);
         int p = place(&azimuths, atan2f(fabsf(y), outward), &shares[2]);
+        float weights[8];
+        const float *corners[8];
+        for (int corner = 0; corner < 8; ++corner) {
+            int dk = corner & 1, dt = corner >> 1 & 1, dp = corner >> 2;
+            weights[corner] = (dk ? shares[0] : 1.0f - shares[0]) * (dt ? shares[1] : 1.0f - shares[1]) *
+                              (dp ? shares[2] : 1.0f - shares[2]);
+            corners[corner] = values + (((long)(k + dk) * radials.count + t + dt) * azimuths.count + p + dp) *
+                                           wavelengths.count;
+        }
         for (int w = 0; w < asked; ++w) {
-            float part, total = 0.0f;
-            int band = place(&wavelengths, nm[asked * i + w], &part);
-            for (int corner = 0; corner < 8; ++corner) {
-                int dk = corner & 1, dt = corner >> 1 & 1, dp = corner >> 2;
-                float weight = (dk ? shares[0] : 1.0f - shares[0]) * (dt ? shares[1] : 1.0f - shares[1]) *
-                               (dp ? shares[2] : 1.0f - shares[2]);
-                const float *at = values + (((long)(k + dk) * radials.count + t + dt) * azimuths.count + p + dp) *
-                                               wavelengths.count + band;
-                total += weight * (at[0] + part * (at[1] - at[0]));
+            float total = 0.0f;
+            if (wavelengths.count == 1) {
+                for (int corner = 0; corner < 8; ++corner) total += weights[corner] * corners[corner][0];
+            } else {
+                float part;
+                int band = place(&wavelengths, nm[asked * i + w], &part);
+                for (int corner = 0; corner < 8; ++corner) {
+                    const float *at = corners[corner] + band;
+                    total += weights[corner] * (at[0] + part * (at[1] - at[0]));
+                }
             }
             result[asked * i + w] = total * b[2];
         }

@@ -32,9 +32,6 @@ INCIDENCES = np.radians(
 )
 """Of all tables: the direct part is linear in between, Fresnel's equations and 1 / cos are steep at last. [rad]"""
 
-ROTATIONS = np.radians(np.linspace(0.0, 90.0, 19))
-"""Of tables of what has a grain along x. [rad]"""
-
 LEVELS, STEP = 10, 0.77
 """Halvings of a tree's finest cells, 0.1 degrees near the normal, and by how much values may differ in a cell."""
 
@@ -56,11 +53,20 @@ def make_file(recipe: Recipe, path: Path) -> ScatteringFile:
     parts = recipe.make()
     different = list(dict.fromkeys(parts.values()))
     bands = bands_of([part for part in different if isinstance(part, Part)])
-    grained = any(isinstance(part, Part) and part.is_grained for part in different)
-    made = {part: make_scatter(part, bands, grained) for part in different}
+    # What has a grain chooses the rotations, which the others take over: both are added up.
+    made, rotations = {}, None
+    for part in sorted(different, key=lambda part: not is_grained(part)):
+        made[part] = make_scatter(part, bands, rotations)
+        if is_grained(part):
+            rotations = made[part].rotations
     made = keep_energy(parts, made)
     sides = {side: made[part] for side, part in parts.items()}
     return ScatteringFile(path, FORMAT, sides, recipe.title, recipe.description, recipe.source)
+
+
+def is_grained(part: Part | Sheeting) -> bool:
+    """Whether it matters how a part is turned about the normal."""
+    return isinstance(part, Part) and part.is_grained
 
 
 def bands_of(parts: list[Part]) -> np.ndarray:
@@ -87,14 +93,14 @@ def _random_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     return wi, np.where((np.arange(count) % 2 == 0)[:, None], near, wo)
 
 
-def make_scatter(part: Part | Sheeting, bands: np.ndarray, is_grained: bool) -> Scatter:
+def make_scatter(part: Part | Sheeting, bands: np.ndarray, rotations: np.ndarray | None) -> Scatter:
     """Make the table or the tree of a part.
 
     Parameters
     ----------
     part : Part or Sheeting
     bands : (w,) array    Numbers of the wavelengths that it has.
-    is_grained : bool    Whether the table has to have all rotations, its own or those of another part of the material.
+    rotations : (p,) array or None    Those of another part of the material, from 0 to pi / 2. [rad]
     """
     wavelengths = WAVELENGTHS[bands]
     if isinstance(part, Sheeting):
@@ -109,7 +115,7 @@ def make_scatter(part: Part | Sheeting, bands: np.ndarray, is_grained: bool) -> 
         evaluate_mean,
         wavelengths[:1],
         incidences=INCIDENCES,
-        rotations=ROTATIONS if part.is_grained else (0.0,),
+        rotations=rotations if part.is_grained else (0.0,),
         is_symmetric=not part.is_grained,
         is_orthotropic=part.is_grained,
         tolerance=part.tolerance,
@@ -117,14 +123,14 @@ def make_scatter(part: Part | Sheeting, bands: np.ndarray, is_grained: bool) -> 
     if len(bands) > 1:
         # Of one band alone the mean over all is told.
         table = replace(table, values=table.values * _spectra(part, table, bands))
-    rotations = ROTATIONS if is_grained else table.rotations
+    rotations = table.rotations if rotations is None else rotations
     shape = (len(rotations), *table.values.shape[1:4], len(bands))
     table = replace(
         table,
         rotations=rotations,
         wavelengths=wavelengths,
         values=np.broadcast_to(table.values, shape).astype(np.float32),
-        is_orthotropic=is_grained,
+        is_orthotropic=len(rotations) > 1,
     )
     if part.direct is None:
         return table

@@ -113,7 +113,7 @@ def test_the_catalogue_is_what_the_recipes_say():
 def test_files_are_small():
     sizes = [path.stat().st_size for path in materials.FOLDER.iterdir()]
     assert max(sizes) < 1_000_000
-    assert sum(sizes) < 4_200_000
+    assert sum(sizes) < 3_000_000
 
 
 def test_writing_again_gives_the_same_bytes(tmp_path):
@@ -141,8 +141,11 @@ def test_no_side_sends_away_more_light_than_comes(name):
             continue
         axis = tables[0].incidences
         places = np.concatenate([axis, 0.5 * (axis[1:] + axis[:-1])])
-        # Of what has a grain, the axes and what lies between.
-        for rotation in tables[0].rotations[:5:2]:
+        # Of what has a grain, the axes, what lies between, and between rotations of the table.
+        turns = tables[0].rotations
+        for rotation in (
+            [turns[0], *turns[9::9], 0.5 * turns[:2].sum()] if len(turns) > 1 else turns
+        ):
             for s in places:
                 share = sum(total(part, s, rotation) for part in tables)
                 assert share.max() <= 1.002, (side, np.degrees(s))
@@ -150,7 +153,8 @@ def test_no_side_sends_away_more_light_than_comes(name):
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_file_says_what_the_physics_says(name):
-    """At the table's incidences, root mean square over even directions, relative to the value and 5 % of the mean."""
+    """At the table's incidences and any rotation, root mean square over even directions, relative to the value and 5 % of
+    the mean."""
     rng, parts = np.random.default_rng(11), RECIPES[name].make()
     for side, scatter in sides_of(name).items():
         if not isinstance(scatter, ScatterTable) or not scatter.values.any():
@@ -158,13 +162,13 @@ def test_a_file_says_what_the_physics_says(name):
         sine, turn = 0.999 * np.sqrt(rng.random(1500)), 2.0 * np.pi * rng.random(1500)
         wo = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - sine**2)], axis=1)
         tilt = rng.choice(scatter.incidences[:-3], 1500)
-        wi = at(np.degrees(tilt), np.degrees(rng.choice(scatter.rotations, 1500)))
+        wi = at(np.degrees(tilt), 360.0 * rng.random(1500))
         true, found = parts[side].evaluate(wi, wo), evaluate(scatter, wi, wo)
         if true.shape[1] > 1 and found.shape[1] > 1:
             true = true[:, np.searchsorted(colour.WAVELENGTHS, scatter.wavelengths)]
         true, found = (values.mean(axis=1) for values in (true, found))
         error = (found - true) / (true + 0.05 * true.mean())
-        assert np.sqrt((error**2).mean()) < (0.25 if len(scatter.rotations) > 1 else 0.06), side
+        assert np.sqrt((error**2).mean()) < (0.07 if len(scatter.rotations) > 1 else 0.06), side
 
 
 @pytest.mark.parametrize("name", FILES)
