@@ -148,7 +148,8 @@ def _read(archive: zipfile.ZipFile, path) -> ScatteringFile:
     if facts["version"] != VERSION:
         raise FileFormatError(
             path,
-            f"has the version {facts['version']!r}, expected {VERSION}; it was made by another version of Lumenray",
+            f"has the version {facts['version']!r}, expected {VERSION}; another version of Lumenray made it, "
+            "make it again from its source",
         )
     sides: dict[str, Scatter] = {}
     for side, own in facts["sides"].items():
