@@ -43,10 +43,10 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
     )
 
     luminaire_folder: StringProperty(
-        name="Own luminaires",
+        name="Own assets",
         description=(
-            "Folder of your own luminaires, shown in the Asset Browser once 'lumenray luminaire library FOLDER' has made "
-            "assets of its photometric files"
+            "Folder of your own luminaires and materials, shown in the Asset Browser once 'lumenray luminaire library "
+            "FOLDER' has made assets of its photometric files, or 'lumenray brdf library FOLDER' of its materials.json"
         ),
         subtype="DIR_PATH",
         update=_follow_luminaire_folder,
@@ -57,7 +57,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         self.layout.use_property_split = True
         self.layout.prop(self, "memory_limit", text="Engine memory [GiB]")
         self.layout.prop(self, "solid_radius", text="Distributions [m]")
-        self.layout.prop(self, "luminaire_folder", text="Own luminaires")
+        self.layout.prop(self, "luminaire_folder", text="Own assets")
 
 
 def _preferences() -> LumenrayPreferences | None:

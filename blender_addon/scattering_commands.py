@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..engine.errors import FileFormatError, LumenrayError
+from .asset_library import material_command
 from .luminaire_commands import say
 
 GOOD_RECIPROCITY = 0.1
@@ -32,6 +33,7 @@ EPILOG = """examples:
   lumenray brdf check blinds.xml
   lumenray brdf convert alum_bronze.bsdf alum_bronze.lumbsdf --tolerance 0.01
   lumenray brdf process raw.csv sample.lumbsdf --report sample.png
+  lumenray brdf library ~/materials
 
 Formats (Zemax, LightTools, WINDOW XML, RGL, MERL, SPEOS, MDL, goniometer tables, our own) are told apart by the content of
 a file. Totals are hemispherical, weighed by V(lambda) at equal energy, the direct part included.
@@ -101,6 +103,8 @@ def add_commands(commands) -> None:
     )
     process.add_argument("--force", action="store_true", help="replace OUT if it is there")
 
+    material_command.add_to(tasks, "library", None)
+
     for task in (info, plot, check, convert):
         task.add_argument(
             "--tolerance",
@@ -136,6 +140,7 @@ def run(options) -> int:
         "check": _check,
         "convert": _convert,
         "process": _process,
+        "library": material_command.run,
     }
     return tasks[options.task](options)
 
@@ -226,7 +231,7 @@ def _totals(scatter, incidences=None):
     import numpy as np
 
     from ..engine.analysis.scattering_picture import luminous_mean
-    from ..engine.scattering.evaluation import incidences_of, is_isotropic, total
+    from ..engine.scattering.evaluation import incidences_of, is_isotropic, totals
     from ..engine.scattering.table import rotations_around
     from ..engine.scene.scattering import ScatterTable
 
@@ -238,8 +243,8 @@ def _totals(scatter, incidences=None):
         # Twice as many as the finest Klems ring has patches, so that each counts alike.
         rotations = np.arange(48) * np.pi / 24.0
     incidences = incidences_of(scatter) if incidences is None else incidences
-    made = [[total(scatter, s, p) for p in rotations] for s in incidences]
-    return luminous_mean(scatter.wavelengths, np.array(made)).mean(axis=1)
+    made = totals(scatter, incidences, rotations)
+    return luminous_mean(scatter.wavelengths, made).mean(axis=0)
 
 
 def _numbers(values) -> list:

@@ -17,7 +17,7 @@ STRONG = 1.0
 def add_command(commands):
     """Describe the command, below argparse's sub-parsers ``commands``; return its parser."""
     parser = commands.add_parser(
-        "sensitivity", help="what illuminance at sensors changes per 1 % of each material"
+        "sensitivity", help="what illuminance at sensors changes per 1 %% of each material"
     )
     parser.add_argument(
         "--sensors",

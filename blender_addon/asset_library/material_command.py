@@ -19,9 +19,11 @@ def add_options(parser, folder: Path | None = None) -> None:
     )
 
 
-def add_to(commands, name: str = "assets", folder: Path = LIBRARY) -> None:
+def add_to(commands, name: str = "assets", folder: Path | None = LIBRARY) -> None:
     """Add the command below argparse's sub-parsers ``commands``; it works on a folder if none is given."""
-    parser = commands.add_parser(name, help=__doc__.split(";")[0])
+    parser = commands.add_parser(
+        name, help="make a Blender asset library of a folder of materials, with pictures"
+    )
     add_options(parser, folder)
     parser.set_defaults(run=run)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..scene.memo import recall_latest
 from ..scene.scattering import ScatterTable
-from .table import albedo_of, direction_of, is_symmetric
+from .table import albedos_of, direction_of, is_symmetric
 
 POINTS = 4
 """Points along each side of a cell, both ends among them: of many cells only a corner is above the horizon."""
@@ -71,9 +71,9 @@ def _find_cells(table: ScatterTable) -> TableCells:
     within = np.where(
         rings[..., None] > 0.0, mass / np.maximum(rings[..., None], 1e-300), 1.0 / mass.shape[3]
     )
-    albedo = [[albedo_of(table, s, p) for s in table.incidences] for p in table.rotations]
+    albedo = albedos_of(table, table.incidences, table.rotations)
     return TableCells(
-        mass / np.maximum(angle, 1e-300), _cumulative(rings), _cumulative(within), np.array(albedo)
+        mass / np.maximum(angle, 1e-300), _cumulative(rings), _cumulative(within), albedo
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .patches import albedo_of_patches, evaluate_patches, reciprocity_of
-from .table import albedo_of, direct_share, evaluate_table, is_symmetric
+from .table import albedo_of, albedos_of, direct_share, evaluate_table, is_symmetric
 from .tree import albedo_of_tree, evaluate_tree
 
 CHECKED = 4096
@@ -42,11 +42,19 @@ def albedo(scatter: Scatter, incidence: float, rotation: float = 0.0) -> np.ndar
 
 def total(scatter: Scatter, incidence: float, rotation: float = 0.0) -> np.ndarray:
     """Hemispherical reflectance or transmittance for light from one direction, direct part included. (w,) [-]"""
-    made = albedo(scatter, incidence, rotation)
-    if isinstance(scatter, ScatterTable) and scatter.direct is not None:
-        sine = np.sin(incidence)
-        wi = np.array([[sine * np.cos(rotation), sine * np.sin(rotation), np.cos(incidence)]])
-        made = made + direct_share(scatter, wi)[0]
+    return totals(scatter, [incidence], [rotation])[0, 0]
+
+
+def totals(scatter: Scatter, incidences, rotations) -> np.ndarray:
+    """What `total` tells for all of some incidences and rotations. (s,), (p,) -> (p, s, w) [-]"""
+    if not isinstance(scatter, ScatterTable):
+        return np.array([[albedo(scatter, s, p) for s in incidences] for p in rotations])
+    made = albedos_of(scatter, incidences, rotations)
+    if scatter.direct is not None:
+        turn, tilt = (axis.ravel() for axis in np.meshgrid(rotations, incidences, indexing="ij"))
+        sine = np.sin(tilt)
+        wi = np.stack([sine * np.cos(turn), sine * np.sin(turn), np.cos(tilt)], axis=1)
+        made = made + direct_share(scatter, wi).reshape(made.shape)
     return made
 
 

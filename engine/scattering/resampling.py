@@ -13,7 +13,15 @@ import numpy as np
 
 from ..errors import SceneError
 from ..scene.scattering import ScatterTable
-from .table import albedo_of, direction_of, interpolate, place_on, quadrature, turned
+from .table import (
+    albedos_of,
+    direction_of,
+    grid_weights,
+    interpolate,
+    place_on,
+    quadrature,
+    turned,
+)
 
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values for pairs of directions wi, wo: (n, 3), (n, 3) -> (n, w). [1/sr]"""
@@ -233,7 +241,7 @@ class _Maker:
             is_orthotropic=self.is_orthotropic,
         )
         # Near grazing incidence a coarse grid may scatter more than comes, until totals are kept.
-        albedo = min(max(albedo_of(made, s).max() for s in self.incidences), 1.0)
+        albedo = min(albedos_of(made, self.incidences, self.rotations).max(), 1.0)
         self.floor = max(FLOOR * albedo / np.pi, 1e-12)
         return made
 
@@ -301,13 +309,14 @@ class _Maker:
         values = table.values.copy()
         for s, incidence in enumerate(self.incidences):
             radial, azimuth, weight = quadrature(table, incidence, FINE)
+            weights = grid_weights(table, incidence, FINE)
             tilt = np.full_like(radial, incidence)
             for p, rotation in enumerate(self.rotations):
                 turn = np.full_like(radial, rotation)
                 true = weight @ self.ask(turn, tilt, radial, azimuth)
                 if incidence > GRAZING:
                     true = np.minimum(true, 1.0)
-                made = weight @ interpolate(table, turn, tilt, radial, azimuth)
+                made = np.tensordot(values[p, s], weights, ((0, 1), (0, 1)))
                 values[p, s] *= np.where(made > 0.0, true / np.maximum(made, 1e-30), 1.0)
         return replace(table, values=values)
 

@@ -8,7 +8,7 @@ from ..errors import SceneError
 from ..scene.material import Measured
 from ..scene.memo import recall_latest
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
-from .evaluation import evaluate, incidences_of, total
+from .evaluation import evaluate, incidences_of, totals
 from .patches import check_patches
 from .record import SIDES
 from .table import check_table, direction_of, fold_rotation, place_on, rotations_around, turned
@@ -111,19 +111,14 @@ def _find_side_totals(parts: list[Scatter]):
         turns.append(np.arange(24) * np.pi / 12.0)
     rotations = np.unique(np.concatenate(turns))
     wavelengths = np.unique(np.concatenate([part.wavelengths for part in parts]))
-    totals = np.zeros((len(rotations), len(incidences), len(wavelengths)))
+    made = np.zeros((len(rotations), len(incidences), len(wavelengths)))
     for part in parts:
         is_one = isinstance(part, ScatterTable) and len(part.rotations) == 1
-        found = np.array(
-            [
-                [total(part, s, p) for s in incidences]
-                for p in (rotations[:1] if is_one else rotations)
-            ]
-        )
+        found = totals(part, incidences, rotations[:1] if is_one else rotations)
         below, share = place_on(part.wavelengths, wavelengths)
         above = np.minimum(below + 1, len(part.wavelengths) - 1)
-        totals += found[..., below] * (1.0 - share) + found[..., above] * share
-    return (rotations, incidences, wavelengths), totals
+        made += found[..., below] * (1.0 - share) + found[..., above] * share
+    return (rotations, incidences, wavelengths), made
 
 
 def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:
@@ -131,8 +126,8 @@ def _limited(part: Scatter, parts: list[Scatter | None], factor: float) -> dict:
 
     Tables are scaled per rotation, incidence and wavelength, matrices per ring, trees as a whole.
     """
-    axes, totals = _side_totals([each for each in parts if each is not None])
-    over = np.maximum(factor * totals, 1.0)
+    axes, shares = _side_totals([each for each in parts if each is not None])
+    over = np.maximum(factor * shares, 1.0)
     if isinstance(part, TensorTree):
         made = {"values": part.values / over.max()}
     elif isinstance(part, PatchMatrix):

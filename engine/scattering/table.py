@@ -200,9 +200,37 @@ def direct_share(table: ScatterTable, wi) -> np.ndarray:
 
 def albedo_of(table: ScatterTable, incidence: float, rotation: float = 0.0) -> np.ndarray:
     """Share of light from one direction that is scattered, without the direct part: integral of f cos. (w,) [-]"""
-    radial, azimuth, weight = quadrature(table, incidence)
-    turn, tilt = np.full_like(radial, rotation % (2.0 * np.pi)), np.full_like(radial, incidence)
-    return weight @ interpolate(table, turn, tilt, radial, azimuth)
+    return albedos_of(table, [incidence], [rotation])[0, 0]
+
+
+def albedos_of(table: ScatterTable, incidences, rotations) -> np.ndarray:
+    """Shares of light that are scattered, without the direct part. (s,), (p,) -> (p, s, w) [-]"""
+    folded = np.asarray(rotations, dtype=np.float64) % (2.0 * np.pi)
+    if table.is_orthotropic:
+        # The mirror image scatters as much.
+        folded, _ = fold_rotation(folded)
+    first, second, turn = _places_of_rotation(table, folded)
+    turn = turn[:, None]
+    made = np.zeros((len(folded), len(incidences), len(table.wavelengths)))
+    for k, incidence in enumerate(incidences):
+        weights = grid_weights(table, incidence)
+        for s, share in _corners(*place_on(table.incidences, incidence), len(table.incidences)):
+            each = share * np.tensordot(table.values[:, s], weights, ((1, 2), (0, 1)))
+            made[:, k] += (1.0 - turn) * each[first] + turn * each[second]
+    return made
+
+
+def grid_weights(table: ScatterTable, incidence: float, points: int = QUADRATURE) -> np.ndarray:
+    """Weights of a table's radial angles and azimuths in the integral of its values times the cosine of wo. (t, a) [sr]"""
+    radial, azimuth, weight = quadrature(table, incidence, points)
+    t, t_share = place_on(table.radials, radial)
+    a, a_share = place_on(table.azimuths, azimuth)
+    shape = len(table.radials), len(table.azimuths)
+    made = np.zeros(shape[0] * shape[1])
+    for dt, t_weight in _corners(t, t_share, shape[0]):
+        for da, a_weight in _corners(a, a_share, shape[1]):
+            made += np.bincount(dt * shape[1] + da, weight * t_weight * a_weight, len(made))
+    return made.reshape(shape)
 
 
 def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...blender_addon.asset_library import material_command
 from ...engine.errors import LumenrayError
-from ...engine.scattering.evaluation import total
+from ...engine.scattering.evaluation import totals
 from ...engine.scattering.record import ScatteringFile
 from ...engine.scattering.resampling import choose_bands, resample
 from ...engine.scattering.store import FORMAT, SUFFIX, write_store
@@ -187,7 +187,7 @@ def _totals(table: ScatterTable) -> np.ndarray:
     """Totals at the incidences and in the middles between them. (p, 2 s - 1, w)"""
     axis = table.incidences
     places = np.sort(np.concatenate([axis, 0.5 * (axis[1:] + axis[:-1])]))
-    return np.array([[total(table, s, p) for s in places] for p in table.rotations])
+    return totals(table, places, table.rotations)
 
 
 def _shifted(share: np.ndarray, step: int) -> np.ndarray:

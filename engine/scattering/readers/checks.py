@@ -4,7 +4,7 @@ import numpy as np
 
 from ...luminaires.record import Remark
 from ...scene.scattering import Scatter
-from ..evaluation import incidences_of, total
+from ..evaluation import incidences_of, totals
 
 MOST_LIGHT = 1.02
 """Share of light that may leave a surface before it is told: measurements are not better."""
@@ -17,9 +17,11 @@ LIMIT_POLAR = np.radians(85.0)
 
 
 def shares_of(scatter: Scatter) -> list[tuple[float, float]]:
-    """Angles of incidence with the share of light that is sent away, the largest of all wavelengths. [rad, -]"""
+    """Angles of incidence with the largest share of light that is sent away, of all rotations and bands. [rad, -]"""
     rotations = getattr(scatter, "rotations", np.zeros(1))
-    return [(s, total(scatter, s, p).max()) for s in incidences_of(scatter) for p in rotations]
+    incidences = incidences_of(scatter)
+    made = totals(scatter, incidences, rotations).max(axis=(0, 2))
+    return list(zip(incidences, made, strict=True))
 
 
 def tell_excess(side: str, shares: list[tuple[float, float]]) -> list[Remark]:

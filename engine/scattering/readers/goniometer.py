@@ -30,7 +30,7 @@ from ..measuring.raw_measurement import is_raw_measurement
 from ..record import ScatteringFile
 from ..resampling import resample
 from ..table import albedo_of
-from .checks import tell_excess
+from .checks import shares_of, tell_excess
 from .columns import Columns
 from .direction_samples import (
     MOST_POINTS,
@@ -98,8 +98,7 @@ def read_goniometer(data: bytes, path, tolerance: float = 0.02) -> ScatteringFil
     table = _make_table(columns, measured, tolerance)
     table = _scale(columns, measured, table, quantity)
     table = _repeat_rotations(columns, table)
-    shares = [(s, albedo_of(table, s, p).max()) for s in table.incidences for p in table.rotations]
-    measured.remarks += tell_excess(side, shares)
+    measured.remarks += tell_excess(side, shares_of(table))
     return ScatteringFile(
         Path(path),
         layout,

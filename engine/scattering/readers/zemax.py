@@ -9,7 +9,7 @@ from ...errors import FileFormatError
 from ...luminaires.record import Remark
 from ...scene.scattering import ScatterTable
 from ..record import ScatteringFile
-from ..table import albedo_of, direction_of, place_on
+from ..table import albedo_of, albedos_of, direction_of, place_on
 from .checks import LIMIT_POLAR, tell_excess, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
 from .words import Words
@@ -248,9 +248,7 @@ def _choose_tail(table: ScatterTable, totals: np.ndarray) -> ScatterTable:
     )
 
     def apart(made):
-        have = np.array(
-            [[albedo_of(made, s, p)[0] for s in made.incidences] for p in made.rotations]
-        )
+        have = albedos_of(made, made.incidences, made.rotations)[..., 0]
         known = (totals > 0.0) & (have > 0.0)
         return np.abs(np.log(have[known] / totals[known])).sum()
 
