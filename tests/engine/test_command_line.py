@@ -1,0 +1,29 @@
+"""The command line as a whole: every command explains itself."""
+
+import argparse
+
+import pytest
+from lumenray.blender_addon.command_line import build_parser
+
+
+def parsers(parser, words=()):
+    """A parser and all below it, by the words that lead there."""
+    yield " ".join(words), parser
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, below in action.choices.items():
+                yield from parsers(below, (*words, name))
+
+
+PARSERS = dict(parsers(build_parser()))
+
+
+@pytest.mark.parametrize("words", PARSERS)
+def test_help_is_printed(words):
+    """A per cent sign that is not doubled breaks the help of the command, and of the one above it."""
+    text = PARSERS[words].format_help()
+    assert f"lumenray {words}".strip() in text
+
+
+def test_commands_are_those_that_are_documented():
+    assert {"render", "bake", "measure", "brdf info", "brdf library", "sensitivity"} <= set(PARSERS)
