@@ -32,8 +32,9 @@ materials: setup ## compute the library's materials anew, render them and write 
 	$(PYTHON_IN_VENV) -m lumenray.libraries.materials assets --pictures all --sheet docs/pictures/material_library.png
 	@tests/real_blender/write_assets.sh materials
 
+# Two at a time: while one waits, for an engine that starts or a kernel that is compiled, the other computes.
 test: setup ## run the tests, all but those that need a real Blender
-	$(PYTHON_IN_VENV) -m pytest
+	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal
 
 validate: setup ## run the whole validation suite, other programs too, and write its report into docs/validation
 	$(VENV)/bin/lumenray validate --peers -o docs/validation

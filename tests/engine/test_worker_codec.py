@@ -128,7 +128,7 @@ Impostor = type("Material", (), {"id": "x"})
         np.array([object()]), np.array(["text"]), np.array([1j]), np.zeros(2, "i4,f4"),
         np.datetime64("2020"), ValueError("x"), Material,
     ],
-    ids=repr,
+    ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_is_not_known_is_refused_by_the_sender(value):
     with pytest.raises(CodecError, match=r"cannot be sent|no text"):
