@@ -83,7 +83,7 @@ def is_isotropic(scatter: Scatter) -> bool:
 def symmetry_of(scatter: Scatter) -> str:
     """Symmetry, for people."""
     if isinstance(scatter, ScatterTable) and scatter.is_orthotropic:
-        return "anisotropic, the same in mirrors along x and y"
+        return "anisotropic, orthotropic"
     if not is_isotropic(scatter):
         return "anisotropic"
     if isinstance(scatter, ScatterTable) and not is_symmetric(scatter):
