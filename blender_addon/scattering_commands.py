@@ -243,8 +243,10 @@ def _totals(scatter, incidences=None):
         # Twice as many as the finest Klems ring has patches, so that each counts alike.
         rotations = np.arange(48) * np.pi / 24.0
     incidences = incidences_of(scatter) if incidences is None else incidences
-    made = totals(scatter, incidences, rotations)
-    return luminous_mean(scatter.wavelengths, made).mean(axis=0)
+    made = luminous_mean(scatter.wavelengths, totals(scatter, incidences, rotations))
+    # Rotations may lie unevenly; between them totals are linear.
+    gaps = np.diff(rotations, append=rotations[0] + 2.0 * np.pi)
+    return np.average(made, axis=0, weights=gaps + np.roll(gaps, 1))
 
 
 def _numbers(values) -> list:

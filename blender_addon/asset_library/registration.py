@@ -22,7 +22,7 @@ MATERIALS_NAME = "Lumenray: materials"
 SHIPPED = {NAME: luminaires.FOLDER, MATERIALS_NAME: materials.LIBRARY}
 """Folders of the libraries that ship, by their names."""
 
-OWN_NAME = "Lumenray: own luminaires"
+OWN_NAME = "Lumenray: own assets"
 """Of the user's folder, in the Asset Browser."""
 
 

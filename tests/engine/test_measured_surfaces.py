@@ -217,6 +217,34 @@ def test_mirror_and_straight_parts_are_drawn_with_their_shares():
     assert np.array(through)[:, 0] == pytest.approx(0.3, rel=1e-5)
 
 
+@pytest.mark.parametrize("kind", ["fine bins", "coarse bins", "one interval", "two intervals"])
+def test_places_on_axes_are_those_of_a_search(kind):
+    import mitsuba as mi
+    from lumenray.engine.scattering.table import place_on
+    from lumenray.engine.scattering.table_lobe import MOST_BINS, Axis
+
+    rng = np.random.default_rng(3)
+    values = {
+        "fine bins": np.cumsum(rng.uniform(0.05, 1.0, 40)),
+        # Several grid lines in one bin, of which there are so many at most.
+        "coarse bins": np.concatenate([np.linspace(0.0, 0.2 / MOST_BINS, 5), [0.5, 1.0]]),
+        "one interval": np.array([0.3, 1.7]),
+        "two intervals": np.array([0.3, 0.4, 1.7]),
+    }[kind].astype(np.float32)
+    axis = Axis(values)
+    assert (axis.steps > 1) == (kind == "coarse bins")
+    span = float(values[-1] - values[0])
+    asked = rng.uniform(values[0] - 0.1 * span, values[-1] + 0.1 * span, 20_000)
+    asked = np.concatenate([asked, values, values[0] + span * rng.random(500) ** 12])
+    below, share = (np.array(made) for made in axis.place(mi.Float(asked.astype(np.float32)), True))
+    expected, expected_share = place_on(
+        values.astype(float), asked.astype(np.float32).astype(float)
+    )
+    # At a grid line either neighbour will do: what counts is the place.
+    assert np.allclose(below + share, expected + expected_share, atol=2e-3)
+    assert below.max() <= len(values) - 2
+
+
 def test_photometric_transport_weighs_the_bands_by_light_and_eye():
     nm = np.array([400.0, 480.0, 560.0, 640.0, 720.0])
     shares = np.array([0.1, 0.3, 0.8, 0.4, 0.2])

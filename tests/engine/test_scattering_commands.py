@@ -1,6 +1,7 @@
 """The commands ``lumenray brdf``: what they print, draw and write, and how they refuse."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,6 +33,23 @@ def paint(tmp_path):
     lobe = ggx(0.3, schlick)
     table = resample(lambda wi, wo: lobe(wi, wo) + 0.4 / np.pi, [550.0], tolerance=0.05)
     return write(tmp_path / "paint.lumbsdf", front_reflection=table)
+
+
+def test_totals_are_means_over_the_azimuth(capsys, tmp_path):
+    """Rotations of 0, 10 and 180 degrees; between them the reflectance goes linearly from 0.2 to 0.2 to 0.8 and back."""
+    matt = resample(lambert(1.0), [550.0])
+    shares = np.array([0.2, 0.2, 0.8], dtype=np.float32)[:, None, None, None, None]
+    turns = np.radians([0.0, 10.0, 180.0])
+    table = replace(
+        matt,
+        rotations=turns,
+        azimuths=2.0 * matt.azimuths,
+        values=matt.values * shares,
+    )
+    path = write(tmp_path / "grained.lumbsdf", front_reflection=table)
+    _, out, _ = run(capsys, "info", "--json", path)
+    mean = (10.0 * 0.2 + 170.0 * 0.5 + 180.0 * 0.5) / 360.0
+    assert json.loads(out)[0]["hemispherical_reflectance"][1] == pytest.approx(mean, rel=1e-3)
 
 
 FIELDS = {
