@@ -35,7 +35,7 @@ def incoming(
     reference,
     active,
     ratio,
-    without_bent_sun=False,
+    left_out=None,
     is_exact=False,
     guide=None,
     guided_ratio=1.0,
@@ -53,8 +53,7 @@ def incoming(
     reference : Point3f    The receiver: next-event from there competes with the ray's hits.
     active : Bool
     ratio : Float    Next-event samples at the receiver for every ray.
-    without_bent_sun : bool    Whether light of the sun over ideal glass and curved mirrors is left out, because it is traced
-        from the sun.
+    left_out : LeftOut or None    What is traced from the lights, and so does not count here; None: nothing.
     is_exact : bool    Whether no cells are read after all, but for light that was traced to them.
     guide : Guide or None    Competes with the rays of the receiver for what they read; None: nothing does.
     guided_ratio : Float    Samples of it for every ray.
@@ -82,7 +81,7 @@ def incoming(
         mi.Bool(False),
     )
     if not reads and scene.veil is None:
-        return _follow(scene, cells, rays, active, without_bent_sun, False, guide)
+        return _follow(scene, cells, rays, active, left_out, False, guide)
     # Most rays end where they land. The others are few, and go on in a kernel of their own.
     read, goes_on, forks = _look_up(scene, cells, rays, active, guide, reads)
     dr.eval(rays, read, goes_on, forks)
@@ -94,12 +93,33 @@ def incoming(
         followed += _fork(scene, rays.take(forked))
     if followed:
         onwards = _collect(followed)
-        found = _follow(scene, cells, onwards, mi.Bool(True), without_bent_sun, reads, guide)
+        found = _follow(scene, cells, onwards, mi.Bool(True), left_out, reads, guide)
         for whole, part in zip((rest, read), found, strict=True):
             # Two at most go on from one ray, so their order does not matter. Other modes would make the size a part of
             # the kernel.
             dr.scatter_add(whole, part, onwards.number, mode=dr.ReduceMode.Direct)
     return rest, read
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Light over ideal glass and curved mirrors to matt surfaces that is traced from the lights (see `light_paths`).
+
+    Parameters
+    ----------
+    suns : bool    Whether that of the suns is.
+    emitters : Bool or None    Which luminous surfaces' is, by number of the emitter; None: none's.
+    """
+
+    suns: bool
+    emitters: object = None
+
+    def has(self, emitter, active):
+        """Whether light of an emitter is left out."""
+        if self.emitters is None:
+            return mi.Bool(False)
+        number = dr.reinterpret_array(mi.UInt32, emitter)
+        return dr.gather(mi.Bool, self.emitters, number, active)
 
 
 @dataclass
@@ -254,7 +274,7 @@ def _against_guide(guide, rays: _Rays, si, side, pdf, active):
     return dr.select(active, paths.power_heuristic(pdf, found), 1.0)
 
 
-def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
+def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
     """Follow rays to their ends; returns as `incoming`."""
     spectral = is_spectral()
     context = mi.BSDFContext()
@@ -317,6 +337,8 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         found = paths.emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0)) * over
         weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
+        if left_out is not None:
+            glows &= ~(bent & traceable & left_out.has(emitter, glows))
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
         if scene.surroundings is not None:
             leaves = active & ~si.is_valid()
@@ -326,10 +348,9 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0)) * over
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
-            if without_bent_sun:
-                value -= dr.select(
-                    bent, scene.surroundings.sun_value(ray.d, away.wavelengths, leaves), 0.0
-                )
+            if left_out is not None and left_out.suns:
+                sun = scene.surroundings.sun_value(ray.d, away.wavelengths, leaves)
+                value -= dr.select(bent & traceable, sun, 0.0)
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- what a matt surface sends ----
@@ -441,7 +462,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
             anew &= ~mirrored
             bends &= ~mirrored
-        if without_bent_sun:
+        if left_out is not None:
             spreads = turned & ~delta
             bent = dr.select(spreads, False, bent | bends)
             traceable = dr.select(spreads, row > 0, traceable)

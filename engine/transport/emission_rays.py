@@ -1,9 +1,10 @@
-"""Rays from ideal lights, aimed at what may bend them.
+"""Rays from lights, aimed at what may bend them.
 
 Ideal lights are those that no scattered ray meets: points, spots, luminaires without an opening, and suns, which a ray
-meets too seldom to count. A pair of a light and a target is drawn, then a direction in the cone that the target's sphere
-fills as the light sees it (a place on the sphere's cross-section for a sun). Spheres may overlap: the flux of a ray is
-divided by the density with which all targets together would have drawn it, so every direction counts once.
+meets too seldom to count. Luminous surfaces may be as hard to find behind glass where they are small. A pair of a light
+and a target is drawn, of a surface a place on it, then a direction in the cone that the target's sphere fills as seen
+from there (a place on the sphere's cross-section for a sun). Spheres may overlap: the flux of a ray is divided by the
+density with which all targets together would have drawn it, so every direction counts once.
 """
 
 from dataclasses import dataclass
@@ -38,14 +39,17 @@ PROBE_SEED = 0x51A7
 COLUMNS = 4
 """Of the tables of lights and of targets: a vector and a number each."""
 
+IDEAL, SUN, SURFACE = 0, 1, 2
+"""How rays of a light begin: at a place, before everything, on a luminous surface."""
+
 
 @dataclass(frozen=True, eq=False)
-class IdealLight:
-    """A light that only sampling finds.
+class TracedLight:
+    """A light whose rays are traced.
 
     Parameters
     ----------
-    source : Source or None    A point, spot or luminaire; None for a sun.
+    source : Source or None    A point, spot, luminaire or luminous surface; None for a sun.
     number : int    Place among the sources of the scene's `LightTable`, or among the suns of its surroundings.
     kind : str    For people.
     """
@@ -54,8 +58,29 @@ class IdealLight:
     number: int
     kind: str
 
+    @property
+    def start(self) -> int:
+        """`IDEAL`, `SUN` or `SURFACE`."""
+        if self.source is None:
+            return SUN
+        return SURFACE if is_surface(self.source) else IDEAL
 
-def find_lights(scene) -> tuple[IdealLight, ...]:
+
+def is_surface(source: Source) -> bool:
+    """Tell whether a light is a luminous surface, as lamps with a body and glowing objects are."""
+    return source.luminaire is None and mi.has_flag(source.emitter.flags(), mi.EmitterFlags.Surface)
+
+
+def find_surfaces(scene) -> tuple[TracedLight, ...]:
+    """Luminous surfaces of a `CompiledScene`, in an order that follows from the scene alone."""
+    return tuple(
+        TracedLight(source, number, "luminous surface")
+        for number, source in enumerate(scene.lights.sources)
+        if source.centre is not None and is_surface(source)
+    )
+
+
+def find_ideal_lights(scene) -> tuple[TracedLight, ...]:
     """Ideal lights of a `CompiledScene`, in an order that follows from the scene alone."""
     found = []
     for number, source in enumerate(scene.lights.sources):
@@ -64,12 +89,12 @@ def find_lights(scene) -> tuple[IdealLight, ...]:
         if source.luminaire is not None:
             # Rays of ray sets are traced by themselves, see `ray_lights`.
             if source.luminaire.kind == POINT and source.luminaire.rays is None:
-                found.append(IdealLight(source, number, "luminaire without an opening"))
+                found.append(TracedLight(source, number, "luminaire without an opening"))
         elif mi.has_flag(source.emitter.flags(), mi.EmitterFlags.DeltaPosition):
-            found.append(IdealLight(source, number, "point or spot"))
+            found.append(TracedLight(source, number, "point or spot"))
     if scene.surroundings is not None:
         suns = range(len(scene.surroundings.suns))
-        found += [IdealLight(None, number, "sun") for number in suns]
+        found += [TracedLight(None, number, "sun") for number in suns]
     return tuple(found)
 
 
@@ -79,23 +104,27 @@ class EmissionRays:
     Parameters
     ----------
     scene : CompiledScene
-    lights : tuple of IdealLight    At least one.
+    lights : tuple of TracedLight    At least one.
     tree : SphereTree    What is aimed at.
     """
 
-    def __init__(self, scene, lights: tuple[IdealLight, ...], tree: SphereTree):
+    def __init__(self, scene, lights: tuple[TracedLight, ...], tree: SphereTree):
         self._scene, self.lights = scene, lights
-        self._has_suns = any(light.source is None for light in lights)
-        self._has_points = any(light.source is not None for light in lights)
+        self._has_suns = any(light.start == SUN for light in lights)
+        self._has_points = any(light.start == IDEAL for light in lights)
+        self._has_surfaces = any(light.start == SURFACE for light in lights)
         rows = np.zeros((table_size(len(lights)), COLUMNS))
         numbers = np.zeros((len(rows), 2))
         for i, light in enumerate(lights):
-            numbers[i] = light.number, light.source is None
+            numbers[i] = light.number, light.start
             if light.source is not None:
-                rows[i, :3], rows[i, 3] = light.source.centre, light.source.radius
+                rows[i, :3] = light.source.centre
+            if light.start == IDEAL:
+                # Of surfaces every ray has a place of its own, and needs no room for others.
+                rows[i, 3] = light.source.radius
         self._rows, self._numbers = upload(mi.Float, rows), upload(mi.UInt32, numbers)
         limit = int(np.clip(MAXIMUM_PAIRS // len(lights), 1, MAXIMUM_TARGETS))
-        is_sun = numbers[: len(lights), 1] > 0.0
+        is_sun = numbers[: len(lights), 1] == SUN
         spheres, counts = tree.cut(rows[: len(lights), :3], is_sun, limit)
         self.targets = spheres.shape[1]
         self.pairs = len(lights) * self.targets
@@ -127,7 +156,7 @@ class EmissionRays:
         Parameters
         ----------
         choice : Float    Number in [0, 1) that chooses light and target.
-        place, spread : Point2f    For the aim, and for the extent of a sun or spot.
+        place, spread : Point2f    For the aim, and for the extent of a sun, spot or surface.
         wavelengths : Spectrum or None    [nm]
 
         Returns
@@ -136,15 +165,19 @@ class EmissionRays:
         """
         last = dr.width(self._cdf) - 1
         pair = dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice)
-        start, direction, offset = self._aim(pair, place, spread)
-        amount = self._amount(pair, direction, wavelengths)
+        start, direction, offset, surface = self._aim(pair, place, spread)
+        amount = self._amount(pair, direction, wavelengths, surface)
         density = self._density(pair, start, direction)
         flux = dr.select(density > 0.0, amount / dr.maximum(density, 1e-30), 0.0)
-        is_sun, reach = self._is_sun(pair), self._scene.extent
+        is_sun, reach = self._starts(pair, SUN), self._scene.extent
         # Suns start before everything; others a little off their place, which may lie on a surface.
         back = dr.dot(start, direction) + 1.5 * reach
         first = dr.select(is_sun, start - direction * back, start + offset)
-        first = first + direction * dr.select(is_sun, 0.0, 2.0 * STEP * reach)
+        off = mi.Vector3f(direction)
+        if surface is not None:
+            out = dr.select(dr.dot(surface.n, direction) < 0.0, -surface.n, surface.n)
+            off = dr.select(self._starts(pair, SURFACE), out, off)
+        first = first + off * dr.select(is_sun, 0.0, 2.0 * STEP * reach)
         ray = mi.Ray3f(mi.Point3f(first), direction)
         if wavelengths is not None:
             ray.wavelengths = wavelengths
@@ -163,8 +196,8 @@ class EmissionRays:
     def _number(self, pair):
         return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2)
 
-    def _is_sun(self, pair):
-        return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2 + 1) > 0
+    def _starts(self, pair, kind: int):
+        return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2 + 1) == kind
 
     def _sun(self, number):
         """Direction to a sun and 1 - cos of its angular radius."""
@@ -176,8 +209,20 @@ class EmissionRays:
         return towards, cap
 
     def _aim(self, pair, place, spread):
-        """Line of light: a point of it, its direction, and the way to where the ray begins on a spot's disk."""
+        """Line of light.
+
+        Returns
+        -------
+        (Point3f, Vector3f, Vector3f, PositionSample3f or None)
+            A point of it, its direction, the way to where the ray begins on a spot's disk, and the place on a surface.
+        """
         centre, extent = self._row(self._rows, self._light(pair))
+        surface = None
+        if self._has_surfaces:
+            is_surface = self._starts(pair, SURFACE)
+            pointer = self._scene.lights.pointer(dr.select(is_surface, self._number(pair), 0))
+            surface = pointer.get_shape().sample_position(0.0, spread, is_surface)
+            centre = dr.select(is_surface, mi.Vector3f(surface.p), centre)
         sphere, radius = self._row(self._spheres, pair)
         away = sphere - centre
         _, cap = _solid_cap(away, radius + extent)
@@ -189,18 +234,18 @@ class EmissionRays:
         offset = frame.s * disk.x + frame.t * disk.y
         start = centre
         if self._has_suns:
-            is_sun = self._is_sun(pair)
+            is_sun = self._starts(pair, SUN)
             towards, size = self._sun(self._number(pair))
             sunwards = -mi.Frame3f(towards).to_world(_in_cap(size, spread))
             frame = mi.Frame3f(sunwards)
             disk = mi.warp.square_to_uniform_disk_concentric(place) * radius
             direction = dr.select(is_sun, sunwards, direction)
             start = dr.select(is_sun, sphere + frame.s * disk.x + frame.t * disk.y, start)
-        return start, direction, offset
+        return start, direction, offset, surface
 
-    def _amount(self, pair, direction, wavelengths):
-        """Intensity in a direction, or a sun's illuminance of a plane that faces it."""
-        scene, number, is_sun = self._scene, self._number(pair), self._is_sun(pair)
+    def _amount(self, pair, direction, wavelengths, surface):
+        """Intensity in a direction, or a sun's illuminance of a plane that faces it. ``surface``: as `_aim` gives it."""
+        scene, number, is_sun = self._scene, self._number(pair), self._starts(pair, SUN)
         amount = mi.Spectrum(0.0)
         if self._has_points:
             centre, _ = self._row(self._rows, self._light(pair))
@@ -209,11 +254,22 @@ class EmissionRays:
             if wavelengths is not None:
                 it.wavelengths = wavelengths
             # A sun's number is none of the table's, so the first light of it stands in.
+            is_point = self._starts(pair, IDEAL)
             index = dr.select(is_sun, 0, number)
             it.time = scene.lights.row(index)
             pointer = scene.lights.pointer(index)
-            ds, value = pointer.sample_direction(it, mi.Point2f(0.5), ~is_sun)
-            amount = dr.select(is_sun, 0.0, value * dr.square(ds.dist))
+            ds, value = pointer.sample_direction(it, mi.Point2f(0.5), is_point)
+            amount = dr.select(is_point, value * dr.square(ds.dist), amount)
+        if self._has_surfaces:
+            is_surface = self._starts(pair, SURFACE)
+            it, ds = dr.zeros(mi.Interaction3f), dr.zeros(mi.DirectionSample3f)
+            if wavelengths is not None:
+                it.wavelengths = wavelengths
+            ds.p, ds.n, ds.uv, ds.d = surface.p, surface.n, surface.uv, -direction
+            pointer = scene.lights.pointer(dr.select(is_surface, number, 0))
+            value = pointer.eval_direction(it, ds, is_surface)
+            value *= dr.abs(dr.dot(surface.n, direction)) / dr.maximum(surface.pdf, 1e-30)
+            amount = dr.select(is_surface, value, amount)
         if self._has_suns:
             si = dr.zeros(mi.SurfaceInteraction3f)
             if wavelengths is not None:
@@ -226,7 +282,7 @@ class EmissionRays:
 
     def _density(self, pair, start, direction):
         """Density with which a line would have been drawn, whatever the target: over solid angle, of suns over area."""
-        light, is_sun = self._light(pair), self._is_sun(pair)
+        light, is_sun = self._light(pair), self._starts(pair, SUN)
         chosen, targets = pair % self._targets, self._targets
         _, extent = self._row(self._rows, light)
 
@@ -259,12 +315,13 @@ class EmissionRays:
         lane = dr.arange(mi.UInt32, self.pairs * PROBES)
         pair, index = lane // PROBES, lane % PROBES
         seed = dr.opaque(mi.UInt32, PROBE_SEED)
-        _, direction, _ = self._aim(pair, sobol_pair(index, seed, 0), sobol_pair(index, seed, 1))
-        amount = dr.mean(self._amount(pair, direction, typical_wavelengths()))
+        places, spreads = sobol_pair(index, seed, 0), sobol_pair(index, seed, 1)
+        _, direction, _, surface = self._aim(pair, places, spreads)
+        amount = dr.mean(self._amount(pair, direction, typical_wavelengths(), surface))
         centre, extent = self._row(self._rows, self._light(pair))
         sphere, radius = self._row(self._spheres, pair)
         _, cap = _solid_cap(sphere - centre, radius + extent)
-        size = dr.select(self._is_sun(pair), dr.pi * dr.square(radius), dr.two_pi * cap)
+        size = dr.select(self._starts(pair, SUN), dr.pi * dr.square(radius), dr.two_pi * cap)
         size = dr.block_reduce(dr.ReduceOp.Add, size, PROBES)
         amount = dr.block_reduce(dr.ReduceOp.Add, amount, PROBES)
         size, amount = np.array(size, dtype=np.float64) * counts, np.array(amount, dtype=np.float64)

@@ -1,10 +1,11 @@
-"""Light traced from ideal lights over glass and mirrors to the surfaces where it lands: caustics.
+"""Light traced from lights over glass and mirrors to the surfaces where it lands: caustics.
 
 A point, a spot, a sun that shines through a solid glass or by a curved mirror gives light that no path from a receiver
-finds: every bend has one direction only. So these paths begin at the light. What is traced is exactly what the other
-estimators leave out, so that the parts add up:
+finds: every bend has one direction only. Of a small lamp in a glass body they find so little, and so seldom, that not even
+the error tells. So these paths begin at the light. What is traced is exactly what the other estimators leave out, so that
+the parts add up:
 
-- the light is ideal (see `emission_rays`);
+- the light is ideal, or a luminous surface that a pilot run shows to be hard to find (see `LightTracer._choose_surfaces`);
 - on its way it is bent at least once by a perfectly smooth surface that is no plane mirror known to next-event; straight
   passes through panes and cut-outs, and known mirrors, may come before, between and after, but do not count;
 - the path ends at the first surface that spreads light out. What is sent on from there is interreflection.
@@ -18,8 +19,17 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import table_size, upload
+from .cached_gather import LeftOut
 from .compile import CompiledScene
-from .emission_rays import EmissionRays, IdealLight, find_lights
+from .emission_rays import (
+    SUN,
+    SURFACE,
+    EmissionRays,
+    TracedLight,
+    find_ideal_lights,
+    find_surfaces,
+)
 from .landing import Deposits, follow, gather_deposits, join
 from .light_targets import find_targets
 from .ray_lights import RayLights
@@ -35,6 +45,13 @@ PILOT = 1 << 16
 
 PILOT_SEED = 0x2F6B
 """Of these paths; the same scene always gives the same choice."""
+
+LEAST_SHARE = 1e-3
+"""Share of a luminous surface's flux that must come over bends for it to be traced. [-]"""
+
+SMALL_SURFACE = 0.1
+"""Radius of a luminous surface over the way of its light, root mean square, below which rays from receivers seldom meet it
+over bends. [-]"""
 
 LEARNED = 0.7
 """Share of the choices that follow the pilot run; the rest follows the flux without regard to shadows."""
@@ -53,19 +70,21 @@ class LightTracer:
 
     Attributes
     ----------
-    lights : tuple of IdealLight
+    lights : tuple of TracedLight
     rays : RayLights
-    is_needed : bool    Whether there are both ideal lights and surfaces that bend light, or near light of ray sets.
+    is_needed : bool    Whether there are both lights to trace and surfaces that bend light, or near light of ray sets.
     reason : str    Why, for people.
     """
 
     def __init__(self, scene: CompiledScene):
         self.scene = scene
-        self.lights: tuple[IdealLight, ...] = find_lights(scene)
+        self.lights: tuple[TracedLight, ...] = find_ideal_lights(scene)
         targets = find_targets(scene)
         self._sampler = None
         if is_spectral():
             self._sampler = WavelengthSampler(scene.mean_light, "luminance")
+        if targets.tree is not None:
+            self.lights += self._choose_surfaces(targets)
         self._bends = bool(self.lights) and targets.tree is not None
         self.rays = RayLights(scene, self._sampler, len(self.lights))
         try:
@@ -89,9 +108,19 @@ class LightTracer:
         self.rays.close()
 
     @property
-    def has_suns(self) -> bool:
-        """Whether suns are among the lights: scattered rays meet them too, over ideal glass and mirrors."""
-        return self._bends and any(light.source is None for light in self.lights)
+    def left_out(self) -> LeftOut | None:
+        """What rays from receivers must not count, since it is traced; None: nothing that they could find."""
+        starts = {light.start for light in self.lights} if self._bends else set()
+        if not starts & {SUN, SURFACE}:
+            return None
+        numbers = [m.source.number for m in self.lights if m.start == SURFACE]
+        if not numbers:
+            return LeftOut(True)
+        table = np.zeros(table_size(max(numbers) + 1), dtype=bool)
+        table[numbers] = True
+        emitters = upload(mi.Bool, table)
+        dr.eval(emitters)
+        return LeftOut(SUN in starts, emitters)
 
     def trace(self, count: int, seed: int, index: int = 0) -> Deposits:
         """Trace paths.
@@ -112,6 +141,42 @@ class LightTracer:
                 width = min(LANES, count - first)
                 landed.append(self._launch(width, seed, index + first)[0])
         return join(landed, count, self._sampler is not None)
+
+    def _choose_surfaces(self, targets) -> tuple[TracedLight, ...]:
+        """Luminous surfaces of whose light enough comes over bends, and that are small for those who look from there."""
+        found = find_surfaces(self.scene)
+        if not found:
+            return ()
+        rays = EmissionRays(self.scene, found, targets.tree)
+        lane = dr.arange(mi.UInt32, PILOT)
+        seed = dr.opaque(mi.UInt32, PILOT_SEED)
+        first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
+        wavelengths = None if self._sampler is None else self._sampler.sample(first.x)
+        ray, flux, pair = rays.draw(
+            first.y,
+            sobol_pair(lane, seed, PAIR_PLACE),
+            sobol_pair(lane, seed, PAIR_SPREAD),
+            wavelengths,
+        )
+        end = follow(
+            self.scene,
+            ray,
+            random_stream(lane, seed),
+            dr.any(flux > 0.0),
+            lambda length: mi.Bool(False),
+        )
+        told = [mi.Float(pair // rays.targets), end["length"]]
+        made, told = gather_deposits(
+            end, self._sampler, end["throughput"] * flux, wavelengths, told
+        )
+        who, way = told[:, 0].astype(np.int64), told[:, 1].astype(np.float64)
+        total = np.array([light.source.flux for light in found])
+        radius = np.array([light.source.radius for light in found])
+        landed = np.bincount(who, made.flux, len(found)) / PILOT
+        square = (radius[who] / np.maximum(way, 1e-30)) ** 2
+        square = np.bincount(who, made.flux * np.minimum(square, 1.0), len(found)) / PILOT
+        is_hard = (landed > LEAST_SHARE * total) & (square < SMALL_SURFACE**2 * landed)
+        return tuple(light for light, hard in zip(found, is_hard, strict=True) if hard)
 
     def _learn(self) -> None:
         """Choose pairs by what lands of their light, so that a lamp in a closed room next door costs little."""
@@ -142,7 +207,7 @@ class LightTracer:
         return replace(made, light=pairs // np.uint32(self._rays.targets)), pairs
 
 
-def _explain(lights: tuple[IdealLight, ...], names: tuple[str, ...]) -> str:
+def _explain(lights: tuple[TracedLight, ...], names: tuple[str, ...]) -> str:
     if not lights:
         return "all light comes from surfaces that paths from receivers find"
     if not names:

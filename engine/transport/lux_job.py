@@ -203,7 +203,7 @@ class LuxJob:
             self.sampler = WavelengthSampler(scene.mean_light, kind)
         known = table.survey
         self.area, self.valid = known.area, known.valid
-        self._leaves_sun = tracer is not None and tracer.has_suns
+        self._left_out = None if tracer is None else tracer.left_out
         self._learn(known)
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
@@ -220,7 +220,7 @@ class LuxJob:
             if self.cells and options.cells:
                 sides, looks = sight.sides(self.cells)
                 self.sweeper = Sweeper(
-                    scene, self.cells, sides, seed, cancelled, self._leaves_sun, looks
+                    scene, self.cells, sides, seed, cancelled, self._left_out, looks
                 )
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
@@ -548,7 +548,7 @@ class LuxJob:
                 self.cells,
                 receiver,
                 is_exact=is_exact or self.sweeper is None,
-                without_bent_sun=self._leaves_sun,
+                left_out=self._left_out,
                 guide=self.guide if has_guide else None,
                 guided_ratio=dr.gather(mi.Float, guided, row) if has_guide else 1.0,
             )
@@ -588,7 +588,7 @@ class LuxJob:
             self.cells,
             Receiver(si, wavelengths, stream, point, mi.Float(1.0), _facing(si)),
             is_exact=self.sweeper is None,
-            without_bent_sun=self._leaves_sun,
+            left_out=self._left_out,
         )
         light = gather.photometric(self.sampler, value, wavelengths)
         square = dr.square(dr.select(dr.isfinite(light), light, 0.0))

@@ -77,7 +77,7 @@ class Sweeper:
     sides : (n,) array    Sides of cells that may be seen; all others are not read.
     seed : int
     cancelled : callable    Asked before every launch.
-    without_bent_sun : bool    As of `cached_gather.incoming`.
+    left_out : LeftOut or None    As of `cached_gather.incoming`.
     looks : (2 c,) array or None
         How often the job looks at every side. What light there is, is counted by it: the sunlit ground before a window holds
         a thousand times the light of the room. None: by area.
@@ -90,11 +90,11 @@ class Sweeper:
         sides: np.ndarray,
         seed: int,
         cancelled=lambda: False,
-        without_bent_sun: bool = False,
+        left_out=None,
         looks: np.ndarray | None = None,
     ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
-        self._without_bent_sun = without_bent_sun
+        self._left_out = left_out
         self.guide = None
         self.seed = seed
         self._luminous = cells.bands.luminous()
@@ -329,7 +329,7 @@ class Sweeper:
                 cells,
                 receiver(gather.PAIR_SCATTER),
                 is_apart=True,
-                without_bent_sun=self._without_bent_sun,
+                left_out=self._left_out,
                 guide=self.guide,
             ),
         ]

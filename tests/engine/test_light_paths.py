@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from baking_rooms import bake_in
 from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import (
+    AreaLight,
     Luminaire,
     Output,
     PointLight,
@@ -14,9 +16,11 @@ from lumenray.engine.scene.light import (
     SunLight,
 )
 from lumenray.engine.scene.material import (
+    Black,
     Cauchy,
     Dielectric,
     Diffuse,
+    Emission,
     Glossy,
     Material,
     Mix,
@@ -199,6 +203,41 @@ def test_a_spot_and_a_point_like_luminaire_send_what_they_state():
         tracer = tracer_of(GLASS, BLACK, room, glass, lamp)
         made = tracer.trace(PATHS, 2)
         assert_near(made.flux, flux, 2e-3)
+
+
+@pytest.mark.parametrize("name", ["sphere", "disk", "mesh", "both sides"])
+def test_a_small_luminous_surface_in_a_glass_ball_sends_out_all_its_light(name, transport):
+    """Nothing is absorbed: what the glass reflects comes back to the lamp, which lets it pass, or is black and small."""
+    room = replace(box(4, 4, 4, "black"), id="room", name="room")
+    glass, flux = ball("ball", 0.5, (2, 2, 2), "glass"), Output(Quantity.LUMINOUS_FLUX, 300.0)
+    place, radius = np.array([2.0, 2.0, 2.15]), 0.01
+    frame = np.eye(4)
+    frame[:3, 3] = place
+    square = quad("lamp", place - radius, (2 * radius, 0, 0), (0, 2 * radius, 0), "glow")
+    sides, luminance = 1, 300.0 / (4.0 * np.pi * radius**2)
+    if name == "both sides":
+        sides, luminance = 2, 0.5 * luminance
+    glow = Material("glow", "glow", Black(), Emission(Constant(1.0), luminance, None, sides == 2))
+    lamp = {
+        "sphere": (PointLight("lamp", "lamp", flux, place, radius),),
+        "disk": (AreaLight("lamp", "lamp", flux, frame, 2 * radius, 2 * radius, "ellipse"),),
+    }.get(name, (glow, square))
+    tracer = tracer_of(GLASS, BLACK, room, glass, *lamp, transport=transport)
+    made = tracer.trace(PATHS, 3)
+    assert_near(made.flux, 300.0, 2e-3)
+    assert tracer.left_out is not None and not tracer.left_out.suns
+
+
+def test_a_small_lamp_in_a_glass_ball_lights_a_room_as_its_lumens_say():
+    """A closed room of reflectance 0.5 takes in twice the lumens, however its lamp is wrapped in clear glass."""
+    room = replace(box(3, 3, 3), id="room", name="room")
+    bulb = ball("bulb", 0.03, (1.5, 1.5, 1.6), "glass", 48)
+    lamp = PointLight(
+        "lamp", "lamp", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 1.6]), 0.001
+    )
+    made = bake_in(session_of(paint(0.5), GLASS, room, bulb, lamp), ("room",), 64)
+    told = made.maps[0]
+    assert abs(told.mean - 2000.0 / 54.0) < 4.0 * told.mean_standard_error + 2e-3 * told.mean
 
 
 def test_every_light_has_its_share_and_hidden_ones_none():
@@ -417,7 +456,8 @@ def test_light_straight_through_a_pane_is_left_to_next_event():
     ("items", "is_needed"),
     [
         ((MIRROR, quad("m", (-1, -1, 1), (2, 0, 0), (0, 2, 0), "mirror"), point([0, 0, 2])), False),
-        ((GLASS, ball("b", 0.4, (0, 0, 1), "glass", 8), point([0, 0, 2], radius=0.01)), False),
+        ((GLASS, ball("b", 0.4, (0, 0, 1), "glass", 8), point([0, 0, 2], radius=0.01)), True),
+        ((GLASS, ball("b", 0.4, (0, 0, 1), "glass", 8), point([0, 0, 2], radius=0.5)), False),
         ((GLASS, ball("b", 0.4, (0, 0, 1), "glass", 8), point([0, 0, 2])), True),
         ((MIRROR, ball("b", 0.4, (0, 0, 1), "mirror", 8), sun([0, 0, -1])), True),
         ((Material("m", "m", Dielectric(Cauchy(1.5), 0.3)),
@@ -426,7 +466,7 @@ def test_light_straight_through_a_pane_is_left_to_next_event():
           quad("m", (-1, -1, 1), (2, 0, 0), (0, 2, 0), "m"), point([0, 0, 2])), False),
     ],
 )  # fmt: skip
-def test_tracing_is_needed_where_ideal_lights_meet_what_bends(items, is_needed):
+def test_tracing_is_needed_where_ideal_or_small_lights_meet_what_bends(items, is_needed):
     tracer = tracer_of(BLACK, quad("floor", (-2, -2, 0), (4, 0, 0), (0, 4, 0), "black"), *items)
     assert tracer.is_needed is is_needed
     assert (len(tracer.trace(1 << 14, 0).flux) > 0) is is_needed
