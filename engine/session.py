@@ -297,12 +297,14 @@ class Session:
         check_item(camera)
         with self._engine(settings.transport) as compiled:
             from .transport import picture
+            from .transport.bent_lights import bent_lights
 
             start = time.perf_counter()
-            made, samples = picture.render(
-                compiled, camera, settings, progress=progress, cancelled=self._cancelled
-            )
-            provenance = self._provenance(compiled, settings.seed, samples, start)
+            with bent_lights(compiled) as notes:
+                made, samples = picture.render(
+                    compiled, camera, settings, progress=progress, cancelled=self._cancelled
+                )
+            provenance = self._provenance(compiled, settings.seed, samples, start, notes)
             finished = Picture(**made, provenance=provenance)
             if settings.spectral_file and finished.bands is not None:
                 from .formats.exr import write_spectral
@@ -341,21 +343,24 @@ class Session:
         Cancelled    After `cancel`.
         """
         with self._engine(transport) as compiled:
+            from .transport.bent_lights import bent_lights
             from .transport.illuminance import Receivers, compute
 
             start = time.perf_counter()
-            estimate = compute(
-                compiled,
-                Receivers.at_points(positions, normals, kind),
-                rule,
-                seed,
-                SENSOR_GROUPS,
-                progress,
-                self._cancelled,
-                reflections,
-                colour,
-            )
-            provenance = self._provenance(compiled, seed, estimate.samples, start)
+            receivers = Receivers.at_points(positions, normals, kind)
+            with bent_lights(compiled) as notes:
+                estimate = compute(
+                    compiled,
+                    receivers,
+                    rule,
+                    seed,
+                    SENSOR_GROUPS,
+                    progress,
+                    self._cancelled,
+                    reflections,
+                    colour,
+                )
+            provenance = self._provenance(compiled, seed, estimate.samples, start, notes)
         mean, error = estimate.mean, estimate.standard_error
         if colour:
             return Measurement(mean[:, 1], error[:, 1], provenance, mean, error)
@@ -635,7 +640,9 @@ class Session:
             self._requirements = (key, requirements.analyse(self.scene, transport))
         return self._requirements[1]
 
-    def _provenance(self, compiled, seed: int, samples: int, start: float) -> Provenance:
+    def _provenance(
+        self, compiled, seed: int, samples: int, start: float, notes: tuple[str, ...] = ()
+    ) -> Provenance:
         return Provenance(
             engine_version=VERSION,
             variant=self._variant,
@@ -644,7 +651,7 @@ class Session:
             samples=samples,
             seconds=time.perf_counter() - start,
             decisions=compiled.requirements.reasons,
-            notes=tuple(compiled.notes),
+            notes=(*compiled.notes, *notes),
         )
 
 

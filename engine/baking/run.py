@@ -116,7 +116,6 @@ class Bake:
     departures: list[Departure] = field(default_factory=list)
     _done: float = 0.0
     _decisions: list[str] = field(default_factory=list)
-    _found: set[str] = field(default_factory=set)
     _start: float = field(default_factory=time.perf_counter)
 
     def run(self) -> BakeResult:
@@ -143,8 +142,7 @@ class Bake:
             samples = round(sum(s.sums.mean_samples for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
-            notes = tuple(note for note in provenance.notes if note not in self._found)
-            provenance = replace(provenance, decisions=decisions, notes=notes)
+            provenance = replace(provenance, decisions=decisions)
         self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
         maps = self._summarise(items, atlas, table, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
@@ -291,7 +289,9 @@ class Bake:
                 fineness=_fineness(self.order.rule),
             )
         tracer = finder = None
-        if self.order.caustics != "off":
+        if self.order.caustics == "off":
+            self._tell_missing(compiled)
+        else:
             tracer = LightTracer(compiled)
             if not tracer.is_needed and tracer.rays.is_kept_point:
                 self._decisions.append(tracer.reason)
@@ -303,7 +303,6 @@ class Bake:
                     tracer.close()
                     raise
                 self._decisions.append(tracer.reason)
-                self._found |= set(compiled.unfound)
             else:
                 tracer = None
                 if self.order.caustics == "on":
@@ -323,6 +322,15 @@ class Bake:
             if tracer is not None:
                 tracer.close()
             raise
+
+    def _tell_missing(self, compiled) -> None:
+        """Say what light a bake without paths from the lights lacks."""
+        tracer = LightTracer(compiled)
+        tracer.close()
+        if tracer.is_needed:
+            self.departures.append(
+                Departure("caustics", f"tracing from the lights is off, but {tracer.reason}", "that light is missing", True)
+            )  # fmt: skip
 
     def _run_layers(self, compiled, table, items, atlas) -> list[tuple[str, LayerState]]:
         """States of all layers by name; a single one without a name where no groups are asked for."""

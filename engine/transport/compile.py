@@ -19,16 +19,14 @@ from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_orde
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
 from ..scattering import plugin as scattering_plugin
-from ..scattering.surface import mirrors_light
-from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLight, SunLight
-from ..scene.material import Dielectric, Measured
+from ..scene.light import AreaLight, ImageWorld, Luminaire, SunLight
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..sky import plugin as sky_plugin
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
-from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp, reach_of
+from .lamps import Lamp, change_lamp, make_lamp, reach_of
 from .layers import Layer
 from .lights import LightTable, Source
 from .mirrors import MirrorSet, Plane, choose_planes
@@ -121,7 +119,8 @@ class CompiledScene:
         self.is_mirror = None
         self.indices: dict = {}
         self.notes: list[str] = []
-        self.unfound: list[str] = []
+        # Light over bends for the paths of a job, see `bent_lights`.
+        self.bent = None
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
         # Mitsuba visits every emitter that lives, so there is none without luminaires.
@@ -176,7 +175,7 @@ class CompiledScene:
         self._commit_light_table(scene)
         self._commit_tables()
         changes.is_rebuilt = self.solid.commit() | self._veil.commit()
-        self._note(scene)
+        self._note()
         return changes
 
     # ---- what a ray meets ----
@@ -360,6 +359,15 @@ class CompiledScene:
         """Emitters of the lights at work, by the lights' ids."""
         return {key: lamp.source for key, lamp in self._lamps.items()}
 
+    def named_sources(self):
+        """Yield the name of every light and glowing object at work with its emitter."""
+        for lamp in self._lamps.values():
+            yield lamp.item.name, lamp.source
+        for body in self._bodies.values():
+            for part in body.parts:
+                if part.source is not None:
+                    yield body.item.name, part.source
+
     def _commit_light_table(self, scene: Scene) -> None:
         """Bring bounds, mean light, portals, surroundings and the choice of lights up to date."""
         origin, self.radius = frame_of(*_bounds(scene, self._bodies.values()))
@@ -500,35 +508,9 @@ class CompiledScene:
 
     # ---- notes ----
 
-    def _note(self, scene: Scene) -> None:
-        """Say what is approximated, and which light the paths cannot find."""
+    def _note(self) -> None:
+        """Say what is approximated."""
         self.notes = self._finishes.notes()
-        used = [self._finishes.item(key) for key in sorted(self._users)]
-        glass = sorted(item.name for item in used if isinstance(item.surface, Dielectric))
-        points = sorted(
-            light.name
-            for light in scene.lights.values()
-            if isinstance(light, SpotLight)
-            or (isinstance(light, PointLight) and light.radius < DELTA_RADIUS)
-            or (isinstance(light, Luminaire) and light.opening.shape == "point")
-        )
-        self.unfound = []
-        if glass and points:
-            self.unfound.append(
-                f"light of '{points[0]}' that passes solid glass ('{glass[0]}') is missing: no path finds an ideal "
-                "point or spot through it; use a point light with a radius, or a pane"
-            )
-        mirrors = [
-            item.name
-            for item in used
-            if isinstance(item.surface, Measured) and mirrors_light(item.surface)
-        ]
-        if mirrors and points:
-            self.unfound.append(
-                f"light of '{points[0]}' that '{mirrors[0]}' reflects as a mirror is missing in pictures and at sensors: no "
-                "path finds an ideal point or spot in it; use a point light with a radius"
-            )
-        self.notes += self.unfound
 
 
 def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:

@@ -225,10 +225,10 @@ class EmissionRays:
             centre = dr.select(is_surface, mi.Vector3f(surface.p), centre)
         sphere, radius = self._row(self._spheres, pair)
         away = sphere - centre
-        _, cap = _solid_cap(away, radius + extent)
+        _, cap = solid_cap(away, radius + extent)
         distance = dr.norm(away)
         axis = dr.select(distance > 0.0, away / distance, mi.Vector3f(0.0, 0.0, 1.0))
-        direction = mi.Frame3f(axis).to_world(_in_cap(cap, place))
+        direction = mi.Frame3f(axis).to_world(in_cap(cap, place))
         disk = mi.warp.square_to_uniform_disk_concentric(spread) * extent
         frame = mi.Frame3f(direction)
         offset = frame.s * disk.x + frame.t * disk.y
@@ -236,7 +236,7 @@ class EmissionRays:
         if self._has_suns:
             is_sun = self._starts(pair, SUN)
             towards, size = self._sun(self._number(pair))
-            sunwards = -mi.Frame3f(towards).to_world(_in_cap(size, spread))
+            sunwards = -mi.Frame3f(towards).to_world(in_cap(size, spread))
             frame = mi.Frame3f(sunwards)
             disk = mi.warp.square_to_uniform_disk_concentric(place) * radius
             direction = dr.select(is_sun, sunwards, direction)
@@ -292,7 +292,7 @@ class EmissionRays:
             away = sphere - start
             along = dr.dot(away, direction)
             reach = radius + extent
-            is_inside, cap = _solid_cap(away, reach)
+            is_inside, cap = solid_cap(away, reach)
             is_met = dr.squared_norm(away - direction * along) <= dr.square(reach)
             is_met &= is_sun | is_inside | (along > 0.0)
             # Rounding may put a ray on the rim just outside the sphere that it was aimed at.
@@ -320,7 +320,7 @@ class EmissionRays:
         amount = dr.mean(self._amount(pair, direction, typical_wavelengths(), surface))
         centre, extent = self._row(self._rows, self._light(pair))
         sphere, radius = self._row(self._spheres, pair)
-        _, cap = _solid_cap(sphere - centre, radius + extent)
+        _, cap = solid_cap(sphere - centre, radius + extent)
         size = dr.select(self._starts(pair, SUN), dr.pi * dr.square(radius), dr.two_pi * cap)
         size = dr.block_reduce(dr.ReduceOp.Add, size, PROBES)
         amount = dr.block_reduce(dr.ReduceOp.Add, amount, PROBES)
@@ -338,7 +338,7 @@ class EmissionRays:
         return shares + FLOOR * even / even.sum() if even.sum() > 0.0 else shares
 
 
-def _solid_cap(away, radius):
+def solid_cap(away, radius):
     """Whether a place lies in a sphere, and 1 - cos of the half angle that the sphere fills, 2 from inside."""
     square, limit = dr.squared_norm(away), dr.square(radius)
     is_inside = square <= limit
@@ -346,7 +346,7 @@ def _solid_cap(away, radius):
     return is_inside, dr.select(is_inside, 2.0, sine / (1.0 + dr.safe_sqrt(1.0 - sine)))
 
 
-def _in_cap(cap, sample):
+def in_cap(cap, sample):
     """Even direction about +z within 1 - cos <= ``cap``; exact for the narrowest too."""
     height = sample.x * cap
     sine = dr.safe_sqrt(height * (2.0 - height))

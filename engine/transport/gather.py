@@ -102,6 +102,13 @@ def spectral_illuminance(
                 limit,
             )
 
+    if scene.bent is not None:
+
+        def respond_alone(direction, asked):
+            return dr.select(asked, respond(direction), 0.0)
+
+        total += scene.bent.light(si, stream, respond_alone, active, limit=limit)
+
     if is_planar:
         local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
         pdf = mi.warp.square_to_cosine_hemisphere_pdf(local)

@@ -5,7 +5,7 @@ finds: every bend has one direction only. Of a small lamp in a glass body they f
 the error tells. So these paths begin at the light. What is traced is exactly what the other estimators leave out, so that
 the parts add up:
 
-- the light is ideal, or a luminous surface that a pilot run shows to be hard to find (see `LightTracer._choose_surfaces`);
+- the light is ideal, or a luminous surface that a pilot run shows to be hard to find (see `find_bent_lights`);
 - on its way it is bent at least once by a perfectly smooth surface that is no plane mirror known to next-event; straight
   passes through panes and cut-outs, and known mirrors, may come before, between and after, but do not count;
 - the path ends at the first surface that spreads light out. What is sent on from there is interreflection.
@@ -32,6 +32,7 @@ from .emission_rays import (
 )
 from .landing import Deposits, follow, gather_deposits, join
 from .light_targets import find_targets
+from .paths import closest_hit
 from .ray_lights import RayLights
 from .sampler import random_stream, sobol_pair
 from .textures import is_spectral
@@ -78,13 +79,11 @@ class LightTracer:
 
     def __init__(self, scene: CompiledScene):
         self.scene = scene
-        self.lights: tuple[TracedLight, ...] = find_ideal_lights(scene)
         targets = find_targets(scene)
         self._sampler = None
         if is_spectral():
             self._sampler = WavelengthSampler(scene.mean_light, "luminance")
-        if targets.tree is not None:
-            self.lights += self._choose_surfaces(targets)
+        self.lights = find_bent_lights(scene, targets.tree, self._sampler)
         self._bends = bool(self.lights) and targets.tree is not None
         self.rays = RayLights(scene, self._sampler, len(self.lights))
         try:
@@ -110,17 +109,7 @@ class LightTracer:
     @property
     def left_out(self) -> LeftOut | None:
         """What rays from receivers must not count, since it is traced; None: nothing that they could find."""
-        starts = {light.start for light in self.lights} if self._bends else set()
-        if not starts & {SUN, SURFACE}:
-            return None
-        numbers = [m.source.number for m in self.lights if m.start == SURFACE]
-        if not numbers:
-            return LeftOut(True)
-        table = np.zeros(table_size(max(numbers) + 1), dtype=bool)
-        table[numbers] = True
-        emitters = upload(mi.Bool, table)
-        dr.eval(emitters)
-        return LeftOut(SUN in starts, emitters)
+        return left_out_of(self.lights) if self._bends else None
 
     def trace(self, count: int, seed: int, index: int = 0) -> Deposits:
         """Trace paths.
@@ -141,42 +130,6 @@ class LightTracer:
                 width = min(LANES, count - first)
                 landed.append(self._launch(width, seed, index + first)[0])
         return join(landed, count, self._sampler is not None)
-
-    def _choose_surfaces(self, targets) -> tuple[TracedLight, ...]:
-        """Luminous surfaces of whose light enough comes over bends, and that are small for those who look from there."""
-        found = find_surfaces(self.scene)
-        if not found:
-            return ()
-        rays = EmissionRays(self.scene, found, targets.tree)
-        lane = dr.arange(mi.UInt32, PILOT)
-        seed = dr.opaque(mi.UInt32, PILOT_SEED)
-        first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
-        wavelengths = None if self._sampler is None else self._sampler.sample(first.x)
-        ray, flux, pair = rays.draw(
-            first.y,
-            sobol_pair(lane, seed, PAIR_PLACE),
-            sobol_pair(lane, seed, PAIR_SPREAD),
-            wavelengths,
-        )
-        end = follow(
-            self.scene,
-            ray,
-            random_stream(lane, seed),
-            dr.any(flux > 0.0),
-            lambda length: mi.Bool(False),
-        )
-        told = [mi.Float(pair // rays.targets), end["length"]]
-        made, told = gather_deposits(
-            end, self._sampler, end["throughput"] * flux, wavelengths, told
-        )
-        who, way = told[:, 0].astype(np.int64), told[:, 1].astype(np.float64)
-        total = np.array([light.source.flux for light in found])
-        radius = np.array([light.source.radius for light in found])
-        landed = np.bincount(who, made.flux, len(found)) / PILOT
-        square = (radius[who] / np.maximum(way, 1e-30)) ** 2
-        square = np.bincount(who, made.flux * np.minimum(square, 1.0), len(found)) / PILOT
-        is_hard = (landed > LEAST_SHARE * total) & (square < SMALL_SURFACE**2 * landed)
-        return tuple(light for light, hard in zip(found, is_hard, strict=True) if hard)
 
     def _learn(self) -> None:
         """Choose pairs by what lands of their light, so that a lamp in a closed room next door costs little."""
@@ -205,6 +158,89 @@ class LightTracer:
             end, self._sampler, end["throughput"] * flux, wavelengths, pair
         )
         return replace(made, light=pairs // np.uint32(self._rays.targets)), pairs
+
+
+def find_bent_lights(scene: CompiledScene, tree, sampler) -> tuple[TracedLight, ...]:
+    """Lights whose light over bends has to be traced: ideal ones, and small luminous surfaces.
+
+    The latter are those of which enough comes over bends and which are small for those who look from where it lands.
+
+    Parameters
+    ----------
+    tree : SphereTree or None    Of what bends light; None: nothing does.
+    sampler : WavelengthSampler or None    None in photometric variants.
+    """
+    ideal = find_ideal_lights(scene)
+    found = find_surfaces(scene) if tree is not None else ()
+    if not found:
+        return ideal
+    landed = send_pilot(scene, EmissionRays(scene, found, tree), sampler, PILOT)
+    who = landed["light"]
+    total = np.array([light.source.flux for light in found])
+    radius = np.array([light.source.radius for light in found])
+    flux = np.bincount(who, landed["flux"], len(found))
+    square = np.minimum(radius[who] / np.maximum(landed["length"], 1e-30), 1.0) ** 2
+    square = np.bincount(who, landed["flux"] * square, len(found))
+    is_hard = (flux > LEAST_SHARE * total) & (square < SMALL_SURFACE**2 * flux)
+    return ideal + tuple(light for light, hard in zip(found, is_hard, strict=True) if hard)
+
+
+def left_out_of(lights) -> LeftOut | None:
+    """What scattered rays must not count of light that is traced; None where they would find none of it."""
+    starts = {light.start for light in lights}
+    if not starts & {SUN, SURFACE}:
+        return None
+    numbers = [light.source.number for light in lights if light.start == SURFACE]
+    if not numbers:
+        return LeftOut(True)
+    table = np.zeros(table_size(max(numbers) + 1), dtype=bool)
+    table[numbers] = True
+    emitters = upload(mi.Bool, table)
+    dr.eval(emitters)
+    return LeftOut(SUN in starts, emitters)
+
+
+def send_pilot(scene: CompiledScene, rays: EmissionRays, sampler, count: int) -> dict:
+    """Trace paths over bends, and tell of each that lands, or leaves the scene, by which line it came.
+
+    Returns
+    -------
+    dict    Of arrays by path: ``light`` and ``flux`` [lm], its share of the whole; ``start``
+        and ``direction`` (m, 3) of the last line, in the scene's frame, and ``way`` along it [m]; ``length`` of the whole
+        path; ``reach`` from the light to what it met first [m].
+    """
+    lane = dr.arange(mi.UInt32, count)
+    seed = dr.opaque(mi.UInt32, PILOT_SEED)
+    first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
+    wavelengths = None if sampler is None else sampler.sample(first.x)
+    ray, flux, pair = rays.draw(
+        first.y,
+        sobol_pair(lane, seed, PAIR_PLACE),
+        sobol_pair(lane, seed, PAIR_SPREAD),
+        wavelengths,
+    )
+    begins = dr.any(flux > 0.0)
+    reach = closest_hit(scene, ray, begins).t
+    end = follow(scene, ray, random_stream(lane, seed), begins, lambda length: mi.Bool(False))
+    last = end["ray"]
+    way = closest_hit(scene, last, begins).t
+    # Sensors may stand where nothing else does, so light that leaves counts too.
+    leaves = (end["bends"] > 0) & ~end["landed"] & ~dr.isfinite(way)
+    end["landed"] |= leaves
+    way = dr.select(leaves, scene.extent, way)
+    length = end["length"] + dr.select(leaves, scene.extent, 0.0)
+    told = [mi.Float(pair), *last.o, *last.d, way, length, reach]
+    made, told = gather_deposits(end, sampler, end["throughput"] * flux, wavelengths, told)
+    told = told.astype(np.float64)
+    return {
+        "light": told[:, 0].astype(np.int64) // rays.targets,
+        "flux": made.flux / count,
+        "start": told[:, 1:4],
+        "direction": told[:, 4:7],
+        "way": told[:, 7],
+        "length": told[:, 8],
+        "reach": told[:, 9],
+    }
 
 
 def _explain(lights: tuple[TracedLight, ...], names: tuple[str, ...]) -> str:

@@ -210,6 +210,12 @@ def trace(
     }
 
     has_mirrors = scene.mirrors is not None
+    # Light over bends has its own estimator at vertices that spread it out, receivers among them.
+    has_bent = scene.bent is not None
+    if has_bent:
+        state["spread"] = mi.Bool(depth > 0)
+        state["bent"] = mi.Bool(False)
+        state["active"] = state.pop("active")
     # A receiver counts as the first scattering but reflects nothing.
     last = None if limit is None else limit + (depth - 1)
 
@@ -225,8 +231,9 @@ def trace(
         chain,
         dispersed,
         eta,
-        active,
+        *more,
     ):
+        *bending, active = more
         si = closest_hit(scene, ray, active)
         if spectral:
             si.wavelengths = ray.wavelengths
@@ -249,6 +256,10 @@ def trace(
             found *= over
         weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
+        if has_bent:
+            spread, bent = bending
+            left_out = scene.bent.left_out
+            glows &= ~(bent & spread & left_out.has(emitter, glows))
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
 
         if scene.surroundings is not None:
@@ -261,6 +272,9 @@ def trace(
                 found *= over
             weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
+            if has_bent and left_out.suns:
+                sun = scene.surroundings.sun_value(ray.d, away.wavelengths, leaves)
+                value -= dr.select(bent & spread, sun, 0.0)
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- next event ----
@@ -296,6 +310,15 @@ def trace(
                 amount = mirrored_light(scene, si, mirror_sample, stream, respond, smooth, rest)
                 radiance = radiance + throughput * amount
 
+        if has_bent:
+
+            def respond_alone(direction, asked, si=si, bsdf=bsdf):
+                return bsdf.eval_pdf(context, si, si.to_local(direction), asked)[0]
+
+            rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
+            amount = scene.bent.light(si, stream, respond_alone, smooth, dispersed, rest)
+            radiance = radiance + throughput * amount
+
         # ---- scattering ----
         bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
         straight = hidden | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
@@ -321,6 +344,10 @@ def trace(
             reference = dr.select(mirrored, image, reference)
             chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
             anew &= ~mirrored
+        if has_bent:
+            spreads = turned & ~delta
+            spread |= spreads
+            bent = dr.select(spreads, False, bent | (anew & delta))
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
         eta = dr.select(turned, eta * bs.eta, eta)
@@ -336,8 +363,9 @@ def trace(
         active &= alive & goes_on
         if last is not None:
             active &= depth <= last + 1
+        bending = (spread, bent) if has_bent else ()
         return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, eta, active
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, eta, *bending, active
         )  # fmt: skip
 
     result = dr.while_loop(

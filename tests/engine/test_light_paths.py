@@ -5,6 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake_in
+from glass_scenes import (
+    BLACK,
+    CANDELA,
+    GLASS,
+    INDEX,
+    MIRROR,
+    ball,
+    fresnel,
+    point,
+    slab,
+    sun,
+    through_slab,
+)
 from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import (
     AreaLight,
@@ -13,7 +26,6 @@ from lumenray.engine.scene.light import (
     PointLight,
     Quantity,
     SpotLight,
-    SunLight,
 )
 from lumenray.engine.scene.material import (
     Black,
@@ -21,7 +33,6 @@ from lumenray.engine.scene.material import (
     Dielectric,
     Diffuse,
     Emission,
-    Glossy,
     Material,
     Mix,
     ThinGlass,
@@ -33,56 +44,7 @@ from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
-CANDELA = Output(Quantity.LUMINOUS_INTENSITY, 100.0)
-LUX = Output(Quantity.ILLUMINANCE, 1000.0)
-INDEX = 1.5
-GLASS = Material("glass", "glass", Dielectric(Cauchy(INDEX)))
-MIRROR = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))
-BLACK = paint(0.0, "black")
 PATHS = 1 << 19
-
-
-def ball(name, radius, centre, material, rings=96):
-    """Sphere of many triangles with the true sphere's normals."""
-    theta = np.linspace(0.0, np.pi, rings + 1)
-    phi = np.linspace(0.0, 2.0 * np.pi, 2 * rings, endpoint=False)
-    unit = np.stack(
-        [
-            np.outer(np.sin(theta), np.cos(phi)),
-            np.outer(np.sin(theta), np.sin(phi)),
-            np.outer(np.cos(theta), np.ones_like(phi)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    row, column = (x.ravel() for x in np.mgrid[0:rings, 0 : 2 * rings])
-    a, b = row * 2 * rings + column, row * 2 * rings + (column + 1) % (2 * rings)
-    c, d = a + 2 * rings, b + 2 * rings
-    upper = np.stack([a, c, d], axis=1)[row < rings - 1]
-    triangles = np.concatenate([upper, np.stack([a, d, b], axis=1)[row > 0]]).astype(np.int32)
-    return Mesh(
-        name,
-        name,
-        radius * unit + np.asarray(centre, float),
-        triangles,
-        (material,),
-        np.zeros(len(triangles), np.int32),
-        corner_normals=unit[triangles].astype(np.float32),
-    )
-
-
-def slab(low, high, material="glass", name="slab"):
-    low, high = np.asarray(low, float), np.asarray(high, float)
-    made = box(*(high - low), material, inwards=False)
-    return replace(made, id=name, name=name, vertices=made.vertices + low)
-
-
-def point(position, **more):
-    return PointLight("lamp", "lamp", CANDELA, np.asarray(position, float), **more)
-
-
-def sun(direction, angle=0.0, output=LUX):
-    direction = np.asarray(direction, float)
-    return SunLight("sun", "sun", output, direction / np.linalg.norm(direction), angle)
 
 
 def tracer_of(*items, transport="auto"):
@@ -115,15 +77,6 @@ def assert_near(flux, expected, systematic=1e-3):
     assert abs(flux.sum() - expected) < 4.5 * error + systematic * expected, (
         f"{flux.sum()} against {expected} with a standard error of {error}"
     )
-
-
-def fresnel(angle, index):
-    """Mean reflectance of both polarisations from outside and the angle inside. (n,) [rad]"""
-    inside = np.arcsin(np.sin(angle) / index)
-    a, b = np.cos(angle), np.cos(inside)
-    s = (a - index * b) / (a + index * b)
-    p = (index * a - b) / (index * a + b)
-    return 0.5 * (s**2 + p**2), inside
 
 
 # ---- flux is kept ----
@@ -262,14 +215,6 @@ def test_every_light_has_its_share_and_hidden_ones_none():
 
 
 # ---- plane-parallel glass ----
-
-
-def through_slab(angle, gap, thickness, orders=12):
-    """Radii where light of a point lands under a slab, and share of it, by order of inner reflection. (orders, n) [m]"""
-    reflected, inside = fresnel(angle, INDEX)
-    passes = 2 * np.arange(orders)[:, None] + 1
-    radius = gap * np.tan(angle) + passes * thickness * np.tan(inside)
-    return radius, (1.0 - reflected) ** 2 * reflected ** (passes - 1)
 
 
 def test_illuminance_under_a_slab_follows_snell_and_fresnel(transport):
