@@ -288,40 +288,38 @@ class Bake:
                 adaptive=count <= MOST_ADAPTIVE,
                 fineness=_fineness(self.order.rule),
             )
-        tracer = finder = None
+        tracer = None
         if self.order.caustics == "off":
             self._tell_missing(compiled)
         else:
             tracer = LightTracer(compiled)
-            if not tracer.is_needed and tracer.rays.is_kept_point:
+            if tracer.is_needed or tracer.rays.is_kept_point:
                 self._decisions.append(tracer.reason)
-            if tracer.is_needed:
-                keys, meshes = [item.key for item in items], [item.mesh for item in items]
-                try:
-                    finder = LumelFinder(compiled, keys, meshes, atlas, table)
-                except BaseException:
-                    tracer.close()
-                    raise
-                self._decisions.append(tracer.reason)
-            else:
-                tracer = None
-                if self.order.caustics == "on":
-                    self.departures.append(
-                        Departure(
-                            "caustics",
-                            "no ideal light can reach a surface over smooth glass or a curved mirror",
-                            "nothing is traced from the lights",
-                        )
+            elif self.order.caustics == "on":
+                self.departures.append(
+                    Departure(
+                        "caustics",
+                        "no light can reach a surface over smooth glass or a curved mirror unseen",
+                        "nothing is traced over bends",
                     )
+                )
+
+        def find_lumels() -> LumelFinder:
+            keys, meshes = [item.key for item in items], [item.mesh for item in items]
+            return LumelFinder(compiled, keys, meshes, atlas, table)
+
         # Errors of layers add up as those of independent estimates.
         seed = self.order.seed + LAYER_SEEDS * layer
         try:
-            return LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, finder)
+            job = LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, find_lumels)
         except BaseException:
             # What is traced of ray sets is missing from next-event until then.
             if tracer is not None:
                 tracer.close()
             raise
+        if job.straight is not None and job.straight.is_needed:
+            self._decisions.append(job.straight.reason)
+        return job
 
     def _tell_missing(self, compiled) -> None:
         """Say what light a bake without paths from the lights lacks."""

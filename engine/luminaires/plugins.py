@@ -221,7 +221,8 @@ def _surroundings_class():
                 reach = dr.square(dr.sqrt(2.0 * cap) + CHORD_ERROR)
                 dr.make_opaque(towards, cap, reach, share)
                 self.suns.append((props[f"sun_{i}"], towards, cap, reach, share))
-            self.world_share = float(props.get("world_share", 1.0))
+            self.world_share = self._all_world = float(props.get("world_share", 1.0))
+            self._left_out = frozenset()
             self.portals = None
             self.portal_share = 0.0
             self.centre, self.extent = mi.Point3f(0.0), mi.Float(1.0)
@@ -231,6 +232,20 @@ def _surroundings_class():
             """Aim a share of the world's samples at a `PortalSet`."""
             self.portals = portals
             self.portal_share = share if portals is not None else 0.0
+
+        def leave_out(self, suns):
+            """Give no light of some suns, by their numbers; samples go to the others."""
+            self._left_out = frozenset(suns)
+            shines = len(self._left_out) < len(self.suns)
+            self.world_share = self._all_world if shines or self.world is None else 1.0
+
+        def _shining(self):
+            """Suns that are not left out, each with its share of the samples."""
+            kept = [sun for k, sun in enumerate(self.suns) if k not in self._left_out]
+            if len(kept) == len(self.suns):
+                return kept
+            total = sum((sun[4] for sun in kept[1:]), kept[0][4]) if kept else 1.0
+            return [(*sun[:4], sun[4] * ((1.0 - self.world_share) / total)) for sun in kept]
 
         def traverse(self, callback):
             if self.world is not None:
@@ -256,7 +271,7 @@ def _surroundings_class():
             value = mi.Spectrum(0.0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = wavelengths
-            for radiance, towards, _, reach, _ in self.suns:
+            for radiance, towards, _, reach, _ in self._shining():
                 inside = self._inside(direction, towards, reach)
                 value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
             return value
@@ -268,7 +283,7 @@ def _surroundings_class():
                 pdf += self.world_share * plain * self.world.pdf_direction(it, ds, active)
             if self.portals is not None:
                 pdf += self.world_share * self.portal_share * self.portals.density(it.p, ds.d)
-            for _, towards, cap, reach, share in self.suns:
+            for _, towards, cap, reach, share in self._shining():
                 inside = self._inside(ds.d, towards, reach)
                 pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
             return pdf
@@ -295,7 +310,7 @@ def _surroundings_class():
                 plain, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
                 direction = dr.select(aims, direction, plain.d)
                 start = self.world_share
-            for _, towards, cap, _, share in self.suns:
+            for _, towards, cap, _, share in self._shining():
                 height = dr.clip((u - start) / share, 0.0, 0.9999999) * cap
                 sine = dr.safe_sqrt(height * (2.0 - height))
                 sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)

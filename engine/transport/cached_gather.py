@@ -337,6 +337,9 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         found = paths.emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0)) * over
         weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
+        if scene.near is not None:
+            straight = glows & (pdf > 0.0)
+            glows &= ~scene.near.has_emitter(emitter, reference, straight)
         if left_out is not None:
             glows &= ~(bent & traceable & left_out.has(emitter, glows))
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
@@ -354,7 +357,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- what a matt surface sends ----
-        active = valid
+        active = mi.Bool(valid)
         bsdf = scene.bsdf(si, active)
         readable = mi.Bool(False)
         matte = mi.Spectrum(0.0)
@@ -366,6 +369,8 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             matte = _matte(cells, bsdf, si, row, coat, is_matt)
             if traced:
                 value = cells.traced_value(side, si.wavelengths, is_matt)
+                if guide is not None:
+                    value *= _against_guide(guide, rays, si, side, pdf, is_matt & (depth == 1))
                 radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
             # What was read before is so, whatever rounding says here.
             readable = (readable & reads) | is_read
@@ -451,7 +456,8 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         ray = onwards
         turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        anew = turned
+        # A copy: changing it in place must not change the other.
+        anew = mi.Bool(turned)
         bends = turned & delta
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.

@@ -147,6 +147,16 @@ class CellSet:
 
     def put_traced(self, deposits) -> None:
         """Take the light that traced paths brought, as irradiance that passes the coat (`light_paths.Deposits`)."""
+        side, passing = self.sides_of(deposits)
+        flux = np.bincount(side, deposits.flux * passing, 2 * self.count)
+        area = np.repeat(self.area, 2)
+        light = np.where(area > 0.0, flux / np.where(area > 0.0, area, 1.0), 0.0)
+        # One number for all wavelengths: as if its spectrum were the mean light's.
+        self.traced = upload(mi.Float, light / self.bands.illuminance())
+        dr.eval(self.traced)
+
+    def sides_of(self, deposits) -> tuple[np.ndarray, np.ndarray]:
+        """Sides of cells on which light landed, and how much of it passes the coat: 0 without cells. (m,), (m,)"""
         offsets, first, grid = self._host_table
         shape = deposits.shape.astype(np.int64)
         passing = self.matt.passing(shape, deposits.cosine)
@@ -156,12 +166,7 @@ class CellSet:
         i = np.minimum((u * across).astype(np.int64), across - 1)
         j = np.minimum((v * up).astype(np.int64), up - 1)
         side = 2 * (first[triangle] + j * across + i) + deposits.back
-        flux = np.bincount(side, deposits.flux * passing, 2 * self.count)
-        area = np.repeat(self.area, 2)
-        light = np.where(area > 0.0, flux / np.where(area > 0.0, area, 1.0), 0.0)
-        # One number for all wavelengths: as if its spectrum were the mean light's.
-        self.traced = upload(mi.Float, light / self.bands.illuminance())
-        dr.eval(self.traced)
+        return np.where(passing > 0.0, side, 0), passing
 
     # ---- inside kernels ----
 

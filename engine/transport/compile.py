@@ -121,6 +121,8 @@ class CompiledScene:
         self.notes: list[str] = []
         # Light over bends for the paths of a job, see `bent_lights`.
         self.bent = None
+        # Straight light that a job traces, see `straight_lights`.
+        self.near = None
         self._bodies: dict[str, Body] = {}
         self._lamps: dict[str, Lamp] = {}
         # Mitsuba visits every emitter that lives, so there is none without luminaires.

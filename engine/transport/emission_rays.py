@@ -122,7 +122,12 @@ class EmissionRays:
             if light.start == IDEAL:
                 # Of surfaces every ray has a place of its own, and needs no room for others.
                 rows[i, 3] = light.source.radius
+        beams = np.tile([0.0, 0.0, 1.0, 2.0], (len(rows), 1))
+        for row, light in zip(beams, lights, strict=False):
+            if light.source is not None and light.source.cone is not None:
+                row[:3], row[3] = light.source.axis, 1.0 - light.source.cone
         self._rows, self._numbers = upload(mi.Float, rows), upload(mi.UInt32, numbers)
+        self._beams = upload(mi.Float, beams)
         limit = int(np.clip(MAXIMUM_PAIRS // len(lights), 1, MAXIMUM_TARGETS))
         is_sun = numbers[: len(lights), 1] == SUN
         spheres, counts = tree.cut(rows[: len(lights), :3], is_sun, limit)
@@ -132,7 +137,7 @@ class EmissionRays:
         columns[: self.pairs] = spheres.reshape(-1, COLUMNS)
         self._spheres = upload(mi.Float, columns)
         self._targets = dr.opaque(mi.UInt32, self.targets)
-        dr.eval(self._rows, self._numbers, self._spheres)
+        dr.eval(self._rows, self._numbers, self._beams, self._spheres)
         self.set_shares(self._judge(counts.ravel()))
 
     def set_shares(self, shares: np.ndarray) -> None:
@@ -161,27 +166,33 @@ class EmissionRays:
 
         Returns
         -------
-        (Ray3f, Spectrum, UInt32)    Ray, flux over density [W/nm, or lm in photometric variants], and number of the pair.
+        (Ray3f, Spectrum, UInt32, Float)
+            Ray, flux over density [W/nm, or lm in photometric variants], number of the pair, and the density: over solid
+            angle, of suns over area.
         """
-        last = dr.width(self._cdf) - 1
-        pair = dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice)
+        pair = self.pair(choice)
         start, direction, offset, surface = self._aim(pair, place, spread)
         amount = self._amount(pair, direction, wavelengths, surface)
         density = self._density(pair, start, direction)
         flux = dr.select(density > 0.0, amount / dr.maximum(density, 1e-30), 0.0)
-        is_sun, reach = self._starts(pair, SUN), self._scene.extent
+        is_sun, reach = self.starts(pair, SUN), self._scene.extent
         # Suns start before everything; others a little off their place, which may lie on a surface.
         back = dr.dot(start, direction) + 1.5 * reach
         first = dr.select(is_sun, start - direction * back, start + offset)
         off = mi.Vector3f(direction)
         if surface is not None:
             out = dr.select(dr.dot(surface.n, direction) < 0.0, -surface.n, surface.n)
-            off = dr.select(self._starts(pair, SURFACE), out, off)
+            off = dr.select(self.starts(pair, SURFACE), out, off)
         first = first + off * dr.select(is_sun, 0.0, 2.0 * STEP * reach)
         ray = mi.Ray3f(mi.Point3f(first), direction)
         if wavelengths is not None:
             ray.wavelengths = wavelengths
-        return ray, flux, pair
+        return ray, flux, pair, density
+
+    def pair(self, choice):
+        """Number of the pair that a number in [0, 1) chooses."""
+        last = dr.width(self._cdf) - 1
+        return dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice)
 
     # ---- inside kernels ----
 
@@ -196,7 +207,8 @@ class EmissionRays:
     def _number(self, pair):
         return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2)
 
-    def _starts(self, pair, kind: int):
+    def starts(self, pair, kind: int):
+        """Whether rays of a pair's light begin in one of the ways `IDEAL`, `SUN`, `SURFACE`."""
         return dr.gather(mi.UInt32, self._numbers, self._light(pair) * 2 + 1) == kind
 
     def _sun(self, number):
@@ -219,7 +231,7 @@ class EmissionRays:
         centre, extent = self._row(self._rows, self._light(pair))
         surface = None
         if self._has_surfaces:
-            is_surface = self._starts(pair, SURFACE)
+            is_surface = self.starts(pair, SURFACE)
             pointer = self._scene.lights.pointer(dr.select(is_surface, self._number(pair), 0))
             surface = pointer.get_shape().sample_position(0.0, spread, is_surface)
             centre = dr.select(is_surface, mi.Vector3f(surface.p), centre)
@@ -228,13 +240,16 @@ class EmissionRays:
         _, cap = solid_cap(away, radius + extent)
         distance = dr.norm(away)
         axis = dr.select(distance > 0.0, away / distance, mi.Vector3f(0.0, 0.0, 1.0))
+        # Where a light's cone is narrower than that of the target, it is filled instead.
+        beam, width = self._row(self._beams, self._light(pair))
+        axis, cap = dr.select(width < cap, beam, axis), dr.minimum(width, cap)
         direction = mi.Frame3f(axis).to_world(in_cap(cap, place))
         disk = mi.warp.square_to_uniform_disk_concentric(spread) * extent
         frame = mi.Frame3f(direction)
         offset = frame.s * disk.x + frame.t * disk.y
         start = centre
         if self._has_suns:
-            is_sun = self._starts(pair, SUN)
+            is_sun = self.starts(pair, SUN)
             towards, size = self._sun(self._number(pair))
             sunwards = -mi.Frame3f(towards).to_world(in_cap(size, spread))
             frame = mi.Frame3f(sunwards)
@@ -245,7 +260,7 @@ class EmissionRays:
 
     def _amount(self, pair, direction, wavelengths, surface):
         """Intensity in a direction, or a sun's illuminance of a plane that faces it. ``surface``: as `_aim` gives it."""
-        scene, number, is_sun = self._scene, self._number(pair), self._starts(pair, SUN)
+        scene, number, is_sun = self._scene, self._number(pair), self.starts(pair, SUN)
         amount = mi.Spectrum(0.0)
         if self._has_points:
             centre, _ = self._row(self._rows, self._light(pair))
@@ -254,14 +269,14 @@ class EmissionRays:
             if wavelengths is not None:
                 it.wavelengths = wavelengths
             # A sun's number is none of the table's, so the first light of it stands in.
-            is_point = self._starts(pair, IDEAL)
+            is_point = self.starts(pair, IDEAL)
             index = dr.select(is_sun, 0, number)
             it.time = scene.lights.row(index)
             pointer = scene.lights.pointer(index)
             ds, value = pointer.sample_direction(it, mi.Point2f(0.5), is_point)
             amount = dr.select(is_point, value * dr.square(ds.dist), amount)
         if self._has_surfaces:
-            is_surface = self._starts(pair, SURFACE)
+            is_surface = self.starts(pair, SURFACE)
             it, ds = dr.zeros(mi.Interaction3f), dr.zeros(mi.DirectionSample3f)
             if wavelengths is not None:
                 it.wavelengths = wavelengths
@@ -282,9 +297,12 @@ class EmissionRays:
 
     def _density(self, pair, start, direction):
         """Density with which a line would have been drawn, whatever the target: over solid angle, of suns over area."""
-        light, is_sun = self._light(pair), self._starts(pair, SUN)
+        light, is_sun = self._light(pair), self.starts(pair, SUN)
         chosen, targets = pair % self._targets, self._targets
         _, extent = self._row(self._rows, light)
+        beam, width = self._row(self._beams, light)
+        # By the chord, since cosines of narrow cones have no digits left.
+        is_in_beam = 0.5 * dr.squared_norm(direction - beam) <= width * (1.0 + 1e-4) + 1e-13
 
         def step(density, k):
             sphere, radius = self._row(self._spheres, light * targets + k)
@@ -295,6 +313,8 @@ class EmissionRays:
             is_inside, cap = solid_cap(away, reach)
             is_met = dr.squared_norm(away - direction * along) <= dr.square(reach)
             is_met &= is_sun | is_inside | (along > 0.0)
+            is_met = dr.select(~is_sun & (width < cap), is_in_beam, is_met)
+            cap = dr.minimum(cap, width)
             # Rounding may put a ray on the rim just outside the sphere that it was aimed at.
             is_met |= k == chosen
             own = dr.select(is_sun, dr.inv_pi / dr.square(radius), dr.inv_two_pi / cap)
@@ -321,7 +341,8 @@ class EmissionRays:
         centre, extent = self._row(self._rows, self._light(pair))
         sphere, radius = self._row(self._spheres, pair)
         _, cap = solid_cap(sphere - centre, radius + extent)
-        size = dr.select(self._starts(pair, SUN), dr.pi * dr.square(radius), dr.two_pi * cap)
+        cap = dr.minimum(cap, self._row(self._beams, self._light(pair))[1])
+        size = dr.select(self.starts(pair, SUN), dr.pi * dr.square(radius), dr.two_pi * cap)
         size = dr.block_reduce(dr.ReduceOp.Add, size, PROBES)
         amount = dr.block_reduce(dr.ReduceOp.Add, amount, PROBES)
         size, amount = np.array(size, dtype=np.float64) * counts, np.array(amount, dtype=np.float64)

@@ -2,7 +2,8 @@
 
 Where light comes from small bright surfaces, such as a cove or a sunlit patch, rays that are sent out by the cosine law
 alone seldom meet them. A point on a cell that is chosen by its power is reached every time. Both kinds of rays are weighed
-by the power heuristic for as many samples as each takes, so that neither counts twice.
+by the power heuristic for as many samples as each takes, so that neither counts twice. What a cell sends of light that was
+traced to it counts at any distance; the rest where rays would read it.
 """
 
 import drjit as dr
@@ -25,11 +26,17 @@ class Guide:
     ----------
     cells : CellSet    With their light found.
     powers : (2 c,) array or None    What every side sends, as `powers_of` gives it; None: find it.
+    sides : (n,) array or None    Sides that count then; None: all.
     """
 
-    def __init__(self, cells: CellSet, powers: np.ndarray | None = None):
+    def __init__(self, cells: CellSet, powers: np.ndarray | None = None, sides=None):
         self.cells = cells
-        self.powers = powers_of(cells) if powers is None else powers
+        if powers is None:
+            powers = powers_of(cells)
+            if sides is not None:
+                # Nobody looks at the sunlit outside of a house.
+                powers[np.setdiff1d(np.arange(len(powers)), sides)] = 0.0
+        self.powers = powers
         room = np.repeat(np.where(cells.whole > 0.0, cells.area, 0.0), 2)
         lit = np.where(self.powers > 0.0, room, 0.0)
         self.is_useful = bool(self.powers.sum() > 0.0 and lit.sum() > 0.0)
@@ -61,7 +68,8 @@ class Guide:
 
         Returns
         -------
-        Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
+        (Spectrum, Spectrum)    Of traced light and of what is read of cells, as in `cached_gather.incoming`: spectral
+            irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
         """
         cells, si = self.cells, receiver.si
         u = receiver.sample.x
@@ -79,24 +87,28 @@ class Guide:
         direction = away / dr.maximum(distance, 1e-20)
         facing = -dr.dot(direction, at.n)
         response = receiver.respond(direction)
-        reads = inside & (facing > 0.0) & (response > 0.0)
-        reads &= distance > NEAR * cells.near(at.shape, inside)
+        lit = inside & (facing > 0.0) & (response > 0.0)
+        reads = lit & (distance > NEAR * cells.near(at.shape, inside))
         reads &= ~dr.gather(mi.Bool, cells.uneven, side, reads)
+        value = dr.select(reads, cells.value(side, si.wavelengths, reads), 0.0)
+        traced = mi.Spectrum(0.0)
+        if cells.traced is not None:
+            traced = dr.select(lit, cells.traced_value(side, si.wavelengths, lit), 0.0)
+        lit &= dr.any((value != 0.0) | (traced != 0.0))
         cosine = dr.abs(dr.dot(direction, at.sh_frame.n))
         at.wi = mi.Vector3f(0.0, 0.0, 1.0)
-        matte = scene.bsdf(at, reads).eval_diffuse_reflectance(at, reads) * (
-            (1.0 - cells.matt.coat(row, cosine, reads)) * cells.matt.scale(row, reads) * dr.inv_pi
+        matte = scene.bsdf(at, lit).eval_diffuse_reflectance(at, lit) * (
+            (1.0 - cells.matt.coat(row, cosine, lit)) * cells.matt.scale(row, lit) * dr.inv_pi
         )
-        density = self.density(side, reads) * dr.square(distance) / dr.maximum(facing, 1e-9)
+        density = self.density(side, lit) * dr.square(distance) / dr.maximum(facing, 1e-9)
         competing = receiver.density(direction)
         weight = paths.power_heuristic(density * receiver.ratio, competing)
-        value = cells.value(side, si.wavelengths, reads)
-        amount = matte * value * (response * weight / dr.maximum(density, 1e-30))
-        reads &= dr.any(amount != 0.0)
+        amount = matte * (response * weight / dr.maximum(density, 1e-30))
+        lit &= dr.any(amount != 0.0)
         target = dr.zeros(mi.PositionSample3f)
         target.p, target.n = at.p, at.n
-        passed = paths.transmittance(scene, si, target, reads)
-        return dr.select(reads, amount * passed, 0.0)
+        passed = dr.select(lit, amount * paths.transmittance(scene, si, target, lit), 0.0)
+        return passed * traced, passed * value
 
 
 def powers_of(cells: CellSet) -> np.ndarray:
@@ -113,4 +125,6 @@ def powers_of(cells: CellSet) -> np.ndarray:
     reflectance = cells.scene.bsdf(si, active).eval_diffuse_reflectance(si, active)
     reflectance = np.array(dr.select(active, dr.mean(reflectance), 0.0), dtype=np.float64)
     light = np.array(cells.values, dtype=np.float64).reshape(count, -1) @ cells.bands.luminous()
+    if cells.traced is not None:
+        light += np.array(cells.traced, dtype=np.float64)
     return np.where(able, np.maximum(reflectance * light, 0.0) * np.repeat(cells.area, 2), 0.0)

@@ -73,6 +73,7 @@ class LightTracer:
     ----------
     lights : tuple of TracedLight
     rays : RayLights
+    sampler : WavelengthSampler or None    Of the paths; None in photometric variants.
     is_needed : bool    Whether there are both lights to trace and surfaces that bend light, or near light of ray sets.
     reason : str    Why, for people.
     """
@@ -80,12 +81,12 @@ class LightTracer:
     def __init__(self, scene: CompiledScene):
         self.scene = scene
         targets = find_targets(scene)
-        self._sampler = None
+        self.sampler = None
         if is_spectral():
-            self._sampler = WavelengthSampler(scene.mean_light, "luminance")
-        self.lights = find_bent_lights(scene, targets.tree, self._sampler)
+            self.sampler = WavelengthSampler(scene.mean_light, "luminance")
+        self.lights = find_bent_lights(scene, targets.tree, self.sampler)
         self._bends = bool(self.lights) and targets.tree is not None
-        self.rays = RayLights(scene, self._sampler, len(self.lights))
+        self.rays = RayLights(scene, self.sampler, len(self.lights))
         try:
             self._prepare(targets)
         except BaseException:
@@ -111,7 +112,7 @@ class LightTracer:
         """What rays from receivers must not count, since it is traced; None: nothing that they could find."""
         return left_out_of(self.lights) if self._bends else None
 
-    def trace(self, count: int, seed: int, index: int = 0) -> Deposits:
+    def trace(self, count: int, seed: int, index: int = 0, straight=None) -> Deposits:
         """Trace paths.
 
         Parameters
@@ -119,17 +120,20 @@ class LightTracer:
         count : int    Paths, at least 1; fewer of them land.
         seed : int    Same seed, same result; other seeds are independent.
         index : int    Number of the first sample, to go on with a sequence.
+        straight : StraightLights or None    Traced too, as many paths where it is needed.
 
         Returns
         -------
         Deposits    Each call is an estimate of its own: fluxes are over ``count``.
         """
         landed = self.rays.trace(count, seed, index)
+        if straight is not None and straight.is_needed:
+            landed += straight.trace(count, seed, index)
         if self._bends:
             for first in range(0, count, LANES):
                 width = min(LANES, count - first)
                 landed.append(self._launch(width, seed, index + first)[0])
-        return join(landed, count, self._sampler is not None)
+        return join(landed, count, self.sampler is not None)
 
     def _learn(self) -> None:
         """Choose pairs by what lands of their light, so that a lamp in a closed room next door costs little."""
@@ -146,8 +150,8 @@ class LightTracer:
         lane = dr.arange(mi.UInt32, width) + dr.opaque(mi.UInt32, int(index) & 0xFFFFFFFF)
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
         first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
-        wavelengths = None if self._sampler is None else self._sampler.sample(first.x)
-        ray, flux, pair = self._rays.draw(
+        wavelengths = None if self.sampler is None else self.sampler.sample(first.x)
+        ray, flux, pair, _ = self._rays.draw(
             first.y,
             sobol_pair(lane, seed, PAIR_PLACE),
             sobol_pair(lane, seed, PAIR_SPREAD),
@@ -155,7 +159,7 @@ class LightTracer:
         )
         end = follow(self.scene, ray, random_stream(lane, seed), dr.any(flux > 0.0))
         made, pairs = gather_deposits(
-            end, self._sampler, end["throughput"] * flux, wavelengths, pair
+            end, self.sampler, end["throughput"] * flux, wavelengths, pair
         )
         return replace(made, light=pairs // np.uint32(self._rays.targets)), pairs
 
@@ -213,7 +217,7 @@ def send_pilot(scene: CompiledScene, rays: EmissionRays, sampler, count: int) ->
     seed = dr.opaque(mi.UInt32, PILOT_SEED)
     first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
     wavelengths = None if sampler is None else sampler.sample(first.x)
-    ray, flux, pair = rays.draw(
+    ray, flux, pair, _ = rays.draw(
         first.y,
         sobol_pair(lane, seed, PAIR_PLACE),
         sobol_pair(lane, seed, PAIR_SPREAD),

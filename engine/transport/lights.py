@@ -240,6 +240,11 @@ class LightTable:
         """Return the emitter with a number."""
         return dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._pointers, index))
 
+    def index(self, pointer, active):
+        """Number of an emitter, luminaires aside."""
+        ids = dr.reinterpret_array(mi.UInt32, pointer)
+        return dr.gather(mi.UInt32, self._number, ids, active)
+
     def row(self, index):
         """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
         if self.palette is None:

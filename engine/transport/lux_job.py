@@ -26,11 +26,15 @@ from .lights import learn
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
 from .sight import Sight
+from .straight_lights import StraightLights
 from .survey import Survey
 from .sweeps import Sweeper
 from .textures import is_spectral
 from .tiles import tile_numbers
 from .wavelengths import WavelengthSampler
+
+PILOT_SAMPLES = 2
+"""Samples of a lumel in a pass of the pilot, of each kind."""
 
 LANES = 1 << 20
 """Samples of one launch: a fraction of a second each, so that a cancel is heard soon."""
@@ -178,8 +182,8 @@ class LuxJob:
     seed : int
     options : Options
     cancelled : callable    Asked before every launch.
-    tracer : LightTracer or None    Traces from the lights what gathering cannot find.
-    finder : LumelFinder or None    Knows the lumels on which traced light lands.
+    tracer : LightTracer or None    Traces from the lights what gathering cannot find over bends; None: nothing is traced.
+    find_lumels : callable or None    Gives a `LumelFinder`, which knows the lumels on which traced light lands.
     """
 
     def __init__(
@@ -190,10 +194,12 @@ class LuxJob:
         options: Options,
         cancelled=lambda: False,
         tracer=None,
-        finder=None,
+        find_lumels=None,
     ):
         self.scene, self.table, self.options, self.cancelled = scene, table, options, cancelled
-        self.seed, self.tracer, self.finder = seed, tracer, finder
+        self.seed, self.tracer, self.finder = seed, tracer, None
+        self.straight: StraightLights | None = None
+        self._sides: np.ndarray | None = None
         self.count = int(sum(table.counts))
         self.first = np.concatenate([[0], np.cumsum(table.counts)]).astype(np.int64)
         self.channels = 4 if options.exitance else 1
@@ -218,10 +224,19 @@ class LuxJob:
 
             self.cells = CellSet(scene, wanted, sight.shares, refine)
             if self.cells and options.cells:
-                sides, looks = sight.sides(self.cells)
+                self._sides, looks = sight.sides(self.cells)
+                if tracer is not None:
+                    places = PILOT_SAMPLES * self.count
+                    sampler = None if self.sampler is None else tracer.sampler
+                    self.straight = StraightLights(scene, sampler, self.cells, self._sides, places)
                 self.sweeper = Sweeper(
-                    scene, self.cells, sides, seed, cancelled, self._left_out, looks
+                    scene, self.cells, self._sides, seed, cancelled, self._left_out, looks
                 )
+        self._traces = tracer is not None and (
+            tracer.is_needed or (self.straight is not None and self.straight.is_needed)
+        )
+        if self._traces:
+            self.finder = find_lumels()
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
         # Where rays go, by the first lumel of a span; empty while they go by the cosine law.
@@ -233,6 +248,8 @@ class LuxJob:
 
     def close(self) -> None:
         """Leave the scene as other jobs expect it."""
+        if self.straight is not None:
+            self.straight.close()
         if self.tracer is not None:
             self.tracer.close()
 
@@ -240,12 +257,15 @@ class LuxJob:
         """Find the light of the cells. ``samples``: how many each lumel will get at most, where it is known."""
         self._trace(0, TRACED_PATHS[0])
         if self.sweeper is not None:
+            if self.cells.traced is not None:
+                # What was traced to small spots would be found by chance only.
+                self._set_guide(None)
             self.sweeper.find(None if samples is None else samples * self.count)
             self._set_guide(None)
 
     def _set_guide(self, powers) -> None:
         if self.options.guided:
-            guide = Guide(self.cells, powers)
+            guide = Guide(self.cells, powers, self._sides)
             self.guide = guide if guide.is_useful else None
             self.sweeper.guide = self.guide
 
@@ -448,10 +468,11 @@ class LuxJob:
 
     def _trace(self, number: int, paths: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
-        if self.tracer is None:
+        if not self._traces:
             return
         count = 1 << int(np.clip(np.log2(max(paths, 1)), *np.log2(TRACED_PATHS)))
-        found = self.tracer.trace(count, (self.seed * TRACE_STRIDE + number) & 0xFFFFFFFF)
+        seed = (self.seed * TRACE_STRIDE + number) & 0xFFFFFFFF
+        found = self.tracer.trace(count, seed, straight=self.straight)
         lumel = self.finder.find(found.shape, found.prim, found.uv, found.back)
         landed = (lumel >= 0) & (found.geometric_cosine > 0.0)
         light = found.flux * found.cosine / np.maximum(found.geometric_cosine, 1e-6)
@@ -541,7 +562,8 @@ class LuxJob:
         if kind == DIRECT:
             value = direct(scene, receiver)
         elif kind == GUIDED:
-            value = self.guide.light(scene, receiver, stream)
+            traced, read = self.guide.light(scene, receiver, stream)
+            value = traced + read
         else:
             value = gathered(
                 scene,

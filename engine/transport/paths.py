@@ -90,6 +90,8 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     pointer = scene.lights.pointer(index)
     ds, value = pointer.sample_direction(at, mi.Point2f(remainder, sample.y), active)
     ds.pdf *= share
+    if scene.near is not None:
+        value = dr.select(scene.near.has(index, si.p, active), 0.0, value)
     return ds, value / share
 
 
@@ -278,7 +280,7 @@ def trace(
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- next event ----
-        active = valid
+        active = mi.Bool(valid)
         if last is not None:
             active &= depth <= last
         bsdf = scene.bsdf(si, active)
@@ -335,7 +337,8 @@ def trace(
         ray = onwards
         turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        anew = turned
+        # A copy: changing it in place must not change the other.
+        anew = mi.Bool(turned)
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
             ids = dr.reinterpret_array(mi.UInt32, si.shape)

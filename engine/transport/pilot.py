@@ -7,7 +7,17 @@ import numpy as np
 
 from ..accuracy.replicates import ReplicateSums
 from .aims import BINS
-from .lux_job import COSTS, GATHERED, GUIDED, KINDS, NO_SAMPLES, SAMPLE_COUNTS, Levels, LuxJob
+from .lux_job import (
+    COSTS,
+    GATHERED,
+    GUIDED,
+    KINDS,
+    NO_SAMPLES,
+    PILOT_SAMPLES,
+    SAMPLE_COUNTS,
+    Levels,
+    LuxJob,
+)
 
 STEEPEST, FLATTEST = 2.0, 1.0
 """Bounds on the power of the samples of a pass by which a variance is believed to fall."""
@@ -17,9 +27,6 @@ SPREAD = 8.0
 
 MOST_SAMPLES = 1024
 """Most samples of a lumel in a pass."""
-
-PILOT_SAMPLES = 2
-"""Samples of a lumel in a pass of the pilot, of each kind."""
 
 LEARNING = 1.0 / 12.0
 """Rays that tell tiles where to look for light, relative to those of all passes."""
@@ -97,6 +104,9 @@ class Pilot:
         before = job.guide, job.aims
         rays = self._learning_rays(levels, passes)
         guides = [None] if job.guide is None else [job.guide, None]
+        if job.guide is not None and job.cells.traced is not None:
+            # What was traced to small spots so few samples would not miss, and later ones would by chance.
+            guides = [job.guide]
         aims = [job.aims]
         if job.options.aimed and rays >= FEWEST_RAYS:
             aims.append(job.learn_aims(rays))

@@ -336,7 +336,8 @@ class Sweeper:
         # Light of the cells last, all other before.
         parts = [parts[0] + parts[1], parts[2]]
         if self.guide is not None:
-            parts[1] += self.guide.light(scene, receiver(gather.PAIR_LENS), stream)
+            traced, read = self.guide.light(scene, receiver(gather.PAIR_LENS), stream)
+            parts = [parts[0] + traced, parts[1] + read]
         found = []
         for value in parts:
             ratios = cells.bands.ratios(value, wavelengths)

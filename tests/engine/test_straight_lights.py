@@ -1,0 +1,141 @@
+"""Lamps close to walls and suns through keyholes in lux maps: closed rooms take in all the light that enters."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from baking_rooms import bake, bake_in, lamp
+from lumenray.engine.scene.light import AreaLight, Output, Quantity, SpotLight, SunLight
+from lumenray.engine.scene.material import Glossy, Material
+from lumenray.engine.scene.mesh import Mesh
+from lumenray.engine.scene.spectrum import Constant
+from small_scenes import box, paint, quad, session_of
+
+pytestmark = pytest.mark.mitsuba
+
+
+def room(**more):
+    return replace(box(3, 3, 3, **more), id="room", name="room")
+
+
+def assert_mean(made, expected, systematic=0.02):
+    told = made.maps[0]
+    apart = abs(told.mean - expected)
+    assert apart < 4.5 * told.mean_standard_error + systematic * expected, (told.mean, expected)
+    assert told.mean_standard_error < 0.05 * expected
+
+
+@pytest.mark.parametrize("radius", [0.0, 5e-5])
+@pytest.mark.parametrize("transport", ["mono", "spectral"])
+def test_a_lamp_close_to_a_wall_gives_all_its_light(radius, transport):
+    """Half of it falls on a spot of a fraction of a millimetre, in one of 13 000 lumels."""
+    near = lamp((1e-4, 1.4, 1.3), 1000.0, radius)
+    made = bake((paint(0.5), room(), near), ("room",), 64, transport=transport)
+    assert_mean(made, 2000.0 / 54.0)
+
+
+def test_a_small_panel_that_faces_a_wall_from_close_by():
+    frame = np.eye(4)
+    frame[:3, :3] = np.array([[0, 0, 1.0], [0, 1, 0], [-1, 0, 0]])
+    frame[:3, 3] = (2e-4, 1.4, 1.3)
+    panel = AreaLight(
+        "panel", "panel", Output(Quantity.LUMINOUS_FLUX, 1000.0), frame, 1e-4, 1e-4, "rectangle"
+    )
+    made = bake((paint(0.5), room(), panel), ("room",), 64)
+    assert_mean(made, 2000.0 / 54.0)
+
+
+def test_a_narrow_spot_gives_all_its_light():
+    spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 2.0]),
+                     np.array([0.1, 0.2, -1.0]), np.radians(0.05), 0.5)  # fmt: skip
+    assert_mean(bake((paint(0.5), room(), spot), ("room",), 64), 2000.0 / 54.0)
+
+
+def pierced_box(width, material="paint"):
+    """Box of 1 m whose lid has a square hole in its middle; faces look inwards."""
+    whole = box(1, 1, 1)
+    kept = [t for t in whole.triangles if not (whole.vertices[t][:, 2] == 1).all()]
+    low, high = 0.5 - 0.5 * width, 0.5 + 0.5 * width
+    strips = [(0, 0, 1, low), (0, high, 1, 1), (0, low, low, high), (high, low, 1, high)]
+    vertices, triangles = list(whole.vertices), [list(t) for t in kept]
+    for a, b, c, d in strips:
+        first = len(vertices)
+        vertices += [(a, b, 1), (c, b, 1), (c, d, 1), (a, d, 1)]
+        triangles += [[first, first + 2, first + 1], [first, first + 3, first + 2]]
+    triangles = np.array(triangles, np.int32)
+    return Mesh("room", "room", np.array(vertices, float), triangles, (material,),
+                np.zeros(len(triangles), np.int32))  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [0.005, 0.03])
+def test_a_sun_through_a_keyhole_lights_the_whole_box(width):
+    direction = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1e5), direction, np.radians(0.53))
+    made = bake((paint(0.5), pierced_box(width), sun), ("room",), 64)
+    entered = -1e5 * direction[2] * width**2
+    assert_mean(made, 2.0 * entered / (6.0 - width**2), 0.03)
+
+
+def half_room():
+    """Half of the room, open where a mirror closes it."""
+    whole = box(1.5, 3, 3)
+    kept = [k for k, t in enumerate(whole.triangles) if not (whole.vertices[t][:, 0] == 1.5).all()]
+    return replace(
+        whole,
+        id="room",
+        name="room",
+        triangles=whole.triangles[kept],
+        material_index=whole.material_index[kept],
+    )
+
+
+def test_what_was_traced_is_not_counted_twice_in_a_mirror():
+    """The lamp's image in a mirror wall: the room's other half, with as much light again."""
+    silver = Material("silver", "silver", Glossy(Constant(1.0), 0.0))
+    mirror = quad("mirror", (1.5, 0, 0), (0, 0, 3), (0, 3, 0), "silver")
+    near = lamp((1e-4, 1.4, 1.3), 500.0, 0.0)
+    session = session_of(paint(0.5), silver, half_room(), mirror, near)
+    assert_mean(bake_in(session, ("room",), 64), 2000.0 / 54.0)
+
+
+@pytest.mark.parametrize("distance", [0.5, 1.2])
+def test_bright_cells_that_a_mirror_shows_count_in_full(distance):
+    """Half a room before a perfect mirror is as bright as the whole one with two lamps."""
+    silver = Material("silver", "silver", Glossy(Constant(1.0), 0.0))
+    mirror = quad("mirror", (1.5, 0, 0), (0, 0, 3), (0, 3, 0), "silver")
+    half = half_room()
+    session = session_of(paint(0.5), silver, half, mirror, lamp((distance, 1.4, 1.3), 500.0, 0.0))
+    assert_mean(bake_in(session, ("room",), 64), 2000.0 / 54.0, 0.01)
+
+
+def test_next_event_is_whole_again_after_a_bake():
+    near = lamp((0.2, 1.4, 1.3), 1000.0, 0.0)
+    session = session_of(paint(0.5), room(), near)
+    place, normal = np.array([[3e-3, 1.4, 1.3]]), np.array([[1.0, 0.0, 0.0]])
+    before = session.measure(place, normal, _few()).illuminance
+    bake_in(session, ("room",), 16)
+    assert session.measure(place, normal, _few()).illuminance == pytest.approx(before, rel=1e-6)
+
+
+def _few():
+    from lumenray.engine.accuracy.stopping import StopRule
+
+    return StopRule(samples=1 << 12)
+
+
+def test_an_ordinary_room_needs_no_such_tracing():
+    from lumenray.engine.transport import straight_lights
+
+    asked = []
+    original = straight_lights.StraightLights._learn
+
+    def learn(self, most):
+        original(self, most)
+        asked.append(bool(self._limits))
+
+    straight_lights.StraightLights._learn = learn
+    try:
+        bake((paint(0.5), room(), lamp((1.5, 1.4, 2.0), 1000.0, 0.05)), ("room",), 16)
+    finally:
+        straight_lights.StraightLights._learn = original
+    assert asked == [False]
