@@ -39,6 +39,9 @@ FOUND = 200.0
 EASED = 4.0
 """How many times less bundled light is beyond the limit than it may be. [-]"""
 
+LARGEST_SURFACE = 0.05
+"""Radius of a luminous surface, relative to the scene's, from which on its light is not bundled anywhere. [-]"""
+
 LEAST_SHARE = 1e-3
 """Share of a light's landed flux below which what surfaces that are not matt get of it does not matter. [-]"""
 
@@ -104,7 +107,12 @@ class StraightLights:
         self._area = float(np.repeat(cells.area, 2)[sides].sum())
         self._limits: dict[int, float] = {}
         self.reason = ""
-        self.lights: tuple[TracedLight, ...] = find_ideal_lights(scene) + find_surfaces(scene)
+        small = (
+            light
+            for light in find_surfaces(scene)
+            if light.source.radius < LARGEST_SURFACE * scene.radius
+        )
+        self.lights: tuple[TracedLight, ...] = (*find_ideal_lights(scene), *small)
         if self.lights and len(sides):
             self._learn(samples / FOUND)
         self.is_needed = bool(self._limits)
@@ -189,11 +197,13 @@ class StraightLights:
         self._densities = upload(mi.Float, np.diff(ends, prepend=0.0, axis=1) * GRID * GRID)
         limits = np.zeros(table_size(len(lights)))
         limits[: len(lights)] = [self._limits.get(n, np.inf) for n in range(len(lights))]
-        centres = np.zeros((len(limits), 3))
-        for row, light in zip(centres, lights, strict=False):
-            row[:] = 0.0 if light.source is None else light.source.centre
+        centres, extents = np.zeros((len(limits), 3)), np.zeros(len(limits))
+        for number, light in enumerate(lights):
+            if light.source is not None:
+                centres[number], extents[number] = light.source.centre, light.source.radius
         self._limit_table, self._centres = upload(mi.Float, limits), upload(mi.Float, centres)
-        dr.eval(self._ends, self._densities, self._limit_table, self._centres)
+        self._extents = upload(mi.Float, extents)
+        dr.eval(self._ends, self._densities, self._limit_table, self._centres, self._extents)
 
     def _histograms(self, landed: _Landed) -> np.ndarray:
         """Densities by cell, up to a factor, by what landed. (n, GRID^2)"""
@@ -262,7 +272,10 @@ class StraightLights:
         end["landed"] &= end["bends"] == 0
         way = distance(end["length"])
         # By which the flux of a path becomes the illuminance of a plane that faces it.
-        bundling = own * density / dr.select(is_sun, 1.0, dr.maximum(dr.square(way), 1e-20))
+        extent = dr.gather(mi.Float, self._extents, light)
+        # Close to a luminous surface it fills half the sky, and its light is bundled no more.
+        square = dr.square(end["length"]) + dr.square(extent)
+        bundling = own * density / dr.select(is_sun, 1.0, dr.maximum(square, 1e-20))
         told = [mi.Float(light), way, bundling, mi.Float(cell)]
         made, told = gather_deposits(
             end, self._sampler, end["throughput"] * flux, wavelengths, told
