@@ -25,6 +25,7 @@ from ..scene.material import Dielectric, Measured
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..sky import plugin as sky_plugin
+from ..sky.picture import describe_faults
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
@@ -503,6 +504,10 @@ class CompiledScene:
     def _note(self, scene: Scene) -> None:
         """Say what is approximated, and which light the paths cannot find."""
         self.notes = self._finishes.notes()
+        if isinstance(scene.world, ImageWorld):
+            self.notes += [
+                f"{what}: {instead}" for what, instead in describe_faults(scene.world.image)
+            ]
         used = [self._finishes.item(key) for key in sorted(self._users)]
         glass = sorted(item.name for item in used if isinstance(item.surface, Dielectric))
         points = sorted(
