@@ -1,5 +1,7 @@
 """A picture of the surroundings as Mitsuba's emitter: evaluated as `picture` defines it, sampled in proportion to it."""
 
+from dataclasses import replace
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -11,7 +13,7 @@ from .picture import ROWS_AT_ONCE, Grid, clean, find_luminances, find_mean, grid
 WHITE = "D65"
 """Illuminant of what is white in a picture."""
 
-COARSE = 5
+COARSE = 2
 """Step of the sums that find the luminance of a pixel's smooth spectrum. [nm]"""
 
 LEAST_PLAN = 1e-12
@@ -34,6 +36,10 @@ def make_picture(image, radiance: dict) -> tuple[object, float] | None:
     """
     grid = grid_of(image)
     pixels = clean(image.pixels)
+    if grid.height == 1:
+        # A band from pole to pole would have no cosine.
+        pixels = np.repeat(pixels, 2, axis=0)
+        grid = replace(grid, height=2)
     luminances = find_luminances(pixels)
     if luminances.max(initial=0.0) <= 0.0:
         return None
@@ -96,15 +102,25 @@ def make_colours(pixels: np.ndarray, luminances: np.ndarray):
     index = dr.arange(mi.UInt32, height * width)
     start = ((index // width) * found.shape[1] + index % width) * 3
     c0, c1, c2 = (dr.gather(mi.Float, found.array, start + i) for i in range(3))
-    nodes, weights = _coarse_weights()
-    given = mi.Float(0.0)
-    for nm, weight in zip(nodes, weights, strict=True):
-        given += float(weight) * _sigmoid(c0, c1, c2, float(nm))
+    given = _white_luminance(c0, c1, c2)
     level = dr.select(given > 0.0, upload(mi.Float, luminances) / given, 0.0)
     made = dr.zeros(mi.Float, 4 * height * width)
     for i, values in enumerate((c0, c1, c2, level)):
         dr.scatter(made, values, index * 4 + i)
     return made
+
+
+def _white_luminance(c0, c1, c2):
+    """Luminance of spectra under `WHITE`, relative to its own."""
+    middles, shares = _coarse_weights()
+    middles, weights = upload(mi.Float, middles), upload(mi.Float, shares)
+
+    def add(i, total):
+        nm, weight = dr.gather(mi.Float, middles, i), dr.gather(mi.Float, weights, i)
+        return i + 1, total + weight * _sigmoid(c0, c1, c2, nm)
+
+    state = (mi.UInt32(0), dr.zeros(mi.Float, dr.width(c0)))
+    return dr.while_loop(state, lambda i, _: i < len(shares), add)[1]
 
 
 def _coarse_weights() -> tuple[np.ndarray, np.ndarray]:
