@@ -172,8 +172,7 @@ def test_directions_are_drawn_as_the_density_says(shape, interpolation):
         np.array(surroundings.eval(_towards(direction @ rotation))).ravel(), value, rtol=1e-3
     )
     ratio = (density / value)[lit & inside]
-    step = np.pi / shape[0] / (1 if interpolation == "closest" or shape[0] > 1 else 2)
-    assert ratio.max() / ratio.min() < (1.6 if shape[0] < 4 else 1.0 + step**2 / 6)
+    assert ratio.max() / ratio.min() < (1.6 if shape[0] < 4 else 1.0 + (np.pi / shape[0]) ** 2 / 4)
     assert kept is not None
 
 
