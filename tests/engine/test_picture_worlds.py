@@ -270,6 +270,21 @@ def test_real_pictures_give_the_sum_over_their_pixels(name):
     np.testing.assert_allclose(made.illuminance, true, rtol=5e-4)
 
 
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("fault", [0.0, np.nan])
+def test_colours_of_the_picture_are_seen_in_a_scene_without_others(fault):
+    pixels = np.tile(np.float32([1.0, 0.5, 0.2]), (8, 16, 1))
+    pixels[3, 0] = fault
+    session = session_of(ImageWorld(ImageTexture(pixels), 10.0))
+    made = session.measure([[0, 0, 0]], PLANES[:1], StopRule(samples=1 << 14), colour=True)
+    # IEC 61966-2-1, linear components to X, Y, Z.
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    true = to_xyz @ pixels[7, 7]
+    found = made.tristimulus[0] / made.tristimulus[0].sum()
+    np.testing.assert_allclose(found, true / true.sum(), atol=0.004)
+    assert any("colours" in reason for reason in made.provenance.decisions)
+
+
 # ---- what is wrong with a picture ----
 
 
