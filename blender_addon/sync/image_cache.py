@@ -29,12 +29,14 @@ class Reading:
     alpha : (height, width, 1) float32 array
     notes : tuple of (str, str)    What it had to say, message and remedy.
     state : tuple    Of the image.
+    is_own : bool    Whether Blender could not read it, and we could.
     """
 
     colour: np.ndarray
     alpha: np.ndarray
     notes: tuple[tuple[str, str], ...] = ()
     state: tuple = ()
+    is_own: bool = False
 
     @property
     def bytes(self) -> int:
@@ -55,10 +57,10 @@ class ImageCache:
         key = (image.session_uid, is_straight)
         known = self._readings.pop(key, None)
         # Blender drops the buffer of an image that it reloads, and tags only what uses it. Asking for more loads it.
-        is_loaded = image.has_data
+        is_loaded = image.has_data or (known is not None and known.is_own)
         state = _state_of(image)
         if known is None or not is_loaded or known.state != state:
-            known = _read(image, is_straight)
+            known = _read(image, is_straight, note)
         if known is None:
             return None
         if image.source not in _MOVING and known.colour.nbytes >= SMALL:
@@ -85,10 +87,12 @@ class ImageCache:
         self._readings = dict(reversed(kept))
 
 
-def _read(image, is_straight: bool) -> Reading | None:
+def _read(image, is_straight: bool, note: Callable[[str, str], None]) -> Reading | None:
     notes: list[tuple[str, str]] = []
     pixels = read_pixels(image, is_straight, lambda *words: notes.append(words))
     if pixels is None:
+        for words in notes:
+            note(*words)
         return None
     colour = np.ascontiguousarray(pixels[..., :3])
     alpha = pixels[..., 3:]
@@ -98,7 +102,7 @@ def _read(image, is_straight: bool) -> Reading | None:
         alpha = alpha.copy()
         alpha.flags.writeable = False
     colour.flags.writeable = False
-    return Reading(colour, alpha, tuple(notes), _state_of(image))
+    return Reading(colour, alpha, tuple(notes), _state_of(image), not image.has_data)
 
 
 def _state_of(image) -> tuple:

@@ -1,8 +1,13 @@
 """Pixels of Blender images as linear numbers."""
 
 from collections.abc import Callable
+from pathlib import Path
 
+import bpy
 import numpy as np
+
+from ...engine.errors import FileFormatError
+from ...engine.formats import radiance_picture
 
 MISSING = 0.5
 """Grey value that stands for a picture that cannot be read. [-]"""
@@ -42,6 +47,73 @@ def read_pixels(image, is_straight: bool, note: Callable[[str, str], None]):
     if image.source in {"TILED", "SEQUENCE", "MOVIE"}:
         part = "first tile" if image.source == "TILED" else "current frame"
         note(f"Image {image.name!r} has several pictures", f"only the {part} is used")
+    try:
+        header, stored = _read_radiance(image)
+    except FileFormatError as error:
+        note(str(error), "the picture is left out")
+        return None
+    pixels = _read_loaded(image, is_straight, note) if stored is None else stored
+    if header is not None and pixels is not None:
+        _follow_header(pixels, header, image, note)
+    return pixels
+
+
+def _read_radiance(image):
+    """Header of a Radiance picture, None of others, and its pixels where Blender cannot read them or turns them."""
+    packed = image.packed_file
+    if image.source != "FILE" or not (packed or image.filepath):
+        return None, None
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    data = bytes(packed.data[: len(radiance_picture.MAGIC)]) if packed else b""
+    try:
+        if not packed and path.is_file():
+            with path.open("rb") as file:
+                data = file.read(radiance_picture.MAXIMUM_HEADER)
+        if not data.startswith(radiance_picture.MAGIC):
+            return None, None
+        data = bytes(packed.data) if packed else data
+        header = radiance_picture.read_header(data, path)
+        usual = header.encoding == radiance_picture.RGBE and header.order == radiance_picture.PLAIN
+        if usual or image.is_dirty:
+            return header, None
+        decoded = radiance_picture.decode(data if packed else path.read_bytes(), header, path)
+    except (OSError, ValueError):
+        # What cannot be opened is Blender's to tell.
+        return None, None
+    alpha = np.ones((*decoded.shape[:2], 1), np.float32)
+    return header, np.concatenate([decoded, alpha], axis=2)
+
+
+def _follow_header(pixels, header, image, note):
+    """Take exposures out of the pixels in place, and say what else the header asks for."""
+    name = f"Image {image.name!r}"
+    if header.encoding == radiance_picture.XYZE:
+        note(
+            f"{name} holds CIE X, Y, Z (FORMAT={header.encoding})",
+            "its Y is read as the format says, in cd/m2: a world that shows it needs the unit cd/m2",
+        )
+    multiplier = header.exposure * np.array(header.correction)
+    if (multiplier != 1.0).any():
+        shown = f"{header.exposure:g}" + (
+            " and COLORCORR " + " ".join(f"{each:g}" for each in header.correction)
+            if set(header.correction) != {1.0}
+            else ""
+        )
+        if image.is_dirty:
+            note(f"{name} is edited and not saved", f"its EXPOSURE {shown} is not taken out")
+        else:
+            note(f"{name} states EXPOSURE {shown}", "its pixels are divided by it")
+            pixels[..., :3] /= multiplier.astype(np.float32)
+    if header.primaries is not None and not np.allclose(
+        header.primaries, radiance_picture.REC709, atol=2e-3
+    ):
+        note(f"{name} states PRIMARIES of its own", "its colours are read as Rec. 709")
+    if header.gamma != 1.0:
+        note(f"{name} states GAMMA {header.gamma:g}", "its values are read as linear")
+
+
+def _read_loaded(image, is_straight, note):
+    """Read what Blender holds, as `read_pixels`."""
     width, height = image.size
     if width * height == 0 or len(image.pixels) == 0:
         return None

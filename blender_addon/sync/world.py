@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
-from ...engine.scene.memo import recall
 from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.cie import sun_direction
+from ...engine.sky.picture import describe_faults, find_illuminance
 from ..report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .fields import luminance
@@ -64,11 +64,7 @@ def convert_world(
         return UniformWorld(amount, light_spectrum(rgb), world_id) if amount > 0.0 else None
     image, rotation = picture
     if settings.unit == "ILLUMINANCE":
-        given = recall(
-            image.pixels,
-            ("illuminance", rotation.tobytes()),
-            lambda pixels: horizontal_illuminance(pixels, rotation),
-        )
+        given = find_illuminance(image, rotation, UPWARDS)
         if given <= 0.0:
             report.error(
                 world.name, "the upper half of the environment is black", "it gives no light"
@@ -114,26 +110,6 @@ def convert_sky(
         spectrum=Daylight(settings.colour_temperature),
         id=world_id,
     )
-
-
-def horizontal_illuminance(pixels, rotation) -> float:
-    """Illuminance of a horizontal plane under an equirectangular map of luminances. (h, w, 3) -> [lx per unit]"""
-    height, width = pixels.shape[:2]
-    luma = luminance(np.asarray(pixels, dtype=np.float64))
-    latitude = ((np.arange(height) + 0.5) / height - 0.5) * np.pi
-    longitude = (0.5 - (np.arange(width) + 0.5) / width) * 2.0 * np.pi
-    local = np.stack(
-        [
-            np.cos(latitude)[:, None] * np.cos(longitude),
-            np.cos(latitude)[:, None] * np.sin(longitude),
-            np.broadcast_to(np.sin(latitude)[:, None], (height, width)),
-        ],
-        axis=-1,
-    )
-    # The rotation takes world directions to map directions, so its transpose takes them back.
-    up = np.maximum(local @ rotation[:, 2], 0.0)
-    solid = np.cos(latitude)[:, None] * (np.pi / height) * (2.0 * np.pi / width)
-    return float((luma * up * solid).sum())
 
 
 def _background(world, report, images):
@@ -192,8 +168,35 @@ def _environment(socket, groups, name, report, images):
             node.name,
         )
     pixels = np.full((2, 4, 3), 0.5, dtype=np.float32) if reading is None else reading.colour
-    image = ImageTexture(pixels, name=node.image.name if node.image else "")
+    image = ImageTexture(
+        pixels,
+        interpolation="closest" if node.interpolation == "Closest" else "linear",
+        name=node.image.name if node.image else "",
+    )
+    if reading is not None:
+        _judge(image, node, name, report)
     return image, _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
+
+
+def _judge(image: ImageTexture, node, name: str, report: ConversionReport) -> None:
+    """Say what is odd about a picture of the surroundings."""
+    for message, remedy in describe_faults(image):
+        report.warn(name, message, remedy, node.name)
+    height, width = image.pixels.shape[:2]
+    if width != 2 * height:
+        report.warn(
+            name,
+            f"the environment picture '{image.name}' has {width} x {height} pixels, a full sphere is twice as wide as high",
+            "it is stretched over the sphere; is it another projection, such as a fisheye's?",
+            node.name,
+        )
+    if node.interpolation in {"Cubic", "Smart"}:
+        report.info(
+            name,
+            f"the environment texture's interpolation is {node.interpolation}",
+            "it is linear between the pixels' middles",
+            node.name,
+        )
 
 
 def _rotation(socket, groups, name, report) -> np.ndarray:

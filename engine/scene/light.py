@@ -140,7 +140,8 @@ class ImageWorld:
 
     Parameters
     ----------
-    image : ImageTexture    Three channels, any transform ignored.
+    image : ImageTexture
+        Pixels are cells, linear between their middles, or even with ``closest``; any transform and extension is ignored.
     luminance_per_unit : float    Luminance of a pixel whose Rec. 709 luminance is 1. [cd/m2]
     rotation : (3, 3) float64 array    From world directions to the directions of the map, where (x, y, z) is looked up at
         u = 0.5 - atan2(y, x) / (2 pi), v = atan2(z, hypot(x, y)) / pi + 0.5 (Blender's own mapping).

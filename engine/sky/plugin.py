@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..scene.light import CieSky
+from . import picture_plugin
 from .cie import (
     COEFFICIENTS,
     OVERCAST,
@@ -27,7 +28,8 @@ POINTS = 4
 
 
 def register() -> None:
-    """Register the plug-in with the active Mitsuba variant. Doing it again is harmless."""
+    """Register the plug-ins of skies and pictures with the active Mitsuba variant. Doing it again is harmless."""
+    picture_plugin.register()
     made = _sky_class()
     mi.register_emitter("lumenray_sky", lambda props, made=made: made(props))
 

@@ -23,6 +23,7 @@ from ..scene.light import AreaLight, ImageWorld, Luminaire, SunLight
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..sky import plugin as sky_plugin
+from ..sky.picture import describe_faults
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
@@ -177,7 +178,7 @@ class CompiledScene:
         self._commit_light_table(scene)
         self._commit_tables()
         changes.is_rebuilt = self.solid.commit() | self._veil.commit()
-        self._note()
+        self._note(scene)
         return changes
 
     # ---- what a ray meets ----
@@ -510,9 +511,13 @@ class CompiledScene:
 
     # ---- notes ----
 
-    def _note(self) -> None:
+    def _note(self, scene: Scene) -> None:
         """Say what is approximated."""
         self.notes = self._finishes.notes()
+        if isinstance(scene.world, ImageWorld):
+            self.notes += [
+                f"{what}: {instead}" for what, instead in describe_faults(scene.world.image)
+            ]
 
 
 def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:

@@ -58,6 +58,8 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
         reasons.append(f"material '{coloured}' has a reflectance that depends on the wavelength")
     if lamps > 1:
         reasons.append("the lights have different spectra")
+    if _is_pictured(scene.world) and _is_coloured(scene.world.image):
+        reasons.append("the picture of the surroundings has colours")
     if dispersive:
         reasons.append("a glass disperses light")
     spectral = bool(reasons)
@@ -115,9 +117,11 @@ def _distinct_lamps(scene: Scene) -> int:
         and _is_coloured(material.emission.pattern)
         for material in used_materials(scene)
     )
-    world = scene.world
-    pictured = isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0
-    return len(shapes) + pictured + patterned
+    return len(shapes) + _is_pictured(scene.world) + patterned
+
+
+def _is_pictured(world) -> bool:
+    return isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0
 
 
 def _first_coloured_material(scene: Scene) -> str | None:
@@ -145,13 +149,14 @@ def _is_coloured(value) -> bool:
 
 
 def spread(pixels: np.ndarray) -> float:
-    """Largest difference between the channels of a picture's pixel."""
+    """Largest difference between the channels of a picture's pixel; those that are no finite numbers have none."""
     largest, smallest = pixels[..., 0], pixels[..., 0]
     for channel in range(1, pixels.shape[2]):
         # Much faster than along the last axis, which is very short.
         largest = np.maximum(largest, pixels[..., channel])
         smallest = np.minimum(smallest, pixels[..., channel])
-    return float((largest - smallest).max())
+    with np.errstate(invalid="ignore"):
+        return float(np.fmax.reduce(largest - smallest, axis=None))
 
 
 def is_coloured(surface) -> bool:

@@ -2,18 +2,17 @@
 
 from dataclasses import dataclass
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..errors import SceneError
 from ..photometry import units
-from ..photometry.colour import REC709_LUMINANCE
-from ..photometry.spectra import luminous_efficiency
 from ..scene.light import CieSky, ImageWorld, SunLight, UniformWorld
+from ..scene.spectrum import Illuminant
 from ..sky.cie import check_sky, mean_luminance
+from ..sky.picture_plugin import WHITE, make_picture
 from ..sky.plugin import make_sky
 from . import emission
-from .textures import is_spectral
 
 SUN_POINT_ANGLE = 1e-5
 """Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
@@ -65,52 +64,29 @@ def _cie_sky(world: CieSky, old, made: World | None) -> World:
 
 def _changed(world: ImageWorld, old: ImageWorld, made: World) -> World:
     """Lay the same picture in another way; a new emitter would read all of it again."""
-    _lay(made.emitter, world)
+    made.emitter.lay(world.luminance_per_unit, _rotation(world))
     ratio = world.luminance_per_unit / old.luminance_per_unit
     return World(made.emitter, made.mean_luminance * ratio)
 
 
-def _lay(emitter, world: ImageWorld) -> None:
-    """Set scale and rotation; plain numbers would be a part of kernels, which every edit would then have to compile."""
-    values = mi.traverse(emitter)
-    scale = mi.Float(_scale(world))
-    place = type(values["to_world"])(mi.ScalarTransform4f(_frame(world)))
-    dr.make_opaque(scale, place)
-    values["scale"], values["to_world"] = scale, place
-    values.update()
-
-
-def _frame(world: ImageWorld) -> list:
-    # Mitsuba looks up (x, y, z) at u = atan2(x, -z) / (2 pi) with +y up; ours at u = 0.5 - atan2(y, x) / (2 pi) with
-    # +z up: they agree when Mitsuba's (x, y, z) is our (y, z, x).
-    to_map = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]) @ world.rotation
-    to_world = np.eye(4)
-    to_world[:3, :3] = to_map.T
-    return [list(row) for row in to_world]
-
-
-def _scale(world: ImageWorld) -> float:
-    scale = world.luminance_per_unit
-    if is_spectral():
-        scale /= units.LUMINOUS_EFFICACY * luminous_efficiency().sum()
-    return float(scale)
-
-
-def _image_world(world: ImageWorld) -> World:
-    pixels = np.nan_to_num(np.asarray(world.image.pixels, dtype=np.float32), posinf=0.0)
-    pixels = np.maximum(pixels, 0.0)
-    luma = (pixels @ REC709_LUMINANCE.astype(np.float32))[..., None]
-    if not is_spectral():
-        pixels = np.repeat(luma, 3, axis=2)
-    plugin = {
-        "type": "envmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(pixels[::-1])),
-    }
-    emitter = mi.load_dict(plugin)
-    _lay(emitter, world)
-    rows = np.cos((np.arange(len(luma)) + 0.5) / len(luma) * np.pi - 0.5 * np.pi)
-    mean = float((luma[..., 0].mean(axis=1) * rows).sum() / rows.sum())
+def _image_world(world: ImageWorld) -> World | None:
+    white = emission.luminous(1.0, Illuminant(WHITE)).texture()
+    made = make_picture(world.image, white)
+    if made is None:
+        return None
+    emitter, mean = made
+    emitter.lay(world.luminance_per_unit, _rotation(world))
     return World(emitter, mean * world.luminance_per_unit)
+
+
+def _rotation(world: ImageWorld) -> np.ndarray:
+    rotation = np.asarray(world.rotation, dtype=np.float64)
+    if rotation.shape != (3, 3) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-4):
+        raise SceneError(
+            "the world's picture is laid by a matrix that is no rotation: "
+            + np.array2string(rotation, separator=", ", precision=6).replace("\n", "")
+        )
+    return rotation
 
 
 def make_surroundings(world: World | None, suns: list[SunLight], radius: float, portals):

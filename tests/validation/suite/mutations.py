@@ -385,6 +385,18 @@ MUTATIONS = (
         ("C14.2x1.ceiling",),
     ),
     Mutation(
+        "rows for nodes",
+        "the first and last row of pixels of a picture of the surroundings lie at the poles",
+        (
+            Rewrite(
+                "sky.picture_plugin:_picture_class",
+                "from_pole = dr.atan2(plan, dr.abs(d.z)) * dr.inv_pi * height",
+                "from_pole = dr.atan2(plan, dr.abs(d.z)) * dr.inv_pi * (height - 1.0) + 0.5",
+            ),
+        ),
+        ("C37.cap16", "C37.ramp"),
+    ),
+    Mutation(
         "sun's disk",
         "the sun is twice as wide at the same luminance",
         (

@@ -248,5 +248,11 @@ TEXTS = {
         "tested.",
         "Closed form of the rating (CIE 117:1995) with Guth's position index.",
     ),
+    "C37": CaseText(
+        "Pictures of 16 and 256 rows of pixels are the surroundings, with 1000 cd/m2 in a cap of 22.5° around the zenith, "
+        "the same turned by 60°, or in a band of 22.5° above and below the horizon. Planes of several slopes show whether "
+        "pixels are cells of the right size at the right place, even or with a linear ramp between their middles.",
+        "Closed forms, confirmed by sums over 32 million directions.",
+    ),
 }
 """By case id."""

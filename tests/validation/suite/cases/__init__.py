@@ -52,6 +52,7 @@ def all_cases() -> dict[str, Case]:
         glass,
         interreflection,
         photometry,
+        pictures,
         roof,
         skies,
         spectral,
