@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+from ..engine.reading.printable import printable
 from ..engine.scene.sensor import SensorKind
 from . import (
     explain_command,
@@ -386,7 +387,7 @@ def main(arguments=None) -> int:
             "benchmark": _benchmark,
         }[options.command](options)
     except LumenrayError as error:
-        print(f"lumenray: {error}", file=sys.stderr)
+        print(f"lumenray: {printable(str(error))}", file=sys.stderr)
     except KeyboardInterrupt:
         print("lumenray: stopped", file=sys.stderr)
     return 1

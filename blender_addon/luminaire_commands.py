@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from ..engine.errors import FileFormatError, LumenrayError
+from ..engine.reading.printable import printable
 from .asset_library import command as library_command
 
 SUFFIXES = (".ies", ".ldt", ".xml")
@@ -141,9 +142,9 @@ def _without_path(error: FileFormatError) -> str:
 
 
 def say(text: str) -> None:
-    """Write to the terminal, with question marks for what it cannot show."""
+    """Write to the terminal, with question marks for what it cannot show, and no commands to it from a file."""
     encoding = sys.stdout.encoding or "utf-8"
-    sys.stdout.write(text.encode(encoding, "replace").decode(encoding) + "\n")
+    sys.stdout.write(printable(text).encode(encoding, "replace").decode(encoding) + "\n")
 
 
 # ---- numbers ----

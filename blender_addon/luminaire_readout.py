@@ -13,6 +13,7 @@ from ..engine.errors import LumenrayError
 from ..engine.luminaires.amount import Amount
 from ..engine.luminaires.record import LuminaireFile
 from ..engine.luminaires.summary import Summary, summarise
+from ..engine.reading.printable import printable
 from ..engine.scene.distribution import Opening
 from .luminaires import files
 from .luminaires.convert import find_amount
@@ -157,7 +158,10 @@ def describe_shape(file: LuminaireFile, summary: Summary) -> tuple[tuple[str, st
 def describe_words(file: LuminaireFile) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of what the file tells in words, empty entries left out."""
     return tuple(
-        (key.strip("_").replace("_", " ").capitalize(), " ".join(text.split()))
+        (
+            printable(key).strip("_").replace("_", " ").capitalize(),
+            " ".join(printable(text).split()),
+        )
         for key, text in file.metadata.items()
         if text.strip()
     )

@@ -480,14 +480,12 @@ def _process(options) -> int:
     from ..engine.analysis.scattering_picture import draw_before_after
     from ..engine.scattering.measuring.processing import process_measurement
     from ..engine.scattering.measuring.raw_measurement import read_raw_measurement
+    from ..engine.scattering.readers.reader import read_content
     from ..engine.scattering.record import ScatteringFile
     from ..engine.scattering.store import write_store
 
     _check_free(options)
-    try:
-        data = options.file.read_bytes()
-    except OSError as error:
-        raise FileFormatError(options.file, f"cannot be opened ({error.strerror})") from None
+    data = read_content(options.file)
     made = process_measurement(read_raw_measurement(data, options.file))
     for remark in made.remarks:
         say(f"{options.file}: {remark}")

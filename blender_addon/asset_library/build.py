@@ -17,8 +17,8 @@ from ...engine.luminaires.distribution import flux, intensity, peak
 from ...engine.luminaires.lm63_writer import write_lm63
 from ...engine.luminaires.reader import parse_luminaire
 from ...engine.luminaires.record import LuminaireFile
-from ...engine.luminaires.text import read_bytes
 from ...engine.photometry.units import BLENDER_EFFICACY
+from ...engine.reading.content import read_bytes
 from ...libraries.luminaires import Library, Model, Problem
 from ..luminaires import files
 from .stage import part_frame, part_opening
@@ -128,7 +128,7 @@ def write_catalogues(path: Path, categories, root: str = ROOT) -> None:
     """Write the file of the catalogues; those that others made there stay."""
     rows = {}
     if path.is_file():
-        for line in path.read_text(encoding="utf-8").splitlines():
+        for line in read_bytes(path).decode("utf-8").splitlines():
             if line.count(":") >= 2 and not line.startswith("#"):
                 key, place, name = line.split(":", 2)
                 rows[key] = (place, name)

@@ -7,8 +7,9 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.safe_xml import parse_xml
+from ..reading.content import read_bytes
 from ..scene.spectrum import Tabulated
-from .text_table import parse_rows, read_bytes
+from .text_table import MAXIMUM_BYTES, parse_rows
 
 
 def read_spectrum(path) -> Tabulated:
@@ -27,7 +28,7 @@ def read_spectrum(path) -> Tabulated:
     FileFormatError    The file cannot be read as a spectrum; the message names the line and what was expected.
     """
     path = Path(path)
-    data = read_bytes(path, "a table of a spectrum")
+    data = read_bytes(path, MAXIMUM_BYTES)
     if path.suffix.lower() == ".spdx" or data.lstrip()[:5] == b"<?xml":
         rows = _rows_of_tm27(path, data)
     else:

@@ -1,7 +1,6 @@
 """Columns of numbers in text files, as spreadsheets and instruments write them."""
 
 import re
-from pathlib import Path
 
 from ..errors import FileFormatError
 
@@ -11,22 +10,6 @@ MAXIMUM_BYTES = 16 << 20
 MAXIMUM_ROWS = 200_000
 
 _COMMENT = re.compile(r"^\s*(#|//|;|%|!)")
-
-
-def read_bytes(path, expected: str) -> bytes:
-    """Return the content of a file of a sensible size; ``expected`` says what it should be.
-
-    Raises
-    ------
-    FileFormatError    It is too large or cannot be opened.
-    """
-    path = Path(path)
-    try:
-        if path.stat().st_size > MAXIMUM_BYTES:
-            raise FileFormatError(path, f"larger than 16 MiB, expected {expected}")
-        return path.read_bytes()
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
 
 
 def parse_rows(path, data: bytes, count: int, expected: str) -> list[tuple[int, ...]]:

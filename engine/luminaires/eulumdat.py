@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution, Opening
 from .distribution import flux
 from .eulumdat_fields import ANGLE, FLUX, LENGTH, PERCENT, POWER, Fields
@@ -30,7 +31,7 @@ from .eulumdat_planes import (
 from .eulumdat_planes import SYMMETRIES as SYMMETRIES_BY_ISYM
 from .record import LampSet, LuminaireFile, Remark
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
-from .text import decode, read_bytes
+from .text import decode
 
 MAXIMUM_LAMP_SETS = 20
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution
 from .coordinates import FRAMES
 from .distribution import flux
@@ -23,7 +24,7 @@ from .lm63_numbers import Numbers
 from .lm63_opening import read_opening
 from .record import LampSet, LuminaireFile, Remark, TiltTable
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
-from .text import decode, read_bytes
+from .text import decode
 
 FLUX_RATIO = (0.2, 1.05)
 """Between which the flux of the luminaire should lie, of that of its lamps."""

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
 from ..luminaires.text import parse_number
+from ..reading.lines import read_lines
 from .binary import PIECE, check_count
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 from .zemax import MICROMETRE
@@ -54,19 +55,9 @@ class Assumed:
 
 def _lines(path, first: int = 0) -> Iterator[tuple[int, str]]:
     """Lines with their numbers from 1, from the one after ``first`` on."""
-    with Path(path).open(encoding="latin-1", newline=None) as file:
-        number = 0
-        while True:
-            line = file.readline(LONGEST_LINE)
-            if not line:
-                return
-            number += 1
-            if len(line) == LONGEST_LINE:
-                raise FileFormatError(
-                    path, f"is no text of rays: more than {LONGEST_LINE} characters", number
-                )
-            if number > first:
-                yield number, line.strip()
+    for number, line in read_lines(path, LONGEST_LINE):
+        if number > first:
+            yield number, line.strip()
 
 
 def _numbers(line: str) -> list[float] | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import FileFormatError, SceneError
 from ...luminaires.record import Remark
-from ...luminaires.text import read_bytes
+from ...reading.content import read_bytes
 from ...scene.scattering import ScatterTable
 from ..normal_incidence import add_normal_incidence
 from ..record import ScatteringFile
