@@ -85,8 +85,7 @@ def summarise(file: LuminaireFile) -> Summary:
     zones = np.diff(np.concatenate([[0.0], cones[4:], [total]]))
     downward = float(cones[3]) if cones[3] > ROUNDING * total else 0.0
     fraction = downward / total if total > 0.0 else None
-    is_rated = not file.is_absolute and file.stated_flux is not None and file.stated_flux > 0.0
-    ratio = total / file.stated_flux if is_rated else None
+    ratio = None if file.is_absolute else _over(total, file.stated_flux)
     largest, direction, grid_angles = _peak(file)
     sections = [section(distribution, np.deg2rad(plane)) for plane in PLANES]
     return Summary(
@@ -95,7 +94,7 @@ def summarise(file: LuminaireFile) -> Summary:
         upward_flux=total - downward,
         downward_fraction=fraction,
         light_output_ratio=ratio,
-        efficacy=total / file.watts if file.watts else None,
+        efficacy=_over(total, file.watts),
         peak=largest,
         peak_direction=direction,
         peak_angles=grid_angles,
@@ -105,6 +104,15 @@ def summarise(file: LuminaireFile) -> Summary:
         zonal_flux=np.where(zones > ROUNDING * total, zones, 0.0),
         luminance=_luminance(file),
     )
+
+
+def _over(flux_of_all: float, stated: float | None) -> float | None:
+    """Flux over a stated number; None where there is none, or it is so small that the ratio is no number."""
+    if not stated or stated < 0.0:
+        return None
+    with np.errstate(over="ignore"):
+        ratio = float(np.divide(flux_of_all, stated))
+    return ratio if np.isfinite(ratio) else None
 
 
 def _degrees(angle: float | None) -> float | None:

@@ -196,7 +196,37 @@ def test_a_beam_that_ends_with_the_grid_ends_there():
     assert summarise(file_of(made)).beam_angles == pytest.approx((70.0, 70.0), abs=1e-3)
 
 
+def test_light_alike_below_and_above_the_horizontal_has_a_beam():
+    # As large at the horizontal, which belongs to both sides, as above it.
+    above = IntensityDistribution(np.zeros(1), np.deg2rad([90.0, 135.0, 180.0]), np.full((1, 3), 9.0))
+    assert summarise(file_of(above)).beam_angles == pytest.approx((180.0, 180.0), abs=1e-3)
+    # A globe with its cap: half the light at 20 degrees by the straight line from 0 to 40.
+    globe = rotational(lambda g: np.interp(g, np.deg2rad([0.0, 40.0]), [0.0, 7.0]))
+    assert summarise(file_of(globe)).beam_angles == pytest.approx((320.0, 320.0), abs=0.02)
+
+
+def test_every_light_has_a_beam_wherever_its_maxima_are():
+    rng = np.random.default_rng(7)
+    azimuth = np.deg2rad([0.0, 90.0, 180.0, 270.0, 360.0])
+    polar = np.deg2rad(np.linspace(0.0, 180.0, 9))
+    for _ in range(300):
+        # Few levels, so that maxima are alike in many places; alike to the last bit, or but for rounding.
+        values = rng.integers(0, 3, (5, 9)) * rng.choice([1.0, 1.0 + 1e-12], (5, 9)) * 30.0
+        values[-1] = values[0]
+        made = summarise(file_of(IntensityDistribution(azimuth, polar, values)))
+        for angle in (*made.beam_angles, *made.field_angles):
+            assert angle is None or 0.0 < angle <= 360.0
+
+
 # ---- ratios ----
+
+
+def test_a_stated_number_next_to_nothing_gives_no_ratio():
+    light = rotational(lambda g: 1000.0 * np.cos(g))
+    made = summarise(file_of(light, is_absolute=False, stated_flux=1e-320, watts=1e-320))
+    assert made.light_output_ratio is None
+    assert made.efficacy is None
+    assert np.isfinite(made.flux_codes).all()
 
 
 def test_ratios_need_what_they_are_ratios_of():
