@@ -198,7 +198,9 @@ def test_a_beam_that_ends_with_the_grid_ends_there():
 
 def test_light_alike_below_and_above_the_horizontal_has_a_beam():
     # As large at the horizontal, which belongs to both sides, as above it.
-    above = IntensityDistribution(np.zeros(1), np.deg2rad([90.0, 135.0, 180.0]), np.full((1, 3), 9.0))
+    above = IntensityDistribution(
+        np.zeros(1), np.deg2rad([90.0, 135.0, 180.0]), np.full((1, 3), 9.0)
+    )
     assert summarise(file_of(above)).beam_angles == pytest.approx((180.0, 180.0), abs=1e-3)
     # A globe with its cap: half the light at 20 degrees by the straight line from 0 to 40.
     globe = rotational(lambda g: np.interp(g, np.deg2rad([0.0, 40.0]), [0.0, 7.0]))
