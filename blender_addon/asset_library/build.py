@@ -15,6 +15,7 @@ from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.luminaires.coordinates import directions
 from ...engine.luminaires.distribution import flux, intensity, peak
 from ...engine.luminaires.lm63_writer import write_lm63
+from ...engine.luminaires.radiant import require_luminous
 from ...engine.luminaires.reader import parse_luminaire
 from ...engine.luminaires.record import LuminaireFile
 from ...engine.photometry.units import BLENDER_EFFICACY
@@ -147,6 +148,7 @@ def _make_asset(model: Model) -> None:
     """Make what is dragged from the Asset Browser."""
     data = read_bytes(model.file)
     file = parse_luminaire(data, model.file, model.file.parent)
+    require_luminous(model.file, file)
     if model.parts:
         asset = bpy.data.collections.new(model.title)
         for number, part in enumerate(model.parts, 1):

@@ -16,7 +16,7 @@ from pathlib import Path
 import bpy
 
 from ...engine.errors import FileFormatError, LumenrayError
-from ...engine.luminaires.distribution import flux
+from ...engine.luminaires.distribution import flux as flux_of
 from ...engine.luminaires.lamp_spectrum import LampSpectrum, choose_spectrum
 from ...engine.luminaires.reader import parse_luminaire
 from ...engine.luminaires.record import LuminaireFile
@@ -70,9 +70,9 @@ class Reading:
         return self.file.distribution
 
     @cached_property
-    def luminous_flux(self) -> float:
-        """Of the distribution. [lm]"""
-        return flux(self.file.distribution)
+    def flux(self) -> float:
+        """Of the distribution. [lm, of radiant files W]"""
+        return flux_of(self.file.distribution)
 
     @cached_property
     def lamp_spectrum(self) -> LampSpectrum:

@@ -29,6 +29,7 @@ from .eulumdat_planes import (
     read_planes,
 )
 from .eulumdat_planes import SYMMETRIES as SYMMETRIES_BY_ISYM
+from .radiant import settle_unit
 from .record import LampSet, LuminaireFile, Remark
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
 from .text import decode
@@ -128,7 +129,7 @@ def parse_eulumdat(data: bytes, path) -> LuminaireFile:
     lamp_flux = lamps[0].luminous_flux
     distribution, symmetry = _distribution(path, head, planes, lamp_flux, remarks)
     _compare_flux(head, distribution, lamp_flux, remarks)
-    return LuminaireFile(
+    file = LuminaireFile(
         format="EULUMDAT",
         photometric_type="C",
         symmetry=symmetry,
@@ -147,6 +148,7 @@ def parse_eulumdat(data: bytes, path) -> LuminaireFile:
         metadata=head.metadata,
         remarks=tuple(sorted(remarks, key=lambda remark: remark.line)),
     )
+    return settle_unit(path, file)
 
 
 def looks_like_eulumdat(text: str) -> bool:

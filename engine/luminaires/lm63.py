@@ -22,6 +22,7 @@ from .lm63_data import Data, read_content, read_tilt
 from .lm63_header import GENERATION_TYPE, Header, read_header
 from .lm63_numbers import Numbers
 from .lm63_opening import read_opening
+from .radiant import settle_unit
 from .record import LampSet, LuminaireFile, Remark, TiltTable
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
 from .text import decode
@@ -80,7 +81,7 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
     if content.generation:
         metadata[GENERATION_TYPE] = content.generation
     name = metadata.get("LAMP") or metadata.get("LAMPCAT") or ""
-    return LuminaireFile(
+    file = LuminaireFile(
         format=f"LM-63-{header.year}",
         photometric_type=kind,
         symmetry=content.symmetry,
@@ -97,6 +98,7 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
         metadata=metadata,
         remarks=tuple(remarks),
     )
+    return settle_unit(path, file)
 
 
 def _distribution_c(content: Data, remarks) -> IntensityDistribution:

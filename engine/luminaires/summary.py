@@ -34,11 +34,12 @@ BEAM, FIELD = 0.5, 0.1
 class Summary:
     """Numbers of a photometric file; None where the file does not say enough, or nothing is emitted.
 
+    Units are those of candelas; of a radiant file lm stands for W and cd for W/sr, see `LuminaireFile.units`.
     Angles C and gamma are the luminaire's own for all photometric types: gamma from its -z, C counter-clockwise from +x.
 
     Parameters
     ----------
-    luminous_flux : float    Of the distribution, integrated exactly. [lm]
+    total_flux : float    Of the distribution, integrated exactly. [lm]
     downward_flux, upward_flux : float    Below and above the horizontal. [lm]
     downward_fraction : float or None    Downward share of the flux (DFF). [-]
     light_output_ratio : float or None    Flux over the rated flux of the lamps; None in absolute photometry. [-]
@@ -59,7 +60,7 @@ class Summary:
     Flux code: CIE 52:1982, EN 13032-2:2017 (CEN flux code).
     """
 
-    luminous_flux: float
+    total_flux: float
     downward_flux: float
     upward_flux: float
     downward_fraction: float | None
@@ -89,7 +90,7 @@ def summarise(file: LuminaireFile) -> Summary:
     largest, direction, grid_angles = _peak(file)
     sections = [section(distribution, np.deg2rad(plane)) for plane in PLANES]
     return Summary(
-        luminous_flux=total,
+        total_flux=total,
         downward_flux=downward,
         upward_flux=total - downward,
         downward_fraction=fraction,

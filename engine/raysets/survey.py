@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
-from ..photometry.spectra import GRID, luminous_efficiency
+from ..photometry.spectra import GRID, efficacy_of_table, luminous_efficiency
 from ..photometry.units import LUMINOUS_EFFICACY
 from .reader import Faults, read_rays
 from .record import LUMINOUS, RADIANT, RayFile, Rays
@@ -184,7 +184,7 @@ def luminous_rays(file: RayFile, survey: Survey, rays: Rays) -> Rays:
                 rays.wavelength, GRID, luminous_efficiency(), left=0.0, right=0.0
             )
         elif rays.spectrum is not None:
-            scale *= np.array([_efficacy_of(*table) for table in file.spectra])[rays.spectrum]
+            scale *= np.array([efficacy_of_table(*table) for table in file.spectra])[rays.spectrum]
         elif survey.luminous_flux is not None:
             scale = survey.luminous_flux / survey.weight
         else:
@@ -198,16 +198,4 @@ def _efficacy(by_wavelength: np.ndarray, spectrum) -> float:
     """Luminous efficacy of radiation. ``by_wavelength``: shares of the whole flux, where rays have wavelengths. [lm/W]"""
     if by_wavelength.any():
         return LUMINOUS_EFFICACY * float(by_wavelength @ luminous_efficiency())
-    return _efficacy_of(*spectrum)
-
-
-def _efficacy_of(wavelengths: np.ndarray, values: np.ndarray) -> float:
-    """Luminous efficacy of radiation with a relative spectrum, or of one wavelength. [lm/W]"""
-    if len(wavelengths) == 1:
-        return LUMINOUS_EFFICACY * float(
-            np.interp(wavelengths[0], GRID, luminous_efficiency(), left=0.0, right=0.0)
-        )
-    # The table's own range counts as radiant flux, ultraviolet and infrared included.
-    power = 0.5 * float(np.diff(wavelengths) @ (values[1:] + values[:-1]))
-    seen = np.interp(GRID, wavelengths, values, left=0.0, right=0.0)
-    return LUMINOUS_EFFICACY * float(seen @ luminous_efficiency()) / power if power > 0.0 else 0.0
+    return efficacy_of_table(*spectrum)

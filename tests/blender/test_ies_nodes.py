@@ -430,3 +430,11 @@ def test_vector_of_the_frame_is_the_beam():
     light, _ = lamp.convert()
     beam = lamp.source.rotation_euler.to_matrix() @ Vector((0, 0, -1))
     np.testing.assert_allclose(-light.frame[:3, 2], beam, atol=1e-6)
+
+
+def test_a_texture_of_radiant_intensities_is_no_white_light():
+    text = write_ies([[100.0, 100.0]], [0, 180], [0], keywords=("[_INTENSITYUNITS] mW/sr",))
+    light, rows = Lamp(text=text).convert()
+    assert light is None
+    assert "radiant intensities, 1.257 W without a spectrum" in rows[0].message
+    assert rows[0].remedy == "it lights nothing visible"
