@@ -15,6 +15,7 @@ from . import (
     rayset_commands,
     scattering_commands,
     sensitivity_command,
+    spectrum_commands,
     validate_command,
 )
 
@@ -82,6 +83,7 @@ def build_parser() -> argparse.ArgumentParser:
     luminaire_commands.add_commands(commands, _size)
     rayset_commands.add_commands(commands)
     scattering_commands.add_commands(commands)
+    spectrum_commands.add_commands(commands, _size)
     validate_command.add_command(commands)
 
     demo = commands.add_parser("demo", help="render and bake the bundled office")
@@ -382,6 +384,7 @@ def main(arguments=None) -> int:
             "luminaire": luminaire_commands.run,
             "rayset": rayset_commands.run,
             "brdf": scattering_commands.run,
+            "spectrum": spectrum_commands.run,
             "validate": validate_command.run,
             "demo": _demo,
             "benchmark": _benchmark,

@@ -93,7 +93,11 @@ def convert_light(
     rgb = _colour(data)
     tint, strength = _node_emission(data, name, report, images)
     rgb = rgb * tint
-    output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    try:
+        output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    except LumenrayError as error:
+        report.error(name, str(error), LEFT_OUT)
+        return None
     if output is None:
         return None
     match data.type:

@@ -266,6 +266,21 @@ def test_a_mere_colour_makes_no_light_of_watts_but_a_spectrum_does(write, tmp_pa
     assert "none of its 1.257 W is visible" in " ".join(row.message for row in rows)
 
 
+@pytest.mark.parametrize("kind", ["light", "luminaire"])
+def test_a_lamp_whose_spectrum_is_zero_is_left_out_with_an_error(write, tmp_path, kind):
+    lamp = add_lamp("POINT", write() if kind == "luminaire" else "")
+    settings_of(lamp).spectrum_source = "LIGHT"
+    table = tmp_path / "lamp.txt"
+    table.write_text("380 0\n580 0\n780 0\n")
+    own = lamp.data.lumenray
+    own.use_physical, own.spectrum, own.spectrum_file = True, "FILE", str(table)
+    light, rows = convert(lamp)
+    assert light is None
+    assert rows[-1].severity is Severity.ERROR
+    assert "no value above 0" in rows[-1].message
+    assert rows[-1].remedy == "the light is left out"
+
+
 def test_lumens_that_are_stated_of_a_radiant_file_count(write):
     lamp = add_lamp("POINT", write(RADIANT, "uv.ies"))
     settings_of(lamp).amount, settings_of(lamp).luminous_flux = "LUMENS", 50.0
