@@ -4,11 +4,16 @@ import bpy
 
 from ...engine.errors import LumenrayError, SceneError
 from ...engine.formats.spd import SpectrumFile, read_spectrum
-from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum
+from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
+from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
 from ..report import ConversionReport
 
 DAYLIGHT_RANGE = (4000.0, 25000.0)
 """Correlated colour temperatures for which CIE 15 defines daylight. [K]"""
+
+
+BEYOND = 0.01
+"""Share of a lamp's power beyond the wavelengths that count that is told. [-]"""
 
 
 def light_spectrum(rgb) -> Spectrum:
@@ -62,6 +67,30 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
         if table is not None:
             return table
     return light_spectrum(rgb)
+
+
+def check_visible(table: Tabulated, is_radiant: bool, name: str, report: ConversionReport) -> None:
+    """Refuse a lamp's table that holds no visible light, and tell of watts that do not count.
+
+    Parameters
+    ----------
+    table : Tabulated
+    is_radiant : bool    Whether the amount is stated in watts.
+    name, report : str, ConversionReport    Whose it is, and where it is told.
+
+    Raises
+    ------
+    SceneError
+    """
+    if luminous_weight(table) <= 0.0:
+        raise SceneError(f"the spectrum {table.name} holds no visible light")
+    beyond = 1.0 - efficacy_of_all(table) / efficacy(table)
+    if is_radiant and beyond > BEYOND:
+        report.warn(
+            name,
+            f"{beyond:.3g} of the power of its spectrum {table.name} lies beyond 360 to 830 nm",
+            "the watts are those within",
+        )
 
 
 def _daylight(temperature, report, datablock):

@@ -1,5 +1,7 @@
 """Lights that Blender's IES texture shapes: the same light as Cycles makes of them."""
 
+import os
+
 import bpy
 import numpy as np
 import pytest
@@ -321,6 +323,11 @@ def test_a_texture_without_a_file_leaves_the_light_out():
     light, rows = lamp.convert()
     assert light is None
     assert "cannot be opened" in rows[0].message
+    # What has no end ended Blender.
+    lamp.ies.filepath = "/dev/zero" if os.name == "posix" else os.devnull
+    light, rows = lamp.convert()
+    assert light is None
+    assert "is a device, expected a file" in rows[0].message
 
 
 @pytest.mark.parametrize("operation", ["POWER", "MINIMUM", "ADD"])

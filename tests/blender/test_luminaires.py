@@ -1,6 +1,7 @@
 """Luminaires in Blender: their files, their settings, and what becomes of them in the engine."""
 
 import gc
+import os
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -225,6 +226,10 @@ def test_a_missing_file_and_no_file_leave_the_light_out(write):
     light, rows = convert(lamp)
     assert light is None
     assert "cannot be opened" in rows[0].message
+    settings_of(lamp).filepath = os.devnull
+    light, rows = convert(lamp)
+    assert light is None
+    assert "is a device" in rows[0].message
 
 
 RADIANT = write_ies(
@@ -279,6 +284,26 @@ def test_a_lamp_whose_spectrum_is_zero_is_left_out_with_an_error(write, tmp_path
     assert rows[-1].severity is Severity.ERROR
     assert "no value above 0" in rows[-1].message
     assert rows[-1].remedy == "the light is left out"
+
+
+def test_watts_beyond_what_counts_and_lamps_without_visible_light_are_told(tmp_path):
+    lamp, table = add_lamp(), tmp_path / "lamp.txt"
+    # Half of the watts at 222 nm, half at 555 nm.
+    table.write_text("221 0\n222 1\n223 0\n554 0\n555 1\n556 0\n")
+    own = lamp.data.lumenray
+    own.use_physical, own.spectrum, own.spectrum_file = True, "FILE", str(table)
+    own.quantity, own.value = "RADIANT_FLUX", 10.0
+    light, rows = convert(lamp)
+    assert light.output.value == 10.0
+    assert "0.5 of the power of its spectrum" in rows[-1].message
+    assert rows[-1].remedy == "the watts are those within"
+    own.quantity = "LUMINOUS_FLUX"
+    assert convert(lamp)[1] == []
+    table.write_text("221 0\n222 1\n223 0\n224 0\n")
+    light, rows = convert(lamp)
+    assert light is None
+    assert "holds no visible light" in rows[-1].message
+    assert rows[-1].severity is Severity.ERROR
 
 
 def test_lumens_that_are_stated_of_a_radiant_file_count(write):
