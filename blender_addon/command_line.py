@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+from ..engine.reading.printable import printable
 from ..engine.scene.sensor import SensorKind
 from . import (
     explain_command,
@@ -14,6 +15,7 @@ from . import (
     rayset_commands,
     scattering_commands,
     sensitivity_command,
+    spectrum_commands,
     validate_command,
 )
 
@@ -81,6 +83,7 @@ def build_parser() -> argparse.ArgumentParser:
     luminaire_commands.add_commands(commands, _size)
     rayset_commands.add_commands(commands)
     scattering_commands.add_commands(commands)
+    spectrum_commands.add_commands(commands, _size)
     validate_command.add_command(commands)
 
     demo = commands.add_parser("demo", help="render and bake the bundled office")
@@ -381,12 +384,13 @@ def main(arguments=None) -> int:
             "luminaire": luminaire_commands.run,
             "rayset": rayset_commands.run,
             "brdf": scattering_commands.run,
+            "spectrum": spectrum_commands.run,
             "validate": validate_command.run,
             "demo": _demo,
             "benchmark": _benchmark,
         }[options.command](options)
     except LumenrayError as error:
-        print(f"lumenray: {error}", file=sys.stderr)
+        print(f"lumenray: {printable(str(error))}", file=sys.stderr)
     except KeyboardInterrupt:
         print("lumenray: stopped", file=sys.stderr)
     return 1

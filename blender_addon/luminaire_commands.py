@@ -7,10 +7,13 @@ import argparse
 import glob
 import json
 import math
+import re
 import sys
 from pathlib import Path
 
 from ..engine.errors import FileFormatError, LumenrayError
+from ..engine.luminaires.record import LUMINOUS, UNITS
+from ..engine.reading.printable import printable
 from .asset_library import command as library_command
 
 SUFFIXES = (".ies", ".ldt", ".xml")
@@ -141,9 +144,9 @@ def _without_path(error: FileFormatError) -> str:
 
 
 def say(text: str) -> None:
-    """Write to the terminal, with question marks for what it cannot show."""
+    """Write to the terminal, with question marks for what it cannot show, and no commands to it from a file."""
     encoding = sys.stdout.encoding or "utf-8"
-    sys.stdout.write(text.encode(encoding, "replace").decode(encoding) + "\n")
+    sys.stdout.write(printable(text).encode(encoding, "replace").decode(encoding) + "\n")
 
 
 # ---- numbers ----
@@ -174,6 +177,8 @@ def describe(name: str, file) -> dict:
             }
             for plane, row in zip(PLANES, summary.luminance.tolist(), strict=True)
         }
+    units = file.units
+    flux = "lm" if file.quantity == LUMINOUS else "w"
     edges = [round(math.degrees(edge)) for edge in ZONES]
     row = {
         "file": name,
@@ -181,27 +186,28 @@ def describe(name: str, file) -> dict:
         "photometric_type": file.photometric_type,
         "symmetry": file.symmetry,
         "is_absolute": file.is_absolute,
-        "luminous_flux_lm": summary.luminous_flux,
-        "stated_flux_lm": file.stated_flux,
-        "downward_flux_lm": summary.downward_flux,
-        "upward_flux_lm": summary.upward_flux,
+        "quantity": file.quantity,
+        f"{file.quantity}_flux_{flux}": summary.total_flux,
+        f"stated_flux_{flux}": file.stated_flux,
+        f"downward_flux_{flux}": summary.downward_flux,
+        f"upward_flux_{flux}": summary.upward_flux,
         "downward_fraction": summary.downward_fraction,
         "stated_downward_fraction": file.downward_fraction,
         "light_output_ratio": summary.light_output_ratio,
         "stated_light_output_ratio": file.light_output_ratio,
         "watts": file.watts,
-        "efficacy_lm_per_w": summary.efficacy,
-        "peak_cd": summary.peak,
+        f"efficacy_{flux}_per_w": summary.efficacy,
+        f"peak_{_key(units.intensity)}": summary.peak,
         "peak_direction_deg": summary.peak_direction,
         "peak_hv_deg": summary.peak_angles,
         "beam_angle_deg": summary.beam_angles,
         "field_angle_deg": summary.field_angles,
         "cie_flux_codes": (100.0 * summary.flux_codes).tolist(),
-        "zonal_flux_lm": {
+        f"zonal_flux_{flux}": {
             f"{low}-{high}": value
             for low, high, value in zip(edges, edges[1:], summary.zonal_flux.tolist(), strict=False)
         },
-        "luminance_cd_per_m2": luminance,
+        f"{_mean_name(file)}_{_key(units.luminance)}": luminance,
         "opening_shape": file.opening.shape,
         "opening_axis": file.opening.axis,
         "opening_m": file.opening.size,
@@ -228,7 +234,26 @@ def describe(name: str, file) -> dict:
         "metadata": dict(file.metadata),
         "warnings": [str(remark) for remark in file.remarks],
     }
+    if file.quantity != LUMINOUS:
+        # Radiant files have no lumens but by their spectrum; who looks for them is told so.
+        row["luminous_flux_lm"] = visible_flux(file, summary.total_flux)
     return _clean(row)
+
+
+def visible_flux(file, watts: float) -> float:
+    """Lumens of a radiant file: by its spectrum, and none without one."""
+    from ..engine.photometry.spectra import efficacy_of_table
+
+    return 0.0 if file.spectrum is None else watts * efficacy_of_table(*file.spectrum)
+
+
+def _mean_name(file) -> str:
+    return "luminance" if file.quantity == LUMINOUS else "radiance"
+
+
+def _key(unit: str) -> str:
+    """A unit in the key of a JSON object."""
+    return re.sub(r"[()]", "", unit).replace("/", "_per_").replace(" ", "_").lower()
 
 
 def _clean(value):
@@ -244,7 +269,8 @@ def _clean(value):
 
 def tell(row: dict) -> str:
     """Text for people about a row of `describe`."""
-    lines = [row["file"]]
+    lines, units = [row["file"]], UNITS[row["quantity"]]
+    flux, is_luminous = units.flux.lower(), row["quantity"] == LUMINOUS
 
     def add(label, text):
         if text:
@@ -253,35 +279,42 @@ def tell(row: dict) -> str:
     add("format", f"{row['format']}, type {row['photometric_type']}, symmetry {row['symmetry']}")
     planes = row["stored_planes"]
     add("stored", f"{planes} plane{'s' if planes > 1 else ''} of {row['stored_angles']} angles")
-    add("luminous flux", _flux_words(row))
+    add(f"{row['quantity']} flux", _flux_words(row))
+    if not is_luminous:
+        add("visible light", _visible_words(row))
     share = row["downward_fraction"]
     if share is not None:
         stated = _stated(row["stated_downward_fraction"])
         add(
             "down, up",
-            f"{_figure(row['downward_flux_lm'])} lm, {_figure(row['upward_flux_lm'])} lm; "
+            f"{_figure(row[f'downward_flux_{flux}'])} {units.flux}, {_figure(row[f'upward_flux_{flux}'])} {units.flux}; "
             f"downward {100 * share:.1f} %{stated}",
         )
-    if row["efficacy_lm_per_w"] is not None:
-        add("power", f"{row['watts']:g} W, {row['efficacy_lm_per_w']:.1f} lm/W")
+    efficacy = row[f"efficacy_{flux}_per_w"]
+    if efficacy is not None:
+        told = (
+            f"{efficacy:.1f} lm/W" if is_luminous else f"{100 * efficacy:.2g} % of it as radiation"
+        )
+        add("power", f"{row['watts']:g} W, {told}")
     c, gamma = row["peak_direction_deg"]
-    peak = f"{_figure(row['peak_cd'])} cd at C {c:g}, gamma {gamma:g} deg"
+    peak = f"{_figure(row[f'peak_{_key(units.intensity)}'])} {units.intensity} at C {c:g}, gamma {gamma:g} deg"
     if row["peak_hv_deg"] is not None:
         peak += " (H {:g}, V {:g} deg)".format(*row["peak_hv_deg"])
     add("peak", peak)
     add("beam angle (50 %)", _spread_words(row["beam_angle_deg"]))
     add("field angle (10 %)", _spread_words(row["field_angle_deg"]))
     add("CIE flux code", " ".join(f"{code:.0f}" for code in row["cie_flux_codes"]))
-    zones = [f"{zone}: {_figure(value)}" for zone, value in row["zonal_flux_lm"].items()]
+    zones = [f"{zone}: {_figure(value)}" for zone, value in row[f"zonal_flux_{flux}"].items()]
     for i in range(0, len(zones), 6):
-        add("zonal flux [lm]" if i == 0 else "", ", ".join(zones[i : i + 6]))
+        add(f"zonal flux [{units.flux}]" if i == 0 else "", ", ".join(zones[i : i + 6]))
     add("opening", _opening_words(row))
-    for plane, values in (row["luminance_cd_per_m2"] or {}).items():
+    mean = "luminance" if is_luminous else "radiance"
+    for plane, values in (row[f"{mean}_{_key(units.luminance)}"] or {}).items():
         told = ", ".join(
             f"{gamma} deg: {'edge on' if value is None else _figure(value)}"
             for gamma, value in values.items()
         )
-        add(f"luminance {plane}", f"{told} cd/m2")
+        add(f"{mean} {plane}", f"{told} {units.luminance}")
     if row["tilt_factors"]:
         add("tilt factors", ", ".join(f"{a} deg: {f:g}" for a, f in row["tilt_factors"].items()))
     for i, lamp in enumerate(row["lamps"]):
@@ -304,12 +337,22 @@ def _stated(share: float | None) -> str:
 
 
 def _flux_words(row) -> str:
-    text = f"{_figure(row['luminous_flux_lm'])} lm"
+    unit = UNITS[row["quantity"]].flux
+    key = unit.lower()
+    text = f"{_figure(row['{}_flux_{}'.format(row['quantity'], key)])} {unit}"
     if row["light_output_ratio"] is None:
         return f"{text}, absolute photometry" if row["is_absolute"] else text
     stated = _stated(row["stated_light_output_ratio"])
     share = f"{100 * row['light_output_ratio']:.1f} %{stated}"
-    return f"{text} of {_figure(row['stated_flux_lm'])} lm of the lamps: light output ratio {share}"
+    stated_flux = _figure(row[f"stated_flux_{key}"])
+    return f"{text} of {stated_flux} {unit} of the lamps: light output ratio {share}"
+
+
+def _visible_words(row) -> str:
+    lumens = row["luminous_flux_lm"]
+    return (
+        f"{_figure(lumens)} lm by its spectrum" if lumens > 0.0 else "none: it states no spectrum"
+    )
 
 
 def _spread_words(angles) -> str:

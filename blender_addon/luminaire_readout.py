@@ -11,11 +11,12 @@ import numpy as np
 
 from ..engine.errors import LumenrayError
 from ..engine.luminaires.amount import Amount
-from ..engine.luminaires.record import LuminaireFile
+from ..engine.luminaires.record import RADIANT, LuminaireFile
 from ..engine.luminaires.summary import Summary, summarise
+from ..engine.reading.printable import printable
 from ..engine.scene.distribution import Opening
 from .luminaires import files
-from .luminaires.convert import find_amount
+from .luminaires.convert import find_amount, states_spectrum
 from .luminaires.settings import LIGHT_TYPES
 from .readout import Description, format_amount, format_number
 
@@ -96,9 +97,23 @@ def describe_output(settings, reading, source) -> Description:
     """
     matrix = np.eye(4) if source is None else source.matrix_world
     try:
-        return Description(describe_amount(find_amount(settings, reading, matrix)))
+        amount = find_amount(settings, reading, matrix)
     except LumenrayError as error:
         return Description(problem=str(error))
+    if reading.file.quantity == RADIANT and settings.amount != "LUMENS":
+        return _describe_watts(settings, reading, source, amount)
+    return Description(describe_amount(amount))
+
+
+def _describe_watts(settings, reading, source, amount: Amount) -> Description:
+    """Say how much a radiant luminaire shines, and whether anything of it is visible."""
+    factor = math.prod(step.factor for step in amount.steps())
+    lines = (("Radiant flux", format_amount(reading.flux * factor, "W")),)
+    if settings.spectrum_source == "FILE":
+        return Description(lines, reading.lamp_spectrum.reason)
+    if states_spectrum(source, settings):
+        return Description(lines, "how much of it is visible, its spectrum tells when rendering")
+    return Description(lines, "its colour is no spectrum: it lights nothing visible")
 
 
 def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
@@ -115,21 +130,24 @@ def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
 
 def describe_briefly(reading: files.Reading) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of the figures that tell files apart."""
-    summary = summary_of(reading)
+    summary, units = summary_of(reading), reading.file.units
     return (
-        ("Flux of the file", format_amount(summary.luminous_flux, "lm")),
-        ("Peak", format_amount(summary.peak, "cd")),
+        ("Flux of the file", format_amount(summary.total_flux, units.flux)),
+        ("Peak", format_amount(summary.peak, units.intensity)),
         ("Beam (50 %)", _angles(summary.beam_angles)),
     )
 
 
 def describe_flux(file: LuminaireFile, summary: Summary) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the amount of light: what the file sums up to beside what it states."""
-    lines = [("Luminous flux", format_amount(summary.luminous_flux, "lm"))]
+    unit = file.units.flux
+    lines = [(f"{file.quantity.capitalize()} flux", format_amount(summary.total_flux, unit))]
+    if file.quantity == RADIANT and file.spectrum is None:
+        lines.append(("Visible light", "none without a spectrum"))
     if file.is_absolute:
         lines.append(("Photometry", "absolute"))
     if file.stated_flux:
-        lines.append(("Lamps", format_amount(file.stated_flux, "lm")))
+        lines.append(("Lamps", format_amount(file.stated_flux, unit)))
     if summary.light_output_ratio is not None:
         ratio = _percent(summary.light_output_ratio)
         # A stated ratio that the intensities do not sum up to is worth seeing.
@@ -139,14 +157,14 @@ def describe_flux(file: LuminaireFile, summary: Summary) -> tuple[tuple[str, str
     if file.watts:
         lines.append(("Power", format_amount(file.watts, "W")))
     if summary.efficacy is not None:
-        lines.append(("Efficacy", format_amount(summary.efficacy, "lm/W")))
+        lines.append(("Efficacy", format_amount(summary.efficacy, f"{unit}/W")))
     return tuple(lines)
 
 
 def describe_shape(file: LuminaireFile, summary: Summary) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about where the light goes."""
     return (
-        ("Peak", format_amount(summary.peak, "cd")),
+        ("Peak", format_amount(summary.peak, file.units.intensity)),
         ("Direction", _direction(file, summary)),
         ("Beam (50 %)", _angles(summary.beam_angles)),
         ("Field (10 %)", _angles(summary.field_angles)),
@@ -157,7 +175,10 @@ def describe_shape(file: LuminaireFile, summary: Summary) -> tuple[tuple[str, st
 def describe_words(file: LuminaireFile) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of what the file tells in words, empty entries left out."""
     return tuple(
-        (key.strip("_").replace("_", " ").capitalize(), " ".join(text.split()))
+        (
+            printable(key).strip("_").replace("_", " ").capitalize(),
+            " ".join(printable(text).split()),
+        )
         for key, text in file.metadata.items()
         if text.strip()
     )

@@ -9,6 +9,7 @@ import numpy as np
 from ..engine.accuracy.stopping import format_seconds
 from ..engine.photometry import units
 from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
+from ..engine.reading.printable import printable
 from ..engine.scene.spectrum import Rgb
 from ..engine.sky.cie import ground_luminance, zenith_luminance
 from .properties import white_luminance
@@ -311,7 +312,7 @@ def describe_counts(rows) -> str:
 def wrap(text: str, width: float, scale: float = 1.0) -> list[str]:
     """Break text into lines for a region. ``width`` [pixel]; ``scale``: the interface's own scale."""
     characters = int((width / max(scale, 0.1) - 40.0) / 6.6)
-    return textwrap.wrap(text, max(characters, 16)) or [""]
+    return textwrap.wrap(printable(text), max(characters, 16)) or [""]
 
 
 def _stated_amount(light, settings, lengths):

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from ..engine.reading.printable import printable
+
 
 class Severity(Enum):
     """How much a row matters."""
@@ -31,7 +33,7 @@ class ConversionReport:
 
     def add(self, severity, datablock, node, message, remedy):
         """Note one departure."""
-        row = Row(severity, datablock, node, message, remedy)
+        row = Row(severity, *map(printable, (datablock, node, message, remedy)))
         self._counts[row] = self._counts.get(row, 0) + 1
 
     def include(self, other: "ConversionReport"):

@@ -109,9 +109,9 @@ def add_commands(commands) -> None:
         task.add_argument(
             "--tolerance",
             type=float,
-            default=0.02,
             metavar="E",
-            help="error allowed where data have to be resampled (default: 0.02)",
+            help="error allowed where data have to be resampled; files that miss it are refused "
+            "(default: 0.02, and those that miss it tell by how much)",
         )
 
 
@@ -148,9 +148,11 @@ def run(options) -> int:
 def _open(options, path):
     from ..engine.scattering.readers.reader import Wish, read_scattering
 
+    if options.tolerance is None:
+        return read_scattering(path)
     if not 1e-3 <= options.tolerance <= 0.5:
         raise LumenrayError(f"a tolerance of {options.tolerance:g}, expected 0.001 to 0.5")
-    return read_scattering(path, Wish(options.tolerance))
+    return read_scattering(path, Wish(options.tolerance, is_strict=True))
 
 
 # ---- numbers ----
@@ -206,11 +208,11 @@ def describe(name: str, file) -> dict:
     residual = None
     reflection = chosen["reflection"]
     if reflection is not None:
-        residual = measure_reciprocity(file.sides[reflection]).residual
+        residual = measure_reciprocity(file.sides[reflection])
     elif {"front_transmission", "back_transmission"} <= set(file.sides):
         residual = measure_reciprocity(
             file.sides["front_transmission"], file.sides["back_transmission"]
-        ).residual
+        )
     return {
         "file": name,
         "format": file.format,
@@ -220,7 +222,8 @@ def describe(name: str, file) -> dict:
         "incidence_deg": _numbers(incidences),
         "hemispherical_reflectance": totals["reflection"],
         "hemispherical_transmittance": totals["transmission"],
-        "reciprocity_residual": None if residual is None else _number(residual),
+        "reciprocity_residual": None if residual is None else _number(residual.residual),
+        "reciprocity_beside_peaks": None if residual is None else _number(residual.scattered),
         "sides": sides,
         "warnings": [str(remark) for remark in file.remarks],
     }
@@ -293,7 +296,8 @@ def tell(row: dict) -> str:
             text += ", with a direct part"
         add("side", text)
     if row["reciprocity_residual"] is not None:
-        add("reciprocity", f"residual {100 * row['reciprocity_residual']:.3g} %")
+        text = f"residual {100 * row['reciprocity_residual']:.3g} %"
+        add("reciprocity", f"{text}, beside peaks {100 * row['reciprocity_beside_peaks']:.3g} %")
     for i, warning in enumerate(row["warnings"]):
         add("warnings" if i == 0 else "", warning)
     return "\n".join(lines)
@@ -342,28 +346,56 @@ def judge(file) -> list[dict]:
         scatter = file.sides.get(f"{side}_reflection")
         if scatter is not None:
             found = measure_reciprocity(scatter)
-            text = f"{side}: residual {found.residual:.4f}, largest difference {found.largest:.4f} of the peak"
-            add("reciprocity", found.residual <= GOOD_RECIPROCITY, text)
+            add(
+                "reciprocity",
+                found.worst <= GOOD_RECIPROCITY,
+                f"{side}: {_tell_reciprocity(found)}",
+            )
     both = [file.sides.get(f"{side}_transmission") for side in ("front", "back")]
     if all(part is not None for part in both):
         found = measure_reciprocity(*both)
-        add(
-            "reciprocity",
-            found.residual <= GOOD_RECIPROCITY,
-            f"transmission of both sides: residual {found.residual:.4f}",
-        )
+        text = f"transmission of both sides: {_tell_reciprocity(found)}"
+        add("reciprocity", found.worst <= GOOD_RECIPROCITY, text)
     for side, stated in file.stated.items():
-        totals = _totals(file.sides[side], file.incidences)
-        known = np.isfinite(stated)
-        if known.any():
-            worst = float(np.abs(totals - stated)[known].max())
-            text = f"{side.replace('_', ' ')}: at most {worst:.4f} from what the file states"
+        if np.isfinite(stated).any():
+            worst, incidence = _off_by(file, side, stated)
+            text = (
+                f"{side.replace('_', ' ')}: the file's values are at most {worst:.4f} from the totals that it states "
+                f"(at {np.degrees(incidence):.3g} deg)"
+            )
             add("stated totals", worst <= STATED_TOLERANCE, text)
     for side, scatter in file.sides.items():
         last = float(np.degrees(incidences_of(scatter)[-1]))
         text = f"{side.replace('_', ' ')}: data up to {last:.4g} deg; beyond, the last hold"
         add("incidences", last >= STEEP_INCIDENCE, text)
     return made
+
+
+def _tell_reciprocity(found) -> str:
+    return (
+        f"residual {found.residual:.4f}, beside peaks {found.scattered:.4f}, largest difference {found.largest:.4f} of "
+        "the largest value"
+    )
+
+
+def _off_by(file, side: str, stated) -> tuple[float, float]:
+    """Largest difference of stated totals from those of the values as they stand in the file [-], and its incidence [rad].
+
+    Readers bring values to stated totals; what these were before, the factors tell.
+    """
+    import numpy as np
+
+    known = np.isfinite(stated)
+    places = file.incidences[known]
+    factors = file.factors.get(side)
+    if factors is None:
+        differences = np.abs(_totals(file.sides[side], file.incidences) - stated)[known]
+    else:
+        told = np.interp([place for place, _ in factors], places, stated[known])
+        differences = np.abs(told * (1.0 - 1.0 / np.array([factor for _, factor in factors])))
+        places = np.array([place for place, _ in factors])
+    worst = int(np.argmax(differences)) if len(differences) else 0
+    return (float(differences[worst]), float(places[worst])) if len(differences) else (0.0, 0.0)
 
 
 def _tell_checks(row: dict) -> str:
@@ -480,14 +512,12 @@ def _process(options) -> int:
     from ..engine.analysis.scattering_picture import draw_before_after
     from ..engine.scattering.measuring.processing import process_measurement
     from ..engine.scattering.measuring.raw_measurement import read_raw_measurement
+    from ..engine.scattering.readers.reader import read_content
     from ..engine.scattering.record import ScatteringFile
     from ..engine.scattering.store import write_store
 
     _check_free(options)
-    try:
-        data = options.file.read_bytes()
-    except OSError as error:
-        raise FileFormatError(options.file, f"cannot be opened ({error.strerror})") from None
+    data = read_content(options.file)
     made = process_measurement(read_raw_measurement(data, options.file))
     for remark in made.remarks:
         say(f"{options.file}: {remark}")

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..engine.errors import LumenrayError
 from ..engine.photometry.colour import XYZ_TO_REC709, chromaticity, cie_lab
+from ..engine.reading.printable import printable
 from ..engine.scattering.summary import NEAR_NORMAL, SideSummary
 from ..engine.scattering.tristimulus import weights_of
 from ..libraries.materials import PREFIX
@@ -72,7 +73,7 @@ def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
     first = next(iter(reading.sides.values()))
     lines = [("Format", reading.file.format)]
     if reading.file.name:
-        lines.append(("Name", " ".join(reading.file.name.split())))
+        lines.append(("Name", " ".join(printable(reading.file.name).split())))
     lines += [
         ("Symmetry", _common(reading, lambda side: side.symmetry.replace(*SHORTER))),
         ("Incidence", _common(reading, lambda side: _angles(side.incidences))),

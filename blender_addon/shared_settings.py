@@ -1,7 +1,7 @@
 """Pieces that several property groups share: telling the dependency graph, and the choice of a spectrum."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..libraries import spectra
 
@@ -60,5 +60,13 @@ class SpectrumSettings:
         description="Text or CSV with wavelength [nm] and relative power, or an IES TM-27 .spdx file",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
+        update=tag_owner,
+    )
+    spectrum_column: IntProperty(
+        name="Column",
+        description="Which column of values of the file counts; 0 takes the first, with a warning if there are others",
+        default=0,
+        min=0,
+        max=1000,
         update=tag_owner,
     )

@@ -47,7 +47,7 @@ class ActiveLuminaire:
 def describe(reading, settings, is_embedded: bool) -> tuple[set[str], str]:
     """Say what was loaded, as an operator reports it; ``is_embedded``: whether that was asked for."""
     name, remarks = files.name_of(settings), reading.file.remarks
-    words = f"{name}: {reading.luminous_flux:.4g} lm"
+    words = f"{name}: {reading.flux:.4g} {reading.file.units.flux}"
     if is_embedded and settings.text is None:
         return {"WARNING"}, f"{words}; linked, because Blender's texts cannot hold it"
     if settings.text is not None and files.names_tilt_file(files.content_of(settings.text)):

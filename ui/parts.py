@@ -56,6 +56,7 @@ def draw_spectrum(layout, settings, data=None) -> None:
         layout.prop(settings, "colour_temperature", text="Temperature [K]")
     elif settings.spectrum == "FILE":
         layout.prop(settings, "spectrum_file", text="File")
+        layout.prop(settings, "spectrum_column", text="Column")
     elif data is not None:
         draw_colour(layout, data)
 

@@ -15,10 +15,11 @@ from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.luminaires.coordinates import directions
 from ...engine.luminaires.distribution import flux, intensity, peak
 from ...engine.luminaires.lm63_writer import write_lm63
+from ...engine.luminaires.radiant import require_luminous
 from ...engine.luminaires.reader import parse_luminaire
 from ...engine.luminaires.record import LuminaireFile
-from ...engine.luminaires.text import read_bytes
 from ...engine.photometry.units import BLENDER_EFFICACY
+from ...engine.reading.content import read_bytes
 from ...libraries.luminaires import Library, Model, Problem
 from ..luminaires import files
 from .stage import part_frame, part_opening
@@ -128,7 +129,7 @@ def write_catalogues(path: Path, categories, root: str = ROOT) -> None:
     """Write the file of the catalogues; those that others made there stay."""
     rows = {}
     if path.is_file():
-        for line in path.read_text(encoding="utf-8").splitlines():
+        for line in read_bytes(path).decode("utf-8").splitlines():
             if line.count(":") >= 2 and not line.startswith("#"):
                 key, place, name = line.split(":", 2)
                 rows[key] = (place, name)
@@ -147,6 +148,7 @@ def _make_asset(model: Model) -> None:
     """Make what is dragged from the Asset Browser."""
     data = read_bytes(model.file)
     file = parse_luminaire(data, model.file, model.file.parent)
+    require_luminous(model.file, file)
     if model.parts:
         asset = bpy.data.collections.new(model.title)
         for number, part in enumerate(model.parts, 1):

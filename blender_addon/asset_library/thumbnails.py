@@ -8,6 +8,7 @@ from ...engine.accuracy.stopping import StopRule
 from ...engine.analysis.false_colour import write_display
 from ...engine.analysis.noise_filter import smooth
 from ...engine.luminaires.lamp_spectrum import choose_spectrum
+from ...engine.luminaires.radiant import require_luminous
 from ...engine.luminaires.reader import read_luminaire
 from ...engine.photometry.colour import scene_linear
 from ...engine.scene.scene import SceneDelta
@@ -54,6 +55,7 @@ def render_thumbnail(model: Model, samples: int = SAMPLES) -> np.ndarray:
     LumenrayError    The photometric file is refused, or the engine does not work here.
     """
     file = read_luminaire(model.file)
+    require_luminous(model.file, file)
     spectrum = spectrum_of(model, choose_spectrum(file).spectrum)
     items, camera = set_stage(model, file, spectrum, SIZE * FINER)
     session = Session()

@@ -9,16 +9,20 @@ from ...engine.errors import LumenrayError
 from ...engine.luminaires.amount import Amount, tilt_factor
 from ...engine.luminaires.distribution import mirrored, turned
 from ...engine.luminaires.openings import SMALLEST
-from ...engine.luminaires.record import LuminaireFile
+from ...engine.luminaires.record import RADIANT, LuminaireFile
+from ...engine.photometry.spectra import efficacy_of_all
 from ...engine.scene.distribution import IntensityDistribution, Opening
 from ...engine.scene.light import Luminaire, Output, Quantity
-from ...engine.scene.spectrum import Spectrum
+from ...engine.scene.spectrum import Illuminant, Spectrum
 from ..report import ConversionReport
 from . import files
 from .pose import Pose, pose_of
 
 LEFT_OUT = "the light is left out"
 """What is done about a luminaire that cannot be taken over: none at all is better than a wrong one."""
+
+NOTHING_VISIBLE = "it lights nothing visible"
+"""What is done about watts without a spectrum."""
 
 _OTHER_WAY = np.diag([1.0, 1.0, -1.0])
 
@@ -52,11 +56,16 @@ def convert_luminaire(
     try:
         reading = files.read(settings)
         pose = pose_of(matrix, scale)
-        amount = find_amount(settings, reading, pose.frame)
+        spectrum = _find_spectrum(source, settings, reading, own_spectrum)
+        amount = find_amount(settings, reading, pose.frame, spectrum)
     except LumenrayError as error:
         report.error(name, str(error), LEFT_OUT)
         return None
     _remark(settings, reading, name, report)
+    if reading.file.quantity == RADIANT and not _can_be_seen(
+        reading, spectrum, amount, name, report
+    ):
+        return None
     if amount.luminous_flux <= 0.0:
         return None
     opening = find_opening(source, settings, reading.file, pose)
@@ -66,13 +75,10 @@ def convert_luminaire(
         )
     if pose.is_sheared:
         report.warn(name, "the object is sheared", "its axes are taken as perpendicular")
-    spectrum = (
-        reading.lamp_spectrum.spectrum if settings.spectrum_source == "FILE" else own_spectrum()
-    )
     return Luminaire(
         id=light_id,
         name=name,
-        output=Output(Quantity.LUMINOUS_FLUX, amount.luminous_flux, spectrum),
+        output=Output(Quantity.LUMINOUS_FLUX, amount.luminous_flux, spectrum or Illuminant("D65")),
         frame=pose.frame,
         distribution=reflected(orient(settings, reading.file), pose),
         opening=opening,
@@ -95,7 +101,41 @@ def reflected(distribution: IntensityDistribution, pose: Pose) -> IntensityDistr
     return mirrored(distribution) if pose.is_mirrored else distribution
 
 
-def find_amount(settings, reading: files.Reading, matrix) -> Amount:
+def states_spectrum(source, settings) -> bool:
+    """Whether a luminaire has a spectrum of its own in Blender rather than a mere colour."""
+    owner = settings if source is None or source.type == "EMPTY" else source.data.lumenray
+    return owner.spectrum != "RGB" and getattr(owner, "use_physical", True)
+
+
+def _find_spectrum(source, settings, reading, own_spectrum) -> Spectrum | None:
+    """The spectrum by the choice in the settings; None of radiant files if it is not known."""
+    if settings.spectrum_source == "FILE":
+        return reading.lamp_spectrum.spectrum
+    if reading.file.quantity == RADIANT and not states_spectrum(source, settings):
+        return None
+    return own_spectrum()
+
+
+def _can_be_seen(reading, spectrum, amount: Amount, name, report) -> bool:
+    """Whether anything of a radiant luminaire's light is visible; notes what had to be assumed, or that it is not."""
+    if amount.luminous_flux > 0.0:
+        if spectrum is None:
+            report.warn(name, "the lumens are stated, but no spectrum is known", "CIE D65 is used")
+        return True
+    if spectrum is None:
+        # That ultraviolet cannot be seen is right; of anything else light is missing.
+        note = report.warn if reading.lamp_spectrum.is_ultraviolet else report.error
+        note(name, f"its {reading.flux:.4g} W have no spectrum", NOTHING_VISIBLE)
+    elif amount.file_flux <= 0.0 < reading.flux:
+        report.warn(
+            name, f"none of its {reading.flux:.4g} W is visible by its spectrum", NOTHING_VISIBLE
+        )
+    return False
+
+
+def find_amount(
+    settings, reading: files.Reading, matrix, spectrum: Spectrum | None = None
+) -> Amount:
     """Return how much light a luminaire gives, with every factor.
 
     Parameters
@@ -103,19 +143,26 @@ def find_amount(settings, reading: files.Reading, matrix) -> Amount:
     settings : LuminaireSettings
     reading : Reading
     matrix : (4, 4) array    Of the object in the world, for its tilt.
+    spectrum : Spectrum or None    That makes lumens of the watts of a radiant file; without one there are none.
 
     Raises
     ------
     SceneError    A number is out of its range.
     """
     return Amount(
-        file_flux=reading.luminous_flux,
+        file_flux=_lumens_of(reading, spectrum),
         stated_flux=settings.luminous_flux if settings.amount == "LUMENS" else None,
         lamp_factor=settings.lamp_factor,
         tilt_factor=tilt_factor(reading.file.tilt, tilt_of(matrix)),
         dimming=settings.dimming,
         maintenance_factor=settings.maintenance_factor,
     )
+
+
+def _lumens_of(reading: files.Reading, spectrum: Spectrum | None) -> float:
+    if reading.file.quantity != RADIANT:
+        return reading.flux
+    return 0.0 if spectrum is None else reading.flux * efficacy_of_all(spectrum)
 
 
 def tilt_of(matrix) -> float:

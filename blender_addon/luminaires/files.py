@@ -16,11 +16,11 @@ from pathlib import Path
 import bpy
 
 from ...engine.errors import FileFormatError, LumenrayError
-from ...engine.luminaires.distribution import flux
+from ...engine.luminaires.distribution import flux as flux_of
 from ...engine.luminaires.lamp_spectrum import LampSpectrum, choose_spectrum
 from ...engine.luminaires.reader import parse_luminaire
 from ...engine.luminaires.record import LuminaireFile
-from ...engine.luminaires.text import read_bytes
+from ...engine.reading.content import holds, read_bytes
 from ...engine.scene.distribution import IntensityDistribution
 
 EXTENSIONS = (".ies", ".ldt", ".xml")
@@ -70,9 +70,9 @@ class Reading:
         return self.file.distribution
 
     @cached_property
-    def luminous_flux(self) -> float:
-        """Of the distribution. [lm]"""
-        return flux(self.file.distribution)
+    def flux(self) -> float:
+        """Of the distribution. [lm, of radiant files W]"""
+        return flux_of(self.file.distribution)
 
     @cached_property
     def lamp_spectrum(self) -> LampSpectrum:
@@ -329,7 +329,7 @@ def unpack(settings) -> str:
     """
     data = content_of(settings.text)
     path = Path(absolute_path(settings) or ".")
-    if not _holds(path, data):
+    if not holds(path, data):
         path = _free_place(name_of(settings), data)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -360,13 +360,6 @@ def clear(settings) -> None:
     _choose(settings, "", None, "")
 
 
-def _holds(path: Path, data: bytes) -> bool:
-    try:
-        return path.is_file() and digest_of(path.read_bytes()) == digest_of(data)
-    except OSError:
-        return False
-
-
 def _free_place(name: str, data: bytes) -> Path:
     """Place beside the .blend file that is free, or has this content already."""
     if not bpy.data.filepath:
@@ -376,7 +369,7 @@ def _free_place(name: str, data: bytes) -> Path:
     folder = Path(bpy.path.abspath("//luminaires"))
     plain = Path(bpy.path.clean_name(Path(name).stem) + Path(name).suffix)
     path, number = folder / plain, 1
-    while path.exists() and not _holds(path, data):
+    while path.exists() and not holds(path, data):
         number += 1
         path = folder / f"{plain.stem}_{number}{plain.suffix}"
     return path

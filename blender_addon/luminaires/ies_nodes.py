@@ -15,6 +15,7 @@ from ...engine.errors import LumenrayError, SceneError
 from ...engine.luminaires.amount import tilt_factor
 from ...engine.luminaires.coordinates import FRAMES
 from ...engine.luminaires.distribution import flux, intensity, peak
+from ...engine.luminaires.record import RADIANT
 from ...engine.photometry.units import BLENDER_EFFICACY
 from ...engine.scene.distribution import IntensityDistribution
 from ...engine.scene.light import Luminaire, Output, Quantity
@@ -25,7 +26,7 @@ from ..sync.nodes import Context
 from ..sync.spectra import convert_spectrum, light_spectrum
 from . import files
 from .cone import within_cone
-from .convert import LEFT_OUT, own_opening, reflected, tilt_of
+from .convert import LEFT_OUT, NOTHING_VISIBLE, own_opening, reflected, tilt_of
 from .pose import pose_of
 from .settings import LIGHT_TYPES
 
@@ -147,6 +148,11 @@ def convert_ies_light(
     data = source.data
     rgb = np.asarray(rgb) * emission.colour
     reading = emission.reading
+    if reading.file.quantity == RADIANT and not data.lumenray.use_physical:
+        # Cycles takes the watts for candelas, and shows white light.
+        told = f"the IES texture's file holds radiant intensities, {reading.flux:.4g} W without a spectrum"
+        report.warn(name, told, NOTHING_VISIBLE, emission.node.name)
+        return None
     try:
         pose = pose_of(matrix, scale)
         distribution = _seen_by_cycles(reading)

@@ -74,7 +74,11 @@ def convert_rays(
         )
         emission = made.emission
     else:
-        spectrum = own_spectrum()
+        try:
+            spectrum = own_spectrum()
+        except LumenrayError as error:
+            report.error(name, str(error), LEFT_OUT)
+            return None
         emission = made.emission
         if settings.spectrum_source == "LIGHT" and emission.wavelength is not None:
             emission = replace(emission, wavelength=None)

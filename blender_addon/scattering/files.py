@@ -18,6 +18,7 @@ import bpy
 import numpy as np
 
 from ...engine.errors import FileFormatError, LumenrayError
+from ...engine.reading.content import holds
 from ...engine.scattering.look import Look, fit_look
 from ...engine.scattering.readers.reader import Wish, parse_scattering, read_content
 from ...engine.scattering.record import ScatteringFile
@@ -358,7 +359,7 @@ def unpack(settings, folder: str = "") -> str:
     """
     data, name, _ = _unwrap(settings.text.as_string(), settings.text.name)
     path = Path(absolute_path(settings) or ".")
-    if folder or not _is_content(path, data):
+    if folder or not holds(path, data):
         path = _free_place(folder, name, data)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -370,13 +371,6 @@ def unpack(settings, folder: str = "") -> str:
     return str(path)
 
 
-def _is_content(path: Path, data: bytes) -> bool:
-    try:
-        return path.is_file() and path.stat().st_size == len(data) and path.read_bytes() == data
-    except OSError:
-        return False
-
-
 def _free_place(folder: str, name: str, data: bytes) -> Path:
     """Place in a folder that is free, or has this content already."""
     if not folder and not bpy.data.filepath:
@@ -384,7 +378,7 @@ def _free_place(folder: str, name: str, data: bytes) -> Path:
     place = Path(bpy.path.abspath(folder or "//materials"))
     stem = bpy.path.clean_name(Path(name).stem)
     path, number = place / f"{stem}{SUFFIX}", 1
-    while path.exists() and not _is_content(path, data):
+    while path.exists() and not holds(path, data):
         number += 1
         path = place / f"{stem}_{number}{SUFFIX}"
     return path

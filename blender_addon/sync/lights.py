@@ -4,7 +4,7 @@ import numpy as np
 
 from ...engine.errors import LumenrayError
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
-from ...engine.scene.spectrum import Spectrum
+from ...engine.scene.spectrum import Spectrum, Tabulated
 from ..luminaires.convert import LEFT_OUT, convert_luminaire
 from ..luminaires.ies_nodes import convert_ies_light, find_ies_emission
 from ..luminaires.settings import is_luminaire, settings_of
@@ -14,7 +14,7 @@ from ..report import ConversionReport
 from .fields import luminance
 from .light_nodes import evaluate_emission, find_emission, is_emission
 from .nodes import Context
-from .spectra import convert_spectrum, light_spectrum
+from .spectra import check_visible, convert_spectrum, light_spectrum
 
 PHYSICAL_QUANTITIES = {
     "POINT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
@@ -93,7 +93,11 @@ def convert_light(
     rgb = _colour(data)
     tint, strength = _node_emission(data, name, report, images)
     rgb = rgb * tint
-    output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    try:
+        output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    except LumenrayError as error:
+        report.error(name, str(error), LEFT_OUT)
+        return None
     if output is None:
         return None
     match data.type:
@@ -187,7 +191,10 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
             )
             return None
         spectrum = convert_spectrum(settings, rgb, report, name)
-        return Output(Quantity[settings.quantity], settings.value, spectrum)
+        quantity = Quantity[settings.quantity]
+        if isinstance(spectrum, Tabulated):
+            check_visible(spectrum, quantity is Quantity.RADIANT_FLUX, name, report)
+        return Output(quantity, settings.value, spectrum)
     lumens = (
         data.energy
         * 2.0 ** getattr(data, "exposure", 0.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...engine.errors import SceneError
 from ...engine.formats.data_sheet import read_data_sheet
 from ...engine.scene.material import (
     Black,
@@ -41,7 +42,11 @@ def convert_override(
     is_patient : bool    Whether to wait for a scattering file that is being read.
     """
     if settings.model == "EMITTER":
-        spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
+        try:
+            spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
+        except SceneError as error:
+            report.error(datablock, str(error), "the material does not shine")
+            return Black(), None
         emission = Emission(spectrum, settings.luminance, None, settings.two_sided)
         return Black(), emission if settings.luminance > 0 else None
     if settings.model == MEASURED:

@@ -2,13 +2,18 @@
 
 import bpy
 
-from ...engine.errors import LumenrayError
-from ...engine.formats.spd import read_spectrum
-from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum
+from ...engine.errors import LumenrayError, SceneError
+from ...engine.formats.spd import SpectrumFile, read_spectrum
+from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
+from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
 from ..report import ConversionReport
 
 DAYLIGHT_RANGE = (4000.0, 25000.0)
 """Correlated colour temperatures for which CIE 15 defines daylight. [K]"""
+
+
+BEYOND = 0.01
+"""Share of a lamp's power beyond the wavelengths that count that is told. [-]"""
 
 
 def light_spectrum(rgb) -> Spectrum:
@@ -36,6 +41,10 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     Returns
     -------
     Spectrum    Relative; the amount of light is stated elsewhere.
+
+    Raises
+    ------
+    SceneError    A file's spectrum is zero at all wavelengths: nothing else stands for darkness.
     """
     if settings.spectrum == "ILLUMINANT":
         return Illuminant(settings.illuminant)
@@ -44,14 +53,44 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     if settings.spectrum == "DAYLIGHT":
         return _daylight(settings.colour_temperature, report, datablock)
     if settings.spectrum == "FILE":
-        table = read_file(settings, "spectrum_file", report, datablock, "the plain colour is used")
-        if table is not None and table.values.max() > 0:
-            return table
+        table = read_file(
+            settings,
+            "spectrum_file",
+            report,
+            datablock,
+            "the plain colour is used",
+            lambda path: read_spectrum(path, settings.spectrum_column or None),
+            note=report.warn,
+        )
+        if table is not None and table.values.max() <= 0:
+            raise SceneError(f"the spectrum {table.name} has no value above 0")
         if table is not None:
-            report.error(
-                datablock, f"{table.name} has no positive value", "the plain colour is used"
-            )
+            return table
     return light_spectrum(rgb)
+
+
+def check_visible(table: Tabulated, is_radiant: bool, name: str, report: ConversionReport) -> None:
+    """Refuse a lamp's table that holds no visible light, and tell of watts that do not count.
+
+    Parameters
+    ----------
+    table : Tabulated
+    is_radiant : bool    Whether the amount is stated in watts.
+    name, report : str, ConversionReport    Whose it is, and where it is told.
+
+    Raises
+    ------
+    SceneError
+    """
+    if luminous_weight(table) <= 0.0:
+        raise SceneError(f"the spectrum {table.name} holds no visible light")
+    beyond = 1.0 - efficacy_of_all(table) / efficacy(table)
+    if is_radiant and beyond > BEYOND:
+        report.warn(
+            name,
+            f"{beyond:.3g} of the power of its spectrum {table.name} lies beyond 360 to 830 nm",
+            "the watts are those within",
+        )
 
 
 def _daylight(temperature, report, datablock):
@@ -66,8 +105,19 @@ def _daylight(temperature, report, datablock):
     return Daylight(held)
 
 
-def read_file(settings, name, report, datablock, remedy, read=read_spectrum, kind="spectrum file"):
+def read_file(
+    settings,
+    name,
+    report,
+    datablock,
+    remedy,
+    read=read_spectrum,
+    kind="spectrum file",
+    note=None,
+):
     """Read the spectrum, or what else it is, whose path is in a property; None, and a row of the report, if it fails.
+
+    What is odd about a spectrum gets rows too.
 
     Parameters
     ----------
@@ -77,6 +127,7 @@ def read_file(settings, name, report, datablock, remedy, read=read_spectrum, kin
     remedy : str    What is used instead, for the report.
     read : callable    From the path to what is in the file.
     kind : str    What kind of file it is, for the report.
+    note : callable or None    Takes what is odd about a spectrum; None: `ConversionReport.info`.
     """
     path = getattr(settings, name)
     if not path:
@@ -84,9 +135,14 @@ def read_file(settings, name, report, datablock, remedy, read=read_spectrum, kin
         return None
     path = bpy.path.abspath(path, library=settings.id_data.library)
     try:
-        return read(path)
+        made = read(path)
     except (LumenrayError, OSError, ValueError) as error:
         report.error(
             datablock, f"{path}: {error}" if path not in str(error) else str(error), remedy
         )
         return None
+    if not isinstance(made, SpectrumFile):
+        return made
+    for remark in made.remarks:
+        (note or report.info)(datablock, f"{made.path.name}: {remark}", "it is read so")
+    return made.table

@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ..luminaires.coordinates import angles, directions
 from ..luminaires.distribution import flux, peak
-from ..luminaires.record import LuminaireFile
+from ..luminaires.record import LUMINOUS, UNITS, LuminaireFile
 from ..luminaires.sections import section, spread
 from ..scene.distribution import IntensityDistribution
 
@@ -179,9 +179,11 @@ class _Diagram:
         is_file = isinstance(source, LuminaireFile)
         self.distribution = source.distribution if is_file else source
         self.flux = flux(self.distribution)
+        units = source.units if is_file else UNITS[LUMINOUS]
         rated = source.stated_flux if is_file and source.stated_flux else self.flux
         self.factor = 1000.0 / rated if per_klm and rated > 0.0 else 1.0
-        self.unit = "cd/klm" if per_klm else "cd"
+        self.unit = f"{units.intensity}/k{units.flux}" if per_klm else units.intensity
+        self.flux_unit = units.flux
         self.colours, self.size = colours, size
         self.zoom = max(min(size) / BASE, 0.6)
         self.image = Image.new("RGB", (size[0] * SCALE, size[1] * SCALE), colours.background)
@@ -398,7 +400,7 @@ class _Diagram:
         """Flux, peak, and the angles of the beam in both planes."""
         left, _, right, _ = self.window
         unit = self.zoom
-        self._write((left, 16 * unit), f"{_number(self.flux)} lm", 18, "lm")
+        self._write((left, 16 * unit), f"{_number(self.flux)} {self.flux_unit}", 18, "lm")
         around, gamma = self.towards
         where = f"gamma {_degrees(gamma)}"
         if 1e-6 < gamma < math.pi - 1e-6:

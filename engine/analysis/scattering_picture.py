@@ -12,6 +12,7 @@ from ..scattering.measuring.processing import ProcessedMeasurement
 from ..scattering.record import SIDES, ScatteringFile
 from ..scattering.table import direct_share
 from ..scene.scattering import Scatter, ScatterTable
+from .axes import Axes
 from .canvas import Canvas
 from .polar_diagram import round_step
 
@@ -337,52 +338,6 @@ class _PolarPlot:
 # ---- cartesian ----
 
 
-class _Axes:
-    """A frame with numbers: angles in degrees across, values up."""
-
-    def __init__(self, canvas, across, up, is_log: bool):
-        unit, (width, height) = canvas.zoom, canvas.size
-        self.canvas, self.across, self.up, self.is_log = canvas, across, up, is_log
-        self.window = 58 * unit, 58 * unit, width - 20 * unit, height - 82 * unit
-
-    def place(self, degrees, value) -> np.ndarray:
-        """Pixels (..., 2), within the frame."""
-        left, top, right, bottom = self.window
-        low, high = self.up
-        if self.is_log:
-            value, low, high = (np.log(np.maximum(v, self.up[0])) for v in (value, low, high))
-        x = left + (np.asarray(degrees) - self.across[0]) / (self.across[1] - self.across[0]) * (
-            right - left
-        )
-        y = bottom - np.clip((value - low) / (high - low), 0.0, 1.0) * (bottom - top)
-        return np.stack(np.broadcast_arrays(x, y), axis=-1)
-
-    def draw(self, ticks, levels, across_name: str, label=_number) -> None:
-        canvas, colours = self.canvas, self.canvas.colours
-        left, top, right, bottom = self.window
-        unit = canvas.zoom
-        for tick in ticks:
-            x = float(self.place(tick, self.up[1])[0])
-            canvas.line([(x, top), (x, bottom)], colours.axis if tick == 0 else colours.grid)
-            canvas.write((x, bottom + 11 * unit), f"{tick:g}°", 10, "mm")
-        for level in levels:
-            y = float(self.place(0.0, level)[1])
-            canvas.line([(left, y), (right, y)], colours.grid)
-            canvas.write((left - 6 * unit, y), label(level), 10, "rm")
-        canvas.line(
-            [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], colours.axis
-        )
-        canvas.write(
-            (0.5 * (left + right), bottom + 27 * unit), across_name, 11, "mm", is_caption=True
-        )
-
-    def title(self, text: str, caption: str) -> None:
-        unit = self.canvas.zoom
-        room = self.canvas.size[0] - 36 * unit
-        self.canvas.write((18 * unit, 20 * unit), text, 17, "lm", room=room)
-        self.canvas.write((18 * unit, 40 * unit), caption, 11, "lm", is_caption=True, room=room)
-
-
 def draw_before_after(
     made: ProcessedMeasurement,
     size: tuple[int, int] = (720, 480),
@@ -414,7 +369,7 @@ def draw_before_after(
     values = values[np.isfinite(values) & (values > 0.0)]
     scale = _choose_scale(values)
     low = scale.low if scale.is_log else 0.0
-    axes = _Axes(canvas, (-90.0, 90.0), (low, scale.high), scale.is_log)
+    axes = Axes(canvas, (-90.0, 90.0), (low, scale.high), scale.is_log)
     levels = [low, *scale.rings] if scale.is_log else [0.0, *scale.rings]
     axes.draw(range(-90, 91, 30), levels, "outgoing angle, mirror directions on the right", _level)
     for cut, colour, _, _ in lines:
@@ -482,7 +437,7 @@ def draw_albedo_chart(
     ]
     summed = sum((values for _, _, values in curves), np.zeros(len(ANGLES_OF_TOTALS)))
     top = max(1.0, math.ceil(float(summed.max()) * 10.0 - 1e-3) / 10.0)
-    axes = _Axes(canvas, (0.0, 90.0), (0.0, top), False)
+    axes = Axes(canvas, (0.0, 90.0), (0.0, top), False)
     step = 0.2 if top <= 1.4 else round_step(top, MOST_RINGS)
     levels = np.arange(0.0, top + 1e-6, step)
     axes.draw(

@@ -20,6 +20,7 @@ import numpy as np
 
 from .. import VERSION
 from ..errors import FileFormatError
+from ..reading.content import open_file, size_of
 
 MAGIC = b"Lumenray checkpoint 1\n"
 """First bytes of every file; the number is that of the format."""
@@ -116,8 +117,8 @@ def read_checkpoint(
     """
     path = Path(path)
     try:
-        with path.open("rb") as file:
-            size = os.fstat(file.fileno()).st_size
+        with open_file(path) as file:
+            size = size_of(file)
             facts, table, begin = _read_header(path, file, size)
             _compare(path, facts, {"engine": VERSION, "scene": scene, "order": order})
             layout = _check_table(path, table, size - begin)

@@ -4,8 +4,9 @@ import numpy as np
 
 from ..errors import FileFormatError, SceneError
 from ..materials.pane_table import check_table
+from ..reading.content import read_bytes
 from ..scene.material import TabulatedPane
-from .text_table import parse_rows, read_bytes
+from .text_table import MAXIMUM_BYTES, parse_rows
 
 _COLUMNS = "angle, transmittance and reflectance"
 
@@ -22,7 +23,7 @@ def read_data_sheet(path) -> TabulatedPane:
     ------
     FileFormatError    The file cannot be read as a data sheet; the message says what was expected.
     """
-    rows = parse_rows(path, read_bytes(path, "a pane's data sheet"), 3, _COLUMNS)
+    rows = parse_rows(path, read_bytes(path, MAXIMUM_BYTES), 3, _COLUMNS)
     if not rows:
         raise FileFormatError(path, f"expected rows of {_COLUMNS}, found none")
     columns = np.array(sorted(row[1:] for row in rows), dtype=np.float64).T

@@ -7,12 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.lines import read_lines
 
 COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
 """Columns of a sensor list: position [m] and the direction that the sensor faces."""
 
 MAXIMUM_SENSORS = 5_000_000
 """Longest list."""
+
+LONGEST_LINE = 65536
+"""Of a list. [character]"""
 
 
 def read_sensors(path) -> np.ndarray:
@@ -33,21 +37,18 @@ def read_sensors(path) -> np.ndarray:
     path = Path(path)
     rows: list[list[float]] = []
     order = None
+    reader = csv.reader(line for _, line in read_lines(path, LONGEST_LINE, "utf-8-sig"))
     try:
-        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-            reader = csv.reader(file)
-            for fields in reader:
-                if not any(field.strip() for field in fields) or fields[0].lstrip().startswith("#"):
+        for fields in reader:
+            if not any(field.strip() for field in fields) or fields[0].lstrip().startswith("#"):
+                continue
+            if order is None:
+                order = _order_of(path, fields, reader.line_num)
+                if order is not None and not _is_number(fields[order[0]]):
                     continue
-                if order is None:
-                    order = _order_of(path, fields, reader.line_num)
-                    if order is not None and not _is_number(fields[order[0]]):
-                        continue
-                rows.append(_row(path, fields, order, reader.line_num))
-                if len(rows) > MAXIMUM_SENSORS:
-                    raise FileFormatError(path, f"more than {MAXIMUM_SENSORS} sensors")
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+            rows.append(_row(path, fields, order, reader.line_num))
+            if len(rows) > MAXIMUM_SENSORS:
+                raise FileFormatError(path, f"more than {MAXIMUM_SENSORS} sensors")
     except csv.Error as error:
         raise FileFormatError(path, f"is not comma-separated text ({error})") from None
     if not rows:

@@ -1,38 +1,109 @@
-"""Spectra from files: two-column text or CSV, and IES TM-27-14 XML (.spdx)."""
+"""Spectra from files: columns of text or CSV, and IES TM-27-14 XML (.spdx)."""
 
-import math
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import FileFormatError
+from ..luminaires.record import Remark
 from ..luminaires.safe_xml import parse_xml
+from ..reading.content import read_bytes
 from ..scene.spectrum import Tabulated
-from .text_table import parse_rows, read_bytes
+from .spectrum_checks import check_powers, check_wavelengths, tell_range
+from .text_table import MAXIMUM_BYTES, parse_table
 
 
-def read_spectrum(path) -> Tabulated:
+@dataclass(frozen=True, eq=False)
+class SpectrumFile:
+    """A spectrum as its file holds it.
+
+    Parameters
+    ----------
+    path : Path
+    format : str    For people.
+    table : Tabulated    Ascending in wavelength, at least two rows, none below 0. [nm -> as in the file]
+    column, columns : int    Which column of values was taken, from 1, and how many there are.
+    names : tuple of str    Of the columns of values; empty where the file does not tell.
+    remarks : tuple of Remark    What is odd about it, and what was assumed.
+    """
+
+    path: Path
+    format: str
+    table: Tabulated
+    column: int = 1
+    columns: int = 1
+    names: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+
+
+def read_spectrum(path, column: int | None = None) -> SpectrumFile:
     """Read a spectrum: wavelength in nm against value.
 
     Parameters
     ----------
-    path : str or Path    ``.spdx`` is read as TM-27-14, everything else as text with two columns, as `parse_rows` does.
-
-    Returns
-    -------
-    Tabulated    Ascending in wavelength, at least two rows. [nm -> as in the file]
+    path : str or Path    ``.spdx`` is read as TM-27-14, everything else as text in columns, as `parse_table` does.
+    column : int or None    Of the values, from 1; None: the first one, with a remark if there are others.
 
     Raises
     ------
     FileFormatError    The file cannot be read as a spectrum; the message names the line and what was expected.
     """
     path = Path(path)
-    data = read_bytes(path, "a table of a spectrum")
+    data = read_bytes(path, MAXIMUM_BYTES)
     if path.suffix.lower() == ".spdx" or data.lstrip()[:5] == b"<?xml":
-        rows = _rows_of_tm27(path, data)
+        rows, names, count = _rows_of_tm27(path, data), (), 1
+        _check_column(path, column, count)
+        words = "IES TM-27-14"
     else:
-        rows = parse_rows(path, data, 2, "wavelength and value")
-    return _table(path, rows)
+        rows, names, count = _rows_of_text(path, data, column)
+        words = "text"
+    remarks: list[Remark] = []
+    if count > 1 and column is None:
+        name = f" ('{names[0][:40]}')" if names else ""
+        remarks.append(
+            Remark(f"has {count} columns of values, of which the first one{name} is taken")
+        )
+    if len(rows) < 2:
+        raise FileFormatError(
+            path, f"expected at least two rows of wavelength and value, found {len(rows)}"
+        )
+    lines, wavelengths, values = (np.array(each) for each in zip(*rows, strict=True))
+    remarks += check_wavelengths(path, lines, wavelengths, values)
+    values, told = check_powers(path, lines, values)
+    order = np.argsort(wavelengths)
+    wavelengths, values = wavelengths[order], values[order]
+    remarks += told + tell_range(path, wavelengths, values)
+    label = path.name
+    if count > 1:
+        label += f", {names[(column or 1) - 1][:40]}" if names else f", column {column or 1}"
+    table = Tabulated(wavelengths, values, name=label)
+    return SpectrumFile(path, words, table, column or 1, count, names, tuple(remarks))
+
+
+def _rows_of_text(path, data: bytes, column: int | None):
+    """Rows of line, wavelength and value; the names of the columns of values, and their number."""
+    table = parse_table(path, data, 2, "wavelength and value")
+    if not table.rows:
+        return [], (), 1
+    count = len(table.rows[0][1]) - 1
+    _check_column(path, column, count)
+    place, rows = column or 1, []
+    for line, fields in table.rows:
+        if len(fields) <= place or fields[0] is None or fields[place] is None:
+            raise FileFormatError(
+                path, f"expected wavelength and value, found nothing in column {place}", line
+            )
+        rows.append((line, fields[0], fields[place]))
+    return rows, tuple(table.headings[1:]), count
+
+
+def _check_column(path, column: int | None, count: int) -> None:
+    if column is not None and not 1 <= column <= count:
+        raise FileFormatError(
+            path,
+            f"has {count} columns of values, expected a column from 1 to {count}, not {column}",
+        )
 
 
 def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:
@@ -49,31 +120,3 @@ def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:
             message = f"SpectralData number {len(rows) + 1} has no wavelength or no value"
             raise FileFormatError(path, message, element.line) from None
     return rows
-
-
-def _table(path, rows) -> Tabulated:
-    if len(rows) < 2:
-        raise FileFormatError(
-            path, f"expected at least two rows of wavelength and value, found {len(rows)}"
-        )
-    for line, nm, value in rows:
-        if not (math.isfinite(nm) and math.isfinite(value)):
-            raise FileFormatError(path, "expected finite numbers, found NaN or infinity", line)
-        if nm <= 0.0:
-            raise FileFormatError(path, f"expected a wavelength above 0, found {nm:g}", line)
-        if value < 0.0:
-            raise FileFormatError(path, f"expected a value of at least 0, found {value:g}", line)
-    rows = sorted(rows, key=lambda row: row[1])
-    wavelengths = np.array([row[1] for row in rows])
-    if wavelengths[-1] < 20.0:
-        raise FileFormatError(
-            path,
-            f"wavelengths end at {wavelengths[-1]:g}: expected nanometres, these look like micrometres",
-        )
-    same = np.flatnonzero(np.diff(wavelengths) <= 0.0)
-    if len(same):
-        raise FileFormatError(
-            path, f"wavelength {wavelengths[same[0]]:g} nm stands twice", rows[same[0] + 1][0]
-        )
-    values = np.array([row[2] for row in rows])
-    return Tabulated(wavelengths, values, name=Path(path).name)

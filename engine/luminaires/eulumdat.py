@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution, Opening
 from .distribution import flux
 from .eulumdat_fields import ANGLE, FLUX, LENGTH, PERCENT, POWER, Fields
@@ -28,9 +29,10 @@ from .eulumdat_planes import (
     read_planes,
 )
 from .eulumdat_planes import SYMMETRIES as SYMMETRIES_BY_ISYM
+from .radiant import settle_unit
 from .record import LampSet, LuminaireFile, Remark
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
-from .text import decode, read_bytes
+from .text import decode
 
 MAXIMUM_LAMP_SETS = 20
 
@@ -127,7 +129,7 @@ def parse_eulumdat(data: bytes, path) -> LuminaireFile:
     lamp_flux = lamps[0].luminous_flux
     distribution, symmetry = _distribution(path, head, planes, lamp_flux, remarks)
     _compare_flux(head, distribution, lamp_flux, remarks)
-    return LuminaireFile(
+    file = LuminaireFile(
         format="EULUMDAT",
         photometric_type="C",
         symmetry=symmetry,
@@ -146,6 +148,7 @@ def parse_eulumdat(data: bytes, path) -> LuminaireFile:
         metadata=head.metadata,
         remarks=tuple(sorted(remarks, key=lambda remark: remark.line)),
     )
+    return settle_unit(path, file)
 
 
 def looks_like_eulumdat(text: str) -> bool:

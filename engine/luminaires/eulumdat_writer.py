@@ -20,7 +20,7 @@ from .eulumdat import (
     REPORT,
 )
 from .eulumdat_planes import SYMMETRIES, holds_symmetry, planes_at
-from .record import LampSet, LuminaireFile, Remark
+from .record import RADIANT, LampSet, LuminaireFile, Remark
 from .symmetry import expand_planes
 from .text import parse_number
 
@@ -67,8 +67,12 @@ def write_eulumdat(file: LuminaireFile) -> tuple[bytes, list[Remark]]:
 
     Raises
     ------
-    LumenrayError    The luminaire emits nothing.
+    LumenrayError    The luminaire emits nothing, or its file holds radiant intensities.
     """
+    if file.quantity == RADIANT:
+        raise LumenrayError(
+            "radiant intensities (W/sr) have no place in EULUMDAT, which holds candelas; write an .ies file"
+        )
     remarks: list[Remark] = []
     distribution = _with_vertical_axis(file.distribution, remarks)
     total = flux(distribution)

@@ -13,10 +13,12 @@ import numpy as np
 
 from ..photometry.spectra import GRID, evaluate_emission, observer, planck
 from ..scene.spectrum import Blackbody, Daylight, Illuminant, Spectrum, Tabulated
-from .record import LuminaireFile
+from .record import RADIANT, LuminaireFile
+
+ULTRAVIOLET = "ultraviolet lamp"
 
 KINDS = {
-    "ultraviolet lamp": (r"excimer|germicid|\bUV-?C\b", None),
+    ULTRAVIOLET: (r"excimer|germicid|\bUV-?C\b", None),
     "metal halide lamp": (
         r"metal[ -]*halide|halogen-?metall|metall-?halogen",
         r"\bMH(?![a-z])|\bHI(T|E|R|PE|PAR)\b|\bHQI|\bHCI|\bCDM|\bCMH|\bCPO\b|\bMHN|\bMHW",
@@ -99,10 +101,15 @@ _TEMPERATURE_KEY = re.compile(r"CCT|KELVIN|COLOU?R_?TEMP|TEMP_?COLOU?R", re.IGNO
 
 @dataclass(frozen=True)
 class LampSpectrum:
-    """A spectrum, and why it was chosen in one sentence for people."""
+    """A spectrum, and why it was chosen in one sentence for people.
 
-    spectrum: Spectrum
+    There is none of radiant intensities without one: what of them is visible, nobody knows. ``is_ultraviolet``: the file
+    names an ultraviolet lamp.
+    """
+
+    spectrum: Spectrum | None
     reason: str
+    is_ultraviolet: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,13 +127,22 @@ def choose_spectrum(file: LuminaireFile) -> LampSpectrum:
 
     In this order: the spectral distribution in the file; a CIE illuminant of the kind of lamp, or two neighbours mixed to
     the colour temperature; the reference illuminant of the colour temperature; D65 if nothing is known. What is assumed is
-    said.
+    said. Nothing is assumed of radiant intensities.
     """
     if file.spectrum is not None:
         nm, values = file.spectrum
         reason = f"The file's own spectral distribution, {nm[0]:g} to {nm[-1]:g} nm."
         return LampSpectrum(Tabulated(nm, values, name="photometric file"), reason)
     lamp = _read_lamp(file)
+    if file.quantity == RADIANT:
+        is_ultraviolet = lamp.kind == ULTRAVIOLET
+        start = (
+            f"{ULTRAVIOLET[0].upper()}{ULTRAVIOLET[1:]} ('{lamp.words}'): the"
+            if is_ultraviolet
+            else "The"
+        )
+        reason = f"{start} file states watts (W/sr) and no spectrum, so it lights nothing visible."
+        return LampSpectrum(None, reason, is_ultraviolet)
     if lamp.kind is None and lamp.temperature is None:
         reason = "The file tells neither the kind of lamp nor its colour: neutral white, CIE D65."
         return LampSpectrum(Illuminant("D65"), reason)
@@ -135,8 +151,8 @@ def choose_spectrum(file: LuminaireFile) -> LampSpectrum:
     start = f"{lamp.kind[0].upper()}{lamp.kind[1:]} ('{lamp.words}')"
     match lamp.kind:
         case "ultraviolet lamp":
-            reason = f"{start}: it gives hardly any visible light; CIE D65 stands for it."
-            return LampSpectrum(Illuminant("D65"), reason)
+            reason = f"{start}: it gives hardly any visible light, yet the file states candelas; CIE D65 stands for it."
+            return LampSpectrum(Illuminant("D65"), reason, is_ultraviolet=True)
         case "mercury lamp" if lamp.temperature is None:
             reason = f"{start}, of which there is no CIE illuminant: neutral white, CIE D65."
             return LampSpectrum(Illuminant("D65"), reason)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution
 from .coordinates import FRAMES
 from .distribution import flux
@@ -21,9 +22,10 @@ from .lm63_data import Data, read_content, read_tilt
 from .lm63_header import GENERATION_TYPE, Header, read_header
 from .lm63_numbers import Numbers
 from .lm63_opening import read_opening
+from .radiant import settle_unit
 from .record import LampSet, LuminaireFile, Remark, TiltTable
 from .symmetry import POLE_TOLERANCE, average_poles, expand_planes
-from .text import decode, read_bytes
+from .text import decode
 
 FLUX_RATIO = (0.2, 1.05)
 """Between which the flux of the luminaire should lie, of that of its lamps."""
@@ -79,7 +81,7 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
     if content.generation:
         metadata[GENERATION_TYPE] = content.generation
     name = metadata.get("LAMP") or metadata.get("LAMPCAT") or ""
-    return LuminaireFile(
+    file = LuminaireFile(
         format=f"LM-63-{header.year}",
         photometric_type=kind,
         symmetry=content.symmetry,
@@ -96,6 +98,7 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
         metadata=metadata,
         remarks=tuple(remarks),
     )
+    return settle_unit(path, file)
 
 
 def _distribution_c(content: Data, remarks) -> IntensityDistribution:

@@ -41,8 +41,6 @@ _VERSION = re.compile(
 
 _KEYWORD = re.compile(r"\s*\[([^\]]*)\](.*)")
 
-_RADIOMETRIC = re.compile(r"\b[mµμun]?W\s*/\s*sr\b", re.IGNORECASE)
-
 
 @dataclass
 class Header:
@@ -184,9 +182,5 @@ def _remark_on_form(lines, end, year, remarks):
 
 def _remark_on_content(header, remarks):
     metadata = header.metadata
-    found = next((m[0] for text in metadata.values() if (m := _RADIOMETRIC.search(text))), None)
-    if found:
-        text = f"the text says that the values are radiometric ({found}), not candelas; kept as they are"
-        remarks.append(Remark(text))
     if any(key.upper() == "NEARFIELD" for key in metadata):
         remarks.append(Remark("near-field photometry, used as if it were far-field"))

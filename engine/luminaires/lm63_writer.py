@@ -5,6 +5,7 @@ What LM-63 has no place for is left out: spectrum, housing, all lamp sets but th
 
 import textwrap
 import unicodedata
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,8 @@ from .coordinates import FRAMES
 from .distribution import is_closed
 from .lm63_header import GENERATION_TYPE, KEYWORDS, LABEL, REQUIRED
 from .lm63_opening import signed_size
-from .record import LuminaireFile
+from .radiant import UNIT_KEY, WRITTEN, radiant_unit
+from .record import RADIANT, LuminaireFile
 from .symmetry import expand_planes
 
 LINE = 130
@@ -30,6 +32,8 @@ _NEAR = 1e-6
 def write_lm63(file: LuminaireFile) -> bytes:
     """Return the content of an LM-63-2002 file; intensities keep nine digits, all factors are 1.
 
+    Radiant ones are in the unit that the file's own text tells, or in mW/sr with a keyword that tells so.
+
     Parameters
     ----------
     file : LuminaireFile    Its distribution may be turned about the vertical or mirrored.
@@ -43,6 +47,9 @@ def write_lm63(file: LuminaireFile) -> bytes:
     count = max(lamp.count, 1) if lamp else 1
     is_relative = file.stated_flux is not None and not file.is_absolute
     lumens = file.stated_flux / count if is_relative else -1.0
+    if file.quantity == RADIANT:
+        file, size = _with_unit(file)
+        candela, lumens = candela / size, lumens / size if is_relative else lumens
     lines = ["IESNA:LM-63-2002", *_keyword_lines(file), *_tilt_lines(file.tilt)]
     sizes = signed_size(file.opening, kind)
     counts = len(vertical), len(horizontal)
@@ -51,6 +58,15 @@ def write_lm63(file: LuminaireFile) -> bytes:
     for row in (vertical, horizontal, *candela):
         lines += _number_lines(row)
     return "".join(f"{line}\r\n" for line in lines).encode("ascii")
+
+
+def _with_unit(file: LuminaireFile) -> tuple[LuminaireFile, float]:
+    """A radiant file whose text tells a unit, and that unit. [W/sr]"""
+    unit = radiant_unit(file.metadata)
+    if unit is None:
+        file = replace(file, metadata={**file.metadata, UNIT_KEY: WRITTEN})
+        unit = radiant_unit(file.metadata)
+    return file, unit[1]
 
 
 def _keyword_lines(file: LuminaireFile) -> list[str]:
@@ -78,7 +94,9 @@ def _keyword(key: str, is_keyword: bool) -> str:
 
 def _ascii(text: str) -> str:
     """Text without accents, signs of other alphabets and control characters."""
-    plain = unicodedata.normalize("NFKD", text.replace("°", " deg").replace("ß", "ss"))
+    for sign, words in (("°", " deg"), ("ß", "ss"), ("µ", "u"), ("μ", "u")):
+        text = text.replace(sign, words)
+    plain = unicodedata.normalize("NFKD", text)
     plain = plain.encode("ascii", "ignore").decode("ascii")
     return "".join(sign if sign.isprintable() else " " for sign in plain)
 

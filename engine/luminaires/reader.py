@@ -5,12 +5,13 @@ import re
 from pathlib import Path
 
 from ..errors import FileFormatError
+from ..reading.content import read_bytes
 from .eulumdat import looks_like_eulumdat, parse_eulumdat
 from .eulumdat_writer import write_eulumdat
 from .lm63 import parse_lm63
 from .lm63_writer import write_lm63
 from .record import LuminaireFile, Remark
-from .text import decode, read_bytes
+from .text import decode
 from .tm33 import parse_tm33
 
 KINDS = "IES LM-63 (.ies), EULUMDAT (.ldt) or TM-33 (.xml)"

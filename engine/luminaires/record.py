@@ -6,6 +6,22 @@ import numpy as np
 
 from ..scene.distribution import IntensityDistribution, Opening
 
+LUMINOUS, RADIANT = "luminous", "radiant"
+"""What the intensities of a file are: candelas, or watts per steradian."""
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of a kind of light, as they are written."""
+
+    flux: str
+    intensity: str
+    luminance: str
+
+
+UNITS = {LUMINOUS: Units("lm", "cd", "cd/m2"), RADIANT: Units("W", "W/sr", "W/(m2 sr)")}
+"""Of a file's numbers, by its quantity."""
+
 
 @dataclass(frozen=True)
 class Remark:
@@ -75,11 +91,12 @@ class LuminaireFile:
     format : str    Such as ``LM-63-2002``, ``EULUMDAT`` or ``TM-33-18``.
     photometric_type : str    ``A``, ``B`` or ``C``.
     symmetry : str    ``rotational``, ``quadrant`` (about both planes), ``C0-C180``, ``C90-C270`` or ``none``.
-    distribution : IntensityDistribution    All around, in candelas: every factor of the file applied but the tilt.
+    distribution : IntensityDistribution
+        All around, in the unit of the quantity (candelas or W/sr): every factor of the file applied but the tilt.
     opening : Opening
     stored_azimuths, stored_polars : (n,) float64 array    Angles as stored in the file. [degree]
     is_absolute : bool    Whether the intensities do not refer to a rated flux of lamps.
-    stated_flux : float or None    Rated flux of the lamps that the intensities refer to [lm]; None: not stated (absolute).
+    stated_flux : float or None    Rated flux of the lamps of the intensities [lm or W]; None: not stated (absolute).
     light_output_ratio : float or None    Stated share of the lamps' flux that leaves the luminaire (EULUMDAT LORL). [-]
     downward_fraction : float or None    Stated share of the luminaire's flux below the horizontal (EULUMDAT DFF). [-]
     watts : float or None    Electrical. [W]
@@ -90,6 +107,7 @@ class LuminaireFile:
     spectrum : (wavelengths [nm], values) or None    Relative spectral power.
     metadata : dict of str to str    Keywords in the file's order, as written; several lines joined by newlines.
     remarks : tuple of Remark    Warnings.
+    quantity : str    `LUMINOUS` or `RADIANT`: what intensities and fluxes are.
     """
 
     format: str
@@ -111,3 +129,9 @@ class LuminaireFile:
     spectrum: tuple[np.ndarray, np.ndarray] | None = None
     metadata: dict[str, str] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
+    quantity: str = LUMINOUS
+
+    @property
+    def units(self) -> Units:
+        """Units of its numbers."""
+        return UNITS[self.quantity]

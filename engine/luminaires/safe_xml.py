@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from ..errors import FileFormatError
-from .text import MAXIMUM_SIZE
+from ..reading.content import MAXIMUM_SIZE
 
 MAXIMUM_DEPTH = 64
 """Deepest nesting of elements."""

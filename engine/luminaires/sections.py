@@ -73,18 +73,17 @@ def spread(angle: np.ndarray, values: np.ndarray, share: float) -> float | None:
         return TURN
     down = np.abs(angle) <= 0.5 * np.pi
     shines_down = values[down].max() >= largest * (1.0 - _SAME)
-    beams = [
-        (start, end)
-        for start, end, top in _lobes(angle, values, threshold)
-        if (np.cos(top) >= -_SAME) == shines_down or abs(np.cos(top)) <= _SAME
-    ]
+    beams = [lobe[:2] for lobe in _lobes(angle, values, threshold) if lobe[2 if shines_down else 3]]
     axis = 0.0 if shines_down else np.pi
     ends = np.array([_near(axis, start, end) for start, end in beams])
     return float(min(ends[:, 1].max() - ends[:, 0].min(), TURN))
 
 
-def _lobes(angle, values, threshold) -> list[tuple[float, float, float]]:
-    """Start, end and place of the maximum of each range at or above a threshold, of which the section has a gap. [rad]"""
+def _lobes(angle, values, threshold) -> list[tuple[float, float, bool, bool]]:
+    """Start and end of each range at or above a threshold [rad], and whether it is largest below, and above, the horizontal.
+
+    The section has a gap. A lobe as large on both sides belongs to both.
+    """
     # The circle is opened at a direction below the threshold, so that no lobe is cut in two.
     first = int(np.argmin(values[:-1]))
     angle = np.concatenate([angle[first:-1], angle[: first + 1] + TURN])
@@ -97,10 +96,14 @@ def _lobes(angle, values, threshold) -> list[tuple[float, float, float]]:
         share = (threshold - values[i]) / (values[i + 1] - values[i])
         return angle[i] + share * (angle[i + 1] - angle[i])
 
-    return [
-        (crossing(rise), crossing(fall), angle[rise + 1 + np.argmax(values[rise + 1 : fall + 1])])
-        for rise, fall in zip(rises, falls, strict=True)
-    ]
+    lobes = []
+    for rise, fall in zip(rises, falls, strict=True):
+        inside = slice(rise + 1, fall + 1)
+        cosine, own = np.cos(angle[inside]), values[inside]
+        is_top = own >= own.max() * (1.0 - _SAME)
+        sides = (is_top & (cosine >= -_SAME)).any(), (is_top & (cosine <= _SAME)).any()
+        lobes.append((crossing(rise), crossing(fall), *map(bool, sides)))
+    return lobes
 
 
 def _near(axis: float, start: float, end: float) -> tuple[float, float]:

@@ -34,11 +34,12 @@ BEAM, FIELD = 0.5, 0.1
 class Summary:
     """Numbers of a photometric file; None where the file does not say enough, or nothing is emitted.
 
+    Units are those of candelas; of a radiant file lm stands for W and cd for W/sr, see `LuminaireFile.units`.
     Angles C and gamma are the luminaire's own for all photometric types: gamma from its -z, C counter-clockwise from +x.
 
     Parameters
     ----------
-    luminous_flux : float    Of the distribution, integrated exactly. [lm]
+    total_flux : float    Of the distribution, integrated exactly. [lm]
     downward_flux, upward_flux : float    Below and above the horizontal. [lm]
     downward_fraction : float or None    Downward share of the flux (DFF). [-]
     light_output_ratio : float or None    Flux over the rated flux of the lamps; None in absolute photometry. [-]
@@ -59,7 +60,7 @@ class Summary:
     Flux code: CIE 52:1982, EN 13032-2:2017 (CEN flux code).
     """
 
-    luminous_flux: float
+    total_flux: float
     downward_flux: float
     upward_flux: float
     downward_fraction: float | None
@@ -85,17 +86,16 @@ def summarise(file: LuminaireFile) -> Summary:
     zones = np.diff(np.concatenate([[0.0], cones[4:], [total]]))
     downward = float(cones[3]) if cones[3] > ROUNDING * total else 0.0
     fraction = downward / total if total > 0.0 else None
-    is_rated = not file.is_absolute and file.stated_flux is not None and file.stated_flux > 0.0
-    ratio = total / file.stated_flux if is_rated else None
+    ratio = None if file.is_absolute else _over(total, file.stated_flux)
     largest, direction, grid_angles = _peak(file)
     sections = [section(distribution, np.deg2rad(plane)) for plane in PLANES]
     return Summary(
-        luminous_flux=total,
+        total_flux=total,
         downward_flux=downward,
         upward_flux=total - downward,
         downward_fraction=fraction,
         light_output_ratio=ratio,
-        efficacy=total / file.watts if file.watts else None,
+        efficacy=_over(total, file.watts),
         peak=largest,
         peak_direction=direction,
         peak_angles=grid_angles,
@@ -105,6 +105,15 @@ def summarise(file: LuminaireFile) -> Summary:
         zonal_flux=np.where(zones > ROUNDING * total, zones, 0.0),
         luminance=_luminance(file),
     )
+
+
+def _over(flux_of_all: float, stated: float | None) -> float | None:
+    """Flux over a stated number; None where there is none, or it is so small that the ratio is no number."""
+    if not stated or stated < 0.0:
+        return None
+    with np.errstate(over="ignore"):
+        ratio = float(np.divide(flux_of_all, stated))
+    return ratio if np.isfinite(ratio) else None
 
 
 def _degrees(angle: float | None) -> float | None:

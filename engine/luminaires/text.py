@@ -1,32 +1,11 @@
-"""Bytes of photometric files as text and numbers, by rules that hold for all of their formats."""
+"""Content of photometric files as text and numbers, by rules that hold for all of their formats."""
 
 import math
-from pathlib import Path
 
 from ..errors import FileFormatError
 
-MAXIMUM_SIZE = 64 << 20
-"""Largest file that is read. [byte]"""
-
 END_OF_FILE = "\x1a"
 """Ctrl-Z, with which old programs end a text."""
-
-
-def read_bytes(path, most: int = MAXIMUM_SIZE) -> bytes:
-    """Return the content of a file of at most so many bytes.
-
-    Raises
-    ------
-    FileFormatError    It cannot be opened or is too large.
-    """
-    path = Path(path)
-    try:
-        size = path.stat().st_size
-        if size > most:
-            raise FileFormatError(path, f"has {size >> 20} MiB, expected at most {most >> 20} MiB")
-        return path.read_bytes()
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
 
 
 def decode(path, data: bytes) -> str:

@@ -15,13 +15,13 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..photometry.spectra import luminous_weight
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution
 from ..scene.spectrum import Tabulated
 from .coordinates import FRAMES
 from .distribution import azimuth_weights, flux, polar_weights
 from .record import LampSet, LuminaireFile, Remark, TiltTable
 from .safe_xml import XmlElement, parse_xml
-from .text import read_bytes
 from .tm33_body import read_body
 from .tm33_intensity import Grid, Table, read_table, to_grid
 from .tm33_spectrum import Spectrum, luminous_efficacy, read_spectrum

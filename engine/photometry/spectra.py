@@ -229,6 +229,33 @@ def efficacy(spectrum: Spectrum) -> float:
     return luminous_weight(spectrum) / power
 
 
+def efficacy_of_table(wavelengths, values) -> float:
+    """Luminous efficacy of all the radiation in a table, ultraviolet and infrared included, or of one wavelength. [lm/W]
+
+    Parameters
+    ----------
+    wavelengths, values : (n,) arrays    Ascending [nm]; relative spectral power [1/nm], linear in between.
+    """
+    if len(wavelengths) == 1:
+        seen = np.interp(wavelengths[0], GRID, luminous_efficiency(), left=0.0, right=0.0)
+        return LUMINOUS_EFFICACY * float(seen)
+    power = 0.5 * float(np.diff(wavelengths) @ (values[1:] + values[:-1]))
+    seen = np.interp(GRID, wavelengths, values, left=0.0, right=0.0)
+    return LUMINOUS_EFFICACY * float(seen @ luminous_efficiency()) / power if power > 0.0 else 0.0
+
+
+def efficacy_of_all(spectrum: Spectrum) -> float:
+    """Luminous efficacy of a spectrum as far as it is known: of all of a table, of others within 360..830 nm. [lm/W]
+
+    Raises
+    ------
+    SceneError    As of `efficacy`.
+    """
+    if isinstance(spectrum, Tabulated):
+        return efficacy_of_table(spectrum.wavelengths, spectrum.values)
+    return efficacy(spectrum)
+
+
 def photometric_density(spectrum: Spectrum) -> np.ndarray:
     """Spectral density on `GRID` that carries exactly 1 lumen (or cd, lx, cd/m2 alike). [W/nm per lm]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.content import open_file, size_of
 
 PIECE = 1 << 16
 """Rows that are read in one go."""
@@ -26,12 +27,9 @@ class Head:
 
     def __init__(self, path, size: int = 1 << 16):
         self.path = Path(path)
-        try:
-            self.length = self.path.stat().st_size
-            with self.path.open("rb") as file:
-                self.data = file.read(size)
-        except OSError as error:
-            raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
+        with open_file(self.path) as file:
+            self.length = size_of(file)
+            self.data = file.read(min(size, self.length))
 
     def number(self, kind: str, offset: int):
         """One number: ``kind`` as of `struct`, such as ``i``, ``I``, ``Q`` or ``f``."""
@@ -69,7 +67,7 @@ def check_count(path, count: int) -> None:
 
 def read_rows(path, offset: int, count: int, columns: int) -> Iterator[np.ndarray]:
     """Yield the rows (n, columns) float32 of a binary file piece by piece."""
-    with Path(path).open("rb") as file:
+    with open_file(path) as file:
         file.seek(offset)
         left = count
         while left:

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
+from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
 from .emission import HELD, RayLight, Wish, prepare_light
@@ -112,18 +113,14 @@ def load_light(path: str | Path, wish: Wish) -> RayLight | None:
     FileFormatError    It is damaged.
     """
     source = index_path(path)
+    if not source.exists():
+        return None
     try:
-        if source.stat().st_size > LARGEST:
-            raise ValueError(f"more than {LARGEST} bytes")
-        with zipfile.ZipFile(source) as archive:
+        with zipfile.ZipFile(io.BytesIO(read_bytes(source, LARGEST))) as archive:
             facts, arrays = _read(archive)
         if facts["key"] != state_of(path, wish):
             return None
         return _light_of(facts, arrays)
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise FileFormatError(source, f"cannot be read ({error.strerror})") from None
     except _DAMAGE as error:
         raise FileFormatError(
             source,

@@ -1,9 +1,8 @@
 """Ray files of LightTools, binary (.ray)."""
 
-from pathlib import Path
-
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
+from ..reading.content import open_file
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 
@@ -59,7 +58,7 @@ def read_lighttools(path) -> RayFile:
         first + 4 if colour == WAVELENGTH else None,
     )
     row = 4 * columns.count
-    with Path(path).open("rb") as file:
+    with open_file(path) as file:
         file.seek(max(head.length - len(END), 0))
         is_ended = file.read() == END
     body = head.length - HEAD - (len(END) if is_ended else 0)

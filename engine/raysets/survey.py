@@ -7,13 +7,16 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
-from ..photometry.spectra import GRID, luminous_efficiency
+from ..photometry.spectra import GRID, efficacy_of_table, luminous_efficiency
 from ..photometry.units import LUMINOUS_EFFICACY
 from .reader import Faults, read_rays
 from .record import LUMINOUS, RADIANT, RayFile, Rays
 
 FLUX_TOLERANCE = 0.01
 """Relative difference between the sum of the rays and the stated flux that is not worth a remark. [-]"""
+
+EFFICACY_TOLERANCE = 0.1
+"""Relative difference between stated lumens and those of the watts by their spectrum that is not worth a remark. [-]"""
 
 UNIT_NAMES = {RADIANT: "W", LUMINOUS: "lm"}
 
@@ -95,7 +98,7 @@ def survey_rays(
     factor, told = _scale(file, weight)
     wavelengths = tuple(span) if span[0] <= span[1] else None
     spectrum = _spectrum(file, by_wavelength, by_table)
-    luminous, radiant = _fluxes(file, weight * factor, by_wavelength / weight, spectrum)
+    luminous, radiant, odd = _fluxes(file, weight * factor, by_wavelength / weight, spectrum)
     return Survey(
         number,
         weight,
@@ -107,7 +110,7 @@ def survey_rays(
         spectrum,
         luminous,
         radiant,
-        (*file.remarks, *faults.remarks(), *told),
+        (*file.remarks, *faults.remarks(), *told, *odd),
     )
 
 
@@ -148,15 +151,23 @@ def _spectrum(file: RayFile, by_wavelength: np.ndarray, by_table: np.ndarray):
 
 
 def _fluxes(file: RayFile, flux: float, by_wavelength: np.ndarray, spectrum):
-    """Luminous and radiant flux of everything. [lm], [W]"""
+    """Luminous and radiant flux of everything [lm], [W], and what has to be said of them."""
     luminous = flux if file.quantity == LUMINOUS else file.luminous_flux
     radiant = flux if file.quantity == RADIANT else file.radiant_flux
-    if luminous is None and radiant is not None and spectrum is not None:
-        luminous = radiant * _efficacy(by_wavelength, spectrum)
-    elif radiant is None and luminous is not None and spectrum is not None:
-        efficacy = _efficacy(by_wavelength, spectrum)
-        radiant = luminous / efficacy if efficacy > 0.0 else None
-    return luminous, radiant
+    if spectrum is None or (luminous is None and radiant is None):
+        return luminous, radiant, ()
+    efficacy = _efficacy(by_wavelength, spectrum)
+    if luminous is None:
+        return radiant * efficacy, radiant, ()
+    if radiant is None:
+        return luminous, luminous / efficacy if efficacy > 0.0 else None, ()
+    if abs(luminous - radiant * efficacy) <= EFFICACY_TOLERANCE * luminous:
+        return luminous, radiant, ()
+    text = (
+        f"states {luminous:.4g} lm, but its {radiant:.4g} W are {radiant * efficacy:.4g} lm by its own spectrum; "
+        "the stated lumens are taken"
+    )
+    return luminous, radiant, (Remark(text),)
 
 
 def luminous_rays(file: RayFile, survey: Survey, rays: Rays) -> Rays:
@@ -173,7 +184,7 @@ def luminous_rays(file: RayFile, survey: Survey, rays: Rays) -> Rays:
                 rays.wavelength, GRID, luminous_efficiency(), left=0.0, right=0.0
             )
         elif rays.spectrum is not None:
-            scale *= np.array([_efficacy_of(*table) for table in file.spectra])[rays.spectrum]
+            scale *= np.array([efficacy_of_table(*table) for table in file.spectra])[rays.spectrum]
         elif survey.luminous_flux is not None:
             scale = survey.luminous_flux / survey.weight
         else:
@@ -187,16 +198,4 @@ def _efficacy(by_wavelength: np.ndarray, spectrum) -> float:
     """Luminous efficacy of radiation. ``by_wavelength``: shares of the whole flux, where rays have wavelengths. [lm/W]"""
     if by_wavelength.any():
         return LUMINOUS_EFFICACY * float(by_wavelength @ luminous_efficiency())
-    return _efficacy_of(*spectrum)
-
-
-def _efficacy_of(wavelengths: np.ndarray, values: np.ndarray) -> float:
-    """Luminous efficacy of radiation with a relative spectrum, or of one wavelength. [lm/W]"""
-    if len(wavelengths) == 1:
-        return LUMINOUS_EFFICACY * float(
-            np.interp(wavelengths[0], GRID, luminous_efficiency(), left=0.0, right=0.0)
-        )
-    # The table's own range counts as radiant flux, ultraviolet and infrared included.
-    power = 0.5 * float(np.diff(wavelengths) @ (values[1:] + values[:-1]))
-    seen = np.interp(GRID, wavelengths, values, left=0.0, right=0.0)
-    return LUMINOUS_EFFICACY * float(seen @ luminous_efficiency()) / power if power > 0.0 else 0.0
+    return efficacy_of_table(*spectrum)

@@ -3,6 +3,7 @@
 Files are read line by line, so their size does not matter. What the head does not tell is taken from `Assumed`.
 """
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ import numpy as np
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
 from ..luminaires.text import parse_number
+from ..reading.lines import read_lines
 from .binary import PIECE, check_count
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 from .zemax import MICROMETRE
@@ -25,6 +27,9 @@ LONGEST_LINE = 4096
 LONGEST_HEAD = 500
 """Lines before the first ray, at most."""
 
+END = "lt_endofdata"
+"""Line of LightTools after the last ray."""
+
 LONGEST_MICROMETRES = 20.0
 """Wavelengths up to it are taken as micrometres where nothing tells."""
 
@@ -34,6 +39,9 @@ LIGHTTOOLS_UNITS = {
 }  # fmt: skip
 
 _KEY = re.compile(r"^(lt_\w+|dataname):\s*(.*)$")
+
+_NO_NUMBER = re.compile(r"[+-]?(nan|inf(inity)?|1\.#\w+)(\(\w*\))?", re.IGNORECASE)
+"""What programs write for the results of calculations that failed."""
 
 _FACTOR = re.compile(r"conversion factor from meters\s*[:=]?\s*(\S+)", re.IGNORECASE)
 
@@ -54,24 +62,23 @@ class Assumed:
 
 def _lines(path, first: int = 0) -> Iterator[tuple[int, str]]:
     """Lines with their numbers from 1, from the one after ``first`` on."""
-    with Path(path).open(encoding="latin-1", newline=None) as file:
-        number = 0
-        while True:
-            line = file.readline(LONGEST_LINE)
-            if not line:
-                return
-            number += 1
-            if len(line) == LONGEST_LINE:
-                raise FileFormatError(
-                    path, f"is no text of rays: more than {LONGEST_LINE} characters", number
-                )
-            if number > first:
-                yield number, line.strip()
+    for number, line in read_lines(path, LONGEST_LINE):
+        if number > first:
+            yield number, line.strip()
+
+
+def _tokens(line: str) -> list[str]:
+    return [token for token in re.split(r"[\s,;]+", line) if token]
+
+
+def _number(token: str) -> float | None:
+    """The number that a token stands for, NaN where a program says that it had none; None for other words."""
+    return math.nan if _NO_NUMBER.fullmatch(token) else parse_number(token)
 
 
 def _numbers(line: str) -> list[float] | None:
     """The numbers of a row; None where something else stands in it."""
-    found = [parse_number(token) for token in re.split(r"[\s,;]+", line) if token]
+    found = [_number(token) for token in _tokens(line)]
     return None if not found or any(value is None for value in found) else found
 
 
@@ -131,7 +138,7 @@ def read_text(path, assumed: Assumed | None = None) -> RayFile:
         base + 3,
         base + 4 if has_wavelength else None,
     )
-    count = sum(1 for _ in _rows(path, begin.line - 1, begin.width))
+    count = sum(1 for _ in _rows(path, begin))
     check_count(path, count)
     if begin.keys:
         told = _read_lighttools(path, begin)
@@ -143,7 +150,7 @@ def read_text(path, assumed: Assumed | None = None) -> RayFile:
         path=Path(path),
         count=count,
         columns=columns,
-        rows=lambda: _pieces(path, begin.line - 1, begin.width),
+        rows=lambda: _pieces(path, begin),
         **told,
     )
 
@@ -234,28 +241,50 @@ def _is_zemax_head(values: list[float]) -> bool:
     return whole and values[0] >= 1 and 0 <= values[1] <= 4 and not any(values[4:])
 
 
-def _rows(path, first: int, width: int) -> Iterator[list[float]]:
-    """Rows from a line on; the text that may follow the last one is left out."""
-    ended = False
-    for number, line in _lines(path, first):
+def _rows(path, begin: _Beginning) -> Iterator[list[float]]:
+    """Rows from the first one on; the text that may follow the last one is left out.
+
+    Raises
+    ------
+    FileFormatError    A row is damaged, or the file is cut short.
+    """
+    width, is_lighttools = begin.width, bool(begin.keys)
+    count, is_past, is_complete = 0, False, not is_lighttools
+    for number, line in _lines(path, begin.line - 1):
         if not line or line[0] in "#!":
             continue
         values = _numbers(line)
         if values is None:
-            ended = True
+            _refuse_damage(path, line, width, number)
+            is_past = True
+            is_complete |= line == END
             continue
-        if ended or len(values) != width:
+        if is_past or len(values) != width:
             what = (
                 "numbers after the end of the rays"
-                if ended
+                if is_past
                 else f"{len(values)} numbers, expected {width}"
             )
             raise FileFormatError(path, f"has {what}", number)
+        count += 1
         yield values
+    if not is_complete:
+        # The total of its head is that of the whole, and nobody knows how much of it is missing.
+        raise FileFormatError(
+            path, f"is cut short after {count} rays: no line {END} follows; copy or export it again"
+        )
 
 
-def _pieces(path, first: int, width: int) -> Iterator[np.ndarray]:
-    rows = _rows(path, first, width)
+def _refuse_damage(path, line: str, width: int, number: int) -> None:
+    """Refuse what is no text behind the rays but one of them with something foreign in it."""
+    tokens = _tokens(line)
+    foreign = [token for token in tokens if _number(token) is None]
+    if _number(tokens[0]) is not None or (len(tokens) == width and 2 * len(foreign) <= width):
+        raise FileFormatError(path, f"has '{foreign[0][:40]}', expected a number", number)
+
+
+def _pieces(path, begin: _Beginning) -> Iterator[np.ndarray]:
+    rows = _rows(path, begin)
     while held := list(islice(rows, PIECE)):
         # What is too large becomes infinite, and is found so when rays are checked.
         with np.errstate(over="ignore"):

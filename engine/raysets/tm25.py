@@ -6,12 +6,12 @@ ANSI/IES TM-25-13 and TM-25-20: Ray File Format for the Description of the Emiss
 """
 
 import math
-from pathlib import Path
 
 import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
+from ..reading.content import open_file
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 
@@ -161,7 +161,7 @@ def _find_columns(flags, more: int) -> Columns:
 def _read_tables(path, length: int, tables: int):
     """Spectra, and the byte after them."""
     spectra, place = [], TABLES_START
-    with Path(path).open("rb") as file:
+    with open_file(path) as file:
         for number in range(tables):
             file.seek(place)
             entries = np.fromfile(file, dtype="<i4", count=1)

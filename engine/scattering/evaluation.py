@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
-from .patches import albedo_of_patches, evaluate_patches, reciprocity_of
+from .patches import albedo_of_patches, evaluate_patches, pairs_of, reciprocity_of
 from .table import albedo_of, albedos_of, direct_share, evaluate_table, is_symmetric
 from .tree import albedo_of_tree, evaluate_tree
 
@@ -91,9 +91,18 @@ def symmetry_of(scatter: Scatter) -> str:
     return "isotropic"
 
 
+PEAK = 5.0
+"""Times the mean value from which on a pair counts as part of a peak: of straight light, of a mirror's, of a lobe."""
+
+LEAST_SHARE = 0.01
+"""Share of the light below which what lies beside peaks does not count. [-]"""
+
+
 @dataclass(frozen=True)
 class Reciprocity:
     """How far f(i, o) and f(o, i) differ over random pairs of directions, both within 80 degrees of the normal.
+
+    The squares of a peak hide all that lies beside it, which in a room is the light that is seen: so that counts alone too.
 
     Parameters
     ----------
@@ -101,10 +110,19 @@ class Reciprocity:
         Root mean square of the difference over root mean square of the values, weighed by both cosines; of matrices over all
         pairs of patches. [-]
     largest : float    Largest difference over the largest value. [-]
+    scattered : float
+        Of the pairs beside peaks: mean of the absolute difference over the mean of the values; 0 where they have next to
+        no light. [-]
     """
 
     residual: float
     largest: float
+    scattered: float = 0.0
+
+    @property
+    def worst(self) -> float:
+        """Residual or scattered, whichever is larger. [-]"""
+        return max(self.residual, self.scattered)
 
 
 def measure_reciprocity(scatter: Scatter, back: Scatter | None = None) -> Reciprocity:
@@ -134,5 +152,21 @@ def measure_reciprocity(scatter: Scatter, back: Scatter | None = None) -> Recipr
     top = max(forth.max(), back_again.max())
     largest = float(np.abs(difference).max() / top) if top > 0.0 else 0.0
     if isinstance(scatter, PatchMatrix) and isinstance(back, PatchMatrix | None):
-        return Reciprocity(reciprocity_of(scatter, back), largest)
-    return Reciprocity(float(np.sqrt((difference**2).mean()) / mean) if top > 0.0 else 0.0, largest)
+        return Reciprocity(
+            reciprocity_of(scatter, back), largest, _beside_peaks(*pairs_of(scatter, back))
+        )
+    residual = float(np.sqrt((difference**2).mean()) / mean) if top > 0.0 else 0.0
+    evenly = np.full(CHECKED - half.sum(), 1.0)
+    return Reciprocity(residual, largest, _beside_peaks(forth[~half], back_again[~half], evenly))
+
+
+def _beside_peaks(forth: np.ndarray, back: np.ndarray, weight: np.ndarray) -> float:
+    """`Reciprocity.scattered` of values both ways (n, w) with weights (n,) by projected solid angle."""
+    weight = np.broadcast_to(weight[:, None], forth.shape)
+    both = 0.5 * (forth + back)
+    light = weight * both
+    rest = np.maximum(forth, back) <= PEAK * light.sum() / weight.sum()
+    scattered = light[rest].sum()
+    if scattered <= LEAST_SHARE * light.sum():
+        return 0.0
+    return float((weight * np.abs(forth - back))[rest].sum() / scattered)

@@ -99,6 +99,18 @@ def transposed(matrix: PatchMatrix) -> PatchMatrix:
     return PatchMatrix(matrix.outgoing, matrix.incoming, matrix.wavelengths, values)
 
 
+def pairs_of(matrix: PatchMatrix, back: PatchMatrix | None = None) -> tuple[np.ndarray, ...]:
+    """Values of all pairs of patches, of the same the other way, and their projected solid angles. (n, w), (n, w), (n,)
+
+    ``back`` as of `reciprocity_of`.
+    """
+    incoming, outgoing = centre(matrix.incoming), centre(matrix.outgoing)
+    i, o = (m.ravel() for m in np.indices(matrix.values.shape[:2]))
+    weight = solid_angles(matrix.incoming)[i] * solid_angles(matrix.outgoing)[o]
+    there = matrix.values[i, o].astype(np.float64)
+    return there, evaluate_patches(back or matrix, outgoing[o], incoming[i]), weight
+
+
 def reciprocity_of(matrix: PatchMatrix, back: PatchMatrix | None = None) -> float:
     """How far a matrix is from reciprocity: root mean square of f(i, o) - g(o, i), relative to that of their mean.
 
@@ -110,11 +122,7 @@ def reciprocity_of(matrix: PatchMatrix, back: PatchMatrix | None = None) -> floa
     -------
     float    0: reciprocal, 2: light passes one way only. Pairs of patches count by their projected solid angles.
     """
-    back = matrix if back is None else back
-    incoming, outgoing = centre(matrix.incoming), centre(matrix.outgoing)
-    i, o = (m.ravel() for m in np.indices(matrix.values.shape[:2]))
-    weight = (solid_angles(matrix.incoming)[i] * solid_angles(matrix.outgoing)[o])[:, None]
-    there = matrix.values[i, o].astype(np.float64)
-    again = evaluate_patches(back, outgoing[o], incoming[i])
+    there, again, weight = pairs_of(matrix, back)
+    weight = weight[:, None]
     mean = 0.25 * (weight * (there + again) ** 2).sum()
     return float(np.sqrt((weight * (there - again) ** 2).sum() / mean)) if mean > 0.0 else 0.0

@@ -25,6 +25,8 @@ class ScatteringFile:
     incidences : (s,) float64 array    Angles of incidence at which the file has data. [rad]
     stated : dict of str to (s,) array
         Hemispherical totals that the file itself states, by the names of `SIDES`, at ``incidences``; nan where it does not.
+    factors : dict of str to list of (incidence [rad], factor)
+        By which the values of a side were brought to what is stated, for every incidence, rotation and band.
     remarks : tuple of Remark    Departures, assumptions, and what was left out.
     """
 
@@ -36,4 +38,5 @@ class ScatteringFile:
     source: str = ""
     incidences: np.ndarray = field(default_factory=lambda: np.zeros(0))
     stated: dict[str, np.ndarray] = field(default_factory=dict)
+    factors: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()

@@ -16,11 +16,11 @@ from ..scene.scattering import ScatterTable
 from .table import (
     albedos_of,
     direction_of,
-    grid_weights,
     interpolate,
     place_on,
     quadrature,
     turned,
+    weights_of_points,
 )
 
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -63,14 +63,20 @@ AIM = 0.85
 LEAST_AIM = 0.3
 """Share of the tolerance below which the grid's part of the error is not brought: what is left comes of bands left out."""
 
-GROWTH = 1.2
-"""By how much a grid grows at most before errors are measured again."""
+GROWTH, FAR_GROWTH = 1.2, 1.6
+"""By how much a grid grows at most before errors are measured again: near the goal, and while the error is over twice it."""
 
 WORST = 1.0
 """Square of an error that counts as much as any larger one while a grid is coarse. [-]"""
 
 FINE = 3
-"""Points of Gauss and Legendre in each cell that totals are found with."""
+"""Points of Gauss and Legendre in each cell that totals are found with; one less on grids of many cells."""
+
+MANY_CELLS = 4096
+"""Cells of one incidence."""
+
+FLOOR_INCIDENCES = 32
+"""Angles of incidence, at most, at which the largest total is looked for that the floor follows."""
 
 GRAZING = np.radians(80.0)
 """From here on lobes get narrower than any grid, and totals are kept below 1. [rad]"""
@@ -137,7 +143,7 @@ def resample(
             if found <= AIM * tolerance or goal < LEAST_AIM * tolerance:
                 break
             goal = error * max(0.95 * AIM * tolerance / found, 0.7)
-        if not maker.divide(shares, most):
+        if not maker.divide(shares, most, FAR_GROWTH if error > 2.0 * goal else GROWTH):
             # What does not fit is left; the table tells its error.
             table = table if is_fine else maker.table()
             break
@@ -241,7 +247,8 @@ class _Maker:
             is_orthotropic=self.is_orthotropic,
         )
         # Near grazing incidence a coarse grid may scatter more than comes, until totals are kept.
-        albedo = min(albedos_of(made, self.incidences, self.rotations).max(), 1.0)
+        step = -(-len(self.incidences) // FLOOR_INCIDENCES)
+        albedo = min(albedos_of(made, self.incidences[::step], self.rotations).max(), 1.0)
         self.floor = max(FLOOR * albedo / np.pi, 1e-12)
         return made
 
@@ -276,11 +283,11 @@ class _Maker:
         made = ends[0] + share[:, None] * (ends[1] - ends[0])
         return np.minimum((((made - true) / (true + self.floor)) ** 2).mean(axis=1), WORST)
 
-    def divide(self, shares: list[np.ndarray], most: int) -> bool:
+    def divide(self, shares: list[np.ndarray], most: int, growth: float) -> bool:
         """Halve the intervals that count most; tells whether there were any for which there is room."""
         axes = [self._closed_rotations(), *self.axes()[1:]]
         counts = np.array([len(axis) for axis in axes], dtype=float)
-        room = min(GROWTH * counts.prod(), most / len(self.bands))
+        room = min(growth * counts.prod(), most / len(self.bands))
         added: list[list[float]] = [[], [], [], []]
         numbers = np.repeat(range(4), [len(share) for share in shares])
         places = np.concatenate([np.arange(len(share)) for share in shares])
@@ -307,9 +314,10 @@ class _Maker:
     def keep_totals(self, table: ScatterTable) -> ScatterTable:
         """A table whose every incidence scatters as much as it should."""
         values = table.values.copy()
+        points = FINE - (len(self.radials) * len(self.azimuths) > MANY_CELLS)
         for s, incidence in enumerate(self.incidences):
-            radial, azimuth, weight = quadrature(table, incidence, FINE)
-            weights = grid_weights(table, incidence, FINE)
+            radial, azimuth, weight = quadrature(table, incidence, points)
+            weights = weights_of_points(table, radial, azimuth, weight)
             tilt = np.full_like(radial, incidence)
             for p, rotation in enumerate(self.rotations):
                 turn = np.full_like(radial, rotation)

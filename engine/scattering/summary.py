@@ -27,7 +27,7 @@ class SideSummary:
     near_normal : (w,) array    Share of light from `NEAR_NORMAL` that is scattered, direct part included. [-]
     largest : float    Largest such share of all incidences and wavelengths. [-]
     steepest : float    Incidence of the largest. [rad]
-    reciprocity : float or None    Residual, see `Reciprocity`; None: sides with other wavelengths cannot be compared. [-]
+    reciprocity : float or None    The worse figure of `Reciprocity`; None: sides of other wavelengths, not compared. [-]
     """
 
     symmetry: str
@@ -69,7 +69,7 @@ def _summarise(file: ScatteringFile, scatter: Scatter, back: Scatter | None) -> 
     steepest, largest = max(shares_of(scatter), key=lambda each: each[1])
     reciprocity = None
     if back is not None and len(back.wavelengths) == len(scatter.wavelengths):
-        reciprocity = measure_reciprocity(scatter, back).residual
+        reciprocity = measure_reciprocity(scatter, back).worst
     return SideSummary(
         symmetry_of(scatter),
         file.incidences if len(file.incidences) else incidences_of(scatter),

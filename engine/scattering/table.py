@@ -222,7 +222,11 @@ def albedos_of(table: ScatterTable, incidences, rotations) -> np.ndarray:
 
 def grid_weights(table: ScatterTable, incidence: float, points: int = QUADRATURE) -> np.ndarray:
     """Weights of a table's radial angles and azimuths in the integral of its values times the cosine of wo. (t, a) [sr]"""
-    radial, azimuth, weight = quadrature(table, incidence, points)
+    return weights_of_points(table, *quadrature(table, incidence, points))
+
+
+def weights_of_points(table: ScatterTable, radial, azimuth, weight) -> np.ndarray:
+    """Weights of a table's radial angles and azimuths in an integral over points, as of `quadrature`. (t, a)"""
     t, t_share = place_on(table.radials, radial)
     a, a_share = place_on(table.azimuths, azimuth)
     shape = len(table.radials), len(table.azimuths)

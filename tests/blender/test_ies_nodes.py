@@ -1,5 +1,7 @@
 """Lights that Blender's IES texture shapes: the same light as Cycles makes of them."""
 
+import os
+
 import bpy
 import numpy as np
 import pytest
@@ -321,6 +323,11 @@ def test_a_texture_without_a_file_leaves_the_light_out():
     light, rows = lamp.convert()
     assert light is None
     assert "cannot be opened" in rows[0].message
+    # What has no end ended Blender.
+    lamp.ies.filepath = "/dev/zero" if os.name == "posix" else os.devnull
+    light, rows = lamp.convert()
+    assert light is None
+    assert "is a device, expected a file" in rows[0].message
 
 
 @pytest.mark.parametrize("operation", ["POWER", "MINIMUM", "ADD"])
@@ -430,3 +437,11 @@ def test_vector_of_the_frame_is_the_beam():
     light, _ = lamp.convert()
     beam = lamp.source.rotation_euler.to_matrix() @ Vector((0, 0, -1))
     np.testing.assert_allclose(-light.frame[:3, 2], beam, atol=1e-6)
+
+
+def test_a_texture_of_radiant_intensities_is_no_white_light():
+    text = write_ies([[100.0, 100.0]], [0, 180], [0], keywords=("[_INTENSITYUNITS] mW/sr",))
+    light, rows = Lamp(text=text).convert()
+    assert light is None
+    assert "radiant intensities, 1.257 W without a spectrum" in rows[0].message
+    assert rows[0].remedy == "it lights nothing visible"

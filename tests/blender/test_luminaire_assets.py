@@ -136,7 +136,7 @@ def test_an_appended_luminaire_is_local_and_brings_its_file():
     text = item.data.lumenray.luminaire.text
     assert item.library is None
     assert text.library is None
-    assert files.read(item.data.lumenray.luminaire).luminous_flux == pytest.approx(2500.0, rel=1e-4)
+    assert files.read(item.data.lumenray.luminaire).flux == pytest.approx(2500.0, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", LAMPS)

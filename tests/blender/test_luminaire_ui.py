@@ -21,6 +21,7 @@ from lumenray.ui import luminaire_overlay
 from lumenray.ui.luminaire import LuminaireChild
 from mathutils import Euler, Matrix
 from panels import context, draw, interface, new_light
+from photometric_files import write_ies
 
 DEGREES = np.arange(181.0)
 POLAR = np.radians(DEGREES)
@@ -401,6 +402,23 @@ def test_panel_shows_the_figures_of_the_file(new_luminaire, kind):
     assert "Example" in draw("LUMENRAY_PT_luminaire_words", where)
     settings.use_file = False
     assert not any(child.poll(where) for child in children())
+
+
+def test_panels_of_a_file_in_watts_tell_watts_and_that_nothing_is_visible(new_luminaire):
+    text = write_ies([[100.0, 100.0]], [0, 180], [0], keywords=("[_INTENSITYUNITS] mW/sr",))
+    source, settings = new_luminaire(text)
+    where = context_of(source)
+    for panel in ("LUMENRAY_PT_luminaire", "LUMENRAY_PT_active_luminaire"):
+        seen = draw(panel, where)
+        assert "1.26 W" in seen
+        assert "0.100 W/sr" in seen
+        assert not any(text.endswith((" lm", " cd", " lm/W")) for text in seen)
+    assert "none without a spectrum" in draw("LUMENRAY_PT_luminaire", where)
+    settings.dimming = 0.5
+    seen = draw("LUMENRAY_PT_luminaire_amount", where)
+    assert "0.628 W" in seen
+    assert "lights nothing visible" in " ".join(map(str, seen))
+    assert "nothing visible" in " ".join(map(str, draw("LUMENRAY_PT_luminaire_spectrum", where)))
 
 
 def test_light_panels_leave_out_what_the_file_states(new_luminaire):

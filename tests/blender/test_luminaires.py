@@ -1,6 +1,7 @@
 """Luminaires in Blender: their files, their settings, and what becomes of them in the engine."""
 
 import gc
+import os
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -225,6 +226,92 @@ def test_a_missing_file_and_no_file_leave_the_light_out(write):
     light, rows = convert(lamp)
     assert light is None
     assert "cannot be opened" in rows[0].message
+    settings_of(lamp).filepath = os.devnull
+    light, rows = convert(lamp)
+    assert light is None
+    assert "is a device" in rows[0].message
+
+
+RADIANT = write_ies(
+    [[100.0, 100.0]], [0, 180], [0], keywords=("[LAMP] Excimer", "[_INTENSITYUNITS] mW/sr")
+)
+"""0.1 W/sr in all directions, 0.4 pi W."""
+
+
+@pytest.mark.parametrize("kind", ["POINT", "EMPTY"])
+def test_watts_without_a_spectrum_light_nothing_and_that_is_said(write, kind):
+    lamp = add_lamp(kind, write(RADIANT, "uv.ies"))
+    light, rows = convert(lamp)
+    assert light is None
+    told = [row for row in rows if row.datablock == "Lamp"]
+    assert [row.severity for row in told] == [Severity.WARNING]
+    assert told[0].message == "its 1.257 W have no spectrum"
+    assert told[0].remedy == "it lights nothing visible"
+    # Of a lamp that is not ultraviolet, light is missing.
+    files.load(settings_of(lamp), write(RADIANT.replace("Excimer", "unknown"), "led.ies"))
+    rows = convert(lamp)[1]
+    assert Severity.ERROR in [row.severity for row in rows]
+
+
+def test_a_mere_colour_makes_no_light_of_watts_but_a_spectrum_does(write, tmp_path):
+    lamp = add_lamp("POINT", write(RADIANT, "uv.ies"))
+    settings_of(lamp).spectrum_source = "LIGHT"
+    assert convert(lamp)[0] is None
+    # 555 nm and, as strong, 222 nm: half of the watts are seen, at 683 lm/W.
+    table = tmp_path / "lamp.txt"
+    table.write_text("221 0\n222 1\n223 0\n554 0\n555 1\n556 0\n")
+    own = lamp.data.lumenray
+    own.use_physical, own.spectrum, own.spectrum_file = True, "FILE", str(table)
+    light, _ = convert(lamp)
+    assert light.output.quantity is Quantity.LUMINOUS_FLUX
+    assert light.output.value == pytest.approx(0.4 * np.pi * 341.4, rel=2e-3)
+    table.write_text("221 0\n222 1\n223 0\n224 0\n")
+    light, rows = convert(lamp)
+    assert light is None
+    assert "none of its 1.257 W is visible" in " ".join(row.message for row in rows)
+
+
+@pytest.mark.parametrize("kind", ["light", "luminaire"])
+def test_a_lamp_whose_spectrum_is_zero_is_left_out_with_an_error(write, tmp_path, kind):
+    lamp = add_lamp("POINT", write() if kind == "luminaire" else "")
+    settings_of(lamp).spectrum_source = "LIGHT"
+    table = tmp_path / "lamp.txt"
+    table.write_text("380 0\n580 0\n780 0\n")
+    own = lamp.data.lumenray
+    own.use_physical, own.spectrum, own.spectrum_file = True, "FILE", str(table)
+    light, rows = convert(lamp)
+    assert light is None
+    assert rows[-1].severity is Severity.ERROR
+    assert "no value above 0" in rows[-1].message
+    assert rows[-1].remedy == "the light is left out"
+
+
+def test_watts_beyond_what_counts_and_lamps_without_visible_light_are_told(tmp_path):
+    lamp, table = add_lamp(), tmp_path / "lamp.txt"
+    # Half of the watts at 222 nm, half at 555 nm.
+    table.write_text("221 0\n222 1\n223 0\n554 0\n555 1\n556 0\n")
+    own = lamp.data.lumenray
+    own.use_physical, own.spectrum, own.spectrum_file = True, "FILE", str(table)
+    own.quantity, own.value = "RADIANT_FLUX", 10.0
+    light, rows = convert(lamp)
+    assert light.output.value == 10.0
+    assert "0.5 of the power of its spectrum" in rows[-1].message
+    assert rows[-1].remedy == "the watts are those within"
+    own.quantity = "LUMINOUS_FLUX"
+    assert convert(lamp)[1] == []
+    table.write_text("221 0\n222 1\n223 0\n224 0\n")
+    light, rows = convert(lamp)
+    assert light is None
+    assert "holds no visible light" in rows[-1].message
+    assert rows[-1].severity is Severity.ERROR
+
+
+def test_lumens_that_are_stated_of_a_radiant_file_count(write):
+    lamp = add_lamp("POINT", write(RADIANT, "uv.ies"))
+    settings_of(lamp).amount, settings_of(lamp).luminous_flux = "LUMENS", 50.0
+    light, rows = convert(lamp)
+    assert light.output.value == 50.0
+    assert "CIE D65 is used" in [row.remedy for row in rows]
 
 
 def test_remarks_about_a_file_are_told_once_for_all_its_lights(write):

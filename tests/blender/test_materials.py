@@ -9,6 +9,7 @@ import pytest
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.materials import convert_material, default_material
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum
+from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.material import (
     Black,
     Cauchy,
@@ -544,7 +545,7 @@ def test_unusable_reflectance_file_is_an_error_row_and_the_value_counts(
     settings.reflectance_source, settings.reflectance_file = "FILE", str(path)
     result, rows = convert(material)
     assert result.surface.reflectance.value == pytest.approx(0.4)
-    (row,) = rows
+    (row,) = (row for row in rows if row["severity"] == "error")
     assert row["severity"] == "error"
     assert "paint.csv" in row["message"]
     assert "0.4" in row["instead"]
@@ -585,6 +586,37 @@ def test_missing_spectrum_file_falls_back_to_the_colour(override):
     spectrum = convert_spectrum(settings, (1.0, 0.5, 0.5), report, "Lamp")
     assert isinstance(spectrum, Rgb)
     assert "/nowhere/lamp.spdx" in report.to_dicts()[0]["message"]
+
+
+def table_file(tmp_path, *columns):
+    path = tmp_path / "lamp.txt"
+    rows = zip(range(380, 781, 10), *columns, strict=True)
+    path.write_text("\n".join(" ".join(map(str, row)) for row in rows))
+    return str(path)
+
+
+def test_a_spectrum_of_zeros_is_an_error_and_never_the_colour(override, convert, tmp_path):
+    material, settings = override
+    settings.spectrum, settings.spectrum_file = "FILE", table_file(tmp_path, [0] * 41)
+    with pytest.raises(SceneError, match="no value above 0"):
+        convert_spectrum(settings, (1.0, 0.5, 0.5), ConversionReport(), "Lamp")
+    settings.model, settings.luminance = "EMITTER", 100.0
+    made, rows = convert(material)
+    assert made.emission is None
+    assert rows[-1]["severity"] == "error"
+    assert rows[-1]["instead"] == "the material does not shine"
+
+
+def test_a_column_of_a_spectrum_is_chosen_and_one_that_is_not_is_told(override, tmp_path):
+    _, settings = override
+    settings.spectrum = "FILE"
+    settings.spectrum_file = table_file(tmp_path, [1] * 41, [2] * 41)
+    report = ConversionReport()
+    assert convert_spectrum(settings, (1, 1, 1), report, "Lamp").values[0] == 1
+    assert any("has 2 columns of values" in row["message"] for row in report.to_dicts())
+    settings.spectrum_column, report = 2, ConversionReport()
+    assert convert_spectrum(settings, (1, 1, 1), report, "Lamp").values[0] == 2
+    assert not any("columns" in row["message"] for row in report.to_dicts())
 
 
 def test_picture_of_a_wall_keeps_its_pixels(tree, convert):

@@ -79,9 +79,9 @@ def test_a_cut_file_is_told_from_a_foreign_one(tmp_path):
     path.write_bytes(whole + b"\0")
     with pytest.raises(FileFormatError, match="damaged"):
         read_checkpoint(path)
-    with pytest.raises(FileFormatError, match="cannot be read"):
+    with pytest.raises(FileFormatError, match="cannot be opened"):
         read_checkpoint(tmp_path / "nowhere")
-    with pytest.raises(FileFormatError, match="cannot be read"):
+    with pytest.raises(FileFormatError, match="is a folder"):
         read_checkpoint(tmp_path)
 
 

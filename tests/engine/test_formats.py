@@ -31,7 +31,7 @@ def written(tmp_path, text, name="spectrum.csv"):
     ],
 )
 def test_spectra_are_read_in_all_common_layouts(tmp_path, text):
-    made = read_spectrum(written(tmp_path, text))
+    made = read_spectrum(written(tmp_path, text)).table
     assert made.wavelengths.tolist() == [400, 500, 600]
     assert made.values.tolist() == [1, 2, 3]
 

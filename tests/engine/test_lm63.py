@@ -659,7 +659,6 @@ PLAIN = made()
         (made((*HEAD_2002, "[OTHER] Grün")), "line 6: characters that are not ASCII"),
         (made((*HEAD_2002, "[OTHER] " + "x" * 250)), "line 6: a line of 258 characters"),
         (made((*HEAD_2002, "[NEARFIELD] 1 2 3")), "near-field photometry"),
-        (made((*HEAD_2002, "[_INTENSITYUNITS] mW/sr")), r"radiometric \(mW/sr\), not candelas"),
     ],
 )
 def test_departures_are_read_alike_and_remarked_on_with_their_line(text, remark):

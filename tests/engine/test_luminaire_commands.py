@@ -288,8 +288,10 @@ def test_all_real_files_are_told_or_refused(capsys):
             assert set(row) == {"file", "error"}
             assert len(row["error"]) > len(row["file"]) + 10
             continue
-        assert row["luminous_flux_lm"] > 0.0, row["file"]
-        zones = sum(row["zonal_flux_lm"].values())
-        assert zones == pytest.approx(row["luminous_flux_lm"], rel=1e-5), row["file"]
+        unit = "lm" if row["quantity"] == "luminous" else "w"
+        total = row[f"{row['quantity']}_flux_{unit}"]
+        assert total > 0.0, row["file"]
+        zones = sum(row[f"zonal_flux_{unit}"].values())
+        assert zones == pytest.approx(total, rel=1e-5), row["file"]
         assert all(0.0 <= code <= 100.0 for code in row["cie_flux_codes"][:4]), row["file"]
         assert 0.0 <= row["peak_direction_deg"][0] < 360.0, row["file"]

@@ -54,7 +54,7 @@ def planes(table):
 
 def test_a_lambertian_face_has_the_numbers_of_the_textbook():
     made = summarise(file_of(rotational(lambda g: 100.0 * np.cos(g))))
-    assert made.luminous_flux == pytest.approx(100.0 * np.pi, rel=1e-4)
+    assert made.total_flux == pytest.approx(100.0 * np.pi, rel=1e-4)
     assert made.upward_flux == 0.0
     assert made.downward_fraction == 1.0
     # Flux in a cone: I0 pi sin^2; the cones are those of pi/2, pi, 3 pi/2 sr.
@@ -77,7 +77,7 @@ def test_powers_of_the_cosine_have_their_beam_and_codes(power):
 
 def test_a_globe_shines_alike_into_equal_solid_angles():
     made = summarise(file_of(rotational(lambda g: np.full_like(g, 10.0), 5.0)))
-    assert made.luminous_flux == pytest.approx(40.0 * np.pi, rel=1e-12)
+    assert made.total_flux == pytest.approx(40.0 * np.pi, rel=1e-12)
     assert made.flux_codes == pytest.approx([0.25, 0.5, 0.75, 0.5, 1.0], rel=1e-12)
     assert made.beam_angles == pytest.approx((360.0, 360.0))
 
@@ -92,7 +92,7 @@ def test_an_uplight_has_no_downward_code():
 
 def test_darkness_has_no_ratios():
     made = summarise(file_of(rotational(lambda g: 0.0 * g)))
-    assert made.luminous_flux == 0.0
+    assert made.total_flux == 0.0
     assert made.downward_fraction is None
     assert made.beam_angles == (None, None)
 
@@ -110,9 +110,9 @@ def test_types_a_and_b_have_the_fluxes_of_the_same_light_in_type_c(photometric_t
     azimuth, polar = np.deg2rad(np.arange(0, 361, 1.0)), np.deg2rad(np.arange(0, 180.1, 0.5))
     same = IntensityDistribution(azimuth, polar, lobe(directions(azimuth[:, None], polar[None, :])))
     wanted = summarise(file_of(same))
-    assert made.luminous_flux == pytest.approx(wanted.luminous_flux, rel=2e-4)
+    assert made.total_flux == pytest.approx(wanted.total_flux, rel=2e-4)
     assert made.flux_codes == pytest.approx(wanted.flux_codes, abs=2e-4)
-    assert made.zonal_flux == pytest.approx(wanted.zonal_flux, abs=3e-4 * made.luminous_flux)
+    assert made.zonal_flux == pytest.approx(wanted.zonal_flux, abs=3e-4 * made.total_flux)
     assert made.beam_angles == pytest.approx(wanted.beam_angles, abs=0.05)
 
 
@@ -196,7 +196,39 @@ def test_a_beam_that_ends_with_the_grid_ends_there():
     assert summarise(file_of(made)).beam_angles == pytest.approx((70.0, 70.0), abs=1e-3)
 
 
+def test_light_alike_below_and_above_the_horizontal_has_a_beam():
+    # As large at the horizontal, which belongs to both sides, as above it.
+    above = IntensityDistribution(
+        np.zeros(1), np.deg2rad([90.0, 135.0, 180.0]), np.full((1, 3), 9.0)
+    )
+    assert summarise(file_of(above)).beam_angles == pytest.approx((180.0, 180.0), abs=1e-3)
+    # A globe with its cap: half the light at 20 degrees by the straight line from 0 to 40.
+    globe = rotational(lambda g: np.interp(g, np.deg2rad([0.0, 40.0]), [0.0, 7.0]))
+    assert summarise(file_of(globe)).beam_angles == pytest.approx((320.0, 320.0), abs=0.02)
+
+
+def test_every_light_has_a_beam_wherever_its_maxima_are():
+    rng = np.random.default_rng(7)
+    azimuth = np.deg2rad([0.0, 90.0, 180.0, 270.0, 360.0])
+    polar = np.deg2rad(np.linspace(0.0, 180.0, 9))
+    for _ in range(300):
+        # Few levels, so that maxima are alike in many places; alike to the last bit, or but for rounding.
+        values = rng.integers(0, 3, (5, 9)) * rng.choice([1.0, 1.0 + 1e-12], (5, 9)) * 30.0
+        values[-1] = values[0]
+        made = summarise(file_of(IntensityDistribution(azimuth, polar, values)))
+        for angle in (*made.beam_angles, *made.field_angles):
+            assert angle is None or 0.0 < angle <= 360.0
+
+
 # ---- ratios ----
+
+
+def test_a_stated_number_next_to_nothing_gives_no_ratio():
+    light = rotational(lambda g: 1000.0 * np.cos(g))
+    made = summarise(file_of(light, is_absolute=False, stated_flux=1e-320, watts=1e-320))
+    assert made.light_output_ratio is None
+    assert made.efficacy is None
+    assert np.isfinite(made.flux_codes).all()
 
 
 def test_ratios_need_what_they_are_ratios_of():

@@ -214,7 +214,59 @@ def test_reading_tells_how_far_it_is_and_can_be_ended(tmp_path, monkeypatch):
         survey_rays(file, cancelled=lambda: True)
 
 
+def test_lumens_that_contradict_the_watts_and_the_spectrum_are_remarked(tmp_path):
+    # 100 W at 555 nm are 68 300 lm.
+    def told(lumens):
+        data = tm25(RAYS, (1, 1, 1, 0, 0, 0, 0, 0), 1, watts=100.0, single=555.0, lumens=lumens)
+        made = survey_rays(read_rayset(write(tmp_path, data)))
+        assert made.luminous_flux == pytest.approx(lumens)
+        return " ".join(map(str, made.remarks))
+
+    assert told(68_300.0) == ""
+    assert "states 6.83e+05 lm, but its 100 W are 6.83e+04 lm by its own spectrum" in told(
+        683_000.0
+    )
+    assert "6830 lm" in told(6830.0)
+
+
 # ---- what is wrong ----
+
+
+def test_a_text_without_its_end_is_refused_rather_than_made_brighter(tmp_path):
+    whole = lighttools_text(RAYS)
+    lines = whole.splitlines(keepends=True)
+    for cut in (b"".join(lines[:-1]), b"".join(lines[:-51])):
+        with pytest.raises(
+            FileFormatError, match=r"is cut short after .* rays: no line lt_endofdata"
+        ):
+            read_rayset(write(tmp_path, cut))
+    with pytest.raises(FileFormatError, match="has 5 numbers, expected 7"):
+        read_rayset(write(tmp_path, b"".join(lines[:-2]) + b" ".join(lines[-2].split()[:5])))
+
+
+@pytest.mark.parametrize("word", ["nan", "-nan(ind)", "1.#QNAN", "Infinity"])
+@pytest.mark.parametrize("place", [0, 100, COUNT - 1])
+def test_rays_of_texts_that_are_no_numbers_are_counted_wherever_they_are(tmp_path, word, place):
+    for text in (tracepro_text(RAYS), lighttools_text(RAYS)):
+        lines = text.decode().splitlines()
+        first = next(i for i, line in enumerate(lines) if line.endswith(" 0.5"))
+        lines[first + place] = " ".join([*lines[first + place].split()[:6], word])
+        file = read_rayset(write(tmp_path, "\n".join(lines).encode()))
+        assert file.count == COUNT
+        made = survey_rays(file)
+        assert made.rays == COUNT - 1
+        assert (
+            f"1 of {COUNT} rays, first number {place + 1}, have numbers that are none"
+            in " ".join(map(str, made.remarks))
+        )
+
+
+def test_a_damaged_last_ray_is_no_text_behind_the_rays(tmp_path):
+    whole = tracepro_text(RAYS).decode()
+    for damaged in (whole.rstrip()[:-3] + "o.5\n", whole + "1 2 x\n"):
+        with pytest.raises(FileFormatError, match="expected a number"):
+            read_rayset(write(tmp_path, damaged.encode()))
+    assert read_rayset(write(tmp_path, (whole + "End of 200 rays\n").encode())).count == COUNT
 
 
 def test_bad_rays_are_left_out_and_counted(tmp_path):

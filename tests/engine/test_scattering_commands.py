@@ -1,18 +1,23 @@
 """The commands ``lumenray brdf``: what they print, draw and write, and how they refuse."""
 
 import json
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from lumenray.blender_addon.command_line import main
 from lumenray.engine.scattering import store
 from lumenray.engine.scattering.evaluation import evaluate, measure_reciprocity, total
+from lumenray.engine.scattering.patches import pairs_of
 from lumenray.engine.scattering.readers.reader import read_scattering
 from lumenray.engine.scattering.record import ScatteringFile
 from lumenray.engine.scattering.resampling import resample
 from PIL import Image
+from scattering_files import mdl, zemax
 from scattering_models import directions, ggx, lambert, schlick
+from window_files import KLEMS_FULL, block, window_xml
 
 
 def run(capsys, *arguments):
@@ -102,6 +107,103 @@ def test_check_says_what_is_bad(capsys, paint, tmp_path):
     bad = [check for check in row["checks"] if not check["good"]]
     assert [check["what"] for check in bad] == ["energy"]
     assert "luminance factors" in bad[0]["text"]
+
+
+def side_of(direction, values):
+    """One side of a WINDOW XML."""
+    return block(direction, values, (KLEMS_FULL, KLEMS_FULL))
+
+
+def test_scattered_light_beside_a_peak_is_checked_on_its_own(capsys, tmp_path):
+    """A fabric: straight light of 5 % that hides a scattered part of 0.018 and 0.006 1/sr for the two ways."""
+    sides = {"Transmission Front": 0.018, "Transmission Back": 0.006}
+    blocks = [
+        side_of(side, np.full((145, 145), low) + 2.0 * np.eye(145)) for side, low in sides.items()
+    ]
+    path = tmp_path / "fabric.xml"
+    path.write_bytes(window_xml("Columns", *blocks))
+    file = read_scattering(path)
+    found = measure_reciprocity(file.sides["front_transmission"], file.sides["back_transmission"])
+    assert found.residual < 0.1
+    # The difference over the mean of both.
+    assert found.scattered == pytest.approx(0.012 / 0.012, rel=1e-3)
+    code, out, _ = run(capsys, "check", path)
+    assert code == 1
+    assert "BAD   reciprocity     transmission of both sides" in out
+    # Next to no light beside a peak is no matter.
+    alone = [side_of(side, 1e-5 * low + 2.0 * np.eye(145)) for side, low in sides.items()]
+    path.write_bytes(window_xml("Columns", *alone))
+    assert "BAD   reciprocity" not in run(capsys, "check", path)[1]
+
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "findings" / "2011-SA1.xml"
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="needs ../shared/data/findings")
+def test_reciprocity_of_a_real_fabric_is_bad_where_radiance_finds_it_so(capsys):
+    pyradiance = pytest.importorskip("pyradiance")
+    program = Path(pyradiance.__file__).parent / "bin" / "checkBSDF"
+    told = subprocess.run([program, REAL], capture_output=True, text=True, check=True).stdout
+    rows = [line.split("\t") for line in told.split("Reciprocity Error")[1].splitlines()[1:]]
+    theirs = {row[0]: float(row[2]) for row in rows}
+    _, out, _ = run(capsys, "check", "--json", REAL)
+    checks = {
+        row["text"].split(":")[0]: row["good"]
+        for row in json.loads(out)[0]["checks"]
+        if row["what"] == "reciprocity"
+    }
+    assert theirs["Transmission"] > 25.0
+    assert not checks["transmission of both sides"]
+    # Radiance's front is indoors; the largest differences of both sides are its own.
+    ours = {"Interior Refl": "back_reflection", "Exterior Refl": "front_reflection"}
+    largest = {row[0]: float(row[3]) for row in rows}
+    for name, side in ours.items():
+        there, again, _ = pairs_of(read_scattering(REAL).sides[side])
+        apart = np.abs(there - again) / np.maximum(there, again)
+        assert 100.0 * apart.max() == pytest.approx(largest[name], abs=0.06)
+
+
+def test_totals_are_compared_before_values_are_brought_to_them(capsys, tmp_path):
+    path = tmp_path / "a.bsdf"
+    # The values reflect 0.6; the file states that, or a third more.
+    for stated, worst in ((0.6, 0.0), (0.8, 0.2)):
+        path.write_bytes(zemax(lambert(0.6), totals=(stated,) * 3))
+        code, out, _ = run(capsys, "check", "--json", path)
+        row = next(c for c in json.loads(out)[0]["checks"] if c["what"] == "stated totals")
+        assert row["good"] == (worst == 0.0)
+        assert code == int(worst > 0.0)
+        told = float(row["text"].split("at most ")[1].split()[0])
+        assert told == pytest.approx(worst, abs=0.005)
+
+
+def noisy_paint(path):
+    """A paint with noise from cell to cell, which no coarse grid can follow."""
+    rng = np.random.default_rng(3)
+    path.write_bytes(mdl(lambda wi, wo: rng.random(len(wi)) ** 4, polars=24, azimuths=36))
+    return path
+
+
+def test_a_tolerance_that_is_asked_for_is_met_or_refused_with_the_figure(
+    capsys, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("lumenray.engine.scattering.readers.slices.MOST_VALUES", 1 << 14)
+    path = noisy_paint(tmp_path / "paint.mbsdf")
+    code, out, _ = run(capsys, "info", "--tolerance", "0.01", path)
+    assert code == 1
+    assert "cannot be resampled with an error of 0.01" in out
+    figure = float(out.split(": ")[-1].split()[0].rstrip(","))
+    assert figure > 0.05
+    code, _, err = run(capsys, "convert", "--tolerance", "0.01", path, tmp_path / "x.lumbsdf")
+    assert code == 1
+    assert "was reached" in err
+    assert not (tmp_path / "x.lumbsdf").exists()
+    # Who asks for nothing is told.
+    code, out, _ = run(capsys, "info", path)
+    assert code == 0
+    assert "more than the 2 % that are allowed" in out
+    smooth = tmp_path / "smooth.mbsdf"
+    smooth.write_bytes(mdl())
+    assert run(capsys, "info", "--tolerance", "0.05", smooth)[0] == 0
 
 
 @pytest.mark.parametrize("more", [(), ("--totals",), ("--dark", "--incidences", "10,70")])

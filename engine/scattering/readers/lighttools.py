@@ -74,7 +74,7 @@ def read_lighttools(data: bytes, path, tolerance: float = 0.02) -> ScatteringFil
     kept = [each for each in blocks if each.tristimulus in {"", "trisy", "y"}]
     if not kept:
         words.fail("has no values, or X and Z without Y")
-    remarks, sides, stated, incidences = [], {}, {}, np.zeros(0)
+    remarks, sides, stated, scaled, incidences = [], {}, {}, {}, np.zeros(0)
     for side in dict.fromkeys(each.side for each in kept):
         some = [each for each in kept if each.side == side]
         negative = sum(int((each.values < 0.0).sum()) for each in some)
@@ -87,8 +87,8 @@ def read_lighttools(data: bytes, path, tolerance: float = 0.02) -> ScatteringFil
                     f"of {light} degrees more than the plane of incidence, and is read so"
                 )
             )
-        fan, factors = fan.brought_to(totals)
-        remarks += tell_scaling(side, factors) + tell_missing(side, fan.steepest)
+        fan, scaled[side] = fan.brought_to(totals)
+        remarks += tell_scaling(side, scaled[side]) + tell_missing(side, fan.steepest)
         sides[side] = fan.to_table(tolerance=tolerance)
         remarks += tell_excess(side, shares_of(sides[side]))
         if not stated:
@@ -109,6 +109,7 @@ def read_lighttools(data: bytes, path, tolerance: float = 0.02) -> ScatteringFil
         source=head.get("source", ""),
         incidences=incidences,
         stated=stated,
+        factors=scaled,
         remarks=tuple(remarks),
     )
 

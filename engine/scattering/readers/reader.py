@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import FileFormatError, SceneError
 from ...luminaires.record import Remark
-from ...luminaires.text import read_bytes
+from ...reading.content import read_bytes
 from ...scene.scattering import ScatterTable
 from ..normal_incidence import add_normal_incidence
 from ..record import ScatteringFile
@@ -37,9 +37,11 @@ class Wish:
     Parameters
     ----------
     tolerance : float    Error that is allowed where data have to be resampled, see `ScatterTable.error`. [-]
+    is_strict : bool    Whether a file is refused that cannot be resampled so well; else that is a remark.
     """
 
     tolerance: float = 0.02
+    is_strict: bool = False
 
 
 def read_scattering(path, wish: Wish | None = None) -> ScatteringFile:
@@ -71,15 +73,42 @@ def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringF
     """
     if not data:
         raise FileFormatError(path, "is empty")
-    tolerance = (wish or Wish()).tolerance
+    wish = wish or Wish()
     for is_one, read, is_resampled in _FORMATS:
         if is_one(data):
             try:
-                made = read(data, path, tolerance) if is_resampled else read(data, path)
-                return made if read is read_store else _complete(made)
+                made = read(data, path, wish.tolerance) if is_resampled else read(data, path)
+                return made if read is read_store else _complete(_judge_errors(made, wish))
             except SceneError as error:
                 raise FileFormatError(path, str(error)) from None
     raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
+
+
+def _judge_errors(file: ScatteringFile, wish: Wish) -> ScatteringFile:
+    """Refuse a file whose tables miss the tolerance, or remark on it."""
+    errors = {
+        side: scatter.error
+        for side, scatter in file.sides.items()
+        if isinstance(scatter, ScatterTable) and scatter.error > wish.tolerance
+    }
+    if not errors:
+        return file
+    side = max(errors, key=errors.get)
+    worst, values = errors[side], file.sides[side].values.size
+    if wish.is_strict:
+        raise FileFormatError(
+            file.path,
+            f"cannot be resampled with an error of {wish.tolerance:.2g}: {worst:.2g} was reached with {values} values "
+            f"of {side.replace('_', ' ')}; the data may be noisier than that, so allow {worst:.2g} or more",
+        )
+    told = tuple(
+        Remark(
+            f"{side.replace('_', ' ')} was resampled with an error of {100 * error:.2g} %, more than the "
+            f"{100 * wish.tolerance:.2g} % that are allowed; the data may be noisier than that"
+        )
+        for side, error in errors.items()
+    )
+    return replace(file, remarks=(*file.remarks, *told))
 
 
 def _complete(file: ScatteringFile) -> ScatteringFile:

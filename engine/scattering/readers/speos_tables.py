@@ -362,7 +362,7 @@ def read_brdf(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
     _check_tables(words, count * bands)
     incidences = words.angles(count, "angles of incidence", 90.0)
     wavelengths = words.rising(bands, "wavelengths", 100.0, 1e5)
-    sides, stated, remarks = {}, {}, []
+    sides, stated, scaled, remarks = {}, {}, {}, []
     if count > 1 and bands > 1:
         remarks.append(
             Remark("tables are taken to go through all wavelengths of each angle in turn")
@@ -382,10 +382,10 @@ def read_brdf(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
         fan = SliceFan(
             np.zeros(1), (incidences,), (tuple(_join(some) for some in slices),), wavelengths
         )
-        fan, factors = fan.brought_to(totals)
+        fan, scaled[side] = fan.brought_to(totals)
         sides[side] = fan.to_table(tolerance=tolerance)
         stated[side] = totals[0].mean(axis=-1)
-        remarks += more + tell_scaling(side, factors) + tell_missing(side, fan.steepest)
+        remarks += more + tell_scaling(side, scaled[side]) + tell_missing(side, fan.steepest)
         remarks += tell_excess(side, shares_of(sides[side]))
     words.end()
     return ScatteringFile(
@@ -396,6 +396,7 @@ def read_brdf(data: bytes, path, at: int, tolerance: float) -> ScatteringFile:
         description=description,
         incidences=incidences,
         stated=stated,
+        factors=scaled,
         remarks=tuple(remarks),
     )
 

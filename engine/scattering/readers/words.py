@@ -3,7 +3,8 @@
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.text import MAXIMUM_SIZE, decode, parse_number, parse_whole
+from ...luminaires.text import decode, parse_number, parse_whole
+from ...reading.content import MAXIMUM_SIZE
 
 SHOWN = 40
 """Characters of a word that messages quote."""

@@ -85,7 +85,7 @@ def read_zemax(data: bytes, path) -> ScatteringFile:
     remarks = tell_negative(side, int((values < 0.0).sum()), values.size)
     values, totals = np.maximum(values[turns][:, order], 0.0), totals[turns][:, order]
     table = _table(words, head, rotations, incidences, values)
-    table, shares, more = _scale(_choose_tail(table, totals), totals, side)
+    table, shares, factors, more = _scale(_choose_tail(table, totals), totals, side)
     remarks += more + _tell(head, totals) + tell_excess(side, shares)
     return ScatteringFile(
         path,
@@ -95,6 +95,7 @@ def read_zemax(data: bytes, path) -> ScatteringFile:
         source=head.get("source", ""),
         incidences=incidences,
         stated={side: totals[0]},
+        factors={side: factors},
         remarks=tuple(remarks),
     )
 
@@ -256,7 +257,7 @@ def _choose_tail(table: ScatterTable, totals: np.ndarray) -> ScatterTable:
 
 
 def _scale(table: ScatterTable, totals: np.ndarray, side: str):
-    """Bring the table to the stated totals (p, s). Returns it, its totals by incidence, and remarks."""
+    """Bring the table to the stated totals (p, s). Returns it, its totals by incidence, the factors, and remarks."""
     values = table.values.astype(np.float64)
     factors, shares, remarks = [], [], []
     for p, rotation in enumerate(table.rotations):
@@ -271,7 +272,7 @@ def _scale(table: ScatterTable, totals: np.ndarray, side: str):
                 what = "values, but a TIS of 0" if have > 0.0 else "a TIS above 0, but no light"
                 remarks.append(Remark(f"has {what} at {np.degrees(incidence):g} degrees"))
     remarks = tell_scaling(side, factors) + remarks[:1]
-    return replace(table, values=values.astype(np.float32)), shares, remarks
+    return replace(table, values=values.astype(np.float32)), shares, factors, remarks
 
 
 def _tell(head: dict, totals: np.ndarray) -> list[Remark]:

@@ -1,0 +1,166 @@
+"""Files from outside: devices, pipes and files without end are refused in a sentence, and text cannot command a terminal."""
+
+import contextlib
+import os
+import signal
+import threading
+from pathlib import Path
+
+import pytest
+from lumenray.blender_addon import command_line
+from lumenray.engine.errors import FileFormatError
+from lumenray.engine.formats.checkpoint import read_checkpoint
+from lumenray.engine.formats.data_sheet import read_data_sheet
+from lumenray.engine.formats.sensors import read_sensors
+from lumenray.engine.formats.spd import read_spectrum
+from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.raysets.reader import read_rayset
+from lumenray.engine.reading.content import holds, read_bytes
+from lumenray.engine.reading.lines import read_lines
+from lumenray.engine.reading.printable import REPLACEMENT, printable
+from lumenray.engine.scattering.readers.reader import read_scattering
+
+READERS = (
+    read_luminaire,
+    read_rayset,
+    read_scattering,
+    read_spectrum,
+    read_data_sheet,
+    read_sensors,
+    read_checkpoint,
+)
+
+on_posix = pytest.mark.skipif(os.name != "posix", reason="devices and pipes are those of POSIX")
+
+
+@contextlib.contextmanager
+def within(seconds: float):
+    """Raise TimeoutError in whatever waits or goes on for longer."""
+
+    def stop(*_):
+        raise TimeoutError(f"not done after {seconds} s")
+
+    kept = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, kept)
+
+
+@on_posix
+@pytest.mark.parametrize("read", READERS, ids=lambda read: read.__name__)
+@pytest.mark.parametrize(("path", "kind"), [("/dev/zero", "a device"), ("pipe", "a pipe")])
+def test_a_device_or_a_pipe_is_refused_at_once_by_every_reader(tmp_path, read, path, kind):
+    if path == "pipe":
+        path = str(tmp_path / "pipe.ies")
+        os.mkfifo(path)
+    with within(5.0), pytest.raises(FileFormatError, match=f"is {kind}, expected a file"):
+        read(path)
+
+
+@on_posix
+@pytest.mark.parametrize("command", [["luminaire", "info"], ["rayset", "info"], ["brdf", "info"]])
+def test_commands_refuse_a_device_in_one_line(command, capsys):
+    with within(5.0):
+        code = command_line.main([*command, "/dev/zero"])
+    assert code == 1
+    assert "is a device, expected a file" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("path", ["a\0b.ies", ""])
+def test_what_is_no_path_is_refused(path):
+    with pytest.raises(FileFormatError, match="cannot be opened"):
+        read_bytes(path)
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="there is no /proc")
+def test_a_file_that_holds_more_than_its_size_says_is_not_read_beyond_the_limit():
+    # The size of what lies in /proc is 0.
+    with pytest.raises(FileFormatError, match="has no end within 0 MiB"):
+        read_bytes("/proc/self/maps", 100)
+    assert not holds("/proc/self/maps", b"a")
+
+
+def test_lines_end_where_the_file_ended_when_it_was_opened(tmp_path):
+    path = tmp_path / "growing.txt"
+    path.write_bytes(b"1\n2\n3")
+    found = []
+    for _, line in read_lines(path, 10):
+        found.append(line.strip())
+        with path.open("ab") as file:
+            file.write(b"4\n" * 10_000)
+    assert found == ["1", "2", "3"]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_have_the_ends_of_all_systems_and_a_longest_length(tmp_path, end):
+    path = tmp_path / "lines.txt"
+    path.write_bytes(end.join(["one", "two", "x" * 20]).encode())
+    lines = read_lines(path, 10)
+    assert [next(lines)[1].strip() for _ in range(2)] == ["one", "two"]
+    with pytest.raises(FileFormatError, match="line 3: has more than 10 characters"):
+        next(lines)
+
+
+def test_content_is_compared_without_reading_more_than_its_length(tmp_path):
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"abc")
+    assert holds(path, b"abc")
+    assert not holds(path, b"ab")
+    assert not holds(path, b"abcd")
+    assert not holds(tmp_path / "none", b"")
+
+
+# ---- text that is shown ----
+
+ESCAPES = "a\x1b[2J\x1b]0;title\x07b\x9b31m\u202ec\r"
+
+
+def test_control_characters_are_not_shown_and_all_else_is():
+    shown = printable(ESCAPES)
+    assert not set(shown) & set("\x1b\x07\x9b\u202e\r")
+    assert shown.startswith(f"a{REPLACEMENT}[2J")
+    kept = "Straße 3 000 K, ø 12′ ρ = 0.5\n\tµW/sr 灯"
+    assert printable(kept) == kept
+
+
+IES = """IESNA:LM-63-2002
+[TEST] \x1b[2J\x1b]0;pwn\x07
+[TESTLAB] a
+[ISSUEDATE] a
+[MANUFAC] \x1b[31mred
+TILT=NONE
+1 -1 1 3 1 1 2 0 0 0
+1 1 10
+0 45 90
+0
+100 80 {}
+"""
+
+
+@pytest.mark.parametrize("last", ["0", "\x1b[2Jx"])
+def test_escapes_in_a_file_reach_no_terminal_by_the_command_line(tmp_path, capsys, last):
+    path = tmp_path / "esc.ies"
+    path.write_text(IES.format(last), encoding="latin-1")
+    command_line.main(["luminaire", "info", str(path)])
+    # What is refused is told on standard error by this one.
+    command_line.main(["luminaire", "plot", str(path), "-o", str(tmp_path / "x.png")])
+    captured = capsys.readouterr()
+    assert "[2J" in captured.out + captured.err
+    assert "\x1b" not in captured.out + captured.err
+    assert "\x07" not in captured.out + captured.err
+
+
+@on_posix
+def test_a_pipe_is_refused_though_somebody_writes_to_it(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    kept = os.open(path, os.O_RDWR)
+    writer = threading.Thread(target=os.write, args=(kept, b"x" * 100))
+    writer.start()
+    with within(5.0), pytest.raises(FileFormatError, match="is a pipe"):
+        read_bytes(path)
+    writer.join()
+    os.close(kept)
