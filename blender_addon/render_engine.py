@@ -1,5 +1,6 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
+import sys
 import weakref
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from ..engine.analysis.noise_filter import smooth
 from ..engine.errors import Cancelled, LumenrayError
 from ..engine.photometry.colour import automatic_white, scene_linear
 from ..engine.session import ViewSettings
-from . import engine_process, view_drawing
+from . import assumptions, engine_process, view_drawing
 from .feed import SceneFeed
 from .properties import white_luminance
 from .report import ConversionReport
@@ -142,6 +143,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         report.include(feed.report)
         camera = feed.sync.camera(depsgraph, report)
         _show(report)
+        if bpy.app.background:
+            assumptions.tell(report, stream=sys.stdout)
         if camera is None:
             self.error_set("The scene has no camera: add one and make it active")
             return
@@ -172,6 +175,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
         self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
         self._write_beside(scene, picture, report)
+        if bpy.app.background:
+            assumptions.tell(ConversionReport(), picture.provenance.notes, stream=sys.stdout)
         left_over = f"error {100.0 * picture.relative_error:.2f} %"
         self.update_stats("", f"{picture.provenance.samples} samples, {left_over}")
 

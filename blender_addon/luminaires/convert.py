@@ -54,7 +54,7 @@ def convert_luminaire(
         pose = pose_of(matrix, scale)
         amount = find_amount(settings, reading, pose.frame)
     except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
+        report.fault(name, error, LEFT_OUT)
         return None
     _remark(settings, reading, name, report)
     if amount.luminous_flux <= 0.0:

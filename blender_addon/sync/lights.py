@@ -53,39 +53,34 @@ def convert_light(
     -------
     Light or None    None when it emits nothing.
     """
-    data = source.data
-    if is_rayset(source):
-        return convert_rays(
-            source,
-            rays_of(source),
-            light_id,
-            name,
-            matrix,
-            scale,
-            report,
-            lambda: _own_spectrum(source, name, report, images),
-            is_patient,
-        )
-    if is_luminaire(source):
-        return convert_luminaire(
-            source,
-            settings_of(source),
-            light_id,
-            name,
-            matrix,
-            scale,
-            report,
-            lambda: _own_spectrum(source, name, report, images),
-        )
+    place = (light_id, name, matrix, scale)
     try:
-        shaped = find_ies_emission(data, name, report, images)
+        if is_rayset(source) or is_luminaire(source):
+            return _convert_from_file(source, place, report, images, is_patient)
+        shaped = find_ies_emission(source.data, name, report, images)
+        if shaped is not None:
+            return convert_ies_light(source, shaped, _colour(source.data), *place, efficacy, report)
+        return _convert_own(source, *place, efficacy, report, images)
     except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
+        report.fault(name, error, LEFT_OUT)
         return None
-    if shaped is not None:
-        return convert_ies_light(
-            source, shaped, _colour(data), light_id, name, matrix, scale, efficacy, report
-        )
+
+
+def _convert_from_file(source, place, report, images, is_patient):
+    """Convert a light that shines as a ray file or a photometric file says."""
+    name = place[1]
+
+    def own_spectrum():
+        return _own_spectrum(source, name, report, images)
+
+    if is_rayset(source):
+        return convert_rays(source, rays_of(source), *place, report, own_spectrum, is_patient)
+    return convert_luminaire(source, settings_of(source), *place, report, own_spectrum)
+
+
+def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images):
+    """Convert a light that shines as its kind does."""
+    data = source.data
     matrix = np.array(matrix, dtype=np.float64)
     position = matrix[:3, 3] * scale
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)

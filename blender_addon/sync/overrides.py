@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...engine.errors import LumenrayError
 from ...engine.formats.data_sheet import read_data_sheet
 from ...engine.scene.material import (
     Black,
@@ -41,7 +42,11 @@ def convert_override(
     is_patient : bool    Whether to wait for a scattering file that is being read.
     """
     if settings.model == "EMITTER":
-        spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
+        try:
+            spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
+        except LumenrayError as error:
+            report.fault(datablock, error, "the material does not glow")
+            return Black(), None
         emission = Emission(spectrum, settings.luminance, None, settings.two_sided)
         return Black(), emission if settings.luminance > 0 else None
     if settings.model == MEASURED:
@@ -60,7 +65,7 @@ def _reflectance(settings, report, datablock) -> Spectrum:
             return table
         if table is not None:
             problem = f"{table.name} holds reflectances outside 0..1, perhaps per cent"
-            report.error(datablock, problem, remedy)
+            report.miss(datablock, problem, remedy)
     return Constant(settings.reflectance)
 
 
@@ -126,7 +131,7 @@ def _refractive_index(settings, report, datablock) -> RefractiveIndex:
         if table is not None and table.values.min() >= 1:
             return IorTable(table.wavelengths, table.values)
         if table is not None:
-            report.error(datablock, f"{table.name} holds refractive indices below 1", remedy)
+            report.miss(datablock, f"{table.name} holds refractive indices below 1", remedy)
     return Cauchy(settings.ior, 0.0)
 
 

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ...engine.errors import LumenrayError
+from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.formats.spd import read_spectrum
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum
 from ..report import ConversionReport
@@ -29,13 +29,17 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     Parameters
     ----------
     settings : SpectrumSettings    A light's or a material's property group.
-    rgb : (3,) sequence    Linear colour for ``RGB``, and for a file that cannot be read.
+    rgb : (3,) sequence    Linear colour for ``RGB``.
     report : ConversionReport    Where departures go.
     datablock : str    Name of the light or material, for the report.
 
     Returns
     -------
     Spectrum    Relative; the amount of light is stated elsewhere.
+
+    Raises
+    ------
+    LumenrayError    Its file cannot be read or holds no light: any other spectrum would be a guess.
     """
     if settings.spectrum == "ILLUMINANT":
         return Illuminant(settings.illuminant)
@@ -44,13 +48,10 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     if settings.spectrum == "DAYLIGHT":
         return _daylight(settings.colour_temperature, report, datablock)
     if settings.spectrum == "FILE":
-        table = read_file(settings, "spectrum_file", report, datablock, "the plain colour is used")
-        if table is not None and table.values.max() > 0:
-            return table
-        if table is not None:
-            report.error(
-                datablock, f"{table.name} has no positive value", "the plain colour is used"
-            )
+        table = _open_file(settings, "spectrum_file", read_spectrum, "spectrum file")
+        if not table.values.max() > 0.0:
+            raise FileFormatError(table.name, "the spectrum has no value above 0")
+        return table
     return light_spectrum(rgb)
 
 
@@ -78,15 +79,21 @@ def read_file(settings, name, report, datablock, remedy, read=read_spectrum, kin
     read : callable    From the path to what is in the file.
     kind : str    What kind of file it is, for the report.
     """
+    try:
+        return _open_file(settings, name, read, kind)
+    except LumenrayError as error:
+        report.miss(datablock, str(error), remedy)
+        return None
+
+
+def _open_file(settings, name, read, kind):
     path = getattr(settings, name)
     if not path:
-        report.error(datablock, f"No {kind} is chosen", remedy)
-        return None
+        raise LumenrayError(f"No {kind} is chosen")
     path = bpy.path.abspath(path, library=settings.id_data.library)
     try:
         return read(path)
     except (LumenrayError, OSError, ValueError) as error:
-        report.error(
-            datablock, f"{path}: {error}" if path not in str(error) else str(error), remedy
-        )
-        return None
+        if path in str(error):
+            raise LumenrayError(str(error)) from None
+        raise FileFormatError(path, str(error)) from None

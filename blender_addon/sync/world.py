@@ -185,9 +185,10 @@ def _environment(socket, groups, name, report, images):
         node.image, True, lambda message, remedy: report.warn(name, message, remedy, node.name)
     )
     if reading is None:
-        report.error(
+        file = f" ({node.image.filepath})" if node.image and node.image.filepath else ""
+        report.miss(
             name,
-            "the environment texture has no picture",
+            f"the environment texture has no picture that can be read{file}",
             "the world is uniform grey 0.5",
             node.name,
         )

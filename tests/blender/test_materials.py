@@ -9,6 +9,7 @@ import pytest
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.materials import convert_material, default_material
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum
+from lumenray.engine.errors import LumenrayError
 from lumenray.engine.scene.material import (
     Black,
     Cauchy,
@@ -24,7 +25,7 @@ from lumenray.engine.scene.material import (
     ThinGlass,
     Transparent,
 )
-from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Illuminant, Rgb, Tabulated
+from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Illuminant, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
 
 pytestmark = pytest.mark.blender
@@ -578,13 +579,17 @@ def test_daylight_outside_its_range_is_held_and_reported(override):
     assert "3000 K" in row["message"]
 
 
-def test_missing_spectrum_file_falls_back_to_the_colour(override):
-    _, settings = override
+def test_a_spectrum_file_that_is_not_there_is_never_replaced_by_the_colour(override):
+    material, settings = override
     settings.spectrum, settings.spectrum_file = "FILE", "/nowhere/lamp.spdx"
     report = ConversionReport()
-    spectrum = convert_spectrum(settings, (1.0, 0.5, 0.5), report, "Lamp")
-    assert isinstance(spectrum, Rgb)
-    assert "/nowhere/lamp.spdx" in report.to_dicts()[0]["message"]
+    with pytest.raises(LumenrayError, match=r"/nowhere/lamp\.spdx"):
+        convert_spectrum(settings, (1.0, 0.5, 0.5), report, "Lamp")
+    settings.model, settings.luminance = "EMITTER", 100.0
+    assert convert_material(material, "m", report, 177.83).emission is None
+    (row,) = report.to_dicts()
+    assert row["missing"]
+    assert "/nowhere/lamp.spdx" in row["message"]
 
 
 def test_picture_of_a_wall_keeps_its_pixels(tree, convert):
