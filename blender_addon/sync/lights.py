@@ -15,6 +15,7 @@ from .fields import luminance
 from .light_nodes import evaluate_emission, find_emission, is_emission
 from .nodes import Context
 from .spectra import convert_spectrum, light_spectrum
+from .visibility import is_dark, tell_linking
 
 PHYSICAL_QUANTITIES = {
     "POINT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
@@ -54,6 +55,11 @@ def convert_light(
     Light or None    None when it emits nothing.
     """
     place = (light_id, name, matrix, scale)
+    if is_dark(source, name, report):
+        return None
+    tell_linking(source, name, report)
+    if source.type == "LIGHT" and not source.data.use_shadow:
+        report.error(name, "the light casts no shadows in Blender", "it casts them")
     try:
         if is_rayset(source) or is_luminaire(source):
             return _convert_from_file(source, place, report, images, is_patient)

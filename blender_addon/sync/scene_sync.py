@@ -28,6 +28,7 @@ from .portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .step import SyncStats, SyncStep
 from .tags import Tags
 from .units import metres_per_unit
+from .visibility import is_dark_world, tell_departures, tell_linking, tell_visibility, visibility_of
 from .world import convert_world, follows_sun_lamp
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
@@ -252,6 +253,10 @@ class _Walk:
             reports.append(sync._world.report)
         for part in reports:
             whole.include(part)
+        if self.scene.render.use_motion_blur:
+            whole.warn(
+                self.scene.name, "motion blur is not computed", "the frame's own moment counts"
+            )
         if not is_lit and not sync._world.digest:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
@@ -378,16 +383,27 @@ class _Walk:
         if geometry is None:
             self._place(shown, None)
             return
-        use = self.sync._materials.use
-        materials = tuple(use(slot.material) for slot in source.material_slots) or (use(None),)
+        table = self.sync._materials
+        materials = tuple(table.use(slot.material) for slot in source.material_slots)
+        materials = materials or (table.use(None),)
+        parent = instance.parent if instance.is_instance and not shown.is_own else None
+        layer = self.depsgraph.view_layer
+        found = visibility_of(source, parent, layer)
+        report = ConversionReport()
+        tell_visibility(found, shown.name, report)
+        tell_departures(source, shown.name, report, layer)
+        if found.light and table.is_luminous(materials):
+            tell_linking(source, shown.name, report)
+        shown.report = report if report.rows else None
         placement = Placement(
             id=shown.key,
             name=shown.name,
             geometry=geometry,
             frame=self._frame(instance),
             materials=materials,
-            visible_to_camera=source.visible_camera,
+            visible_to_camera=found.camera,
             index=source.pass_index,
+            meets_light=found.light,
         )
         self._place(shown, placement)
 
@@ -438,6 +454,7 @@ class _Walk:
                 before.geometry == placement.geometry
                 and before.materials == placement.materials
                 and before.visible_to_camera == placement.visible_to_camera
+                and before.meets_light == placement.meets_light
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
@@ -527,7 +544,9 @@ class _Walk:
             return
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
-        made = convert_world(evaluated, key, sync._efficacy, report, sync._images, sun_lamp)
+        made = None
+        if evaluated is None or not is_dark_world(evaluated, report):
+            made = convert_world(evaluated, key, sync._efficacy, report, sync._images, sun_lamp)
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
         sync._world = _World(source, key, sun, digest, trees, report)

@@ -298,7 +298,7 @@ class PictureJob:
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):
         """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
-        si = self.scene.solid.ray_intersect(ray)
+        si = _first_solid(self.scene, ray)
         valid = si.is_valid()
         faces = dr.dot(si.n, ray.d) < 0.0
         side = dr.select(faces, 1.0, -1.0)
@@ -358,6 +358,15 @@ def _albedo(scene, si, valid) -> np.ndarray:
     )
 
 
+def _first_solid(scene, ray):
+    """First surface that a camera's ray meets behind panes and bodies of lights."""
+    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+    if scene.shown is not None:
+        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+        hit = dr.select(other.t < hit.t, other, hit)
+    return scene.surface(hit, ray, mi.Bool(True))
+
+
 def _first_layers(scene: CompiledScene, film: Film) -> dict:
     """Depth, normal and indices at the centres of the pixels."""
     camera = film.camera
@@ -368,7 +377,7 @@ def _first_layers(scene: CompiledScene, film: Film) -> dict:
         mi.Float(pixel // camera.width) + 0.5,
         mi.Point2f(0.5, 0.5),
     )
-    si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True)
+    si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True, looks=mi.Bool(True))
     valid = si.is_valid()
     if camera.projection is Projection.EQUIRECTANGULAR:
         depth = dr.norm(si.p - film.position)
@@ -382,7 +391,7 @@ def _first_layers(scene: CompiledScene, film: Film) -> dict:
         ),
     }
     # Behind panes the picture shows what stands there, so that guides the filters.
-    beyond = scene.solid.ray_intersect(ray)
+    beyond = _first_solid(scene, ray)
     layers["albedo"] = _albedo(scene, beyond, beyond.is_valid()).reshape(*shape, 3)
     ids = dr.reinterpret_array(mi.UInt32, si.shape)
     for name in ("object", "material"):
