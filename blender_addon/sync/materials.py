@@ -21,6 +21,9 @@ _logger = logging.getLogger(__name__)
 DEFAULT_REFLECTANCE = 0.8
 """Diffuse reflectance that Blender gives to a mesh without a material. [-]"""
 
+LARGEST_RADIANCE = 1e20
+"""Radiance from which on an emission is a slip: no sum of light could be told beside it. [W/(m2 sr)]"""
+
 
 def default_material(material_id: str) -> Material:
     """Return what a mesh without a material gets."""
@@ -66,7 +69,7 @@ def convert_material(
             f"diffuse grey {DEFAULT_REFLECTANCE} is used",
         )
         closure = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE)))
-    emission = _emission(closure, efficacy)
+    emission = _emission(closure, efficacy, material.name, report)
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index
     )
@@ -109,16 +112,29 @@ def _uses_nodes(material):
     return bpy.app.version >= (5, 0, 0) or material.use_nodes
 
 
-def _emission(closure: Closure, efficacy: float) -> Emission | None:
+def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:
     """Turn Blender's radiance into luminance."""
     if closure.radiance is None:
         return None
-    values = np.maximum(closure.radiance.values, 0)
-    largest = float(values.max())
+    radiance = closure.radiance.settled()
+    low, largest = radiance.limits()
+    if low < 0:
+        report.error(name, "Its emission is negative", "no light is given there")
+    if largest > LARGEST_RADIANCE:
+        report.error(name, f"Its emission is {largest:.3g} W/(m2 sr)", "it gives no light")
+        return None
+    if radiance.is_stand_in:
+        mean = efficacy * float(luminance(radiance.mean())[0])
+        report.error(
+            name,
+            "Its emission depends on what cannot be taken over",
+            f"the mean of what comes out is used, {mean:.4g} cd/m2 over the surface",
+        )
+    values = np.maximum(radiance.values, 0)
     if largest <= 0:
         return None
-    if not closure.radiance.is_constant:
-        pattern = as_texture(Field(values / largest, closure.radiance.layout))
+    if not radiance.is_constant:
+        pattern = as_texture(Field(values / largest, radiance.layout))
         white = Illuminant("D65")
         return Emission(white, efficacy * largest, pattern, closure.two_sided)
     colour = np.broadcast_to(values, 3)

@@ -13,7 +13,7 @@ from ...engine.scene.material import (
     Transparent,
 )
 from ...engine.scene.memo import recall
-from .closures import Closure, mix_surfaces, reflectance_of, scaled
+from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
 from .fields import Field, as_colour, as_scalar
 from .graph import find_socket, trace
 
@@ -78,10 +78,10 @@ def _glass(at, base):
 
 def _radiance(at):
     strength = at("Emission Strength")
-    if strength.is_everywhere(0):
+    if is_dark(strength):
         return None
     radiance = at.map(lambda c, s: c * s, at("Emission Color"), strength)
-    return None if radiance.is_everywhere(0) else radiance
+    return None if is_dark(radiance) else radiance
 
 
 def _report_unsupported(at):

@@ -24,11 +24,15 @@ def _image(at):
     if reading is None:
         place = f" ({image.filepath})" if image and image.filepath else ""
         name = f"Image {image.name!r}{place} cannot be read" if image else "No image is chosen"
-        at.fail(name, f"grey {MISSING} is used")
-        return constant(1.0 if at.output.identifier == "Alpha" else MISSING)
+        (at.miss if image else at.fail)(name, f"grey {MISSING} is used")
+        return _constant_instead(1.0 if at.output.identifier == "Alpha" else MISSING)
     if at.output.identifier == "Alpha":
         return _laid(at, reading.alpha)
     return _colour_mapped(at, _laid(at, reading.colour))
+
+
+def _constant_instead(value):
+    return Field(constant(value).values, None, True)
 
 
 def _laid(at, pixels):
@@ -37,11 +41,11 @@ def _laid(at, pixels):
         at.remark(f"{node.interpolation} interpolation", "linear interpolation is used")
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
-        return Field(mean_of_picture(pixels))
+        return Field(mean_of_picture(pixels), None, True)
     placement = _placement(at, is_uv_by_default=True)
     if placement is None:
         at.note("Texture coordinates other than a UV map", "the picture's mean is used")
-        return Field(mean_of_picture(pixels))
+        return Field(mean_of_picture(pixels), None, True)
     transform, extension = placement.transform, node.extension.lower()
     if extension == "clip":
         pixels, transform = _with_black_border(pixels, transform)

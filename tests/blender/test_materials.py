@@ -600,3 +600,51 @@ def test_picture_of_a_wall_keeps_its_pixels(tree, convert):
     assert isinstance(result.surface.reflectance, ImageTexture)
     assert result.surface.reflectance.pixels == pytest.approx(pixels, abs=1e-6)
     assert rows == []
+
+
+def gradient_lamp(tree, kind):
+    """Let a gradient that is cut by a ramp decide where a surface glows."""
+    ramp = tree.add("ValToRGB", Fac=tree.add("TexGradient").outputs["Fac"])
+    ramp.color_ramp.interpolation = "CONSTANT"
+    ramp.color_ramp.elements[1].position = 0.75
+    if kind == "factor":
+        glow = tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=8.0)
+        mix = tree.add("MixShader")
+        for place, socket in enumerate((ramp.outputs["Color"], None, glow.outputs[0])):
+            if socket is not None:
+                tree.material.node_tree.links.new(socket, mix.inputs[place])
+        return mix
+    if kind == "strength":
+        return tree.add("Emission", Color=ramp.outputs["Color"], Strength=8.0)
+    return tree.add("BsdfPrincipled", Emission_Color=ramp.outputs["Color"], Emission_Strength=8.0)
+
+
+@pytest.mark.parametrize("kind", ["factor", "strength", "principled"])
+def test_a_lamp_behind_a_texture_that_is_replaced_keeps_its_light_and_is_an_error(
+    tree, convert, kind
+):
+    result, rows = convert(tree.surface(gradient_lamp(tree, kind)))
+    # A quarter of the surface glows with 8 W/(m2 sr).
+    assert result.emission.luminance == pytest.approx(2.0 * EFFICACY, rel=0.02)
+    assert result.emission.pattern is None
+    (row,) = (row for row in rows if row["severity"] == "error")
+    assert "emission depends on what cannot be taken over" in row["message"]
+
+
+def test_a_surface_behind_a_replaced_texture_is_no_error(tree, convert):
+    ramp = tree.add("ValToRGB", Fac=tree.add("TexNoise").outputs["Fac"])
+    glow = tree.add("BsdfPrincipled", Base_Color=ramp.outputs["Color"], Emission_Strength=1.0)
+    result, rows = convert(tree.surface(glow))
+    assert result.emission.luminance == pytest.approx(EFFICACY)
+    assert {row["severity"] for row in rows} == {"warning"}
+
+
+@pytest.mark.parametrize(
+    ("strength", "words"),
+    [(-3.0, "negative"), (float("inf"), "W/(m2 sr)"), (float("nan"), "cannot be taken over")],
+)
+def test_an_emission_that_is_no_light_is_an_error(tree, convert, strength, words):
+    material = tree.surface(tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=strength))
+    result, rows = convert(material)
+    assert result.emission is None
+    assert any(row["severity"] == "error" and words in row["message"] for row in rows)
