@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ...engine.errors import LumenrayError
+from ...engine.errors import LumenrayError, SceneError
+from ...engine.scene.checks import LARGEST_AMOUNT, check_item
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
 from ...engine.scene.spectrum import Spectrum
 from ..luminaires.convert import LEFT_OUT, convert_luminaire
@@ -52,7 +53,7 @@ def convert_light(
 
     Returns
     -------
-    Light or None    None when it emits nothing.
+    Light or None    None when it emits nothing, or cannot be computed.
     """
     place = (light_id, name, matrix, scale)
     if is_dark(source, name, report):
@@ -61,15 +62,23 @@ def convert_light(
     if source.type == "LIGHT" and not source.data.use_shadow:
         report.error(name, "the light casts no shadows in Blender", "it casts them")
     try:
-        if is_rayset(source) or is_luminaire(source):
-            return _convert_from_file(source, place, report, images, is_patient)
-        shaped = find_ies_emission(source.data, name, report, images)
-        if shaped is not None:
-            return convert_ies_light(source, shaped, _colour(source.data), *place, efficacy, report)
-        return _convert_own(source, *place, efficacy, report, images)
+        light = _convert(source, place, efficacy, report, images, is_patient)
+        if light is not None:
+            check_item(light)
     except LumenrayError as error:
         report.fault(name, error, LEFT_OUT)
         return None
+    return light
+
+
+def _convert(source, place, efficacy, report, images, is_patient):
+    """Convert a light by what decides how it shines."""
+    if is_rayset(source) or is_luminaire(source):
+        return _convert_from_file(source, place, report, images, is_patient)
+    shaped = find_ies_emission(source.data, place[1], report, images)
+    if shaped is not None:
+        return convert_ies_light(source, shaped, _colour(source.data), *place, efficacy, report)
+    return _convert_own(source, *place, efficacy, report, images)
 
 
 def _convert_from_file(source, place, report, images, is_patient):
@@ -97,6 +106,7 @@ def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images
     output = _output(data, name, rgb, strength, lengths, efficacy, report)
     if output is None:
         return None
+    _tell_scales(data, name, lengths, scale, report)
     match data.type:
         case "POINT":
             radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
@@ -120,6 +130,22 @@ def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images
             )
     report.error(name, f"lights of type {data.type} are unknown", "the light is left out")
     return None
+
+
+def _tell_scales(data, name, lengths, scale, report) -> None:
+    """Note what Blender makes of the scales of the object and of the scene, and this engine does not."""
+    if data.type == "SPOT" and lengths.max() > 1.001 * lengths.min():
+        report.error(
+            name,
+            "the spot is scaled unevenly, which makes its cone an ellipse in Blender",
+            "the cone is round, of the angle that is stated; scale all axes alike",
+        )
+    if scale != 1.0 and data.type != "SUN" and not data.lumenray.use_physical:
+        report.warn(
+            "Unit scale",
+            f"a Blender unit is {scale:g} m, which Blender's own renders leave out",
+            f"distances are in metres: lights in watts light {scale**-2:.4g} times what Blender shows",
+        )
 
 
 def _area(data, source, light_id, name, output, axes, position, lengths, report):
@@ -175,11 +201,20 @@ def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[n
     return evaluate_emission(origin, Context(name, report, images))
 
 
+def _check_amount(value: float) -> None:
+    """Refuse light that is none. Raises `SceneError`."""
+    if not 0.0 <= value <= LARGEST_AMOUNT:
+        raise SceneError(
+            f"its amount of light is {value:.3g}, expected a number from 0 to {LARGEST_AMOUNT:g}"
+        )
+
+
 def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:
     settings = data.lumenray
     if settings.use_physical:
-        if settings.value <= 0.0:
+        if settings.value == 0.0:
             return None
+        _check_amount(settings.value)
         if settings.quantity not in PHYSICAL_QUANTITIES[data.type]:
             report.error(
                 name,
@@ -196,8 +231,9 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
         * efficacy
         * float(np.ravel(luminance(rgb))[0])
     )
-    if lumens <= 0.0:
+    if lumens == 0.0:
         return None
+    _check_amount(lumens)
     spectrum = light_spectrum(rgb)
     spread_out = not getattr(data, "normalize", True)
     match data.type:

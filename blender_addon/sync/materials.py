@@ -1,10 +1,12 @@
 """Conversion of Blender materials."""
 
 import logging
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
+from ...engine.scene.checks import DEEPEST_MIX, depth_of
 from ...engine.scene.material import Black, Diffuse, Emission, Material, Transparent
 from ...engine.scene.spectrum import Constant, Illuminant
 from ..report import ConversionReport
@@ -61,6 +63,9 @@ def convert_material(
     _report_working_space(report)
     try:
         closure = _convert_tree(material, report, images)
+        depth = depth_of(closure.surface)
+    except RecursionError:
+        closure, depth = Closure(), None
     except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
         _logger.exception("Material %s", material.name)
         report.error(
@@ -68,7 +73,14 @@ def convert_material(
             "The node tree cannot be understood; please send the file to the developers",
             f"diffuse grey {DEFAULT_REFLECTANCE} is used",
         )
-        closure = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE)))
+        closure, depth = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE))), 0
+    if depth is None or depth > DEEPEST_MIX:
+        report.error(
+            material.name,
+            f"More than {DEEPEST_MIX} shaders are mixed into each other",
+            f"diffuse grey {DEFAULT_REFLECTANCE} is used",
+        )
+        closure = replace(closure, surface=Diffuse(Constant(DEFAULT_REFLECTANCE)))
     emission = _emission(closure, efficacy, material.name, report)
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
+from ...engine.errors import SceneError
 from ...engine.scene.camera import Camera
+from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import SceneDelta, content_digest
@@ -52,6 +54,7 @@ class _Shown:
     data : int    Session uid of the object's data.
     shading : frozenset of int    Node trees and images that a light reads.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    is_far : bool    Whether it is an object that was left out because of where it is.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
     walk : int    Number of the walk that saw it last.
     """
@@ -66,6 +69,7 @@ class _Shown:
     data: int = 0
     shading: frozenset[int] = frozenset()
     is_dark: bool = False
+    is_far: bool = False
     towards_sun: np.ndarray | None = None
     report: ConversionReport | None = None
     walk: int = 0
@@ -307,7 +311,7 @@ class _Walk:
                 or (shown.shading and not shown.shading.isdisjoint(touched))
             ):
                 self._convert(shown, instance, source, original)
-            elif matrix != shown.matrix and shown.item is not None:
+            elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
                 self._move(shown, instance, source, original)
             shown.matrix = matrix
 
@@ -442,6 +446,9 @@ class _Walk:
     def _place(self, shown, placement: Placement | None) -> None:
         """Send a placement if it differs from what was sent; None takes away what was."""
         before = shown.item
+        shown.is_far = placement is not None and self._is_far(shown, placement)
+        if shown.is_far:
+            placement = None
         shown.item, shown.digest, shown.is_dark = placement, b"", False
         if placement is None:
             if before is not None:
@@ -464,6 +471,19 @@ class _Walk:
             else:
                 self.counts["changed"] += 1
         self.changed.append(placement)
+
+    def _is_far(self, shown, placement: Placement) -> bool:
+        """Tell whether an object lies too far away to be computed beside others, or nowhere, and note it."""
+        corners = self.sync._geometries.corners(placement.geometry)
+        with np.errstate(over="ignore", invalid="ignore"):
+            corners = corners @ placement.frame[:3, :3].T + placement.frame[:3, 3]
+        try:
+            check_reach("it", corners.min(axis=0), corners.max(axis=0))
+        except SceneError as error:
+            shown.report = shown.report or ConversionReport()
+            shown.report.error(shown.name, str(error), "the object is left out")
+            return True
+        return False
 
     def _convert_light(self, shown, instance, source, original) -> None:
         sync, shown.report = self.sync, ConversionReport()

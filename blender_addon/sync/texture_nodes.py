@@ -28,7 +28,16 @@ def _image(at):
         return _constant_instead(1.0 if at.output.identifier == "Alpha" else MISSING)
     if at.output.identifier == "Alpha":
         return _laid(at, reading.alpha)
-    return _colour_mapped(at, _laid(at, reading.colour))
+    return _colour_mapped(at, _laid(at, _usable(at, reading.colour)))
+
+
+def _usable(at, pixels):
+    """Return the pixels of a picture with 0 in place of what is no number."""
+    bad = recall(pixels, "bad", lambda v: int((~np.isfinite(v)).any(axis=-1).sum()))
+    if not bad:
+        return pixels
+    at.fail(f"Image {at.node.image.name!r} has {bad} pixels that are no numbers", "0 is used")
+    return recall(pixels, "usable", lambda v: np.nan_to_num(v, posinf=0.0, neginf=0.0))
 
 
 def _constant_instead(value):

@@ -20,6 +20,7 @@ from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
 from ..scattering import plugin as scattering_plugin
 from ..scattering.surface import mirrors_light
+from ..scene.checks import FARTHEST, check_reach
 from ..scene.light import AreaLight, ImageWorld, Luminaire, PointLight, SpotLight, SunLight
 from ..scene.material import Dielectric, Measured
 from ..scene.mesh import Mesh
@@ -36,6 +37,12 @@ from .pool import SurfacePool
 from .requirements import Requirements
 from .surfaces import has_grain
 from .surroundings import make_surroundings, make_world
+
+COARSE_RADIUS = 1e5
+"""Size of scenes from which on the rounding of places is told. [m]"""
+
+SINGLE = 2.0**-24
+"""Relative error by which single precision rounds."""
 
 
 class Outgrown(Exception):  # noqa: N818 - not a fault
@@ -541,6 +548,11 @@ class CompiledScene:
                 "path finds an ideal point or spot in it; use a point light with a radius"
             )
         self.notes += self.unfound
+        if self.radius > COARSE_RADIUS:
+            self.notes.append(
+                f"the scene is {2e-3 * self.radius:.3g} km wide: places in it are rounded to about "
+                f"{1e3 * self.radius * SINGLE:.2g} mm"
+            )
 
 
 def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
@@ -550,11 +562,17 @@ def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
         for item in scene.meshes.values():
             geometry = None if isinstance(item, Mesh) else scene.geometries.get(item.geometry)
             lowest, highest = extent(item, geometry)
+            if np.all(lowest <= highest):
+                check_reach(f"object '{item.name}'", lowest, highest)
             low.append(lowest)
             high.append(highest)
     else:
-        low += [body.low for body in bodies]
-        high += [body.high for body in bodies]
+        for body in bodies:
+            # Boxes of nothing are endless the wrong way round.
+            if not np.abs(body.high).max() <= FARTHEST and np.all(body.low <= body.high):
+                check_reach(f"object '{body.item.name}'", body.low, body.high)
+            low.append(body.low)
+            high.append(body.high)
     for light in scene.lights.values():
         if not isinstance(light, SunLight) and light.output.value > 0.0:
             has_frame = isinstance(light, AreaLight | Luminaire)
