@@ -508,7 +508,7 @@ def _render_open(options, depsgraph):
     from ..engine.photometry.colour import automatic_white, scene_linear
     from ..engine.session import Session
     from .properties import white_luminance
-    from .render_engine import view_settings
+    from .render_engine import shown_light, view_settings
     from .sync.scene import convert_scene
 
     scene = depsgraph.scene
@@ -521,7 +521,7 @@ def _render_open(options, depsgraph):
         raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
     assumptions.refuse_missing(converted.report, options.accept_missing)
     wanted = replace(
-        view_settings(settings),
+        view_settings(scene),
         rule=_rule(options, settings.stop, settings.samples, settings.error, settings.time),
         seed=settings.seed if options.seed is None else options.seed,
         transport=_transport(options, settings),
@@ -535,8 +535,10 @@ def _render_open(options, depsgraph):
     picture = session.render(converted.camera, wanted, bar)
     bar.close()
     white = white_luminance(settings) or automatic_white(picture.tristimulus[..., 1])
-    linear = scene_linear(picture.tristimulus, white)
+    linear = scene_linear(shown_light(picture), white)
     channels = {name: linear[..., i] for i, name in enumerate("RGB")}
+    if picture.coverage is not None:
+        channels["A"] = picture.coverage
     channels |= {
         "Luminance.Y": picture.tristimulus[..., 1],
         "Luminance.error": picture.luminance_error,

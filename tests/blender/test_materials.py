@@ -2,12 +2,15 @@
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.materials import convert_material, default_material
+from lumenray.blender_addon.sync.nodes import Context, Inputs
+from lumenray.blender_addon.sync.principled import convert_principled
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.scene.material import (
@@ -648,3 +651,25 @@ def test_an_emission_that_is_no_light_is_an_error(tree, convert, strength, words
     result, rows = convert(material)
     assert result.emission is None
     assert any(row["severity"] == "error" and words in row["message"] for row in rows)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.5])
+def test_a_thin_wall_is_a_pane_and_no_solid(tree, roughness):
+    """The node has its socket from Blender 5.2 on; here one is put beside those that it has."""
+    shader = tree.add(
+        "BsdfPrincipled", Transmission_Weight=1.0, Base_Color=(0.5, 0.5, 0.5), Roughness=roughness
+    )
+    wall = SimpleNamespace(
+        identifier="Thin Wall", name="Thin Wall", type="BOOLEAN", links=(), default_value=True, is_output=False
+    )  # fmt: skip
+    report = ConversionReport()
+    context = Context("Paint", report)
+    for default_value, kind in ((True, ThinGlass), (False, Dielectric)):
+        wall.default_value = default_value
+        node = SimpleNamespace(name=shader.name, inputs=[*shader.inputs, wall])
+        made = convert_principled(Inputs(node, shader.outputs[0], context, ()))
+        assert isinstance(made.surface, kind)
+        if default_value:
+            assert made.surface.ior == pytest.approx(1.5)
+            assert made.surface.transmittance == Constant(pytest.approx(0.5))
+            assert bool(report.rows) == (roughness > 0.1)

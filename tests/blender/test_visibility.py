@@ -222,3 +222,57 @@ def test_a_world_that_lights_in_part_is_told_and_one_that_does_not_is_black(box)
     assert len(rows(made, "warning")) == 1
     rays.diffuse = rays.transmission = False
     assert not any(hasattr(item, "ground_reflectance") for item in convert().delta.changed)
+
+
+@pytest.mark.mitsuba
+def test_a_transparent_film_shows_no_world_and_measures_it_all_the_same():
+    """Half of the picture is a matt plane that the camera sees, a quarter of it a pane, the rest the world."""
+    from lumenray.blender_addon.render_engine import picture_layers, view_settings
+
+    world = bpy.data.worlds.new("Even")
+    world.lumenray.unit = "LUMINANCE"
+    scene = bpy.context.scene
+    scene.world = world
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    background = next(n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
+    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 100.0
+    plane = add_plane(0.0, 4.0)
+    plane.location.x = -2.0
+    veil = add_plane(0.0, 2.0)
+    veil.location = (1.0, -1.0, 0.0)
+    material = bpy.data.materials.new("Veil")
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    clear.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1.0)
+    tree.links.new(clear.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs[0])
+    veil.data.materials.append(material)
+    data = bpy.data.cameras.new("Eye")
+    data.type, data.ortho_scale = "ORTHO", 2.0
+    scene.camera = bpy.data.objects.new("Eye", data)
+    scene.camera.location = (0.0, 0.0, 3.0)
+    scene.collection.objects.link(scene.camera)
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.lumenray.samples = 64
+    scene.render.film_transparent = True
+
+    made = convert()
+    picture = session_of(made).render(made.camera, view_settings(scene))
+    layers = picture_layers(picture, 100.0)
+    alpha, shown = layers["Combined"][..., 3], layers["Combined"][..., 1]
+    # Row 0 is below: the veil covers the lower right; edges of pixels at the middle are left out.
+    assert alpha[:, :3] == pytest.approx(1.0)
+    assert alpha[:3, 5:] == pytest.approx(0.75, abs=1e-3)
+    assert alpha[5:, 5:] == pytest.approx(0.0, abs=1e-6)
+    assert shown[5:, 5:] == pytest.approx(0.0, abs=1e-6)
+    assert shown[:3, 5:].mean() == pytest.approx(0.0, abs=0.03)
+    assert shown[:, :3].mean() == pytest.approx(0.8, rel=0.05)
+    assert layers["Luminance"][5:, 5:] == pytest.approx(100.0, rel=1e-3)
+    scene.render.film_transparent = False
+    picture = session_of(made).render(made.camera, view_settings(scene))
+    assert picture.coverage is None
+    assert picture_layers(picture, 100.0)["Combined"][..., 3].min() == 1.0
