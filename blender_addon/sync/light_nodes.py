@@ -49,7 +49,7 @@ def mean_light(socket, channels: int, context: Context, groups) -> np.ndarray:
         context.add(
             Severity.ERROR,
             node,
-            f"The light's {socket.name!r} depends on what cannot be taken over",
+            f"The light by {socket.name!r} depends on what cannot be taken over",
             "the mean of what comes out is used",
         )
     return mean_of(as_colour(field) if channels == 3 else as_scalar(field), channels)

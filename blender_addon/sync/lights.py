@@ -192,7 +192,7 @@ def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[n
     if origin is None:
         return white, 1.0
     if not is_emission(origin):
-        report.warn(
+        report.error(
             name,
             "the light's nodes do not end in an Emission node",
             "colour and power of the light are used",

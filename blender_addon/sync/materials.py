@@ -111,7 +111,7 @@ def _convert_tree(material, report, images) -> Closure:
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
     if is_volume:
-        report.warn(material.name, "A volume is not supported", "it is left out", output.name)
+        report.error(material.name, "A volume is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
             return Closure(Transparent())

@@ -359,7 +359,7 @@ class _Walk:
             self._convert_light(shown, instance, source, original)
         else:
             shown.report = ConversionReport()
-            shown.report.warn(shown.name, f"objects of type {kind} are not converted", "left out")
+            shown.report.error(shown.name, f"objects of type {kind} are not converted", "left out")
             self._place(shown, None)
 
     def _name(self, shown, instance, original, kind) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...engine.scene.memo import recall
 from . import patterns
-from .fields import Field, Layout, constant, mean_of_picture
+from .fields import SAMPLES, Field, Layout, constant, mean_of_picture, spread
 from .images import MISSING
 from .mapping import Placement, legacy_matrix, resolve_placement
 
@@ -119,7 +119,7 @@ def _checker(at):
     placement = _scaled_placement(at)
     if placement is None:
         at.note("A checker without a UV map", "the mean of its two colours is used")
-        share = constant(0.5)
+        share = spread(np.arange(SAMPLES)[:, None] % 2)
     else:
         # One field of the checker is half of the repeating picture.
         transform = np.diag([0.5, 0.5, 1.0]) @ placement.transform
@@ -154,7 +154,9 @@ def _brick(at):
     )
     if placement is None:
         at.note("A brick pattern without a UV map", "its mean colour is used")
-        fields = [Field(mean_of_picture(mortar)), Field(mean_of_picture(tint))]
+        # Both of the same places, so that joints stay joints.
+        places = np.random.default_rng(1).integers(0, _BRICK_TILE, (2, SAMPLES))
+        fields = [spread(part[tuple(places)]) for part in (mortar, tint)]
     else:
         at.remark("A brick pattern never repeats", "it is drawn for one UV tile and repeated")
         layout = Layout(placement.uv_map, np.eye(3), "linear", "repeat", node.name)

@@ -150,7 +150,7 @@ def _background(world, report, images):
         return None
     volume = find_socket(output.inputs, "Volume")
     if volume is not None and volume.is_linked:
-        report.warn(world.name, "the world has a volume", "it is left out")
+        report.error(world.name, "the world has a volume", "it is left out")
     origin = trace(find_socket(output.inputs, "Surface"))
     if not origin.is_output:
         return None
