@@ -58,10 +58,9 @@ def check_item(item) -> None:
         place = item.position if has_place else np.asarray(item.frame)[:3, 3]
         half = 0.5 * size_of(item)
         check_reach(_title(item), np.asarray(place) - half, np.asarray(place) + half)
-    output = getattr(item, "output", None)
-    if output is not None and output.value > LARGEST_AMOUNT:
+    if amount_of(item) > LARGEST_AMOUNT:
         raise SceneError(
-            f"{_title(item)}: its amount of light is {output.value:.3g}, expected at most {LARGEST_AMOUNT:g}"
+            f"{_title(item)}: its amount of light is {amount_of(item):.3g}, expected at most {LARGEST_AMOUNT:g}"
         )
     if isinstance(item, Material):
         depth = depth_of(item.surface)
@@ -83,6 +82,17 @@ def check_reach(title: str, low, high) -> None:
         raise SceneError(
             f"{title} reaches {reach:.3g} m from the world's origin, expected at most {FARTHEST:g} m"
         )
+
+
+def amount_of(item) -> float:
+    """Return how much light an item states, in its own unit; 0 of what gives none."""
+    match item:
+        case Material():
+            return 0.0 if item.emission is None else item.emission.luminance
+        case UniformWorld():
+            return item.luminance
+    output = getattr(item, "output", None)
+    return 0.0 if output is None else output.value
 
 
 def size_of(light) -> float:

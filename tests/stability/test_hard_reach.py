@@ -13,7 +13,7 @@ from lumenray.engine.scene.light import (
     SpotLight,
     UniformWorld,
 )
-from lumenray.engine.scene.material import Diffuse, Glossy, Material, Mix
+from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, Mix
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import ViewSettings
@@ -68,9 +68,17 @@ def test_a_placement_out_of_reach_is_refused_by_its_name():
         session.render(camera, ViewSettings(StopRule(samples=4)))
 
 
-def test_light_that_no_number_holds_is_refused_by_its_name():
-    with pytest.raises(SceneError, match="'odd': its amount of light is"):
-        measured(PointLight("p", "odd", Output(Quantity.LUMINOUS_FLUX, 1e30), np.zeros(3)))
+@pytest.mark.parametrize(
+    "item",
+    [
+        PointLight("p", "odd", Output(Quantity.LUMINOUS_FLUX, 1e30), np.zeros(3)),
+        Material("m", "odd", emission=Emission(luminance=1e30)),
+        UniformWorld(1e30),
+    ],
+)
+def test_light_that_no_number_holds_is_refused_by_its_name(item):
+    with pytest.raises(SceneError, match=r"('odd'|the world): its amount of light is 1e\+30"):
+        measured(item)
 
 
 def test_mixtures_without_end_are_refused_by_their_name():
