@@ -10,6 +10,7 @@ from pathlib import Path
 from ..engine.reading.printable import printable
 from ..engine.scene.sensor import SensorKind
 from . import (
+    assumptions,
     explain_command,
     luminaire_commands,
     rayset_commands,
@@ -32,6 +33,12 @@ EPILOG = """examples:
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
 
+CODES = {
+    "epilog": assumptions.CODES,
+    "formatter_class": argparse.RawDescriptionHelpFormatter,
+}
+"""What argparse is told of commands that compute a scene."""
+
 
 def build_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
@@ -43,7 +50,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    render = commands.add_parser("render", help="render the scene's camera to an OpenEXR file")
+    render = commands.add_parser(
+        "render", help="render the scene's camera to an OpenEXR file", **CODES
+    )
     _add_scene(render)
     render.add_argument(
         "-o",
@@ -74,6 +83,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="do not smooth the .png (the .exr is never smoothed)",
     )
     _add_rule(render, "pixel")
+    assumptions.add_option(render)
 
     _add_bake(commands)
 
@@ -203,7 +213,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def _add_measure(commands) -> None:
-    measure = commands.add_parser("measure", help="illuminance at sensors from a list")
+    measure = commands.add_parser("measure", help="illuminance at sensors from a list", **CODES)
     _add_scene(measure)
     measure.add_argument(
         "--sensors",
@@ -244,10 +254,11 @@ def _add_measure(commands) -> None:
         help="go on until the relative standard error of every sensor is below E",
     )
     _add_rule(measure, "sensor")
+    assumptions.add_option(measure)
 
 
 def _add_bake(commands) -> None:
-    bake = commands.add_parser("bake", help="compute lux maps of objects")
+    bake = commands.add_parser("bake", help="compute lux maps of objects", **CODES)
     _add_scene(bake)
     bake.add_argument(
         "-o",
@@ -327,6 +338,7 @@ def _add_bake(commands) -> None:
         metavar="F.blend",
         help="save the file with UV maps and images to this place",
     )
+    assumptions.add_option(bake)
 
 
 def _add_scene(parser) -> None:
@@ -370,7 +382,7 @@ def _numbers(text: str) -> tuple[int, ...]:
 
 
 def main(arguments=None) -> int:
-    """Run the command; 0 on success, 1 with one line on standard error on any failure."""
+    """Run the command; 0 on success, 1 with one line on standard error on any failure, else see `assumptions.CODES`."""
     options = build_parser().parse_args(arguments)
     from ..engine.errors import LumenrayError
 
@@ -481,29 +493,16 @@ def _transport(options, settings) -> str:
     return options.transport or settings.transport.lower()
 
 
-def _print_conversion(report, provenance) -> None:
-    for note in provenance.notes:
-        print(f"note: {note}")
-    rows = report.rows
-    if not rows:
-        return
-    print(f"{len(rows)} things were not taken over as they are (all in the report):")
-    for row, count in rows[:8]:
-        times = f" ({count} times)" if count > 1 else ""
-        print(f"  {row.severity.value}: {row.datablock}: {row.message}; {row.remedy}{times}")
-
-
 # ---- commands ----
 
 
 def _render(options) -> int:
     depsgraph = _open(options.file)
-    _render_open(options, depsgraph)
-    return 0
+    return _render_open(options, depsgraph)
 
 
 def _render_open(options, depsgraph):
-    """Render the open file and write picture, preview and report. Returns the picture."""
+    """Render the open file and write picture, preview and report. Returns the exit code."""
     from dataclasses import replace
 
     from ..engine.analysis.false_colour import write_display
@@ -513,7 +512,7 @@ def _render_open(options, depsgraph):
     from ..engine.photometry.colour import automatic_white, scene_linear
     from ..engine.session import Session
     from .properties import white_luminance
-    from .render_engine import view_settings
+    from .render_engine import shown_light, view_settings
     from .sync.scene import convert_scene
 
     scene = depsgraph.scene
@@ -524,8 +523,9 @@ def _render_open(options, depsgraph):
     converted = convert_scene(depsgraph)
     if converted.camera is None:
         raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
+    assumptions.refuse_missing(converted.report, options.accept_missing)
     wanted = replace(
-        view_settings(settings),
+        view_settings(scene),
         rule=_rule(options, settings.stop, settings.samples, settings.error, settings.time),
         seed=settings.seed if options.seed is None else options.seed,
         transport=_transport(options, settings),
@@ -539,8 +539,10 @@ def _render_open(options, depsgraph):
     picture = session.render(converted.camera, wanted, bar)
     bar.close()
     white = white_luminance(settings) or automatic_white(picture.tristimulus[..., 1])
-    linear = scene_linear(picture.tristimulus, white)
+    linear = scene_linear(shown_light(picture), white)
     channels = {name: linear[..., i] for i, name in enumerate("RGB")}
+    if picture.coverage is not None:
+        channels["A"] = picture.coverage
     channels |= {
         "Luminance.Y": picture.tristimulus[..., 1],
         "Luminance.error": picture.luminance_error,
@@ -563,6 +565,7 @@ def _render_open(options, depsgraph):
     shown = linear if options.raw else _smoothed(picture, linear, white)
     write_display(options.output.with_suffix(".png"), shown)
     luminance = picture.tristimulus[..., 1]
+    shortfall = wanted.rule.shortfall(picture.relative_error)
     row = {
         "name": scene.camera.name,
         "quantity": "luminance",
@@ -579,6 +582,7 @@ def _render_open(options, depsgraph):
         picture.provenance.seconds,
         [row],
         converted.report.to_dicts(),
+        shortfall,
     )
     content["preview"] = (
         "as computed"
@@ -586,13 +590,13 @@ def _render_open(options, depsgraph):
         else "smoothed for looking at; all numbers are of the unsmoothed data"
     )
     write_json(options.output.with_suffix(".json"), content)
-    _print_conversion(converted.report, picture.provenance)
+    assumptions.tell(converted.report, picture.provenance.notes, shortfall)
     print(
         f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
         f"mean luminance {row['mean']:.4g} cd/m2, picture error {100 * picture.relative_error:.2f} %, "
         f"white = {white:.4g} cd/m2"
     )
-    return picture
+    return assumptions.exit_code(converted.report, options.accept_missing, shortfall)
 
 
 def _smoothed(picture, linear, white):
@@ -626,13 +630,15 @@ def _bake(options) -> int:
         bake.store(job, bpy.context.scene)
         with _quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
-    _print_conversion(job.report, job.maps[0].provenance)
+    assumptions.tell(job.report, job.maps[0].provenance.notes)
     print_table(job.maps)
     print_bake(job.result)
     print(f"written to {options.output}")
     if options.gltf in job.files:
         print(f"written to {options.gltf}")
-    return 0
+    error = job.result.relative_standard_error
+    shortfall = job.order.rule.shortfall(error, error * job.result.mean)
+    return assumptions.exit_code(job.report, options.accept_missing, shortfall)
 
 
 def _bake_open(options, depsgraph):
@@ -668,6 +674,7 @@ def _bake_open(options, depsgraph):
         gltf=made.gltf if options.gltf is None else bake.gltf_path(options.gltf),
     )
     job = bake.prepare(depsgraph, objects, made)
+    assumptions.refuse_missing(job.report, options.accept_missing)
     bar = _Bar("bake")
     job.run(Session(), bar)
     bar.close()
@@ -708,6 +715,7 @@ def _chosen(options, scene) -> list:
 
 
 def _measure(options) -> int:
+    from ..engine.accuracy.estimate import Estimate
     from ..engine.accuracy.stopping import StopRule
     from ..engine.errors import SceneError
     from ..engine.formats.sensors import read_sensors, write_measurements
@@ -718,6 +726,7 @@ def _measure(options) -> int:
     depsgraph = _open(options.file)
     settings = depsgraph.scene.lumenray
     converted = convert_scene(depsgraph)
+    assumptions.refuse_missing(converted.report, options.accept_missing)
     session = Session()
     session.apply(converted.delta)
     bar = _Bar("measure")
@@ -739,14 +748,22 @@ def _measure(options) -> int:
         colour=options.colour,
     )
     bar.close()
+    found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)
+    shortfall = rule.shortfall(found.relative_error(), each=found.largest_error(rule.floor))
+    notes = made.provenance.notes
     write_measurements(
-        options.output, sensors, made.illuminance, made.standard_error, made.tristimulus
+        options.output,
+        sensors,
+        made.illuminance,
+        made.standard_error,
+        made.tristimulus,
+        assumptions.lines_of(converted.report, notes, shortfall),
     )
-    _print_conversion(converted.report, made.provenance)
+    assumptions.tell(converted.report, notes, shortfall)
     print(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )
-    return 0
+    return assumptions.exit_code(converted.report, options.accept_missing, shortfall)
 
 
 def _demo(options) -> int:
@@ -763,6 +780,7 @@ def _demo(options) -> int:
         "samples": None,
         "error": None,
         "time": None,
+        "accept_missing": False,
     }
     view = argparse.Namespace(
         **common,

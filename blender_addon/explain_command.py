@@ -3,6 +3,7 @@
 import json
 from dataclasses import asdict
 
+from . import assumptions
 from .luminaire_commands import say
 
 NEAREST = 10
@@ -35,8 +36,9 @@ def run(options, depsgraph, transport: str) -> int:
     session = Session()
     session.apply(converted.delta)
     made = session.explain(transport)
+    report = converted.report
     if options.json:
-        say(json.dumps(asdict(made), indent=2))
+        say(json.dumps({**asdict(made), "conversion": report.to_dicts()}, indent=2))
         return 0
     say(str(options.file))
     for text in made.decisions:
@@ -47,6 +49,7 @@ def run(options, depsgraph, transport: str) -> int:
     most = None if options.all else NEAREST
     for light in dict.fromkeys(choice.light for choice in made.choices):
         _print_choices([choice for choice in made.choices if choice.light == light], most)
+    assumptions.tell(report)
     return 0
 
 

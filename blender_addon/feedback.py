@@ -141,8 +141,7 @@ def show_report(window_manager, report: ConversionReport) -> None:
     feedback.reported = True
     feedback.rows.clear()
     feedback.row_index = 0
-    order = [identifier for identifier, *_ in SEVERITIES]
-    for row, count in sorted(report.rows, key=lambda item: order.index(item[0].severity.name)):
+    for row, count in report.by_weight:
         item = feedback.rows.add()
         item.severity = row.severity.name
         item.datablock, item.node = row.datablock, row.node

@@ -1,5 +1,6 @@
 """The render engine that Blender calls: F12, animation and the command line."""
 
+import sys
 import weakref
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from ..engine.analysis.noise_filter import smooth
 from ..engine.errors import Cancelled, LumenrayError
 from ..engine.photometry.colour import automatic_white, scene_linear
 from ..engine.session import ViewSettings
-from . import engine_process, view_drawing
+from . import assumptions, engine_process, view_drawing
 from .feed import SceneFeed
 from .properties import white_luminance
 from .report import ConversionReport
@@ -39,8 +40,9 @@ OWN_PASSES = ("Luminance", "Illuminance")
 """Passes that Blender does not know by itself; they are added to every result."""
 
 
-def view_settings(settings, spectral_file: str | None = None) -> ViewSettings:
-    """Read what the scene's settings ask of a picture. ``spectral_file``: where its bands are written."""
+def view_settings(scene, spectral_file: str | None = None) -> ViewSettings:
+    """Read what a scene's settings ask of a picture. ``spectral_file``: where its bands are written."""
+    settings = scene.lumenray
     return ViewSettings(
         rule=stop_rule(settings.stop, settings.samples, settings.error, settings.time),
         seed=settings.seed,
@@ -48,6 +50,7 @@ def view_settings(settings, spectral_file: str | None = None) -> ViewSettings:
         bands=settings.spectral_bands if settings.use_spectral_file else 0,
         transport=settings.transport.lower(),
         spectral_file=spectral_file,
+        transparent=scene.render.film_transparent,
     )
 
 
@@ -74,12 +77,21 @@ def wanted_passes(scene, view_layer) -> set[str]:
     return {name for name, wanted in chosen.items() if wanted}
 
 
+def shown_light(picture) -> np.ndarray:
+    """Return X, Y, Z of what a picture shows: without surroundings where its film is transparent. (h, w, 3) [cd/m2]"""
+    if picture.backdrop is None:
+        return picture.tristimulus
+    return np.maximum(picture.tristimulus - picture.backdrop, 0.0)
+
+
 def picture_layers(picture, white: float | None, smoothed: bool = False) -> dict[str, np.ndarray]:
     """Name the layers of a `Picture` as passes, (h, w, c) float32. ``white`` None: found from the picture."""
     if white is None:
         white = automatic_white(picture.tristimulus[..., 1])
     combined = np.ones((*picture.depth.shape, 4), dtype=np.float32)
-    combined[..., :3] = scene_linear(picture.tristimulus, white)
+    combined[..., :3] = scene_linear(shown_light(picture), white)
+    if picture.coverage is not None:
+        combined[..., 3] = picture.coverage
     if smoothed:
         error = picture.luminance_error / white
         combined[..., :3] = smooth(
@@ -142,6 +154,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         report.include(feed.report)
         camera = feed.sync.camera(depsgraph, report)
         _show(report)
+        if bpy.app.background:
+            assumptions.tell(report, stream=sys.stdout)
         if camera is None:
             self.error_set("The scene has no camera: add one and make it active")
             return
@@ -160,7 +174,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         try:
             picture = session.render(
                 camera,
-                view_settings(scene.lumenray, _spectral_path(scene)),
+                view_settings(scene, _spectral_path(scene)),
                 self._follow(session, result, white),
                 preview_interval=PREVIEW_INTERVAL,
                 idle=lambda: self.test_break() and session.cancel(),
@@ -172,6 +186,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
         self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
         self._write_beside(scene, picture, report)
+        if bpy.app.background:
+            assumptions.tell(ConversionReport(), picture.provenance.notes, stream=sys.stdout)
         left_over = f"error {100.0 * picture.relative_error:.2f} %"
         self.update_stats("", f"{picture.provenance.samples} samples, {left_over}")
 

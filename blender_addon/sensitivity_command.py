@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 from ..engine.scene.sensor import SensorKind
+from . import assumptions
 from .luminaire_commands import say
 from .rayset_commands import ShareBar
 
@@ -56,6 +57,7 @@ def add_command(commands):
         default=SensorKind.PLANAR.value,
         help="which illuminance (default: planar)",
     )
+    assumptions.add_option(parser)
     return parser
 
 
@@ -78,6 +80,7 @@ def run(options, depsgraph, transport: str, seed: int) -> int:
         raise SceneError(f"--uncertainty is {options.uncertainty:g}, expected above 0, at most 1")
     sensors = read_sensors(options.sensors)
     converted = convert_scene(depsgraph)
+    assumptions.refuse_missing(converted.report, options.accept_missing)
     session = Session()
     session.apply(converted.delta)
     chosen = _ids(session.scene, options.materials)
@@ -128,7 +131,8 @@ def run(options, depsgraph, transport: str, seed: int) -> int:
         }
         write_json(options.output, content)
         say(f"written to {options.output}")
-    return 0
+    assumptions.tell(converted.report)
+    return assumptions.exit_code(converted.report, options.accept_missing)
 
 
 def _ids(scene, names: str):

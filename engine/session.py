@@ -29,7 +29,11 @@ from .scene.sensor import SensorKind
 
 @dataclass(frozen=True)
 class ViewSettings:
-    """What a picture has to contain. ``spectral_file``: where its bands are written as a spectral OpenEXR."""
+    """What a picture has to contain.
+
+    ``spectral_file``: where its bands are written as a spectral OpenEXR; ``transparent``: whether to tell what of it is the
+    surroundings behind everything.
+    """
 
     rule: StopRule
     seed: int = 0
@@ -37,6 +41,7 @@ class ViewSettings:
     bands: int = 0
     transport: str = "auto"
     spectral_file: str | None = None
+    transparent: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,8 @@ class Picture:
         Of the surface that is seen, through panes. [lx]
     bands : (h, w, b) float32 or None    Spectral radiance per band. [W/(m2 sr nm)]
     band_edges : (b + 1,) float64 or None    [nm]
+    backdrop : (h, w, 3) float32 or None    Part of ``tristimulus`` by surroundings that are seen straight. [cd/m2]
+    coverage : (h, w) float32 or None    Share of a pixel that shows anything else. [-]
     """
 
     tristimulus: np.ndarray
@@ -72,6 +79,8 @@ class Picture:
     illuminance_error: np.ndarray | None = None
     bands: np.ndarray | None = None
     band_edges: np.ndarray | None = None
+    backdrop: np.ndarray | None = None
+    coverage: np.ndarray | None = None
 
 
 @dataclass(frozen=True)

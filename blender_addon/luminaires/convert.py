@@ -59,7 +59,7 @@ def convert_luminaire(
         spectrum = _find_spectrum(source, settings, reading, own_spectrum)
         amount = find_amount(settings, reading, pose.frame, spectrum)
     except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
+        report.fault(name, error, LEFT_OUT)
         return None
     _remark(settings, reading, name, report)
     if reading.file.quantity == RADIANT and not _can_be_seen(

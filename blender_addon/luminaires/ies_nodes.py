@@ -169,7 +169,7 @@ def convert_ies_light(
                 Quantity.LUMINOUS_FLUX, candelas * flux(distribution), light_spectrum(rgb)
             )
     except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT, emission.node.name)
+        report.fault(name, error, LEFT_OUT, emission.node.name)
         return None
     if output.value <= 0.0:
         return None

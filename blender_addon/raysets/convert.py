@@ -52,7 +52,7 @@ def convert_rays(
         report.info(name, str(error), "the light joins when they are ready")
         return None
     except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
+        report.fault(name, error, LEFT_OUT)
         return None
     for remark in made.remarks:
         report.info(name_of(settings), str(remark), "the file is read so")

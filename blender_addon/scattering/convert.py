@@ -36,7 +36,7 @@ def convert_measured(
         report.info(datablock, str(error), f"{remedy} until it is read")
         return None
     except LumenrayError as error:
-        report.error(datablock, str(error), remedy)
+        report.miss(datablock, str(error), remedy)
         return None
     for remark in reading.file.remarks:
         report.info(name_of(settings), str(remark), "the file is read so")

@@ -1,6 +1,6 @@
 """What shader sockets stand for, and how two of them are mixed or added."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,8 +29,13 @@ class Closure:
 
 
 def emitting(radiance: Field, spectrum: Spectrum | None = None) -> Closure:
-    """Return a closure that only emits; nothing at all if the radiance is 0."""
-    return Closure() if radiance.is_everywhere(0) else Closure(None, radiance, spectrum)
+    """Return a closure that only emits; nothing at all if the radiance is plainly 0."""
+    return Closure() if is_dark(radiance) else Closure(None, radiance, spectrum)
+
+
+def is_dark(radiance: Field) -> bool:
+    """Tell whether a radiance is 0 because the nodes say so, and not because one of them was replaced."""
+    return radiance.is_everywhere(0) and not radiance.is_stand_in
 
 
 def reflectance_of(at, field: Field) -> Field:
@@ -66,7 +71,7 @@ def mix(at, first: Closure, second: Closure, factor: Field) -> Closure:
         return first
     if factor.is_everywhere(1):
         return second
-    rest = Field(recall(factor.values, "rest", lambda v: 1 - v), factor.layout)
+    rest = replace(factor, values=recall(factor.values, "rest", lambda v: 1 - v))
     return _joined(
         at,
         Closure(None, scaled(at, first.radiance, rest), first.spectrum, first.two_sided),

@@ -1,7 +1,7 @@
 """Numbers or colours over a surface: one constant, or a picture laid by a UV map."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,12 @@ LARGEST_TILE = 2048
 """Side of the largest picture that resampling makes. [pixels]"""
 
 _EQUAL = 1e-6
+
+SAMPLES = 256
+"""Values that stand for one that nothing is known of but how it is spread."""
+
+LARGEST_AVERAGE = 1 << 22
+"""Numbers to be calculated at most where such a value meets a picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +53,26 @@ class Field:
     values : (1,) or (3,) float32 array, or (height, width, 1 or 3) with a layout
         Linear Rec. 709 or plain numbers, row 0 at the bottom.
     layout : Layout or None    None for a constant.
+    is_stand_in : bool    Whether a node that cannot be taken over, or a number that is none, had a part in it.
     """
 
     values: np.ndarray
     layout: Layout | None = None
+    is_stand_in: bool = False
 
     @property
     def is_constant(self) -> bool:
         """Whether the value is the same everywhere."""
         return self.layout is None
+
+    @property
+    def is_spread(self) -> bool:
+        """Whether the values are samples of something unknown; what is done with it in the end counts by its mean."""
+        return self.layout is SPREAD
+
+    def settled(self) -> "Field":
+        """Return the field with its mean in place of samples."""
+        return Field(self.mean(), None, self.is_stand_in) if self.is_spread else self
 
     def mean(self) -> np.ndarray:
         """Return the mean over the picture, (1,) or (3,)."""
@@ -78,7 +95,8 @@ class Field:
         low, high = self.limits()
         if low >= 0 and high <= 1:
             return self
-        return Field(recall(self.values, "clipped", lambda v: np.clip(v, 0, 1)), self.layout)
+        clipped = recall(self.values, "clipped", lambda v: np.clip(v, 0, 1))
+        return replace(self, values=clipped)
 
     def is_everywhere(self, value) -> bool:
         """Whether the field is constant and equal to a number."""
@@ -88,6 +106,15 @@ class Field:
 def constant(*values) -> Field:
     """Return the field that is the same everywhere."""
     return Field(np.array(values, np.float32))
+
+
+SPREAD = Layout("samples", np.eye(3), name="samples")
+"""Layout of samples; it lies on no surface."""
+
+
+def spread(samples: np.ndarray) -> Field:
+    """Return the field of something of which only samples are known, equally likely ones. (n, 1 or 3)"""
+    return Field(np.asarray(samples, np.float32)[None], SPREAD, True)
 
 
 def luminance(values) -> np.ndarray:
@@ -122,9 +149,21 @@ def map_fields(function, *fields, note: Callable[[str, str], None]) -> Field:
 
     Returns
     -------
-    Field    Constant if all arguments are.
+    Field    Constant if all arguments are; samples if some of them are samples and the others constant.
     """
+    is_stand_in = any(field.is_stand_in for field in fields)
+    made, is_finite = _map(function, fields, note)
+    if not is_finite:
+        note("A number that is not finite arises", "0 or the largest number is used")
+    return Field(made.values, made.layout, is_stand_in or not is_finite)
+
+
+def _map(function, fields, note) -> tuple[Field, bool]:
+    """Apply a function, and tell whether all results are numbers."""
     pictures = [field for field in fields if not field.is_constant]
+    is_spread = [field.is_spread for field in pictures]
+    if any(is_spread) and not all(is_spread):
+        return _average(function, fields, note)
     if pictures:
         kept = pictures[0].layout.uv_map
         if any(field.layout.uv_map != kept for field in pictures):
@@ -135,19 +174,37 @@ def map_fields(function, *fields, note: Callable[[str, str], None]) -> Field:
             fields = [_onto_map(field, kept) for field in fields]
             pictures = [field for field in fields if not field.is_constant]
     if not pictures:
-        return Field(_finite(function(*(field.values for field in fields))))
+        values, is_finite = _finite(function(*(field.values for field in fields)))
+        return Field(values), is_finite
     layout, shape, is_shared = _common_layout(pictures, note)
     arrays = [
         field.values if field.is_constant else _onto_grid(field, layout, shape, is_shared)
         for field in fields
     ]
-    values = _finite(function(*arrays))
+    values, is_finite = _finite(function(*arrays))
     values.flags.writeable = False
-    return Field(np.broadcast_to(values, (*shape, values.shape[-1])), layout)
+    return Field(np.broadcast_to(values, (*shape, values.shape[-1])), layout), is_finite
 
 
-def _finite(values):
-    return np.nan_to_num(np.asarray(values, np.float32), posinf=3e38, neginf=-3e38)
+def _average(function, fields, note) -> tuple[Field, bool]:
+    """Apply a function to samples and pictures: the mean over the samples, place by place."""
+    pixels = max(field.values.size for field in fields if not field.is_spread)
+    step = SAMPLES // int(np.clip(LARGEST_AVERAGE // pixels, 4, SAMPLES))
+    numbers = range(step // 2, SAMPLES, step)
+    total, is_finite = 0.0, True
+    for turn, number in enumerate(numbers):
+        chosen = [Field(f.values[0, number]) if f.is_spread else f for f in fields]
+        made, is_fine = _map(function, chosen, note if turn == 0 else lambda *_: None)
+        total, is_finite = total + made.values / np.float32(len(numbers)), is_finite and is_fine
+    total.flags.writeable = False
+    return Field(total, made.layout), is_finite
+
+
+def _finite(values) -> tuple[np.ndarray, bool]:
+    values = np.asarray(values, np.float32)
+    if np.isfinite(values).all():
+        return values, True
+    return np.nan_to_num(values, posinf=3e38, neginf=-3e38), False
 
 
 def _onto_map(field, uv_map):
@@ -265,6 +322,7 @@ def _wrap(index, size, extension):
 
 def as_colour(field: Field) -> Colour:
     """Return a field as the engine's description of a colour."""
+    field = field.settled()
     if field.is_constant:
         red, green, blue = (float(value) for value in rgb(field.values))
         if max(red, green, blue) - min(red, green, blue) < _EQUAL:
@@ -275,6 +333,7 @@ def as_colour(field: Field) -> Colour:
 
 def as_scalar(field: Field) -> Scalar:
     """Return a field as a plain number or a one-channel picture."""
+    field = field.settled()
     if field.is_constant:
         return float(luminance(field.values)[0])
     return as_texture(Field(luminance(field.values), field.layout))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ...engine.scene.mesh import Geometry
 from .meshes import fingerprint, read_geometry
@@ -10,12 +11,13 @@ from .meshes import fingerprint, read_geometry
 
 @dataclass
 class _Entry:
-    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent."""
+    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3)."""
 
     owner: int
     is_of_data: bool
     fingerprint: int = 0
     is_stale: bool = True
+    corners: np.ndarray | None = None
 
 
 class GeometryTable:
@@ -44,10 +46,16 @@ class GeometryTable:
             self._update(key, entry, source)
         return key if entry.fingerprint else None
 
+    def corners(self, key: str) -> np.ndarray:
+        """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
+        return self._entries[key].corners
+
     def take_made(self, geometry: Geometry) -> str:
         """Return the id of a geometry that no data of Blender's states and that never changes."""
         if geometry.id not in self._entries:
-            self._entries[geometry.id] = _Entry(0, False, fingerprint(geometry), False)
+            self._entries[geometry.id] = _Entry(
+                0, False, fingerprint(geometry), False, _corners_of(geometry)
+            )
             self._of_owner.setdefault(0, set()).add(geometry.id)
             self.changed.append(geometry)
         return geometry.id
@@ -95,7 +103,14 @@ class GeometryTable:
         if entry.fingerprint == before:
             return
         self.reshaped += bool(before)
-        if geometry is None:
+        entry.corners = None if geometry is None else _corners_of(geometry)
+        if geometry is None or not np.isfinite(entry.corners).all():
+            # What has a corner nowhere is left out by whoever shows it.
             self.removed.append(key)
         else:
             self.changed.append(geometry)
+
+
+def _corners_of(geometry: Geometry) -> np.ndarray:
+    box = np.stack([geometry.vertices.min(axis=0), geometry.vertices.max(axis=0)])
+    return np.stack(np.meshgrid(*box.T.astype(np.float64)), axis=-1).reshape(-1, 3)

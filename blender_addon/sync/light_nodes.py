@@ -3,8 +3,10 @@
 import numpy as np
 
 from ...engine.scene.memo import recall
+from ..report import Severity
+from .fields import as_colour, as_scalar
 from .graph import Origin, find_socket, trace
-from .nodes import Context, evaluate_colour, evaluate_scalar
+from .nodes import Context, evaluate_field
 
 
 def find_emission(data) -> Origin | None:
@@ -23,11 +25,34 @@ def is_emission(origin: Origin) -> bool:
 
 
 def evaluate_emission(origin: Origin, context: Context) -> tuple[np.ndarray, float]:
-    """Return colour (3,) and strength of an Emission node; pictures count with their mean."""
-    inputs, groups = origin.socket.node.inputs, origin.groups
-    colour = mean_of(evaluate_colour(find_socket(inputs, "Color"), context, groups), 3)
-    strength = mean_of(evaluate_scalar(find_socket(inputs, "Strength"), context, groups), 1)
+    """Return colour (3,) and strength of an Emission node; pictures count with their mean, which is an error."""
+    node, groups = origin.socket.node, origin.groups
+    colour, strength = (
+        mean_light(find_socket(node.inputs, name), channels, context, groups)
+        for name, channels in (("Color", 3), ("Strength", 1))
+    )
     return colour, float(strength[0])
+
+
+def mean_light(socket, channels: int, context: Context, groups) -> np.ndarray:
+    """Return what arrives at an input that decides about light, the mean where it is not the same in all directions."""
+    field = evaluate_field(socket, context, groups)
+    node = socket.node.name
+    if not (field.is_constant or field.is_spread):
+        context.add(
+            Severity.ERROR,
+            node,
+            f"A picture shapes the light by {socket.name!r}",
+            "its mean is used in all directions; use a photometric file",
+        )
+    elif field.is_stand_in:
+        context.add(
+            Severity.ERROR,
+            node,
+            f"The light by {socket.name!r} depends on what cannot be taken over",
+            "the mean of what comes out is used",
+        )
+    return mean_of(as_colour(field) if channels == 3 else as_scalar(field), channels)
 
 
 def mean_of(value, channels: int) -> np.ndarray:

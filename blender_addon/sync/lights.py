@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ...engine.errors import LumenrayError
+from ...engine.errors import LumenrayError, SceneError
+from ...engine.scene.checks import LARGEST_AMOUNT, check_item
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
 from ...engine.scene.spectrum import Spectrum, Tabulated
 from ..luminaires.convert import LEFT_OUT, convert_luminaire
@@ -15,6 +16,7 @@ from .fields import luminance
 from .light_nodes import evaluate_emission, find_emission, is_emission
 from .nodes import Context
 from .spectra import check_visible, convert_spectrum, light_spectrum
+from .visibility import is_dark, tell_linking
 
 PHYSICAL_QUANTITIES = {
     "POINT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
@@ -51,41 +53,49 @@ def convert_light(
 
     Returns
     -------
-    Light or None    None when it emits nothing.
+    Light or None    None when it emits nothing, or cannot be computed.
     """
-    data = source.data
-    if is_rayset(source):
-        return convert_rays(
-            source,
-            rays_of(source),
-            light_id,
-            name,
-            matrix,
-            scale,
-            report,
-            lambda: _own_spectrum(source, name, report, images),
-            is_patient,
-        )
-    if is_luminaire(source):
-        return convert_luminaire(
-            source,
-            settings_of(source),
-            light_id,
-            name,
-            matrix,
-            scale,
-            report,
-            lambda: _own_spectrum(source, name, report, images),
-        )
-    try:
-        shaped = find_ies_emission(data, name, report, images)
-    except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
+    place = (light_id, name, matrix, scale)
+    if is_dark(source, name, report):
         return None
+    tell_linking(source, name, report)
+    if source.type == "LIGHT" and not source.data.use_shadow:
+        report.error(name, "the light casts no shadows in Blender", "it casts them")
+    try:
+        light = _convert(source, place, efficacy, report, images, is_patient)
+        if light is not None:
+            check_item(light)
+    except LumenrayError as error:
+        report.fault(name, error, LEFT_OUT)
+        return None
+    return light
+
+
+def _convert(source, place, efficacy, report, images, is_patient):
+    """Convert a light by what decides how it shines."""
+    if is_rayset(source) or is_luminaire(source):
+        return _convert_from_file(source, place, report, images, is_patient)
+    shaped = find_ies_emission(source.data, place[1], report, images)
     if shaped is not None:
-        return convert_ies_light(
-            source, shaped, _colour(data), light_id, name, matrix, scale, efficacy, report
-        )
+        return convert_ies_light(source, shaped, _colour(source.data), *place, efficacy, report)
+    return _convert_own(source, *place, efficacy, report, images)
+
+
+def _convert_from_file(source, place, report, images, is_patient):
+    """Convert a light that shines as a ray file or a photometric file says."""
+    name = place[1]
+
+    def own_spectrum():
+        return _own_spectrum(source, name, report, images)
+
+    if is_rayset(source):
+        return convert_rays(source, rays_of(source), *place, report, own_spectrum, is_patient)
+    return convert_luminaire(source, settings_of(source), *place, report, own_spectrum)
+
+
+def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images):
+    """Convert a light that shines as its kind does."""
+    data = source.data
     matrix = np.array(matrix, dtype=np.float64)
     position = matrix[:3, 3] * scale
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
@@ -100,6 +110,7 @@ def convert_light(
         return None
     if output is None:
         return None
+    _tell_scales(data, name, lengths, scale, report)
     match data.type:
         case "POINT":
             radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
@@ -123,6 +134,22 @@ def convert_light(
             )
     report.error(name, f"lights of type {data.type} are unknown", "the light is left out")
     return None
+
+
+def _tell_scales(data, name, lengths, scale, report) -> None:
+    """Note what Blender makes of the scales of the object and of the scene, and this engine does not."""
+    if data.type == "SPOT" and lengths.max() > 1.001 * lengths.min():
+        report.error(
+            name,
+            "the spot is scaled unevenly, which makes its cone an ellipse in Blender",
+            "the cone is round, of the angle that is stated; scale all axes alike",
+        )
+    if scale != 1.0 and data.type != "SUN" and not data.lumenray.use_physical:
+        report.warn(
+            "Unit scale",
+            f"a Blender unit is {scale:g} m, which Blender's own renders leave out",
+            f"distances are in metres: lights in watts light {scale**-2:.4g} times what Blender shows",
+        )
 
 
 def _area(data, source, light_id, name, output, axes, position, lengths, report):
@@ -169,7 +196,7 @@ def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[n
     if origin is None:
         return white, 1.0
     if not is_emission(origin):
-        report.warn(
+        report.error(
             name,
             "the light's nodes do not end in an Emission node",
             "colour and power of the light are used",
@@ -178,11 +205,20 @@ def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[n
     return evaluate_emission(origin, Context(name, report, images))
 
 
+def _check_amount(value: float) -> None:
+    """Refuse light that is none. Raises `SceneError`."""
+    if not 0.0 <= value <= LARGEST_AMOUNT:
+        raise SceneError(
+            f"its amount of light is {value:.3g}, expected a number from 0 to {LARGEST_AMOUNT:g}"
+        )
+
+
 def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:
     settings = data.lumenray
     if settings.use_physical:
-        if settings.value <= 0.0:
+        if settings.value == 0.0:
             return None
+        _check_amount(settings.value)
         if settings.quantity not in PHYSICAL_QUANTITIES[data.type]:
             report.error(
                 name,
@@ -202,8 +238,9 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
         * efficacy
         * float(np.ravel(luminance(rgb))[0])
     )
-    if lumens <= 0.0:
+    if lumens == 0.0:
         return None
+    _check_amount(lumens)
     spectrum = light_spectrum(rgb)
     spread_out = not getattr(data, "normalize", True)
     match data.type:

@@ -110,6 +110,10 @@ class MaterialTable:
         entries = [entry for entry in self._entries.values() if entry.key in used]
         return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
 
+    def is_luminous(self, keys) -> bool:
+        """Whether one of the materials with these ids glows."""
+        return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
+
     def dependencies(self) -> set[int]:
         """Return session uids of all node trees and images that the materials read."""
         return set().union(*(entry.dependencies for entry in self._entries.values()))

@@ -1,10 +1,12 @@
 """Conversion of Blender materials."""
 
 import logging
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
+from ...engine.scene.checks import DEEPEST_MIX, depth_of
 from ...engine.scene.material import Black, Diffuse, Emission, Material, Transparent
 from ...engine.scene.spectrum import Constant, Illuminant
 from ..report import ConversionReport
@@ -20,6 +22,9 @@ _logger = logging.getLogger(__name__)
 
 DEFAULT_REFLECTANCE = 0.8
 """Diffuse reflectance that Blender gives to a mesh without a material. [-]"""
+
+LARGEST_RADIANCE = 1e20
+"""Radiance from which on an emission is a slip: no sum of light could be told beside it. [W/(m2 sr)]"""
 
 
 def default_material(material_id: str) -> Material:
@@ -58,6 +63,9 @@ def convert_material(
     _report_working_space(report)
     try:
         closure = _convert_tree(material, report, images)
+        depth = depth_of(closure.surface)
+    except RecursionError:
+        closure, depth = Closure(), None
     except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
         _logger.exception("Material %s", material.name)
         report.error(
@@ -65,8 +73,15 @@ def convert_material(
             "The node tree cannot be understood; please send the file to the developers",
             f"diffuse grey {DEFAULT_REFLECTANCE} is used",
         )
-        closure = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE)))
-    emission = _emission(closure, efficacy)
+        closure, depth = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE))), 0
+    if depth is None or depth > DEEPEST_MIX:
+        report.error(
+            material.name,
+            f"More than {DEEPEST_MIX} shaders are mixed into each other",
+            f"diffuse grey {DEFAULT_REFLECTANCE} is used",
+        )
+        closure = replace(closure, surface=Diffuse(Constant(DEFAULT_REFLECTANCE)))
+    emission = _emission(closure, efficacy, material.name, report)
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index
     )
@@ -96,7 +111,7 @@ def _convert_tree(material, report, images) -> Closure:
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
     if is_volume:
-        report.warn(material.name, "A volume is not supported", "it is left out", output.name)
+        report.error(material.name, "A volume is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
             return Closure(Transparent())
@@ -109,16 +124,29 @@ def _uses_nodes(material):
     return bpy.app.version >= (5, 0, 0) or material.use_nodes
 
 
-def _emission(closure: Closure, efficacy: float) -> Emission | None:
+def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:
     """Turn Blender's radiance into luminance."""
     if closure.radiance is None:
         return None
-    values = np.maximum(closure.radiance.values, 0)
-    largest = float(values.max())
+    radiance = closure.radiance.settled()
+    low, largest = radiance.limits()
+    if low < 0:
+        report.error(name, "Its emission is negative", "no light is given there")
+    if largest > LARGEST_RADIANCE:
+        report.error(name, f"Its emission is {largest:.3g} W/(m2 sr)", "it gives no light")
+        return None
+    if radiance.is_stand_in:
+        mean = efficacy * float(luminance(radiance.mean())[0])
+        report.error(
+            name,
+            "Its emission depends on what cannot be taken over",
+            f"the mean of what comes out is used, {mean:.4g} cd/m2 over the surface",
+        )
+    values = np.maximum(radiance.values, 0)
     if largest <= 0:
         return None
-    if not closure.radiance.is_constant:
-        pattern = as_texture(Field(values / largest, closure.radiance.layout))
+    if not radiance.is_constant:
+        pattern = as_texture(Field(values / largest, radiance.layout))
         white = Illuminant("D65")
         return Emission(white, efficacy * largest, pattern, closure.two_sided)
     colour = np.broadcast_to(values, 3)

@@ -1,5 +1,7 @@
 """Evaluation of colour and value sub-graphs of a shader tree."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...engine.scene.material import Colour, Scalar
@@ -34,9 +36,9 @@ class Context:
         self.known: dict = {}
         self.active: set = set()
 
-    def add(self, severity, node, message, remedy):
+    def add(self, severity, node, message, remedy, is_missing=False):
         """Note one departure of a node."""
-        self.report.add(severity, self.datablock, node, message, remedy)
+        self.report.add(severity, self.datablock, node, message, remedy, is_missing)
 
     def take_profile(self, node) -> float | None:
         """Return the number that an IES texture stands for; None: it cannot be taken over here."""
@@ -84,11 +86,11 @@ class Inputs:
         )
         for message, remedy in notes:
             self.note(message, remedy)
-        return Field(values, layout)
+        return Field(values, layout, any(field.is_stand_in for field in fields))
 
     def plain(self, *identifiers) -> float:
         """Return an input as one number, the mean if it varies."""
-        field = self(*identifiers)
+        field = self(*identifiers).settled()
         if not field.is_constant:
             value = float(luminance(field.mean())[0])
             self.note(
@@ -112,6 +114,10 @@ class Inputs:
     def fail(self, message, remedy):
         """Note something that is left out."""
         self.context.add(Severity.ERROR, self.node.name, message, remedy)
+
+    def miss(self, message, remedy):
+        """Note a file that is not there or cannot be read."""
+        self.context.add(Severity.ERROR, self.node.name, message, remedy, is_missing=True)
 
 
 def evaluate_colour(socket, context: Context, groups: tuple = ()) -> Colour:
@@ -163,7 +169,7 @@ def _through_links(field, types):
         if after in _NUMBERS and field.values.shape[-1] == 3:
             values = field.values
             grey = luminance(values) if before == "RGBA" else values.mean(axis=-1, keepdims=True)
-            field = Field(grey, field.layout)
+            field = replace(field, values=grey)
     return field
 
 

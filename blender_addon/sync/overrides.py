@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...engine.errors import SceneError
+from ...engine.errors import LumenrayError
 from ...engine.formats.data_sheet import read_data_sheet
 from ...engine.scene.material import (
     Black,
@@ -44,8 +44,8 @@ def convert_override(
     if settings.model == "EMITTER":
         try:
             spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
-        except SceneError as error:
-            report.error(datablock, str(error), "the material does not shine")
+        except LumenrayError as error:
+            report.fault(datablock, error, "the material does not shine")
             return Black(), None
         emission = Emission(spectrum, settings.luminance, None, settings.two_sided)
         return Black(), emission if settings.luminance > 0 else None
@@ -65,7 +65,7 @@ def _reflectance(settings, report, datablock) -> Spectrum:
             return table
         if table is not None:
             problem = f"{table.name} holds reflectances outside 0..1, perhaps per cent"
-            report.error(datablock, problem, remedy)
+            report.miss(datablock, problem, remedy)
     return Constant(settings.reflectance)
 
 
@@ -131,7 +131,7 @@ def _refractive_index(settings, report, datablock) -> RefractiveIndex:
         if table is not None and table.values.min() >= 1:
             return IorTable(table.wavelengths, table.values)
         if table is not None:
-            report.error(datablock, f"{table.name} holds refractive indices below 1", remedy)
+            report.miss(datablock, f"{table.name} holds refractive indices below 1", remedy)
     return Cauchy(settings.ior, 0.0)
 
 

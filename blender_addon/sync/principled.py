@@ -10,12 +10,16 @@ from ...engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    ThinGlass,
     Transparent,
 )
 from ...engine.scene.memo import recall
-from .closures import Closure, mix_surfaces, reflectance_of, scaled
+from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
 from .fields import Field, as_colour, as_scalar
 from .graph import find_socket, trace
+
+ROUGH = 0.1
+"""Roughness from which on light that passes is spread too widely for a pane."""
 
 _LEFT_OUT = {
     "Coat Weight": (0.0, "The coat"),
@@ -48,7 +52,8 @@ def convert_principled(at) -> Closure:
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
-        surface = mix_surfaces(surface, _glass(at, base), transmission)
+        pane = _pane if _is_thin_wall(at) else _glass
+        surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
         surface = mix_surfaces(surface, Glossy(as_colour(base), as_scalar(roughness)), metallic)
     radiance = _radiance(at)
@@ -69,6 +74,20 @@ def _coated(at, base):
     return Coated(as_colour(base), ior, min(max(at.plain("Roughness"), 0.0), 1.0))
 
 
+def _is_thin_wall(at) -> bool:
+    """Whether the surface is a sheet with air on both sides, which Blender has from 5.2 on."""
+    socket = find_socket(at.node.inputs, "Thin Wall")
+    if socket is not None:
+        return not at.field(socket).is_everywhere(0)
+    return bool(getattr(at.node, "thin_wall", False))
+
+
+def _pane(at, base):
+    if not at("Roughness").is_everywhere(0) and at.plain("Roughness") > ROUGH:
+        at.fail("A thin wall that scatters is not supported", "a clear pane is used")
+    return ThinGlass(max(at.plain("IOR"), 1.0), as_colour(base))
+
+
 def _glass(at, base):
     # Cycles takes the root because light crosses the boundary twice.
     tint = Field(recall(base.values, "root", np.sqrt), base.layout)
@@ -78,10 +97,10 @@ def _glass(at, base):
 
 def _radiance(at):
     strength = at("Emission Strength")
-    if strength.is_everywhere(0):
+    if is_dark(strength):
         return None
     radiance = at.map(lambda c, s: c * s, at("Emission Color"), strength)
-    return None if radiance.is_everywhere(0) else radiance
+    return None if is_dark(radiance) else radiance
 
 
 def _report_unsupported(at):

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
+from ...engine.errors import SceneError
 from ...engine.scene.camera import Camera
+from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import SceneDelta, content_digest
@@ -28,6 +30,7 @@ from .portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .step import SyncStats, SyncStep
 from .tags import Tags
 from .units import metres_per_unit
+from .visibility import is_dark_world, tell_departures, tell_linking, tell_visibility, visibility_of
 from .world import convert_world, follows_sun_lamp
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
@@ -51,6 +54,7 @@ class _Shown:
     data : int    Session uid of the object's data.
     shading : frozenset of int    Node trees and images that a light reads.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    is_far : bool    Whether it is an object that was left out because of where it is.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
     walk : int    Number of the walk that saw it last.
     """
@@ -65,6 +69,7 @@ class _Shown:
     data: int = 0
     shading: frozenset[int] = frozenset()
     is_dark: bool = False
+    is_far: bool = False
     towards_sun: np.ndarray | None = None
     report: ConversionReport | None = None
     walk: int = 0
@@ -252,6 +257,10 @@ class _Walk:
             reports.append(sync._world.report)
         for part in reports:
             whole.include(part)
+        if self.scene.render.use_motion_blur:
+            whole.warn(
+                self.scene.name, "motion blur is not computed", "the frame's own moment counts"
+            )
         if not is_lit and not sync._world.digest:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
@@ -302,7 +311,7 @@ class _Walk:
                 or (shown.shading and not shown.shading.isdisjoint(touched))
             ):
                 self._convert(shown, instance, source, original)
-            elif matrix != shown.matrix and shown.item is not None:
+            elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
                 self._move(shown, instance, source, original)
             shown.matrix = matrix
 
@@ -350,7 +359,7 @@ class _Walk:
             self._convert_light(shown, instance, source, original)
         else:
             shown.report = ConversionReport()
-            shown.report.warn(shown.name, f"objects of type {kind} are not converted", "left out")
+            shown.report.error(shown.name, f"objects of type {kind} are not converted", "left out")
             self._place(shown, None)
 
     def _name(self, shown, instance, original, kind) -> None:
@@ -378,16 +387,27 @@ class _Walk:
         if geometry is None:
             self._place(shown, None)
             return
-        use = self.sync._materials.use
-        materials = tuple(use(slot.material) for slot in source.material_slots) or (use(None),)
+        table = self.sync._materials
+        materials = tuple(table.use(slot.material) for slot in source.material_slots)
+        materials = materials or (table.use(None),)
+        parent = instance.parent if instance.is_instance and not shown.is_own else None
+        layer = self.depsgraph.view_layer
+        found = visibility_of(source, parent, layer)
+        report = ConversionReport()
+        tell_visibility(found, shown.name, report)
+        tell_departures(source, shown.name, report, layer)
+        if found.light and table.is_luminous(materials):
+            tell_linking(source, shown.name, report)
+        shown.report = report if report.rows else None
         placement = Placement(
             id=shown.key,
             name=shown.name,
             geometry=geometry,
             frame=self._frame(instance),
             materials=materials,
-            visible_to_camera=source.visible_camera,
+            visible_to_camera=found.camera,
             index=source.pass_index,
+            meets_light=found.light,
         )
         self._place(shown, placement)
 
@@ -426,6 +446,9 @@ class _Walk:
     def _place(self, shown, placement: Placement | None) -> None:
         """Send a placement if it differs from what was sent; None takes away what was."""
         before = shown.item
+        shown.is_far = placement is not None and self._is_far(shown, placement)
+        if shown.is_far:
+            placement = None
         shown.item, shown.digest, shown.is_dark = placement, b"", False
         if placement is None:
             if before is not None:
@@ -438,6 +461,7 @@ class _Walk:
                 before.geometry == placement.geometry
                 and before.materials == placement.materials
                 and before.visible_to_camera == placement.visible_to_camera
+                and before.meets_light == placement.meets_light
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
@@ -447,6 +471,19 @@ class _Walk:
             else:
                 self.counts["changed"] += 1
         self.changed.append(placement)
+
+    def _is_far(self, shown, placement: Placement) -> bool:
+        """Tell whether an object lies too far away to be computed beside others, or nowhere, and note it."""
+        corners = self.sync._geometries.corners(placement.geometry)
+        with np.errstate(over="ignore", invalid="ignore"):
+            corners = corners @ placement.frame[:3, :3].T + placement.frame[:3, 3]
+        try:
+            check_reach("it", corners.min(axis=0), corners.max(axis=0))
+        except SceneError as error:
+            shown.report = shown.report or ConversionReport()
+            shown.report.error(shown.name, str(error), "the object is left out")
+            return True
+        return False
 
     def _convert_light(self, shown, instance, source, original) -> None:
         sync, shown.report = self.sync, ConversionReport()
@@ -527,7 +564,9 @@ class _Walk:
             return
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
-        made = convert_world(evaluated, key, sync._efficacy, report, sync._images, sun_lamp)
+        made = None
+        if evaluated is None or not is_dark_world(evaluated, report):
+            made = convert_world(evaluated, key, sync._efficacy, report, sync._images, sun_lamp)
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
         sync._world = _World(source, key, sun, digest, trees, report)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ...engine.errors import LumenrayError, SceneError
+from ...engine.errors import FileFormatError, LumenrayError, SceneError
 from ...engine.formats.spd import SpectrumFile, read_spectrum
 from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
@@ -34,7 +34,7 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     Parameters
     ----------
     settings : SpectrumSettings    A light's or a material's property group.
-    rgb : (3,) sequence    Linear colour for ``RGB``, and for a file that cannot be read.
+    rgb : (3,) sequence    Linear colour for ``RGB``.
     report : ConversionReport    Where departures go.
     datablock : str    Name of the light or material, for the report.
 
@@ -44,7 +44,7 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
 
     Raises
     ------
-    SceneError    A file's spectrum is zero at all wavelengths: nothing else stands for darkness.
+    LumenrayError    Its file cannot be read or holds no light: any other spectrum would be a guess.
     """
     if settings.spectrum == "ILLUMINANT":
         return Illuminant(settings.illuminant)
@@ -53,19 +53,16 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
     if settings.spectrum == "DAYLIGHT":
         return _daylight(settings.colour_temperature, report, datablock)
     if settings.spectrum == "FILE":
-        table = read_file(
+        made = _open_file(
             settings,
             "spectrum_file",
-            report,
-            datablock,
-            "the plain colour is used",
             lambda path: read_spectrum(path, settings.spectrum_column or None),
-            note=report.warn,
+            "spectrum file",
         )
-        if table is not None and table.values.max() <= 0:
-            raise SceneError(f"the spectrum {table.name} has no value above 0")
-        if table is not None:
-            return table
+        table = _tell_remarks(made, report.warn, datablock)
+        if not table.values.max() > 0.0:
+            raise FileFormatError(table.name, "the spectrum has no value above 0")
+        return table
     return light_spectrum(rgb)
 
 
@@ -129,20 +126,32 @@ def read_file(
     kind : str    What kind of file it is, for the report.
     note : callable or None    Takes what is odd about a spectrum; None: `ConversionReport.info`.
     """
+    try:
+        made = _open_file(settings, name, read, kind)
+    except LumenrayError as error:
+        report.miss(datablock, str(error), remedy)
+        return None
+    return _tell_remarks(made, note or report.info, datablock)
+
+
+def _open_file(settings, name, read, kind):
     path = getattr(settings, name)
     if not path:
-        report.error(datablock, f"No {kind} is chosen", remedy)
-        return None
+        raise LumenrayError(f"No {kind} is chosen")
     path = bpy.path.abspath(path, library=settings.id_data.library)
     try:
         made = read(path)
     except (LumenrayError, OSError, ValueError) as error:
-        report.error(
-            datablock, f"{path}: {error}" if path not in str(error) else str(error), remedy
-        )
-        return None
+        if path in str(error):
+            raise LumenrayError(str(error)) from None
+        raise FileFormatError(path, str(error)) from None
+    return made
+
+
+def _tell_remarks(made, note, datablock):
+    """What a file holds; what is odd about a spectrum goes to ``note``."""
     if not isinstance(made, SpectrumFile):
         return made
     for remark in made.remarks:
-        (note or report.info)(datablock, f"{made.path.name}: {remark}", "it is read so")
+        note(datablock, f"{made.path.name}: {remark}", "it is read so")
     return made.table

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...engine.scene.memo import recall
 from . import patterns
-from .fields import Field, Layout, constant, mean_of_picture
+from .fields import SAMPLES, Field, Layout, constant, mean_of_picture, spread
 from .images import MISSING
 from .mapping import Placement, legacy_matrix, resolve_placement
 
@@ -24,11 +24,24 @@ def _image(at):
     if reading is None:
         place = f" ({image.filepath})" if image and image.filepath else ""
         name = f"Image {image.name!r}{place} cannot be read" if image else "No image is chosen"
-        at.fail(name, f"grey {MISSING} is used")
-        return constant(1.0 if at.output.identifier == "Alpha" else MISSING)
+        (at.miss if image else at.fail)(name, f"grey {MISSING} is used")
+        return _constant_instead(1.0 if at.output.identifier == "Alpha" else MISSING)
     if at.output.identifier == "Alpha":
         return _laid(at, reading.alpha)
-    return _colour_mapped(at, _laid(at, reading.colour))
+    return _colour_mapped(at, _laid(at, _usable(at, reading.colour)))
+
+
+def _usable(at, pixels):
+    """Return the pixels of a picture with 0 in place of what is no number."""
+    bad = recall(pixels, "bad", lambda v: int((~np.isfinite(v)).any(axis=-1).sum()))
+    if not bad:
+        return pixels
+    at.fail(f"Image {at.node.image.name!r} has {bad} pixels that are no numbers", "0 is used")
+    return recall(pixels, "usable", lambda v: np.nan_to_num(v, posinf=0.0, neginf=0.0))
+
+
+def _constant_instead(value):
+    return Field(constant(value).values, None, True)
 
 
 def _laid(at, pixels):
@@ -37,11 +50,11 @@ def _laid(at, pixels):
         at.remark(f"{node.interpolation} interpolation", "linear interpolation is used")
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
-        return Field(mean_of_picture(pixels))
+        return Field(mean_of_picture(pixels), None, True)
     placement = _placement(at, is_uv_by_default=True)
     if placement is None:
         at.note("Texture coordinates other than a UV map", "the picture's mean is used")
-        return Field(mean_of_picture(pixels))
+        return Field(mean_of_picture(pixels), None, True)
     transform, extension = placement.transform, node.extension.lower()
     if extension == "clip":
         pixels, transform = _with_black_border(pixels, transform)
@@ -106,7 +119,7 @@ def _checker(at):
     placement = _scaled_placement(at)
     if placement is None:
         at.note("A checker without a UV map", "the mean of its two colours is used")
-        share = constant(0.5)
+        share = spread(np.arange(SAMPLES)[:, None] % 2)
     else:
         # One field of the checker is half of the repeating picture.
         transform = np.diag([0.5, 0.5, 1.0]) @ placement.transform
@@ -141,7 +154,9 @@ def _brick(at):
     )
     if placement is None:
         at.note("A brick pattern without a UV map", "its mean colour is used")
-        fields = [Field(mean_of_picture(mortar)), Field(mean_of_picture(tint))]
+        # Both of the same places, so that joints stay joints.
+        places = np.random.default_rng(1).integers(0, _BRICK_TILE, (2, SAMPLES))
+        fields = [spread(part[tuple(places)]) for part in (mortar, tint)]
     else:
         at.remark("A brick pattern never repeats", "it is drawn for one UV tile and repeated")
         layout = Layout(placement.uv_map, np.eye(3), "linear", "repeat", node.name)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ...engine.scene.checks import LARGEST_AMOUNT
 from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
 from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
@@ -14,8 +15,8 @@ from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .fields import luminance
 from .graph import find_socket, trace
 from .image_cache import ImageCache
-from .light_nodes import mean_of
-from .nodes import Context, evaluate_colour, evaluate_scalar
+from .light_nodes import mean_light
+from .nodes import Context
 from .spectra import light_spectrum
 
 
@@ -57,10 +58,13 @@ def convert_world(
         rgb = np.array(world.color)
         if colour_socket is not None:
             context = Context(world.name, report, images)
-            rgb = mean_of(evaluate_colour(colour_socket, context, groups), 3)
+            rgb = mean_light(colour_socket, 3, context, groups)
         amount = float(np.ravel(luminance(rgb))[0]) * per_unit
         if settings.unit == "ILLUMINANCE":
             amount = settings.illuminance / math.pi
+        if not 0.0 <= amount <= LARGEST_AMOUNT:
+            report.error(world.name, f"its luminance is {amount:.3g} cd/m2", "the world is black")
+            return None
         return UniformWorld(amount, light_spectrum(rgb), world_id) if amount > 0.0 else None
     image, rotation = picture
     if settings.unit == "ILLUMINANCE":
@@ -122,7 +126,7 @@ def _background(world, report, images):
         return None
     volume = find_socket(output.inputs, "Volume")
     if volume is not None and volume.is_linked:
-        report.warn(world.name, "the world has a volume", "it is left out")
+        report.error(world.name, "the world has a volume", "it is left out")
     origin = trace(find_socket(output.inputs, "Surface"))
     if not origin.is_output:
         return None
@@ -136,10 +140,11 @@ def _background(world, report, images):
         )
         return None
     context = Context(world.name, report, images)
-    strength = mean_of(
-        evaluate_scalar(find_socket(node.inputs, "Strength"), context, origin.groups), 1
-    )
-    return find_socket(node.inputs, "Color"), float(strength[0]), origin.groups
+    strength = float(mean_light(find_socket(node.inputs, "Strength"), 1, context, origin.groups)[0])
+    if not 0.0 <= strength <= LARGEST_AMOUNT:
+        report.error(world.name, f"the strength is {strength:.3g}", "the world is black", node.name)
+        return None
+    return find_socket(node.inputs, "Color"), strength, origin.groups
 
 
 def _environment(socket, groups, name, report, images):
@@ -161,9 +166,10 @@ def _environment(socket, groups, name, report, images):
         node.image, True, lambda message, remedy: report.warn(name, message, remedy, node.name)
     )
     if reading is None:
-        report.error(
+        file = f" ({node.image.filepath})" if node.image and node.image.filepath else ""
+        report.miss(
             name,
-            "the environment texture has no picture",
+            f"the environment texture has no picture that can be read{file}",
             "the world is uniform grey 0.5",
             node.name,
         )

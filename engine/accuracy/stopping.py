@@ -55,6 +55,35 @@ class StopRule:
                     f"the stopping rule's {name} is {value}, expected a number of at least 0"
                 )
 
+    def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
+        """Say which error was wanted and not reached, because samples or time ended before.
+
+        Parameters
+        ----------
+        relative, absolute, each : float
+            Standard error of the whole [-] [lx] and the largest relative one of a single value [-], as they are.
+
+        Returns
+        -------
+        str    Empty if one of the wanted errors was reached, as any of them ends a job, or if none was wanted.
+        """
+        wanted = [
+            (self.error, relative, "relative standard error", 100.0, "%"),
+            (self.absolute, absolute, "standard error", 1.0, "lx"),
+            (self.each, each, "relative standard error of every value", 100.0, "%"),
+        ]
+        wanted = [entry for entry in wanted if entry[0] is not None]
+        if not wanted or any(reached <= goal for goal, reached, *_ in wanted):
+            return ""
+        said = " and ".join(
+            f"the wanted {name} of {unit_size * goal:.3g} {unit} was not reached, it is "
+            + (f"{unit_size * reached:.3g} {unit}" if math.isfinite(reached) else "not known")
+            for goal, reached, name, unit_size, unit in wanted
+        )
+        ends = [f"the time of {self.seconds:g} s"] if self.seconds is not None else []
+        ends += [f"the {self.samples} samples"] if self.samples is not None else []
+        return f"{said}: {' or '.join(ends) or 'the run'} ended before"
+
 
 @dataclass(frozen=True)
 class Progress:

@@ -82,6 +82,9 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         first.seconds,
         [quantity_of_map(made) for made in result.maps],
         conversion,
+        order.rule.shortfall(
+            result.relative_standard_error, result.relative_standard_error * result.mean
+        ),
     )
     content["atlas"] = {
         "pages": [[page.width, page.height] for page in result.pages],

@@ -466,6 +466,11 @@ class Bake:
     def _finish(self, maps, pages, seams, table, estimates, states, atlas) -> BakeResult:
         order = self.order
         mean, rms, error = _whole(estimates, table)
+        shortfall = order.rule.shortfall(error / mean if mean > 0.0 else float("inf"), error)
+        if shortfall:
+            self.departures.append(
+                Departure("all maps", shortfall, "they carry the error that was reached")
+            )
         result = BakeResult(
             maps=tuple(maps),
             pages=tuple(pages),

@@ -33,13 +33,19 @@ def _known(error: float) -> float | None:
     return error if math.isfinite(error) else None
 
 
-def compose(file: str, provenance, seconds: float, quantities: list[dict], conversion=()) -> dict:
-    """Put a report together from a `session.Provenance`, rows and the conversion report's rows."""
+def compose(
+    file: str, provenance, seconds: float, quantities: list[dict], conversion=(), shortfall=""
+) -> dict:
+    """Put a report together from a `session.Provenance`, rows and the conversion report's rows.
+
+    ``shortfall``: what is said of a wanted error that was not reached (see `StopRule.shortfall`), empty if it was.
+    """
     return {
         "engine": {"version": provenance.engine_version, "variant": provenance.variant},
         "scene": {"file": file, "hash": provenance.scene_hash},
         "seed": provenance.seed,
         "seconds": seconds,
+        "goal": {"reached": not shortfall, "shortfall": shortfall},
         "quantities": quantities,
         "decisions": list(provenance.decisions),
         "notes": list(provenance.notes),

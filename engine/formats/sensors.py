@@ -96,11 +96,12 @@ def _row(path, fields, order, line) -> list[float]:
 
 
 def write_measurements(
-    path, sensors: np.ndarray, illuminance, standard_error, tristimulus=None
+    path, sensors: np.ndarray, illuminance, standard_error, tristimulus=None, remarks=()
 ) -> Path:
     """Write sensors (n, 6) with their illuminance and its standard error (n,). [m, lx]
 
-    ``tristimulus`` (n, 3) adds the chromaticity x, y of the light that arrives.
+    ``tristimulus`` (n, 3) adds the chromaticity x, y of the light that arrives. ``remarks`` are lines of text that a
+    reader of the numbers has to know; they stand before them, each behind a ``#``.
 
     Raises
     ------
@@ -110,6 +111,7 @@ def write_measurements(
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", newline="", encoding="utf-8") as file:
+            file.writelines(f"# {remark}\n" for remark in remarks)
             writer = csv.writer(file, lineterminator="\n")
             colours = [()] * len(sensors) if tristimulus is None else _chromaticities(tristimulus)
             names = () if tristimulus is None else ("chromaticity_x", "chromaticity_y")

@@ -1,4 +1,4 @@
-"""Numbers that are none, refused with the item and the field that hold them."""
+"""Numbers that are none or out of all proportion, refused with the item and the field that hold them."""
 
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -6,9 +6,19 @@ from enum import Enum
 import numpy as np
 
 from ..errors import SceneError
+from .camera import Camera
 from .distribution import Opening
-from .light import CieSky, ImageWorld, Luminaire, Output, UniformWorld
-from .material import Material, TabulatedPane
+from .light import (
+    AreaLight,
+    CieSky,
+    ImageWorld,
+    Luminaire,
+    Output,
+    PointLight,
+    SpotLight,
+    UniformWorld,
+)
+from .material import Material, Mix, TabulatedPane
 from .mesh import Geometry, Mesh, Placement
 from .sensor import SensorSet
 from .texture import ImageTexture
@@ -16,9 +26,19 @@ from .texture import ImageTexture
 PLAIN = (str, int, type(None), Enum)
 """Kinds of values that are always usable here."""
 
+FARTHEST = 1e7
+"""Distance from the world's origin up to which things are computed: a thing farther away would leave no digits for the
+others, whose places are known to a part in 2 ** 24 of the scene's size. [m]"""
+
+LARGEST_AMOUNT = 1e25
+"""Largest amount of light of a single source, whatever its unit; with more, single precision overflows."""
+
+DEEPEST_MIX = 24
+"""How many mixtures may lie in each other; the time that a kernel takes to compile grows with the square of it."""
+
 
 def check_item(item) -> None:
-    """Refuse an item of a scene, a camera or a surface in which a number is not finite.
+    """Refuse an item of a scene, a camera or a surface in which a number is not finite or out of proportion.
 
     Pixels of pictures are left out: a measured sky may hold infinite ones, and what they count as is decided where they are
     used. So are the tables of panes, which are checked there for more than this.
@@ -33,6 +53,65 @@ def check_item(item) -> None:
     """
     for fault in _faults(item, ""):
         raise SceneError(f"{_title(item)}{fault}")
+    if isinstance(item, PointLight | SpotLight | AreaLight | Luminaire | Camera):
+        has_place = isinstance(item, PointLight | SpotLight)
+        place = item.position if has_place else np.asarray(item.frame)[:3, 3]
+        half = 0.5 * size_of(item)
+        check_reach(_title(item), np.asarray(place) - half, np.asarray(place) + half)
+    if amount_of(item) > LARGEST_AMOUNT:
+        raise SceneError(
+            f"{_title(item)}: its amount of light is {amount_of(item):.3g}, expected at most {LARGEST_AMOUNT:g}"
+        )
+    if isinstance(item, Material):
+        depth = depth_of(item.surface)
+        if depth > DEEPEST_MIX:
+            raise SceneError(
+                f"{_title(item)}: {depth} mixtures lie in each other, expected at most {DEEPEST_MIX}"
+            )
+
+
+def check_reach(title: str, low, high) -> None:
+    """Refuse something that lies too far away, or reaches there, by its bounds. (3,), (3,) [m]
+
+    Raises
+    ------
+    SceneError    Names it and how far it reaches.
+    """
+    reach = float(np.abs([low, high]).max())
+    if not reach <= FARTHEST:
+        raise SceneError(
+            f"{title} reaches {reach:.3g} m from the world's origin, expected at most {FARTHEST:g} m"
+        )
+
+
+def amount_of(item) -> float:
+    """Return how much light an item states, in its own unit; 0 of what gives none."""
+    match item:
+        case Material():
+            return 0.0 if item.emission is None else item.emission.luminance
+        case UniformWorld():
+            return item.luminance
+    output = getattr(item, "output", None)
+    return 0.0 if output is None else output.value
+
+
+def size_of(light) -> float:
+    """Length of the longest side of a light's body, 0 of what has none. [m]"""
+    match light:
+        case PointLight() | SpotLight():
+            return 2.0 * float(light.radius)
+        case AreaLight():
+            return float(max(light.size_x, light.size_y))
+        case Luminaire():
+            return float(np.max(light.opening.size))
+    return 0.0
+
+
+def depth_of(surface) -> int:
+    """How many mixtures of a surface lie in each other."""
+    if not isinstance(surface, Mix):
+        return 0
+    return 1 + max(depth_of(surface.first), depth_of(surface.second))
 
 
 def _title(item) -> str:

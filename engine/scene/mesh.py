@@ -40,8 +40,9 @@ class Placement:
     geometry : str    Id of a `Geometry` of the scene.
     frame : (4, 4) float64 array    From the geometry's frame to the world. [m]
     materials : tuple of str    Material ids, one per slot; at least one.
-    visible_to_camera : bool    Blender's ray visibility.
+    visible_to_camera : bool    Whether rays of the camera meet it.
     index : int    The user's number for the index pass.
+    meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
     """
 
     id: str
@@ -51,6 +52,7 @@ class Placement:
     materials: tuple[str, ...]
     visible_to_camera: bool = True
     index: int = 0
+    meets_light: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +70,9 @@ class Mesh:
     corner_normals : (t, 3, 3) float32 array or None    Shading normals per triangle corner; None: flat.
     uv_maps : dict of str to (t, 3, 2) float32 array    Texture coordinates per triangle corner; the first is the default.
     polygon : (t,) int32 array or None    Index of the polygon that each triangle came from (None: its own).
-    visible_to_camera : bool    Blender's ray visibility.
+    visible_to_camera : bool    Whether rays of the camera meet it.
     index : int    The user's number for the index pass.
+    meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
     """
 
     id: str
@@ -83,6 +86,7 @@ class Mesh:
     polygon: np.ndarray | None = None
     visible_to_camera: bool = True
     index: int = 0
+    meets_light: bool = True
 
     def areas(self) -> np.ndarray:
         """Return the triangle areas, shape (t,). [m2]"""
@@ -115,6 +119,7 @@ def place(geometry: Geometry, placement: Placement) -> Mesh:
         uv_maps=uv_maps,
         polygon=geometry.polygon,
         visible_to_camera=placement.visible_to_camera,
+        meets_light=placement.meets_light,
         index=placement.index,
     )
 

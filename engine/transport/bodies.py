@@ -57,7 +57,17 @@ class Body:
             return True
         if isinstance(item, Mesh):
             return item is not old
-        return geometry is not self.geometry or not np.array_equal(item.frame, old.frame)
+        return (
+            geometry is not self.geometry
+            or item.meets_light != old.meets_light
+            or is_met(item) != is_met(old)
+            or not np.array_equal(item.frame, old.frame)
+        )
+
+
+def is_met(item) -> bool:
+    """Tell whether any ray meets an object; what none meets can still be baked."""
+    return item.meets_light or item.visible_to_camera
 
 
 def check_mesh(mesh: Mesh, materials: dict[str, Material]) -> None:
@@ -147,7 +157,7 @@ def make_body(item, geometry, mesh: Mesh, origin: np.ndarray, finishes: Finishes
     pool : SurfacePool
     """
     made = Body(item, geometry, *extent(item, geometry))
-    if len(mesh.triangles) == 0:
+    if len(mesh.triangles) == 0 or not is_met(item):
         return made
     only = len(mesh.materials) == 1
     for slot, key in enumerate(mesh.materials):

@@ -19,6 +19,7 @@ from ..luminaires.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_orde
 from ..materials import plugins as surface_plugins
 from ..photometry.spectra import GRID, illuminant
 from ..scattering import plugin as scattering_plugin
+from ..scene.checks import FARTHEST, check_reach
 from ..scene.light import AreaLight, ImageWorld, Luminaire, SunLight
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -35,6 +36,12 @@ from .pool import SurfacePool
 from .requirements import Requirements
 from .surfaces import has_grain
 from .surroundings import make_surroundings, make_world
+
+COARSE_RADIUS = 1e5
+"""Size of scenes from which on the rounding of places is told. [m]"""
+
+SINGLE = 2.0**-24
+"""Relative error by which single precision rounds."""
 
 
 class Outgrown(Exception):  # noqa: N818 - not a fault
@@ -87,10 +94,10 @@ def frame_of(scene_low: np.ndarray, scene_high: np.ndarray) -> tuple[np.ndarray,
 class CompiledScene:
     """Mitsuba objects of one scene, for one variant. Owned and used by one thread.
 
-    ``solid`` holds what stops light, ``veil`` what light may pass straight (panes, cut-outs, the bodies of lights).
-    ``lights`` chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to
-    ``origin`` (float64, world) so that single precision serves scenes far from the world's origin; ``extent`` [m] is the
-    largest of them.
+    ``solid`` holds what stops light, ``veil`` what light may pass straight (panes, cut-outs, the bodies of lights),
+    ``shown`` what is there for the camera alone. ``lights`` chooses emitters; ``surroundings`` is what rays that leave the
+    scene see. Positions are relative to ``origin`` (float64, world) so that single precision serves scenes far from the
+    world's origin; ``extent`` [m] is the largest of them.
 
     Raises
     ------
@@ -112,6 +119,7 @@ class CompiledScene:
         self._pool = SurfacePool()
         self.solid = Layer(self._pool)
         self._veil = Layer(self._pool)
+        self._shown = Layer(self._pool)
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
         self.surroundings = None
@@ -144,6 +152,11 @@ class CompiledScene:
         """Layer of what light may pass straight, None when there is nothing of the kind."""
         return self._veil if len(self._veil) else None
 
+    @property
+    def shown(self):
+        """Layer of what light does not meet, though the camera may see it; None when there is nothing of the kind."""
+        return self._shown if len(self._shown) else None
+
     def local(self, points) -> np.ndarray:
         """World points (n, 3) [m] in the compiled scene's frame, float32."""
         return (np.asarray(points, dtype=np.float64) - self.origin).astype(np.float32)
@@ -152,6 +165,7 @@ class CompiledScene:
         """Put everything into still scenes, for long jobs."""
         self.solid.settle()
         self._veil.settle()
+        self._shown.settle()
 
     def commit(self, scene: Scene, named: list[str], requirements: Requirements) -> Changes:
         """Bring everything that ids name up to date.
@@ -177,7 +191,7 @@ class CompiledScene:
             changes.other.append("surroundings changed")
         self._commit_light_table(scene)
         self._commit_tables()
-        changes.is_rebuilt = self.solid.commit() | self._veil.commit()
+        changes.is_rebuilt = self.solid.commit() | self._veil.commit() | self._shown.commit()
         self._note(scene)
         return changes
 
@@ -201,9 +215,9 @@ class CompiledScene:
         return self._pool.emitter(si, mi.Bool(active) & si.is_valid())
 
     def parts(self):
-        """Yield every part of an object: the object's id, the part, its material."""
+        """Yield every part of an object that light meets: the object's id, the part, its material."""
         for key, body in self._bodies.items():
-            for part in body.parts:
+            for part in body.parts if body.item.meets_light else ():
                 yield key, part, self._finishes.item(part.material)
 
     @property
@@ -289,8 +303,7 @@ class CompiledScene:
                 self._finishes.put(scene.materials[material])
         body = make_body(item, geometry, mesh, self.origin, self._finishes, self._pool)
         for part in body.parts:
-            layer = self._veil if part.is_veil else self.solid
-            layer.add(part.shape, part.number, part.triangles)
+            self._layer_of(body, part).add(part.shape, part.number, part.triangles)
         self._bodies[key] = body
         changes.built += 1
 
@@ -322,10 +335,15 @@ class CompiledScene:
     def _remove_body(self, key: str) -> None:
         body = self._bodies.pop(key)
         for part in body.parts:
-            (self._veil if part.is_veil else self.solid).remove(part.number)
+            self._layer_of(body, part).remove(part.number)
             self._pool.remove(part.number)
         for material in body.item.materials:
             self._users[material].pop(key, None)
+
+    def _layer_of(self, body: Body, part: Part) -> Layer:
+        if not body.item.meets_light:
+            return self._shown
+        return self._veil if part.is_veil else self.solid
 
     # ---- lights ----
 
@@ -377,19 +395,20 @@ class CompiledScene:
         if not np.array_equal(origin, self.origin) or self._pool.is_wasteful:
             raise Outgrown
         self.extent = dr.opaque(mi.Float, self.radius)
-        panes = [pane for body in self._bodies.values() for pane in body.panes]
+        met = [body for body in self._bodies.values() if body.item.meets_light]
+        panes = [pane for body in met for pane in body.panes]
         panes = sorted(panes, key=portal_order)[:MAXIMUM_PORTALS]
         if [id(p) for p in panes] != [id(p) for p in self._panes]:
             self._panes = panes
             local = [Portal(p.centre - self.origin, p.half_u, p.half_v) for p in panes]
             self._portals = PortalSet(local) if local else None
-        planes = [p for body in self._bodies.values() for part in body.parts for p in part.mirrors]
+        planes = [p for body in met for part in body.parts for p in part.mirrors]
         if [id(p) for p in planes] != [id(p) for p in self._planes]:
             self._planes = planes
             chosen, self._known_planes = choose_planes(planes, self.radius)
             self.mirrors = MirrorSet(chosen, self.origin) if chosen else None
         sources = [lamp.source for lamp in self._lamps.values()]
-        sources += [p.source for body in self._bodies.values() for p in body.parts if p.source]
+        sources += [p.source for body in met for p in body.parts if p.source]
         sources.sort(key=Source.order)
         rows = [source.luminaire for source in sources if source.luminaire is not None]
         if rows:
@@ -518,6 +537,11 @@ class CompiledScene:
             self.notes += [
                 f"{what}: {instead}" for what, instead in describe_faults(scene.world.image)
             ]
+        if self.radius > COARSE_RADIUS:
+            self.notes.append(
+                f"the scene is {2e-3 * self.radius:.3g} km wide: places in it are rounded to about "
+                f"{1e3 * self.radius * SINGLE:.2g} mm"
+            )
 
 
 def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
@@ -527,11 +551,17 @@ def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
         for item in scene.meshes.values():
             geometry = None if isinstance(item, Mesh) else scene.geometries.get(item.geometry)
             lowest, highest = extent(item, geometry)
+            if np.all(lowest <= highest):
+                check_reach(f"object '{item.name}'", lowest, highest)
             low.append(lowest)
             high.append(highest)
     else:
-        low += [body.low for body in bodies]
-        high += [body.high for body in bodies]
+        for body in bodies:
+            # Boxes of nothing are endless the wrong way round.
+            if not np.abs(body.high).max() <= FARTHEST and np.all(body.low <= body.high):
+                check_reach(f"object '{body.item.name}'", body.low, body.high)
+            low.append(body.low)
+            high.append(body.high)
     for light in scene.lights.values():
         if not isinstance(light, SunLight) and light.output.value > 0.0:
             has_frame = isinstance(light, AreaLight | Luminaire)

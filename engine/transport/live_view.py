@@ -138,6 +138,7 @@ def _view_settings(settings):
         seed=settings.seed,
         illuminance=settings.illuminance,
         bands=0,
+        transparent=False,
     )
 
 

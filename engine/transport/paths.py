@@ -28,11 +28,14 @@ MAXIMUM_STEPS = 100_000
 """Stops a path that numerical trouble would keep alive for ever; reached by no valid scene."""
 
 
-def closest_hit(scene: CompiledScene, ray, active, coherent=False):
-    """Return the nearest surface of both sub-scenes."""
+def closest_hit(scene: CompiledScene, ray, active, coherent=False, looks=None):
+    """Return the nearest surface of both sub-scenes, and of what is there for the camera alone to rays that look."""
     hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
     if scene.veil is not None:
         other = scene.veil.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+        hit = dr.select(other.t < hit.t, other, hit)
+    if looks is not None and scene.shown is not None:
+        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(coherent), active & looks)
         hit = dr.select(other.t < hit.t, other, hit)
     return scene.surface(hit, ray, active)
 
@@ -191,7 +194,8 @@ def trace(
     """
     spectral = is_spectral()
     context = mi.BSDFContext()
-    seen_by_camera = depth == 0 and scene.hidden is not None
+    is_camera = depth == 0
+    seen_by_camera = is_camera and scene.hidden is not None
 
     ray = mi.Ray3f(ray)
     if spectral:
@@ -236,7 +240,7 @@ def trace(
         *more,
     ):
         *bending, active = more
-        si = closest_hit(scene, ray, active)
+        si = closest_hit(scene, ray, active, looks=depth == 0 if is_camera else None)
         if spectral:
             si.wavelengths = ray.wavelengths
         valid = active & si.is_valid()

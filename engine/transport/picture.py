@@ -11,6 +11,7 @@ from ..scene.camera import Camera, Projection
 from . import gather, paths
 from .compile import CompiledScene
 from .lights import PILOT_LANES, PILOT_POINTS, learn
+from .rays import spawn_ray
 from .sampler import hash_words, random_stream, sobol_pair
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -29,6 +30,9 @@ FAR = 1e10
 
 BAND_RANGE = (380.0, 780.0)
 """Wavelengths that the bands cover. [nm]"""
+
+LONGEST_WAY = 1000
+"""Surfaces that a ray of the camera is followed through on its way out."""
 
 MAXIMUM_PIXELS = 1 << 28
 """Largest picture."""
@@ -200,6 +204,10 @@ def _result(camera, job, estimate, error, layers) -> dict:
     if job.bands:
         made["bands"] = mean[..., -job.bands :]
         made["band_edges"] = np.linspace(*BAND_RANGE, job.bands + 1)
+    if job.transparent:
+        first = 3 + int(job.illuminance)
+        made["backdrop"] = mean[..., first : first + 3]
+        made["coverage"] = np.clip(1.0 - mean[..., first + 3], 0.0, 1.0)
     return made
 
 
@@ -214,7 +222,8 @@ class PictureJob:
         self.bands = settings.bands
         response = "bands" if self.bands else "colour"
         self.sampler = WavelengthSampler(scene.mean_light, response) if self.spectral else None
-        self.channels = 3 + int(self.illuminance) + self.bands
+        self.transparent = settings.transparent
+        self.channels = 3 + int(self.illuminance) + 4 * int(self.transparent) + self.bands
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self.lamp_tristimulus, self.lamp_bands = _colour_of(scene.mean_light, self.bands)
 
@@ -259,6 +268,8 @@ class PictureJob:
         columns = self._colour(radiance, wavelengths)
         if self.illuminance:
             columns.append(self._illuminance(ray, wavelengths, sample, own_seed))
+        if self.transparent:
+            columns += self._backdrop(ray, wavelengths)
         sums = [dr.block_reduce(dr.ReduceOp.Add, c, batch) for c in columns]
         bands = self._band_sums(radiance, wavelengths, lane // batch, count) if self.bands else None
         dr.eval(sums, bands)
@@ -274,6 +285,20 @@ class PictureJob:
             xyz = self.sampler.tristimulus(radiance, wavelengths)
             return [xyz.x, xyz.y, xyz.z]
         return [radiance[0] * float(c) for c in self.lamp_tristimulus]
+
+    def _backdrop(self, ray, wavelengths) -> list:
+        """X, Y, Z of the surroundings that rays of the camera reach straight, and the share of rays that do."""
+        scene = self.scene
+        passed = _way_out(scene, ray, wavelengths)
+        if scene.surroundings is None:
+            colour = [mi.Float(0.0)] * 3
+        else:
+            away = dr.zeros(mi.SurfaceInteraction3f)
+            away.wi = -ray.d
+            if self.spectral:
+                away.wavelengths = wavelengths
+            colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
+        return [*colour, dr.mean(passed)]
 
     def _band_sums(self, radiance, wavelengths, row, count):
         """Sum of spectral radiance by band, flat (count * 2 * bands)."""
@@ -298,7 +323,7 @@ class PictureJob:
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):
         """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
-        si = self.scene.solid.ray_intersect(ray)
+        si = _first_solid(self.scene, ray)
         valid = si.is_valid()
         faces = dr.dot(si.n, ray.d) < 0.0
         side = dr.select(faces, 1.0, -1.0)
@@ -358,6 +383,41 @@ def _albedo(scene, si, valid) -> np.ndarray:
     )
 
 
+def _way_out(scene, ray, wavelengths):
+    """Share of rays of the camera that leaves the scene straight, through panes and what the camera does not see."""
+
+    def step(ray, share, active, steps):
+        si = paths.closest_hit(scene, ray, active, looks=mi.Bool(True))
+        if wavelengths is not None:
+            si.wavelengths = wavelengths
+        met = active & si.is_valid()
+        passed = scene.bsdf(si, met).eval_null_transmission(si, met)
+        if scene.hidden is not None:
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            passed = dr.select(dr.gather(mi.Bool, scene.hidden, ids, met), 1.0, passed)
+        share = dr.select(met, share * passed, share)
+        ray = dr.select(met, spawn_ray(scene, si, ray.d), ray)
+        going = met & dr.any(share != 0.0) & (steps < LONGEST_WAY)
+        return ray, dr.select(met & (steps >= LONGEST_WAY), 0.0, share), going, steps + 1
+
+    _, share, _, _ = dr.while_loop(
+        state=(mi.Ray3f(ray), mi.Spectrum(1.0), mi.Bool(True), mi.UInt32(0)),
+        cond=lambda ray, share, active, steps: active,
+        body=step,
+        labels=("ray", "share", "active", "steps"),
+    )
+    return share
+
+
+def _first_solid(scene, ray):
+    """First surface that a camera's ray meets behind panes and bodies of lights."""
+    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+    if scene.shown is not None:
+        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+        hit = dr.select(other.t < hit.t, other, hit)
+    return scene.surface(hit, ray, mi.Bool(True))
+
+
 def _first_layers(scene: CompiledScene, film: Film) -> dict:
     """Depth, normal and indices at the centres of the pixels."""
     camera = film.camera
@@ -368,7 +428,7 @@ def _first_layers(scene: CompiledScene, film: Film) -> dict:
         mi.Float(pixel // camera.width) + 0.5,
         mi.Point2f(0.5, 0.5),
     )
-    si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True)
+    si = paths.closest_hit(scene, ray, mi.Bool(True), coherent=True, looks=mi.Bool(True))
     valid = si.is_valid()
     if camera.projection is Projection.EQUIRECTANGULAR:
         depth = dr.norm(si.p - film.position)
@@ -382,7 +442,7 @@ def _first_layers(scene: CompiledScene, film: Film) -> dict:
         ),
     }
     # Behind panes the picture shows what stands there, so that guides the filters.
-    beyond = scene.solid.ray_intersect(ray)
+    beyond = _first_solid(scene, ray)
     layers["albedo"] = _albedo(scene, beyond, beyond.is_valid()).reshape(*shape, 3)
     ids = dr.reinterpret_array(mi.UInt32, si.shape)
     for name in ("object", "material"):

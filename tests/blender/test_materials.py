@@ -2,14 +2,17 @@
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.materials import convert_material, default_material
+from lumenray.blender_addon.sync.nodes import Context, Inputs
+from lumenray.blender_addon.sync.principled import convert_principled
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum
-from lumenray.engine.errors import SceneError
+from lumenray.engine.errors import LumenrayError
 from lumenray.engine.scene.material import (
     Black,
     Cauchy,
@@ -25,7 +28,7 @@ from lumenray.engine.scene.material import (
     ThinGlass,
     Transparent,
 )
-from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Illuminant, Rgb, Tabulated
+from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Illuminant, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
 
 pytestmark = pytest.mark.blender
@@ -579,13 +582,17 @@ def test_daylight_outside_its_range_is_held_and_reported(override):
     assert "3000 K" in row["message"]
 
 
-def test_missing_spectrum_file_falls_back_to_the_colour(override):
-    _, settings = override
+def test_a_spectrum_file_that_is_not_there_is_never_replaced_by_the_colour(override):
+    material, settings = override
     settings.spectrum, settings.spectrum_file = "FILE", "/nowhere/lamp.spdx"
     report = ConversionReport()
-    spectrum = convert_spectrum(settings, (1.0, 0.5, 0.5), report, "Lamp")
-    assert isinstance(spectrum, Rgb)
-    assert "/nowhere/lamp.spdx" in report.to_dicts()[0]["message"]
+    with pytest.raises(LumenrayError, match=r"/nowhere/lamp\.spdx"):
+        convert_spectrum(settings, (1.0, 0.5, 0.5), report, "Lamp")
+    settings.model, settings.luminance = "EMITTER", 100.0
+    assert convert_material(material, "m", report, 177.83).emission is None
+    (row,) = report.to_dicts()
+    assert row["missing"]
+    assert "/nowhere/lamp.spdx" in row["message"]
 
 
 def table_file(tmp_path, *columns):
@@ -598,7 +605,7 @@ def table_file(tmp_path, *columns):
 def test_a_spectrum_of_zeros_is_an_error_and_never_the_colour(override, convert, tmp_path):
     material, settings = override
     settings.spectrum, settings.spectrum_file = "FILE", table_file(tmp_path, [0] * 41)
-    with pytest.raises(SceneError, match="no value above 0"):
+    with pytest.raises(LumenrayError, match="no value above 0"):
         convert_spectrum(settings, (1.0, 0.5, 0.5), ConversionReport(), "Lamp")
     settings.model, settings.luminance = "EMITTER", 100.0
     made, rows = convert(material)
@@ -627,3 +634,73 @@ def test_picture_of_a_wall_keeps_its_pixels(tree, convert):
     assert isinstance(result.surface.reflectance, ImageTexture)
     assert result.surface.reflectance.pixels == pytest.approx(pixels, abs=1e-6)
     assert rows == []
+
+
+def gradient_lamp(tree, kind):
+    """Let a gradient that is cut by a ramp decide where a surface glows."""
+    ramp = tree.add("ValToRGB", Fac=tree.add("TexGradient").outputs["Fac"])
+    ramp.color_ramp.interpolation = "CONSTANT"
+    ramp.color_ramp.elements[1].position = 0.75
+    if kind == "factor":
+        glow = tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=8.0)
+        mix = tree.add("MixShader")
+        for place, socket in enumerate((ramp.outputs["Color"], None, glow.outputs[0])):
+            if socket is not None:
+                tree.material.node_tree.links.new(socket, mix.inputs[place])
+        return mix
+    if kind == "strength":
+        return tree.add("Emission", Color=ramp.outputs["Color"], Strength=8.0)
+    return tree.add("BsdfPrincipled", Emission_Color=ramp.outputs["Color"], Emission_Strength=8.0)
+
+
+@pytest.mark.parametrize("kind", ["factor", "strength", "principled"])
+def test_a_lamp_behind_a_texture_that_is_replaced_keeps_its_light_and_is_an_error(
+    tree, convert, kind
+):
+    result, rows = convert(tree.surface(gradient_lamp(tree, kind)))
+    # A quarter of the surface glows with 8 W/(m2 sr).
+    assert result.emission.luminance == pytest.approx(2.0 * EFFICACY, rel=0.02)
+    assert result.emission.pattern is None
+    (row,) = (row for row in rows if row["severity"] == "error")
+    assert "emission depends on what cannot be taken over" in row["message"]
+
+
+def test_a_surface_behind_a_replaced_texture_is_no_error(tree, convert):
+    ramp = tree.add("ValToRGB", Fac=tree.add("TexNoise").outputs["Fac"])
+    glow = tree.add("BsdfPrincipled", Base_Color=ramp.outputs["Color"], Emission_Strength=1.0)
+    result, rows = convert(tree.surface(glow))
+    assert result.emission.luminance == pytest.approx(EFFICACY)
+    assert {row["severity"] for row in rows} == {"warning"}
+
+
+@pytest.mark.parametrize(
+    ("strength", "words"),
+    [(-3.0, "negative"), (float("inf"), "W/(m2 sr)"), (float("nan"), "cannot be taken over")],
+)
+def test_an_emission_that_is_no_light_is_an_error(tree, convert, strength, words):
+    material = tree.surface(tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=strength))
+    result, rows = convert(material)
+    assert result.emission is None
+    assert any(row["severity"] == "error" and words in row["message"] for row in rows)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.5])
+def test_a_thin_wall_is_a_pane_and_no_solid(tree, roughness):
+    """The node has its socket from Blender 5.2 on; here one is put beside those that it has."""
+    shader = tree.add(
+        "BsdfPrincipled", Transmission_Weight=1.0, Base_Color=(0.5, 0.5, 0.5), Roughness=roughness
+    )
+    wall = SimpleNamespace(
+        identifier="Thin Wall", name="Thin Wall", type="BOOLEAN", links=(), default_value=True, is_output=False
+    )  # fmt: skip
+    report = ConversionReport()
+    context = Context("Paint", report)
+    for default_value, kind in ((True, ThinGlass), (False, Dielectric)):
+        wall.default_value = default_value
+        node = SimpleNamespace(name=shader.name, inputs=[*shader.inputs, wall])
+        made = convert_principled(Inputs(node, shader.outputs[0], context, ()))
+        assert isinstance(made.surface, kind)
+        if default_value:
+            assert made.surface.ior == pytest.approx(1.5)
+            assert made.surface.transmittance == Constant(pytest.approx(0.5))
+            assert bool(report.rows) == (roughness > 0.1)

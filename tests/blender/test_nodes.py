@@ -50,7 +50,7 @@ def evaluate(tree, output, size=SIZE):
     """Evaluate an output socket with our code; return pixels over the UV square and the report."""
     probe = tree.add("Emission", Color=output)
     report = ConversionReport()
-    field = evaluate_field(probe.inputs["Color"], Context("Paint", report))
+    field = evaluate_field(probe.inputs["Color"], Context("Paint", report)).settled()
     tree.nodes.remove(probe)
     if field.is_constant:
         return np.broadcast_to(field.values, (size, size, 3)), report
@@ -593,11 +593,43 @@ def test_what_no_texture_can_hold_is_replaced_and_reported(tree, kind, output, v
     node = tree.add(kind)
     socket = next(s for s in node.outputs if s.identifier == output)
     ours, report = evaluate(tree, socket)
-    assert np.all(ours == value)
+    assert ours == pytest.approx(np.full(ours.shape, value))
     (row,) = report.to_dicts()
     assert row["node"] == node.name
     assert row["object"] == "Paint"
     assert row["instead"]
+
+
+def ramp_of(tree, factor, *stops):
+    """Add a ramp of grey stops (position, value), constant between them."""
+    node = tree.add("ValToRGB", Fac=factor)
+    ramp = node.color_ramp
+    ramp.interpolation = "CONSTANT"
+    for number, (position, value) in enumerate(stops):
+        stop = ramp.elements[number] if number < 2 else ramp.elements.new(position)
+        stop.position, stop.color = position, (value, value, value, 1.0)
+    return node.outputs["Color"]
+
+
+@pytest.mark.parametrize("kind", ["alone", "with a picture", "behind a product"])
+def test_a_ramp_behind_a_stand_in_counts_with_the_mean_of_what_it_shows(tree, cycles_colour, kind):
+    gradient = tree.add("TexGradient").outputs["Fac"]
+    # In the middle of the gradient the ramp is black.
+    shown = ramp_of(tree, gradient, (0.0, 0.0), (0.7, 1.0))
+    if kind == "with a picture":
+        picture = add_texture(tree, noise_image(3)).outputs["Color"]
+        node = tree.add("Gamma", Color=picture, Gamma=shown)
+        shown = node.outputs[0]
+    if kind == "behind a product":
+        square = tree.add("VectorMath", attributes={"operation": "MULTIPLY"})
+        for place in (0, 1):
+            tree.material.node_tree.links.new(gradient, square.inputs[place])
+        shown = square.outputs[0]
+    ours, report = evaluate(tree, shown)
+    theirs = cycles_colour(tree, shown, 64)
+    assert ours.mean(axis=(0, 1)) == pytest.approx(theirs.mean(axis=(0, 1)), rel=0.02)
+    assert ours.mean() > 0.1
+    assert any("procedural" in row.message for row, _ in report.rows)
 
 
 def test_fresnel_becomes_its_mean_for_diffuse_light(tree):

@@ -1,0 +1,117 @@
+"""What Blender lets an object do with some rays and not with others: taken over where light allows it, told where not."""
+
+from dataclasses import dataclass
+
+LIGHT_RAYS = {
+    "visible_diffuse": "diffuse",
+    "visible_glossy": "glossy",
+    "visible_transmission": "transmission",
+    "visible_shadow": "shadow",
+}
+"""Blender's switches for rays that carry light in surfaces' scenes, and what people know them by."""
+
+WHOLE = "it takes part in light whole; switch these rays off together to leave it out of the light, or all on"
+"""What is done about an object that light meets in part."""
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """``camera``: whether the camera sees it; ``light``: whether light meets it; ``off``: the light rays that do not."""
+
+    camera: bool
+    light: bool
+    off: tuple[str, ...]
+
+
+def visibility_of(source, parent=None, view_layer=None) -> Visibility:
+    """Return which rays meet an object.
+
+    Parameters
+    ----------
+    source : bpy.types.Object    Of an instance what it shows.
+    parent : bpy.types.Object or None    What makes the instance; rays that do not meet it do not meet the instance.
+    view_layer : bpy.types.ViewLayer or None    Its collections may be there for indirect light only.
+    """
+    owners = [source] if parent is None else [source, parent]
+    off = tuple(
+        word
+        for name, word in LIGHT_RAYS.items()
+        if not all(getattr(owner, name) for owner in owners)
+    )
+    camera = all(owner.visible_camera for owner in owners)
+    if view_layer is not None and source.original.indirect_only_get(view_layer=view_layer):
+        camera = False
+    return Visibility(camera, len(off) < len(LIGHT_RAYS), off)
+
+
+def tell_visibility(found: Visibility, name: str, report) -> None:
+    """Note what of an object's visibility is not Blender's."""
+    if not found.light:
+        seen = "the camera alone sees it" if found.camera else "it can only be measured and baked"
+        report.info(
+            name, "the object's ray visibility is off for light", f"{seen}; light passes it"
+        )
+    elif found.off:
+        report.error(name, f"light meets the object but for {_listed(found.off)} rays", WHOLE)
+
+
+def is_dark(source, name: str, report) -> bool:
+    """Tell whether a light lights nothing by its ray visibility; note where it would light in part."""
+    off = [LIGHT_RAYS[key] for key in list(LIGHT_RAYS)[:3] if not getattr(source, key)]
+    if len(off) == 3:
+        report.info(name, "the light's ray visibility is off for light", "it gives none")
+        return True
+    if off:
+        report.error(name, f"the light does not light by {_listed(off)} rays", "it lights by all")
+    return False
+
+
+def tell_departures(source, name: str, report, view_layer=None) -> None:
+    """Note what else an object of Blender with a surface does to pictures that this engine does not."""
+    original = source.original
+    is_holdout = original.is_holdout or (
+        view_layer is not None and original.holdout_get(view_layer=view_layer)
+    )
+    if is_holdout:
+        report.warn(name, "the object is a holdout", "the picture shows it as it is")
+    if original.is_shadow_catcher:
+        report.warn(name, "the object is a shadow catcher", "it is an ordinary object")
+    for system in original.particle_systems:
+        settings = system.settings
+        if settings.type == "HAIR" and settings.render_type == "PATH":
+            report.error(name, f"hair of the particle system '{system.name}'", "it is left out")
+
+
+def tell_linking(source, name: str, report) -> None:
+    """Note that what glows lights and shades all alike."""
+    linking = source.original.light_linking
+    if linking.receiver_collection is not None:
+        report.error(
+            name, "light linking lets it light some objects only", "it lights all; unlink the light"
+        )
+    if linking.blocker_collection is not None:
+        report.error(
+            name, "shadow linking lets some objects only shade it", "all do; unlink the shadows"
+        )
+
+
+def is_dark_world(world, report) -> bool:
+    """Tell whether a world lights nothing by its ray visibility; note where it would light or be seen in part."""
+    rays = getattr(world, "cycles_visibility", None)
+    if rays is None:
+        return False
+    off = [kind for kind in ("diffuse", "glossy", "transmission") if not getattr(rays, kind)]
+    if len(off) == 3:
+        report.warn(world.name, "the world's ray visibility is off for light", "it is black")
+        return True
+    if off:
+        report.error(
+            world.name, f"the world does not light by {_listed(off)} rays", "it lights by all"
+        )
+    if not rays.camera:
+        report.warn(world.name, "the camera does not see the world in Blender", "pictures show it")
+    return False
+
+
+def _listed(words) -> str:
+    return " and ".join((", ".join(words[:-1]), words[-1])) if len(words) > 1 else words[0]
