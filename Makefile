@@ -20,17 +20,17 @@ setup: ## make the virtual environment and check the system libraries (quick whe
 demo: setup ## render and bake a bundled scene into out/
 	$(VENV)/bin/lumenray demo -o $(OUT)
 
-scenes: setup ## build the bundled scenes anew
-	$(PYTHON_IN_VENV) -m lumenray.libraries.scenes
+scenes: setup ## build the bundled scenes anew with a real Blender (root)
+	@tests/real_blender/write_library.sh scenes
 
 luminaires: setup ## render the library's luminaires anew and write their assets with a real Blender (root)
 	$(PYTHON_IN_VENV) -m lumenray.libraries.luminaires
-	@tests/real_blender/write_assets.sh
+	@tests/real_blender/write_library.sh luminaires
 
 materials: setup ## compute the library's materials anew, render them and write their assets with a real Blender (root)
 	$(PYTHON_IN_VENV) -m lumenray.libraries.materials tables
 	$(PYTHON_IN_VENV) -m lumenray.libraries.materials assets --pictures all --sheet docs/pictures/material_library.png
-	@tests/real_blender/write_assets.sh materials
+	@tests/real_blender/write_library.sh materials
 
 # Two at a time: while one waits, for an engine that starts or a kernel that is compiled, the other computes.
 test: setup ## run the tests, all but those that need a real Blender
