@@ -296,11 +296,11 @@ def _milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if seconds < 1.0 else f"{seconds:.2f} s"
 
 
-def describe_counts(rows) -> str:
-    """Say how many rows of each severity a report holds."""
+def describe_counts(severities) -> str:
+    """Say how many rows of each severity a report holds, by the severities' names."""
     counts = {"ERROR": 0, "WARNING": 0, "INFO": 0}
-    for row in rows:
-        counts[row.severity] += 1
+    for severity in severities:
+        counts[severity] += 1
     names = {"ERROR": "error", "WARNING": "warning", "INFO": "note"}
     parts = [
         f"{count} {names[key]}{'' if count == 1 else 's'}" for key, count in counts.items() if count

@@ -24,8 +24,11 @@ class LUMENRAY_PT_sampling(RenderPanel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def draw_settings(self, layout, context, settings):
-        """Draw the stopping rule."""
+        """Draw the stopping rule, and what the last picture came to."""
         draw_stop(layout, settings)
+        text = context.window_manager.lumenray.render
+        if text:
+            draw_text(layout, context, f"Last: {text}", "INFO")
 
 
 class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):

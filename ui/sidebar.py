@@ -226,7 +226,7 @@ class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
             layout.label(text="All of it was taken over", icon="CHECKMARK")
             return
         line = layout.row()
-        line.label(text=readout.describe_counts(feedback.rows))
+        line.label(text=readout.describe_counts(row.severity for row in feedback.rows))
         line.operator("lumenray.copy_report", text="", icon="COPYDOWN")
         layout.template_list(
             "LUMENRAY_UL_report", "", feedback, "rows", feedback, "row_index", rows=4
