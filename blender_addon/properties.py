@@ -42,6 +42,14 @@ def _redraw_all(self, context):
         tag_owner(self, context)
 
 
+def _follow_override(self, context):
+    """Show the look of a measured material, or what the material was before."""
+    from .scattering.look_nodes import follow_override
+
+    follow_override(self.id_data)
+    tag_owner(self, context)
+
+
 def _light_group(of: str):
     """Property that names the layer of a bake that a light belongs to."""
     return StringProperty(
@@ -111,7 +119,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         name="Physical override",
         description="Use these measurable parameters in place of the node tree",
         default=False,
-        update=tag_owner,
+        update=_follow_override,
     )
     model: EnumProperty(
         name="Model",
@@ -126,7 +134,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("MEASURED", "Measured", "Scattering measured or computed: a BRDF or BTDF file", 6),
         ],
         default="DIFFUSE",
-        update=tag_owner,
+        update=_follow_override,
     )
     reflectance_source: EnumProperty(
         name="Reflectance from",

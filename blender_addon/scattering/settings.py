@@ -110,6 +110,40 @@ class LumenrayMeasuredSettings(PropertyGroup):
         max=1.0,
         get=_swatch,
     )
+    has_look: BoolProperty(
+        name="Look shown",
+        description="Whether the material shows the look that was fitted to the file",
+        options={"HIDDEN"},
+    )
+    is_look_wanted: BoolProperty(
+        name="Look wanted",
+        description="Whether the look comes back when the file counts again",
+        options={"HIDDEN"},
+    )
+    own_colour: FloatVectorProperty(
+        name="Own colour",
+        description="Viewport colour of the material without its look",
+        subtype="COLOR",
+        size=4,
+        min=0.0,
+        default=(0.8, 0.8, 0.8, 1.0),
+        options={"HIDDEN"},
+    )
+    own_metallic: FloatProperty(
+        name="Own metallic",
+        description="Viewport metallic of the material without its look",
+        options={"HIDDEN"},
+    )
+    own_roughness: FloatProperty(
+        name="Own roughness",
+        description="Viewport roughness of the material without its look",
+        options={"HIDDEN"},
+    )
+    own_use_nodes: BoolProperty(
+        name="Own nodes",
+        description="Whether the material without its look is made of nodes",
+        options={"HIDDEN"},
+    )
 
 
 def is_measured(material) -> bool:
