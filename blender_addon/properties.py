@@ -50,6 +50,15 @@ def _follow_override(self, context):
     tag_owner(self, context)
 
 
+def _switch_physical(self, context):
+    """Let physical parameters start with what the light gives, not with a number of their own."""
+    from . import light_amount
+
+    settle = light_amount.start if self.use_physical else light_amount.forget
+    settle(self.id_data, context.scene)
+    tag_owner(self, context)
+
+
 def _light_group(of: str):
     """Property that names the layer of a bake that a light belongs to."""
     return StringProperty(
@@ -85,9 +94,11 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
     uid: _identity()
     use_physical: BoolProperty(
         name="Physical parameters",
-        description="State this light in photometric units instead of Blender's watts",
+        description=(
+            "State this light in photometric units instead of Blender's watts; it starts with what the light gives now"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch_physical,
     )
     quantity: EnumProperty(
         name="Quantity",

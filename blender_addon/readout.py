@@ -29,6 +29,15 @@ UNITS = {
 }
 """Unit of every quantity of a light."""
 
+NAMES = {
+    "LUMINOUS_FLUX": "Luminous Flux",
+    "LUMINOUS_INTENSITY": "Intensity",
+    "ILLUMINANCE": "Illuminance",
+    "LUMINANCE": "Luminance",
+    "RADIANT_FLUX": "Radiant Flux",
+}
+"""What the amount of a light is called in each quantity."""
+
 NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known when rendering"
 
 
@@ -135,10 +144,26 @@ def format_amount(value: float, unit: str) -> str:
     return f"{format_number(value)} {unit}"
 
 
-def value_unit(light) -> str:
-    """Return the unit of a physical light's value; watts of a sun are per square metre."""
-    quantity = light.lumenray.quantity
+def value_unit(light, quantity: str = "") -> str:
+    """Return the unit of a quantity, the stated one if none is named; watts of a sun are per square metre."""
+    quantity = quantity or light.lumenray.quantity
     return "W/m²" if light.type == "SUN" and quantity == "RADIANT_FLUX" else UNITS[quantity]
+
+
+def value_name(light) -> str:
+    """Return what a physical light's value is called."""
+    quantity = light.lumenray.quantity
+    if light.type == "SUN" and quantity == "RADIANT_FLUX":
+        return "Irradiance"
+    return NAMES[quantity]
+
+
+def quantities_of(light) -> tuple[str, ...]:
+    """Return the quantities in which a light can be stated; a sun without a size has no luminance."""
+    named = PHYSICAL_QUANTITIES[light.type]
+    if light.type == "SUN" and light.angle <= 0.0:
+        return tuple(name for name in named if name != "LUMINANCE")
+    return named
 
 
 def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0) -> Description:

@@ -48,8 +48,10 @@ def draw_amount(layout, light) -> None:
     """Draw how much light there is and of which spectrum."""
     settings = light.lumenray
     if settings.use_physical:
-        layout.prop(settings, "quantity", text="")
-        layout.prop(settings, "value", text=f"Value [{readout.value_unit(light)}]")
+        row = layout.row(align=True)
+        for quantity in readout.quantities_of(light):
+            row.prop_enum(settings, "quantity", quantity, text=readout.value_unit(light, quantity))
+        layout.prop(settings, "value", text=readout.value_name(light))
         draw_spectrum(layout, settings, light)
         return
     layout.prop(light, "energy")

@@ -5,6 +5,7 @@ import bpy
 from ..blender_addon import luminaire_readout as readout
 from ..blender_addon.luminaire_pictures import has_dark_theme, pictures, side_of
 from ..blender_addon.luminaires.settings import active_settings
+from ..blender_addon.raysets.settings import is_rayset
 from .parts import PropertiesPanel, draw_description, draw_lines, draw_spectrum, draw_text
 
 ICON_UNIT, ICON_BORDER = 20.0, 6.0
@@ -130,6 +131,8 @@ class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
         state = readout.state_of(settings)
         layout.active = settings.use_file or not state.name
         draw_file(layout, context, settings, state)
+        if not settings.use_file and is_rayset(context.object):
+            draw_text(layout, context, "Off: the ray set gives the light", "INFO")
         if state.reading is None:
             return
         draw_picture(layout, context, state.reading)

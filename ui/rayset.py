@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon import rayset_readout as readout
+from ..blender_addon.luminaires.settings import is_luminaire
 from ..blender_addon.raysets.settings import active_rays
 from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text
 
@@ -53,6 +54,8 @@ class LUMENRAY_PT_rayset(RaysetPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = active_rays(context)
+        if not settings.use_file and is_luminaire(context.object):
+            draw_text(layout, context, "Off: the photometric file gives the light", "INFO")
         if not settings.filepath:
             row = layout.row()
             row.scale_y = 1.4

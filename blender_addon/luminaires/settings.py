@@ -42,15 +42,25 @@ def _unload(self, context):
     tag_owner(self, context)
 
 
+def _switch(self, context):
+    """A light shines by one file: switching this one on switches a ray file off."""
+    rays = getattr(self.id_data.lumenray, "rayset", None)
+    if self.use_file and rays is not None and rays.use_file:
+        rays.use_file = False
+    tag_owner(self, context)
+
+
 class LuminaireSettings:
     """Mix-in of what lights and empties have in common."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
         name="Photometric file",
-        description="Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts",
+        description=(
+            "Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts. Switches a ray set off"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch,
     )
     filepath: StringProperty(
         name="File",

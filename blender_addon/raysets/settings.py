@@ -50,15 +50,26 @@ def _keep(self, context):
         )
 
 
+def _switch(self, context):
+    """A light shines by one file: switching this one on switches a photometric file off."""
+    luminaire = self.id_data.lumenray.luminaire
+    if self.use_file and luminaire.use_file:
+        luminaire.use_file = False
+    tag_owner(self, context)
+
+
 class LumenrayRaysetSettings(PropertyGroup):
     """Ray file of a point, spot or area light, whose own kind, size and beam do not count then."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
         name="Ray file",
-        description="Shine as the rays of a measured or computed source do, in place of Blender's own light",
+        description=(
+            "Shine as the rays of a measured or computed source do, in place of Blender's own light. Switches a luminaire's "
+            "photometric file off"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch,
     )
     filepath: StringProperty(
         name="File",
