@@ -38,6 +38,28 @@ NAMES = {
 }
 """What the amount of a light is called in each quantity."""
 
+SMALL_WORDS = {
+    *(
+        "a",
+        "all",
+        "an",
+        "and",
+        "as",
+        "at",
+        "by",
+        "from",
+        "in",
+        "is",
+        "of",
+        "on",
+        "or",
+        "per",
+        "the",
+    ),
+    *("to", "with", "cd", "lm", "lx", "mm", "nm", "px"),
+}
+"""Words that stay small in a title, and units."""
+
 NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known when rendering"
 
 
@@ -113,6 +135,17 @@ def read_sun(quantity: str, value: float, angle: float) -> Reading:
     if quantity == "LUMINANCE":
         return Reading(illuminance=value / per_lux if per_lux else 0.0, luminance=value)
     return Reading(illuminance=value, luminance=value * per_lux if per_lux else None)
+
+
+def title_case(label: str) -> str:
+    """Return a label as Blender writes those of its own panels; symbols and units stay as they are."""
+    words = label.split(" ")
+    return " ".join(
+        word.capitalize()
+        if word.isalpha() and word.islower() and len(word) > 1 and word not in SMALL_WORDS
+        else word
+        for word in words
+    )
 
 
 def format_number(value: float) -> str:
@@ -301,10 +334,18 @@ def describe_bake(summary) -> tuple[tuple[str, str], ...]:
 
 def describe_edit(status) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the last edit that a view (`viewport.Status`) showed and the state of its picture."""
-    total = status.walk + status.transfer + status.commit + status.first_sample
     error = f"{100.0 * status.error:.2g} %" if status.error < 1e6 else "–"
     return (
         ("Last edit", status.changed or "nothing"),
+        ("Samples", str(status.samples) if status.samples else "coarse"),
+        ("Picture error", error),
+    )
+
+
+def describe_timing(status) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about what an edit cost, for those who work on the engine."""
+    total = status.walk + status.transfer + status.commit + status.first_sample
+    return (
         ("Sent", f"{status.sent} item{'' if status.sent == 1 else 's'}"),
         ("Engine", status.action or "–"),
         ("Scene walk", _milliseconds(status.walk)),
@@ -312,8 +353,6 @@ def describe_edit(status) -> tuple[tuple[str, str], ...]:
         ("Commit", _milliseconds(status.commit)),
         ("First sample", _milliseconds(status.first_sample)),
         ("Together", _milliseconds(total)),
-        ("Samples", str(status.samples) if status.samples else "coarse"),
-        ("Picture error", error),
     )
 
 

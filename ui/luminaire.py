@@ -6,7 +6,14 @@ from ..blender_addon import luminaire_readout as readout
 from ..blender_addon.luminaire_pictures import has_dark_theme, pictures, side_of
 from ..blender_addon.luminaires.settings import active_settings
 from ..blender_addon.raysets.settings import is_rayset
-from .parts import PropertiesPanel, draw_description, draw_lines, draw_spectrum, draw_text
+from .parts import (
+    PropertiesPanel,
+    draw_description,
+    draw_lines,
+    draw_spectrum,
+    draw_text,
+    draw_wide,
+)
 
 ICON_UNIT, ICON_BORDER = 20.0, 6.0
 """Width of an icon of scale 1, and what of an icon is left free around its picture. [pixel]"""
@@ -72,7 +79,7 @@ def draw_flux(layout, settings) -> None:
     column = layout.column()
     column.prop(settings, "amount")
     if settings.amount == "LUMENS":
-        column.prop(settings, "luminous_flux", text="Flux [lm]")
+        draw_wide(column, settings, "luminous_flux", "Luminous Flux [lm]")
     column = layout.column()
     column.prop(settings, "dimming")
     column.prop(settings, "maintenance_factor", text="Maintenance")
@@ -171,7 +178,9 @@ class LUMENRAY_PT_luminaire_spectrum(LuminaireChild, bpy.types.Panel):
 
     def draw_part(self, layout, context, settings, reading):
         """Draw the file's reason or the user's choice."""
-        layout.prop(settings, "spectrum_source", expand=True)
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(settings, "spectrum_source", expand=True)
         if settings.spectrum_source == "FILE":
             draw_text(layout, context, reading.lamp_spectrum.reason, "INFO")
         elif context.light is not None:

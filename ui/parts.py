@@ -16,6 +16,20 @@ class PropertiesPanel:
         return context.engine in cls.COMPAT_ENGINES
 
 
+def draw_wide(layout, data, name, text) -> None:
+    """Draw a number over the whole width with its name inside, where name and unit are longer than half a panel."""
+    row = layout.row()
+    row.use_property_split = False
+    row.prop(data, name, text=text)
+
+
+def draw_choice(layout, data, name, value, text) -> None:
+    """Draw a button that sets an enumeration to a value."""
+    row = layout.row()
+    row.use_property_split = False
+    row.prop_enum(data, name, value, text=text)
+
+
 def draw_lines(layout, lines, share=0.55) -> None:
     """Draw (label, value) pairs in two columns; the labels take their ``share`` of the width."""
     column = layout.column(align=True)
@@ -23,7 +37,7 @@ def draw_lines(layout, lines, share=0.55) -> None:
         split = column.split(factor=share)
         name = split.row()
         name.active = False
-        name.label(text=label)
+        name.label(text=readout.title_case(label))
         split.label(text=value)
 
 
@@ -53,7 +67,7 @@ def draw_spectrum(layout, settings, data=None) -> None:
     if settings.spectrum == "ILLUMINANT":
         layout.prop(settings, "illuminant")
     elif settings.spectrum in {"BLACKBODY", "DAYLIGHT"}:
-        layout.prop(settings, "colour_temperature", text="Temperature [K]")
+        layout.prop(settings, "colour_temperature", text="Kelvin")
     elif settings.spectrum == "FILE":
         layout.prop(settings, "spectrum_file", text="File")
     elif data is not None:
@@ -76,9 +90,9 @@ def draw_stop(layout, settings, prefix="") -> None:
     if stop == "SAMPLES":
         layout.prop(settings, f"{prefix}samples", text="Samples")
     elif stop == "ERROR":
-        layout.prop(settings, f"{prefix}error")
+        layout.prop(settings, f"{prefix}error_percent")
     else:
-        layout.prop(settings, f"{prefix}time", text="Seconds")
+        layout.prop(settings, f"{prefix}time")
 
 
 def draw_surface(layout, tree) -> None:
