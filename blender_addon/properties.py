@@ -639,7 +639,7 @@ class LumenraySceneSettings(PropertyGroup):
         soft_max=100.0,
     )
     bake_from_textures: BoolProperty(
-        name="At Least as Fine as Textures",
+        name="Match Textures",
         description="Raise the density of surfaces with pictures to that of the pictures",
         default=False,
     )
@@ -771,7 +771,7 @@ class LumenraySceneSettings(PropertyGroup):
         max=1 << 20,
     )
     bake_checkpoint: BoolProperty(
-        name="Keep What is Done",
+        name="Keep Progress",
         description="Write the state into the folder from time to time, so that an interrupted bake can go on",
         default=True,
     )

@@ -1,5 +1,6 @@
 """What the settings amount to in other units, as short text for panels. Cheap enough for every redraw."""
 
+import re
 import textwrap
 from dataclasses import dataclass
 from functools import lru_cache
@@ -38,26 +39,9 @@ NAMES = {
 }
 """What the amount of a light is called in each quantity."""
 
-SMALL_WORDS = {
-    *(
-        "a",
-        "all",
-        "an",
-        "and",
-        "as",
-        "at",
-        "by",
-        "from",
-        "in",
-        "is",
-        "of",
-        "on",
-        "or",
-        "per",
-        "the",
-    ),
-    *("to", "with", "cd", "lm", "lx", "mm", "nm", "px"),
-}
+SMALL_WORDS = frozenset(
+    re.findall(r"\w+", "a an and as at by from in is of on or per the to with cd lm lx mm nm px")
+)
 """Words that stay small in a title, and units."""
 
 NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known when rendering"

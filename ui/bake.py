@@ -102,7 +102,7 @@ class LUMENRAY_PT_lux_bake_layout(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw pages and charts."""
-        layout.prop(settings, "bake_from_textures", text="As Fine as Textures")
+        layout.prop(settings, "bake_from_textures", text="Match Textures")
         column = layout.column(align=True)
         column.prop(settings, "bake_size", text="Page Size [px]")
         column.prop(settings, "bake_pages", text="Most Pages")

@@ -39,7 +39,7 @@ def _draw_index(layout, settings):
 
 def _draw_diffuse(layout, settings):
     _draw_reflectance(layout, settings)
-    layout.prop(settings, "transmittance")
+    draw_wide(layout, settings, "transmittance", "Transmittance")
 
 
 def _draw_coated(layout, settings):

@@ -134,7 +134,7 @@ class LUMENRAY_PT_rayset_rays(RaysetChild, bpy.types.Panel):
     def draw_part(self, layout, context, settings):
         """Draw symmetry, fluctuation and units."""
         layout.prop(settings, "symmetry")
-        layout.prop(settings, "use_widths")
+        layout.prop(settings, "use_widths", text="Own Spread")
         if settings.use_widths:
             column = layout.column()
             column.prop(settings, "position_spread")

@@ -41,7 +41,7 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         layout.prop(settings, "type", text="")
         layout.use_property_split = True
         column = layout.column()
-        draw_wide(column, settings, "illuminance", "Horizontal Illuminance [lx]")
+        draw_wide(column, settings, "illuminance", "Illuminance [lx]")
         column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
         lamp = None
@@ -84,7 +84,7 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
         settings = context.world.lumenray
         layout.prop(settings, "unit")
         if settings.unit == "ILLUMINANCE":
-            draw_wide(layout, settings, "illuminance", "Horizontal Illuminance [lx]")
+            draw_wide(layout, settings, "illuminance", "Illuminance [lx]")
         elif settings.unit == "BLENDER":
             layout.prop(context.scene.lumenray, "efficacy", text="lm per Watt")
 
