@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -59,6 +59,9 @@ viewer: setup ## load an exported scene in three.js in a headless Chromium (root
 
 viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
 	@tests/real_blender/run_viewport.sh
+
+panels: setup ## take pictures of every panel at default width into out/real-blender/panels (root)
+	@tests/real_blender/run_panels.sh
 
 docs-screenshots: setup ## take the guide's pictures of Blender's window into docs/pictures (root)
 	@tests/real_blender/screenshots.sh

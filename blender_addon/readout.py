@@ -200,10 +200,10 @@ def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0
     reading = _read(light, quantity, value, np.abs(np.asarray(lengths, dtype=float)), metres)
     if reading is None:
         return Description(problem="the light has no size, so that it has no luminance")
-    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m, as a point"}
+    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m (point)"}
     named = (
         ("Luminous flux", reading.flux, "lm"),
-        ("Intensity on the axis", reading.intensity, "cd"),
+        ("Axial intensity", reading.intensity, "cd"),
         (at_one_metre.get(light.type, "At 1 m on the axis"), reading.illuminance, "lx"),
         ("Luminance", reading.luminance, "cd/m²"),
     )

@@ -32,7 +32,7 @@ def test_what_does_not_fit_beside_its_label_is_drawn_below_it(monkeypatch, width
 
 def test_labels_are_titles_but_symbols_and_units_stay():
     for label, expected in (
-        ("Intensity on the axis", "Intensity on the Axis"),
+        ("At 1 m on the axis", "At 1 m on the Axis"),
         ("Lumels per m", "Lumels per m"),
         ("x, y", "x, y"),
         ("Mean of all", "Mean of All"),

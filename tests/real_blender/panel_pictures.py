@@ -217,5 +217,7 @@ CASES = {f.__name__: f for f in (lights, luminaires, materials, worlds, renders,
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 FOLDER.mkdir(exist_ok=True)
 bpy.context.preferences.view.show_splash = False
+# In the same window, of which pictures are taken.
+bpy.context.preferences.view.render_display_type = "AREA"
 bpy.context.preferences.system.use_region_overlap = False
 start([prepare, *(CASES[name] for name in wanted or CASES)], Log(), end)

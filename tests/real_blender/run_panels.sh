@@ -14,8 +14,8 @@ export LUMENRAY_PROFILE="${LUMENRAY_PROFILE:-panels-profile}"
 [ -n "${LUMENRAY_INSTALLED:-}" ] || "$here/install.sh"
 rm -rf "$LUMENRAY_OUT/panels"
 "$here/blender.sh" run bash -euc '
-  Xvfb :77 -screen 0 1600x2400x24 >/dev/null 2>&1 &
-  export DISPLAY=:77
+  Xvfb :78 -screen 0 1600x2400x24 >/dev/null 2>&1 &
+  export DISPLAY=:78
   for _ in $(seq 50); do xdotool getdisplaygeometry >/dev/null 2>&1 && break; sleep 0.2; done
   mkdir -p /out/panels
   blender --window-geometry 0 0 1600 2400 --python /project/tests/real_blender/panel_pictures.py -- "$@" \
