@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -20,17 +20,17 @@ setup: ## make the virtual environment and check the system libraries (quick whe
 demo: setup ## render and bake a bundled scene into out/
 	$(VENV)/bin/lumenray demo -o $(OUT)
 
-scenes: setup ## build the bundled scenes anew
-	$(PYTHON_IN_VENV) -m lumenray.libraries.scenes
+scenes: setup ## build the bundled scenes anew with a real Blender (root)
+	@tests/real_blender/write_library.sh scenes
 
 luminaires: setup ## render the library's luminaires anew and write their assets with a real Blender (root)
 	$(PYTHON_IN_VENV) -m lumenray.libraries.luminaires
-	@tests/real_blender/write_assets.sh
+	@tests/real_blender/write_library.sh luminaires
 
 materials: setup ## compute the library's materials anew, render them and write their assets with a real Blender (root)
 	$(PYTHON_IN_VENV) -m lumenray.libraries.materials tables
 	$(PYTHON_IN_VENV) -m lumenray.libraries.materials assets --pictures all --sheet docs/pictures/material_library.png
-	@tests/real_blender/write_assets.sh materials
+	@tests/real_blender/write_library.sh materials
 
 # Two at a time: while one waits, for an engine that starts or a kernel that is compiled, the other computes.
 test: setup ## run the tests, all but those that need a real Blender
@@ -59,6 +59,9 @@ viewer: setup ## load an exported scene in three.js in a headless Chromium (root
 
 viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
 	@tests/real_blender/run_viewport.sh
+
+panels: setup ## take pictures of every panel at default width into out/real-blender/panels (root)
+	@tests/real_blender/run_panels.sh
 
 docs-screenshots: setup ## take the guide's pictures of Blender's window into docs/pictures (root)
 	@tests/real_blender/screenshots.sh

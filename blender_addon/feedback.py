@@ -133,6 +133,9 @@ class LumenrayFeedback(PropertyGroup):
     results: CollectionProperty(type=LumenrayResultRow)
     result_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
     summary: PointerProperty(type=LumenrayBakeSummary)
+    render: StringProperty(
+        name="Last render", description="Samples, error and time of the last picture"
+    )
 
 
 def show_report(window_manager, report: ConversionReport) -> None:
@@ -147,6 +150,15 @@ def show_report(window_manager, report: ConversionReport) -> None:
         item.datablock, item.node = row.datablock, row.node
         item.message, item.remedy = row.message, row.remedy
         item.count = count
+
+
+def show_render(window_manager, text: str) -> None:
+    """Show how well the last picture is known, where it is looked at."""
+    window_manager.lumenray.render = text
+    for window in window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"IMAGE_EDITOR", "PROPERTIES"}:
+                area.tag_redraw()
 
 
 def begin_job(window_manager) -> None:

@@ -19,6 +19,7 @@ from .luminaires import files
 from .luminaires.convert import find_amount, states_spectrum
 from .luminaires.settings import LIGHT_TYPES
 from .readout import Description, format_amount, format_number
+from .sync.units import format_lengths
 
 SYMMETRIES = {
     "rotational": "rotational",
@@ -196,7 +197,7 @@ def describe_opening(opening: Opening) -> tuple[tuple[str, str], ...]:
     size, name = [length for length in opening.size if length > 0.0], opening.shape
     if opening.shape in {"ellipse", "ellipsoid"} and np.ptp(size) < 1e-6:
         name, size = {"ellipse": "disk", "ellipsoid": "sphere"}[opening.shape], size[:1]
-    return (("Opening", name), ("Size", _millimetres(size)))
+    return (("Opening", name), ("Size", format_lengths(size, 10.0)))
 
 
 def describe_amount(amount: Amount) -> tuple[tuple[str, str], ...]:
@@ -235,7 +236,3 @@ def _direction(file, summary) -> str:
     azimuth, gamma = summary.peak_direction
     is_around = file.symmetry == "rotational" or math.isclose(gamma % 180.0, 0.0, abs_tol=1e-6)
     return f"γ {_degrees(gamma)}" if is_around else f"C {_degrees(azimuth)}, γ {_degrees(gamma)}"
-
-
-def _millimetres(lengths) -> str:
-    return " × ".join(f"{1e3 * length:.0f}" for length in lengths) + " mm"

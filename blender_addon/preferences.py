@@ -24,7 +24,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
     memory_limit: FloatProperty(
-        name="Memory of the engine",
+        name="Memory of the Engine",
         description=(
             "Most memory in GiB that the engine's process may ask for, so that a job that is too large ends with a "
             "message instead of stopping the computer; 0 sets no limit. Takes effect when the engine starts next"
@@ -35,7 +35,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         precision=1,
     )
     solid_radius: FloatProperty(
-        name="Size of distributions",
+        name="Size of Distributions",
         description="How far a luminaire's largest intensity reaches when its distribution is drawn in a 3D view, in m",
         default=SOLID_RADIUS,
         min=0.01,
@@ -43,7 +43,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
     )
 
     luminaire_folder: StringProperty(
-        name="Own assets",
+        name="Own Assets",
         description=(
             "Folder of your own luminaires and materials, shown in the Asset Browser once 'lumenray luminaire library "
             "FOLDER' has made assets of its photometric files, or 'lumenray brdf library FOLDER' of its materials.json"

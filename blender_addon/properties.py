@@ -42,18 +42,67 @@ def _redraw_all(self, context):
         tag_owner(self, context)
 
 
+def _follow_override(self, context):
+    """Show the look of a measured material, or what the material was before."""
+    from .scattering.look_nodes import follow_override
+
+    follow_override(self.id_data)
+    tag_owner(self, context)
+
+
+def _switch_physical(self, context):
+    """Let physical parameters start with what the light gives, not with a number of their own."""
+    from . import light_amount
+
+    settle = light_amount.start if self.use_physical else light_amount.forget
+    settle(self.id_data, context.scene)
+    tag_owner(self, context)
+
+
+def _percentage(name: str, title: str, description: str):
+    """Property that shows a share, which scripts and files have, in per cent."""
+
+    def read(self):
+        return 100.0 * getattr(self, name)
+
+    def write(self, value):
+        setattr(self, name, 0.01 * value)
+
+    return FloatProperty(
+        name=title,
+        description=description,
+        min=0.01,
+        max=100.0,
+        soft_max=10.0,
+        precision=2,
+        subtype="PERCENTAGE",
+        get=read,
+        set=write,
+        options={"SKIP_SAVE"},
+    )
+
+
+def _has_density(self):
+    return self.density > 0.0
+
+
+def _state_density(self, is_own):
+    """Begin with the scene's density, and end with none of the object's own."""
+    self.density = bpy.context.scene.lumenray.bake_density if is_own else 0.0
+
+
 def _light_group(of: str):
     """Property that names the layer of a bake that a light belongs to."""
     return StringProperty(
-        name="Light group",
+        name="Light Group",
         description=f"Layer of lux maps that {of} belongs to; all without a group share one layer",
         maxlen=63,
     )
 
 
 QUANTITIES = [
-    ("LUMINOUS_FLUX", "Luminous flux [lm]", "Total light emitted, in lumens", 0),
-    ("LUMINOUS_INTENSITY", "Luminous intensity [cd]", "On the axis of the light, in candelas", 1),
+    ("LUMINOUS_FLUX", "Luminous Flux [lm]", "Total light emitted, in lumens", 0),
+    ("LUMINOUS_INTENSITY", "Luminous Intensity [cd]", "On the axis of the light, in candelas", 1),
     (
         "ILLUMINANCE",
         "Illuminance [lx]",
@@ -63,7 +112,7 @@ QUANTITIES = [
     ("LUMINANCE", "Luminance [cd/m²]", "Of the luminous surface of an area light", 3),
     (
         "RADIANT_FLUX",
-        "Radiant flux [W]",
+        "Radiant Flux [W]",
         "Optical watts between 360 and 830 nm, not electrical watts; for a sun W/m²",
         4,
     ),
@@ -76,10 +125,12 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
     use_physical: BoolProperty(
-        name="Physical parameters",
-        description="State this light in photometric units instead of Blender's watts",
+        name="Physical Parameters",
+        description=(
+            "State this light in photometric units instead of Blender's watts; it starts with what the light gives now"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch_physical,
     )
     quantity: EnumProperty(
         name="Quantity",
@@ -108,10 +159,10 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
     use_override: BoolProperty(
-        name="Physical override",
+        name="Physical Override",
         description="Use these measurable parameters in place of the node tree",
         default=False,
-        update=tag_owner,
+        update=_follow_override,
     )
     model: EnumProperty(
         name="Model",
@@ -120,16 +171,16 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
             ("DIFFUSE", "Diffuse", "Matt reflection and, if set, diffuse transmission", 0),
             ("COATED", "Coated", "Matt base under a clear gloss coat: paint, plastic, varnish", 1),
             ("CONDUCTOR", "Metal", "Metal by its complex refractive index", 2),
-            ("DIELECTRIC", "Solid glass", "Transparent body that refracts", 3),
+            ("DIELECTRIC", "Solid Glass", "Transparent body that refracts", 3),
             ("THIN_GLASS", "Pane", "Thin sheet of glass as one surface", 4),
             ("EMITTER", "Emitter", "Luminous surface, black by itself", 5),
             ("MEASURED", "Measured", "Scattering measured or computed: a BRDF or BTDF file", 6),
         ],
         default="DIFFUSE",
-        update=tag_owner,
+        update=_follow_override,
     )
     reflectance_source: EnumProperty(
-        name="Reflectance from",
+        name="Reflectance From",
         description="Where the reflectance comes from",
         items=[
             ("VALUE", "Value", "The same at all wavelengths", 0),
@@ -159,7 +210,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     reflectance_file: StringProperty(
-        name="Reflectance file",
+        name="Reflectance File",
         description="Text or CSV with wavelength [nm] and reflectance 0..1, or .spdx",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
@@ -175,17 +226,17 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     pane_source: EnumProperty(
-        name="Pane from",
+        name="Pane From",
         description="How the pane is stated",
         items=[
             ("GLASS", "Glass", "Refractive index and internal transmittance of clear glass", 0),
-            ("FILE", "Data sheet", "Table of transmittance and reflectance by angle", 1),
+            ("FILE", "Data Sheet", "Table of transmittance and reflectance by angle", 1),
         ],
         default="GLASS",
         update=tag_owner,
     )
     pane_file: StringProperty(
-        name="Data sheet",
+        name="Data Sheet",
         description="Text or CSV with angle to the normal [degree], transmittance 0..1 and reflectance 0..1",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
@@ -201,7 +252,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     ior_source: EnumProperty(
-        name="Refractive index from",
+        name="Refractive Index From",
         description="How the refractive index is stated",
         items=[
             ("CONSTANT", "Value", "The same at all wavelengths", 0),
@@ -212,7 +263,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     ior: FloatProperty(
-        name="Refractive index",
+        name="Refractive Index",
         description="Index at all wavelengths, or Cauchy's A",
         default=1.5,
         min=1.0,
@@ -230,7 +281,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     ior_file: StringProperty(
-        name="Index file",
+        name="Index File",
         description="Text or CSV with wavelength [nm] and refractive index",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
@@ -252,7 +303,7 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     two_sided: BoolProperty(
-        name="Both sides emit",
+        name="Both Sides Emit",
         description="Off: only the side that the normal points to",
         default=True,
         update=tag_owner,
@@ -291,7 +342,7 @@ class LumenrayWorldSettings(PropertyGroup):
         update=tag_owner,
     )
     illuminance: FloatProperty(
-        name="Horizontal illuminance",
+        name="Horizontal Illuminance",
         description="On an unobstructed horizontal plane, in lx",
         default=10000.0,
         min=0.0,
@@ -307,34 +358,40 @@ class LumenrayObjectSettings(PropertyGroup):
     version: IntProperty(default=1, options={"HIDDEN"})
     uid: _identity()
     density: FloatProperty(
-        name="Lumels per metre",
+        name="Lumels per Metre",
         description="Density of this object's lux map; 0 takes the scene's",
         default=0.0,
         min=0.0,
         max=1000.0,
         update=tag_owner,
     )
+    use_density: BoolProperty(
+        name="Own Density",
+        description="Give this object's lux map another density than the scene's",
+        get=_has_density,
+        set=_state_density,
+    )
     two_sided: BoolProperty(
-        name="Both sides",
+        name="Both Sides",
         description="Compute the back sides of this object's faces too, as for a sheet that is lit from both sides",
         default=False,
         update=tag_owner,
     )
     light_group: _light_group("this luminaire")
     baked_image: PointerProperty(
-        name="Lux atlas",
+        name="Lux Atlas",
         description="Image with the illuminance of this object",
         type=bpy.types.Image,
     )
     baked_uv: StringProperty(
-        name="UV map of the atlas", description="UV map by which the atlas lies on this object"
+        name="UV Map of the Atlas", description="UV map by which the atlas lies on this object"
     )
     baked_back_uv: StringProperty(
-        name="UV map of the back", description="UV map by which the atlas lies on the back sides"
+        name="UV Map of the Back", description="UV map by which the atlas lies on the back sides"
     )
     luminaire: PointerProperty(type=LumenrayEmptySettings)
     is_luminaire_body: BoolProperty(
-        name="Luminaire body",
+        name="Luminaire Body",
         description="Shows where a luminaire is; no part of the light calculation, so that it cannot block its own light",
         default=False,
         update=tag_owner,
@@ -346,7 +403,7 @@ class LumenrayTextSettings(PropertyGroup):
 
     version: IntProperty(default=1, options={"HIDDEN"})
     digest: StringProperty(
-        name="Content hash",
+        name="Content Hash",
         description="SHA-256 of the bytes of the photometric file; empty if the text is none",
         options={"HIDDEN"},
     )
@@ -396,12 +453,12 @@ class LumenraySceneSettings(PropertyGroup):
     version: IntProperty(default=1, options={"HIDDEN"})
 
     stop: EnumProperty(
-        name="Stop by",
+        name="Stop By",
         description="When the render is done",
         items=[
             ("SAMPLES", "Samples", "After a number of samples per pixel", 0),
             ("ERROR", "Error", "When the picture's relative standard error is reached", 1),
-            ("TIME", "Time", "After a number of seconds", 2),
+            ("TIME", "Time", "After a time", 2),
         ],
         default="SAMPLES",
     )
@@ -413,16 +470,21 @@ class LumenraySceneSettings(PropertyGroup):
         max=1 << 20,
     )
     error: FloatProperty(
-        name="Relative error",
+        name="Relative Error",
         description="Standard error of the pixels relative to their luminance, dark ones to the mean",
         default=0.02,
         min=0.0001,
         max=1.0,
         precision=4,
     )
+    error_percent: _percentage(
+        "error",
+        "Error",
+        "Standard error of the pixels relative to their luminance, dark ones to the mean",
+    )
     time: FloatProperty(
         name="Time",
-        description="Seconds of rendering",
+        description="Time of rendering",
         default=60.0,
         min=0.1,
         max=1e7,
@@ -448,7 +510,7 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw,
     )
     efficacy: FloatProperty(
-        name="Lumens per Blender watt",
+        name="Lumens per Blender Watt",
         description=(
             "Photometric meaning of Blender's own watts, for lights and shaders without physical "
             "parameters: 177.83 lm/W is what Cycles assumes, glTF uses 683"
@@ -463,7 +525,7 @@ class LumenraySceneSettings(PropertyGroup):
         name="Exposure",
         description="Which luminance becomes 1.0 in the picture",
         items=[
-            ("LUMINANCE", "White luminance", "State the luminance that becomes 1.0", 0),
+            ("LUMINANCE", "White Luminance", "State the luminance that becomes 1.0", 0),
             ("EV100", "EV at ISO 100", "State the exposure value of a camera", 1),
             ("AUTO", "Automatic", "Set white from the picture itself; never use it to compare", 2),
         ],
@@ -471,7 +533,7 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw_all,
     )
     white_luminance: FloatProperty(
-        name="White luminance",
+        name="White Luminance",
         description="Luminance in cd/m² that becomes 1.0",
         default=200.0,
         min=1e-6,
@@ -488,16 +550,16 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw_all,
     )
     viewport_display: EnumProperty(
-        name="Viewport shows",
+        name="Viewport Shows",
         description="What the 3D view shows in rendered shading",
         items=[
             ("PICTURE", "Picture", "In colour, as in the render", 0),
             ("LUMINANCE", "Luminance", "Without colour", 1),
-            ("FALSE_LUMINANCE", "False colours: luminance", "In cd/m², with a scale", 2),
+            ("FALSE_LUMINANCE", "False Colours [cd/m²]", "Luminance in cd/m², with a scale", 2),
             (
                 "FALSE_ILLUMINANCE",
-                "False colours: illuminance",
-                "Of the visible surfaces in lx, with a scale; takes about twice the time",
+                "False Colours [lx]",
+                "Illuminance of the visible surfaces in lx, with a scale; takes about twice the time",
                 3,
             ),
         ],
@@ -505,7 +567,7 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw,
     )
     viewport_samples: IntProperty(
-        name="Viewport samples",
+        name="Viewport Samples",
         description="Paths per pixel after which the view in rendered shading rests",
         default=256,
         min=2,
@@ -513,7 +575,7 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw,
     )
     viewport_automatic: BoolProperty(
-        name="Automatic scale",
+        name="Automatic Scale",
         description="Set the top of the scale from the view itself",
         default=True,
         update=_redraw,
@@ -541,7 +603,7 @@ class LumenraySceneSettings(PropertyGroup):
         update=_redraw,
     )
     use_smoothing: BoolProperty(
-        name="Smooth the picture",
+        name="Smooth Noise",
         description=(
             "Filter the noise of the Combined pass, guided by its own error; all other passes stay as computed"
         ),
@@ -569,7 +631,7 @@ class LumenraySceneSettings(PropertyGroup):
     )
 
     bake_density: FloatProperty(
-        name="Lumels per metre",
+        name="Lumels per Metre",
         description="Resolution of lux maps on the surface; the one knob of the layout",
         default=8.0,
         min=0.01,
@@ -577,19 +639,19 @@ class LumenraySceneSettings(PropertyGroup):
         soft_max=100.0,
     )
     bake_from_textures: BoolProperty(
-        name="At least as fine as textures",
+        name="Match Textures",
         description="Raise the density of surfaces with pictures to that of the pictures",
         default=False,
     )
     bake_size: IntProperty(
-        name="Page size",
+        name="Page Size",
         description="Side of the largest atlas page in lumels",
         default=2048,
         min=32,
         max=8192,
     )
     bake_pages: IntProperty(
-        name="Most pages",
+        name="Most Pages",
         description="All charts shrink alike to fit on so many pages, which is reported; 0: as many as it takes",
         default=0,
         min=0,
@@ -603,7 +665,7 @@ class LumenraySceneSettings(PropertyGroup):
         max=64,
     )
     bake_cone: FloatProperty(
-        name="Cone angle",
+        name="Cone Angle",
         description="Largest angle between a chart's direction and the normals of its faces; smaller distorts less",
         default=1.0,
         min=0.05,
@@ -611,7 +673,7 @@ class LumenraySceneSettings(PropertyGroup):
         subtype="ANGLE",
     )
     bake_detail: FloatProperty(
-        name="Detail threshold",
+        name="Detail Threshold",
         description=(
             "Charts whose neighbouring lumels differ by less than this share of the mean illuminance get half the "
             "density after a first pass; 0: none do"
@@ -627,18 +689,18 @@ class LumenraySceneSettings(PropertyGroup):
         description="Whose share of the illuminance is kept apart, to be dimmed and recoloured after the bake",
         items=[
             ("NONE", "None", "All light together", 0),
-            ("GROUPS", "Light groups", "A layer for each light group that lights name", 1),
-            ("EACH", "Each luminaire", "A layer for each light, glowing material and the sky", 2),
+            ("GROUPS", "Light Groups", "A layer for each light group that lights name", 1),
+            ("EACH", "Each Luminaire", "A layer for each light, glowing material and the sky", 2),
         ],
         default="NONE",
     )
     bake_exitance: BoolProperty(
-        name="Exitance in colour",
+        name="Exitance in Colour",
         description="Also compute the light that leaves the surfaces, in colour, for real-time views and glTF",
         default=False,
     )
     bake_smooth: BoolProperty(
-        name="Smooth the maps",
+        name="Smooth Maps",
         description="Smooth within charts after the error is known; the result says that it was done",
         default=False,
     )
@@ -663,33 +725,36 @@ class LumenraySceneSettings(PropertyGroup):
         default="AUTO",
     )
     bake_use_error: BoolProperty(
-        name="Relative error", description="Stop at a relative standard error", default=True
+        name="Relative Error", description="Stop at a relative standard error", default=True
     )
     bake_error: FloatProperty(
-        name="Relative error",
+        name="Relative Error",
         description="Standard error of all lumels together, divided by the mean: 0.02 is 2 %",
         default=0.02,
         min=0.0001,
         max=1.0,
         precision=4,
     )
+    bake_error_percent: _percentage(
+        "bake_error",
+        "Relative Error",
+        "Standard error of all lumels together, divided by the mean",
+    )
     bake_use_absolute: BoolProperty(
-        name="Absolute error", description="Stop at a standard error in lx", default=False
+        name="Absolute Error", description="Stop at a standard error in lx", default=False
     )
     bake_absolute: FloatProperty(
-        name="Absolute error",
+        name="Absolute Error",
         description="Standard error of all lumels together, in lx",
         default=5.0,
         min=1e-6,
         max=1e9,
         soft_max=1000.0,
     )
-    bake_use_time: BoolProperty(
-        name="Time", description="Stop after a number of seconds", default=False
-    )
+    bake_use_time: BoolProperty(name="Time", description="Stop after a time", default=False)
     bake_time: FloatProperty(
         name="Time",
-        description="Seconds of baking, an interrupted bake's earlier ones included",
+        description="Time of baking, an interrupted bake's earlier time included",
         default=600.0,
         min=0.1,
         max=1e7,
@@ -706,7 +771,7 @@ class LumenraySceneSettings(PropertyGroup):
         max=1 << 20,
     )
     bake_checkpoint: BoolProperty(
-        name="Keep what is done",
+        name="Keep Progress",
         description="Write the state into the folder from time to time, so that an interrupted bake can go on",
         default=True,
     )
@@ -716,14 +781,14 @@ class LumenraySceneSettings(PropertyGroup):
         default=False,
     )
     bake_gltf_textures: IntProperty(
-        name="Most textures",
+        name="Most Textures",
         description="Textures that the glTF file may have, both looks together; pages are put together to keep to it",
         default=16,
         min=1,
         soft_max=64,
     )
     bake_gltf_size: IntProperty(
-        name="Texture size",
+        name="Texture Size",
         description="Largest side of a texture of the glTF file; larger pages are halved",
         default=2048,
         min=1,
@@ -739,7 +804,7 @@ class LumenraySceneSettings(PropertyGroup):
     )
 
     is_baked_shown: BoolProperty(
-        name="Baked light shown",
+        name="Baked Light Shown",
         description="Whether materials show baked light in EEVEE and material preview",
         options={"HIDDEN"},
     )
@@ -751,7 +816,7 @@ class LumenraySceneSettings(PropertyGroup):
             ("EXITANCE", "Exitance", "The light that leaves the surfaces, as baked in colour", 1),
             (
                 "FALSE",
-                "False colours",
+                "False Colours",
                 "Illuminance in lx on a scale; needs the view transform Standard",
                 2,
             ),
@@ -777,7 +842,7 @@ class LumenraySceneSettings(PropertyGroup):
     )
     baked_layers: CollectionProperty(type=LumenrayBakedLayer)
     baked_layer_index: IntProperty(
-        name="Active layer", description="Layer whose settings are shown", min=0
+        name="Active Layer", description="Layer whose settings are shown", min=0
     )
 
 

@@ -7,6 +7,7 @@ from ..engine.raysets.emission import RayLight
 from .raysets import files
 from .raysets.convert import luminous_flux
 from .raysets.settings import LIGHT_TYPES, absolute_path, name_of, rays_of
+from .sync.units import format_lengths
 
 REMEDY = "Choose another file; until then the light is left out"
 
@@ -52,22 +53,17 @@ def describe(settings, light: RayLight) -> list[tuple[str, str]]:
     return [
         ("Rays", count if held >= light.rays else f"{count}, {held:,} held".replace(",", " ")),
         ("Flux", "not stated" if flux is None else f"{flux:.4g} lm"),
-        ("Size", length(emission.size)),
+        ("Size", format_lengths([emission.size])),
         ("Starts from", light.body.removeprefix("a body of ")),
         ("Symmetry", "even about an axis" if emission.axis is not None else "none"),
         ("Own error", f"{100.0 * emission.information_error:.2g} % for want of rays"),
-        ("Rays in lux maps", f"within {length(emission.near)}"),
+        ("Rays in lux maps", f"within {format_lengths([emission.near])}"),
         ("Point beyond", _point_words(emission)),
     ]
 
 
 def _point_words(emission) -> str:
     return f"wrong by {100.0 * float(emission.point_errors(emission.near)):.1g} % at most"
-
-
-def length(metres: float) -> str:
-    """Tell a length in its usual unit."""
-    return f"{1e3 * metres:.3g} mm" if metres < 1.0 else f"{metres:.3g} m"
 
 
 def settings_used(light):

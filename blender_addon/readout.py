@@ -1,5 +1,6 @@
 """What the settings amount to in other units, as short text for panels. Cheap enough for every redraw."""
 
+import re
 import textwrap
 from dataclasses import dataclass
 from functools import lru_cache
@@ -29,6 +30,20 @@ UNITS = {
     "RADIANT_FLUX": "W",
 }
 """Unit of every quantity of a light."""
+
+NAMES = {
+    "LUMINOUS_FLUX": "Luminous Flux",
+    "LUMINOUS_INTENSITY": "Intensity",
+    "ILLUMINANCE": "Illuminance",
+    "LUMINANCE": "Luminance",
+    "RADIANT_FLUX": "Radiant Flux",
+}
+"""What the amount of a light is called in each quantity."""
+
+SMALL_WORDS = frozenset(
+    re.findall(r"\w+", "a an and as at by from in is of on or per the to with cd lm lx mm nm px")
+)
+"""Words that stay small in a title, and units."""
 
 NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known when rendering"
 
@@ -107,6 +122,17 @@ def read_sun(quantity: str, value: float, angle: float) -> Reading:
     return Reading(illuminance=value, luminance=value * per_lux if per_lux else None)
 
 
+def title_case(label: str) -> str:
+    """Return a label as Blender writes those of its own panels; symbols and units stay as they are."""
+    words = label.split(" ")
+    return " ".join(
+        word.capitalize()
+        if word.isalpha() and word.islower() and len(word) > 1 and word not in SMALL_WORDS
+        else word
+        for word in words
+    )
+
+
 def format_number(value: float) -> str:
     """Return at least three significant digits, thousands set apart.
 
@@ -136,10 +162,26 @@ def format_amount(value: float, unit: str) -> str:
     return f"{format_number(value)} {unit}"
 
 
-def value_unit(light) -> str:
-    """Return the unit of a physical light's value; watts of a sun are per square metre."""
-    quantity = light.lumenray.quantity
+def value_unit(light, quantity: str = "") -> str:
+    """Return the unit of a quantity, the stated one if none is named; watts of a sun are per square metre."""
+    quantity = quantity or light.lumenray.quantity
     return "W/m²" if light.type == "SUN" and quantity == "RADIANT_FLUX" else UNITS[quantity]
+
+
+def value_name(light) -> str:
+    """Return what a physical light's value is called."""
+    quantity = light.lumenray.quantity
+    if light.type == "SUN" and quantity == "RADIANT_FLUX":
+        return "Irradiance"
+    return NAMES[quantity]
+
+
+def quantities_of(light) -> tuple[str, ...]:
+    """Return the quantities in which a light can be stated; a sun without a size has no luminance."""
+    named = PHYSICAL_QUANTITIES[light.type]
+    if light.type == "SUN" and light.angle <= 0.0:
+        return tuple(name for name in named if name != "LUMINANCE")
+    return named
 
 
 def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0) -> Description:
@@ -159,10 +201,10 @@ def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0
     reading = _read(light, quantity, value, np.abs(np.asarray(lengths, dtype=float)), metres)
     if reading is None:
         return Description(problem="the light has no size, so that it has no luminance")
-    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m, as a point"}
+    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m (point)"}
     named = (
         ("Luminous flux", reading.flux, "lm"),
-        ("Intensity on the axis", reading.intensity, "cd"),
+        ("Axial intensity", reading.intensity, "cd"),
         (at_one_metre.get(light.type, "At 1 m on the axis"), reading.illuminance, "lx"),
         ("Luminance", reading.luminance, "cd/m²"),
     )
@@ -277,10 +319,18 @@ def describe_bake(summary) -> tuple[tuple[str, str], ...]:
 
 def describe_edit(status) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the last edit that a view (`viewport.Status`) showed and the state of its picture."""
-    total = status.walk + status.transfer + status.commit + status.first_sample
     error = f"{100.0 * status.error:.2g} %" if status.error < 1e6 else "–"
     return (
         ("Last edit", status.changed or "nothing"),
+        ("Samples", str(status.samples) if status.samples else "coarse"),
+        ("Picture error", error),
+    )
+
+
+def describe_timing(status) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about what an edit cost, for those who work on the engine."""
+    total = status.walk + status.transfer + status.commit + status.first_sample
+    return (
         ("Sent", f"{status.sent} item{'' if status.sent == 1 else 's'}"),
         ("Engine", status.action or "–"),
         ("Scene walk", _milliseconds(status.walk)),
@@ -288,8 +338,6 @@ def describe_edit(status) -> tuple[tuple[str, str], ...]:
         ("Commit", _milliseconds(status.commit)),
         ("First sample", _milliseconds(status.first_sample)),
         ("Together", _milliseconds(total)),
-        ("Samples", str(status.samples) if status.samples else "coarse"),
-        ("Picture error", error),
     )
 
 
@@ -297,11 +345,11 @@ def _milliseconds(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if seconds < 1.0 else f"{seconds:.2f} s"
 
 
-def describe_counts(rows) -> str:
-    """Say how many rows of each severity a report holds."""
+def describe_counts(severities) -> str:
+    """Say how many rows of each severity a report holds, by the severities' names."""
     counts = {"ERROR": 0, "WARNING": 0, "INFO": 0}
-    for row in rows:
-        counts[row.severity] += 1
+    for severity in severities:
+        counts[severity] += 1
     names = {"ERROR": "error", "WARNING": "warning", "INFO": "note"}
     parts = [
         f"{count} {names[key]}{'' if count == 1 else 's'}" for key, count in counts.items() if count

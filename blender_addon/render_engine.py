@@ -9,13 +9,14 @@ import gpu
 import numpy as np
 from bpy.app.handlers import persistent
 
-from ..engine.accuracy.stopping import StopRule
+from ..engine.accuracy.stopping import StopRule, format_seconds
 from ..engine.analysis.noise_filter import smooth
 from ..engine.errors import Cancelled, LumenrayError
 from ..engine.photometry.colour import automatic_white, scene_linear
 from ..engine.session import ViewSettings
-from . import assumptions, engine_process, view_drawing
+from . import assumptions, engine_process, readout, view_drawing
 from .feed import SceneFeed
+from .feedback import show_render, show_report
 from .properties import white_luminance
 from .report import ConversionReport
 from .sync.camera import region
@@ -153,7 +154,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         report = ConversionReport()
         report.include(feed.report)
         camera = feed.sync.camera(depsgraph, report)
-        _show(report)
+        _on_main_thread(lambda manager: show_report(manager, report))
         if bpy.app.background:
             assumptions.tell(report, stream=sys.stdout)
         if camera is None:
@@ -185,11 +186,14 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             self.end_result(result, cancel=not finished)
         layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
         self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
+        text = describe_picture(picture, report)
+        # Into the file's metadata, beside the pixels.
+        self.get_result().stamp_data_add_field("Lumenray", text)
         self._write_beside(scene, picture, report)
         if bpy.app.background:
             assumptions.tell(ConversionReport(), picture.provenance.notes, stream=sys.stdout)
-        left_over = f"error {100.0 * picture.relative_error:.2f} %"
-        self.update_stats("", f"{picture.provenance.samples} samples, {left_over}")
+        self.update_stats("", text)
+        _on_main_thread(lambda manager: show_render(manager, text))
 
     def _follow(self, session, result, white):
         """Return the function that follows the engine's progress."""
@@ -301,19 +305,30 @@ def _fill(render_pass, values):
     render_pass.rect.foreach_set(np.ascontiguousarray(values, dtype=np.float32).reshape(-1))
 
 
-def _show(report):
-    """Put the report where the panel finds it; a render without a window has none."""
-    from .feedback import show_report
+def describe_picture(picture, report: ConversionReport) -> str:
+    """Say how well a picture is known, and how much of its scene is not as Blender has it."""
+    made = picture.provenance
+    parts = [
+        f"{made.samples} samples",
+        f"error {readout.format_error(picture.relative_error)}",
+        format_seconds(made.seconds),
+    ]
+    counts = readout.describe_counts(row.severity.name for row, _ in report.rows)
+    return ", ".join([*parts, counts] if counts else parts)
 
-    def show():
+
+def _on_main_thread(tell) -> None:
+    """Call a function with every window manager, which panels read; a render without a window has no thread of its own."""
+
+    def call():
         for manager in bpy.data.window_managers:
-            show_report(manager, report)
+            tell(manager)
 
     if bpy.app.background:
-        show()
+        call()
     else:
         # Blender renders on a thread of its own; the window's data belong to the main thread.
-        bpy.app.timers.register(show)
+        bpy.app.timers.register(call)
 
 
 @persistent

@@ -21,7 +21,7 @@ def enum_from_names(names) -> list[tuple[str, str, str, int]]:
 
 SPECTRA = [
     ("RGB", "Colour", "The colour of the light itself; it never changes the amount of light", 0),
-    ("ILLUMINANT", "CIE illuminant", "A standard illuminant by name", 1),
+    ("ILLUMINANT", "CIE Illuminant", "A standard illuminant by name", 1),
     ("BLACKBODY", "Blackbody", "Planck radiator of a colour temperature (incandescent)", 2),
     ("DAYLIGHT", "Daylight", "CIE daylight phase of a colour temperature", 3),
     ("FILE", "File", "Spectral power from a text file (wavelength in nm, value) or .spdx", 4),
@@ -46,17 +46,18 @@ class SpectrumSettings:
         update=tag_owner,
     )
     colour_temperature: FloatProperty(
-        name="Colour temperature",
+        name="Colour Temperature",
         description="In kelvins; daylight is defined from 4000 K to 25000 K",
         default=4000.0,
         min=500.0,
         max=40000.0,
         soft_min=1800.0,
         soft_max=12000.0,
+        precision=0,
         update=tag_owner,
     )
     spectrum_file: StringProperty(
-        name="Spectrum file",
+        name="Spectrum File",
         description="Text or CSV with wavelength [nm] and relative power, or an IES TM-27 .spdx file",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,

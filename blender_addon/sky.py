@@ -25,33 +25,33 @@ TYPES = [
         "Three times as bright at the zenith as at the horizon, the same all around: the standard overcast sky",
         1,
     ),
-    ("2", "2: Overcast, sun side brighter", "As 1, and a little brighter towards the sun", 2),
+    ("2", "2: Overcast, Sun Side Brighter", "As 1, and a little brighter towards the sun", 2),
     (
         "3",
-        "3: Overcast, less steep",
+        "3: Overcast, Less Steep",
         "One and a half times as bright at the zenith as at the horizon, the same all around",
         3,
     ),
-    ("4", "4: As 3, sun side brighter", "As 3, and a little brighter towards the sun", 4),
+    ("4", "4: As 3, Sun Side Brighter", "As 3, and a little brighter towards the sun", 4),
     ("5", "5: Uniform", "The same luminance in every direction", 5),
-    ("6", "6: Cloudy, even", "Partly cloudy, even in height, a little brighter towards the sun", 6),
-    ("7", "7: Cloudy, bright sun side", "Partly cloudy, even in height, bright around the sun", 7),
-    ("8", "8: Cloudy, corona", "Partly cloudy, even in height, with a corona around the sun", 8),
-    ("9", "9: Cloudy, sun hidden", "Partly cloudy, bright horizon, the sun behind a cloud", 9),
-    ("10", "10: Cloudy, sun dimmed", "Partly cloudy, bright horizon, bright around the sun", 10),
+    ("6", "6: Cloudy, Even", "Partly cloudy, even in height, a little brighter towards the sun", 6),
+    ("7", "7: Cloudy, Bright Sun Side", "Partly cloudy, even in height, bright around the sun", 7),
+    ("8", "8: Cloudy, Corona", "Partly cloudy, even in height, with a corona around the sun", 8),
+    ("9", "9: Cloudy, Sun Hidden", "Partly cloudy, bright horizon, the sun behind a cloud", 9),
+    ("10", "10: Cloudy, Sun Dimmed", "Partly cloudy, bright horizon, bright around the sun", 10),
     (
         "11",
-        "11: White-blue, corona",
+        "11: White-blue, Corona",
         "White-blue, bright horizon, with a corona around the sun",
         11,
     ),
     ("12", "12: Clear", "The standard clear sky, for clean air", 12),
-    ("13", "13: Clear, polluted air", "The standard clear sky, for polluted air", 13),
-    ("14", "14: Cloudless, turbid", "Without clouds but hazy, with a broad corona", 14),
-    ("15", "15: White-blue, turbid", "White-blue and hazy, with a broad corona", 15),
+    ("13", "13: Clear, Polluted Air", "The standard clear sky, for polluted air", 13),
+    ("14", "14: Cloudless, Turbid", "Without clouds but hazy, with a broad corona", 14),
+    ("15", "15: White-blue, Turbid", "White-blue and hazy, with a broad corona", 15),
     (
         "16",
-        "16: Overcast, traditional",
+        "16: Overcast, Traditional",
         "Three times as bright at the zenith as at the horizon, straight with the sine of the height "
         "(Moon and Spencer): the sky of the daylight factor",
         16,
@@ -76,7 +76,7 @@ class LumenraySkySettings(PropertyGroup):
         update=tag_owner,
     )
     illuminance: FloatProperty(
-        name="Horizontal illuminance",
+        name="Horizontal Illuminance",
         description="By the sky alone, without the sun, on an unobstructed horizontal plane, in lx",
         default=10000.0,
         min=0.0,
@@ -87,7 +87,7 @@ class LumenraySkySettings(PropertyGroup):
         update=tag_owner,
     )
     use_sun_lamp: BoolProperty(
-        name="Sun Light of the Scene",
+        name="Scene's Sun",
         description=(
             "Let the sky's sun stand where the scene's Sun light shines from: the first one by name if there are several. "
             "Hidden ones and those inside instances do not count; one of strength 0 does. The two angles hold "
@@ -117,7 +117,7 @@ class LumenraySkySettings(PropertyGroup):
         update=tag_owner,
     )
     ground_reflectance: FloatProperty(
-        name="Ground reflectance",
+        name="Ground Reflectance",
         description=(
             "Every direction below the horizon is as bright as a matt ground of this reflectance under the sky, 0 to 1"
         ),
@@ -128,7 +128,7 @@ class LumenraySkySettings(PropertyGroup):
         update=tag_owner,
     )
     colour_temperature: FloatProperty(
-        name="Colour temperature",
+        name="Colour Temperature",
         description="Of the daylight that sky and ground give, in kelvins; it never changes the illuminance",
         default=6500.0,
         min=4000.0,

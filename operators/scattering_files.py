@@ -191,14 +191,14 @@ class LUMENRAY_OT_unpack_scattering_file(ActiveScattering, bpy.types.Operator):
 
 
 class LUMENRAY_OT_fit_scattering_look(WithFile, bpy.types.Operator):
-    """Give the material's viewport colour and nodes a look near the file's, for solid shading, EEVEE and Cycles"""
+    """Show the material with a look near the file's in solid shading, EEVEE and Cycles; its own nodes and values are kept"""
 
     bl_idname = "lumenray.fit_scattering_look"
     bl_label = "Fit Viewport Look"
 
     def work(self, material):
         reading = files.obtain(material.lumenray.measured)
-        show_look(material, reading.look, is_forced=True)
+        show_look(material, reading.look)
         return {"INFO"}, f"'{material.name}' looks like {name_of(material.lumenray.measured)}"
 
 

@@ -5,6 +5,7 @@ from . import (
     add_menu,
     bake,
     compatibility,
+    image_header,
     light,
     luminaire,
     luminaire_overlay,
@@ -37,10 +38,12 @@ def attach():
     luminaire_overlay.attach()
     rayset_overlay.attach()
     add_menu.attach()
+    image_header.attach()
 
 
 def detach():
     """Undo `attach`, and let go of all pictures."""
+    image_header.detach()
     add_menu.detach()
     rayset_overlay.detach()
     luminaire_overlay.detach()

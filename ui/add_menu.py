@@ -26,7 +26,7 @@ class LUMENRAY_MT_add_rayset(bpy.types.Menu):
             made = self.layout.operator("lumenray.add_rayset", text=entry.title)
             made.entry = entry.name
         self.layout.separator()
-        made = self.layout.operator("lumenray.add_rayset", text="Ray file…", icon="FILEBROWSER")
+        made = self.layout.operator("lumenray.add_rayset", text="Ray File…", icon="FILEBROWSER")
         made.entry = "FILE"
 
 

@@ -9,17 +9,17 @@ from ..blender_addon.luminaires.settings import is_luminaire
 from .light import LightPanel
 from .luminaire import ICON_BORDER, ICON_UNIT, MARGIN
 from .material import MaterialPanel
-from .parts import PropertiesPanel, draw_lines, draw_text
+from .parts import PropertiesPanel, draw_choice, draw_lines, draw_text
 from .sidebar import SidebarPanel
 from .world import WorldPanel
 
 STOPS = (
-    ("error", "Relative error"),
-    ("absolute", "Error [lx]"),
-    ("time", "Seconds"),
-    ("samples", "Samples"),
+    ("error", "error_percent", "Error"),
+    ("absolute", "absolute", "Error [lx]"),
+    ("time", "time", "Time"),
+    ("samples", "samples", "Samples"),
 )
-"""Ends of a bake, of which the first that is met counts, and what they are called."""
+"""Ends of a bake, of which the first that is met counts: switch, amount, and what they are called."""
 
 PLAIN_VIEW = "Standard"
 """View transform under which false colours are what the scale shows."""
@@ -28,13 +28,13 @@ PLAIN_VIEW = "Standard"
 def draw_stop(layout, settings) -> None:
     """Draw what ends a bake; several ends may be on."""
     column = layout.column(align=True)
-    for name, label in STOPS:
+    for name, amount, label in STOPS:
         row = column.row(align=True, heading=label)
         row.prop(settings, f"bake_use_{name}", text="")
         part = row.row(align=True)
         part.active = getattr(settings, f"bake_use_{name}")
-        part.prop(settings, f"bake_{name}", text="")
-    if not any(getattr(settings, f"bake_use_{name}") for name, _ in STOPS):
+        part.prop(settings, f"bake_{amount}", text="")
+    if not any(getattr(settings, f"bake_use_{name}") for name, *_ in STOPS):
         layout.label(text="Switch one on: it would never end", icon="ERROR")
 
 
@@ -102,13 +102,13 @@ class LUMENRAY_PT_lux_bake_layout(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw pages and charts."""
-        layout.prop(settings, "bake_from_textures", text="As fine as textures")
+        layout.prop(settings, "bake_from_textures", text="Match Textures")
         column = layout.column(align=True)
-        column.prop(settings, "bake_size", text="Page size [px]")
-        column.prop(settings, "bake_pages", text="Most pages")
+        column.prop(settings, "bake_size", text="Page Size [px]")
+        column.prop(settings, "bake_pages", text="Most Pages")
         column.prop(settings, "bake_margin", text="Margin [px]")
         layout.prop(settings, "bake_cone")
-        layout.prop(settings, "bake_detail")
+        layout.prop(settings, "bake_detail", text="Detail")
 
 
 class LUMENRAY_PT_lux_bake_light(BakePanel, bpy.types.Panel):
@@ -159,8 +159,8 @@ class LightGroupPanel:
         layout.use_property_decorate = False
         layout.prop(getattr(context, self.owner).lumenray, "light_group", text="Group")
         if context.scene.lumenray.bake_layers != "GROUPS":
-            layout.prop_enum(
-                context.scene.lumenray, "bake_layers", "GROUPS", text="Bake Light Groups as Layers"
+            draw_choice(
+                layout, context.scene.lumenray, "bake_layers", "GROUPS", "Bake Groups as Layers"
             )
 
 
@@ -232,7 +232,13 @@ class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "bake_density", text="Lumels per m")
         if readout.is_bakeable(context.object):
-            column.prop(context.object.lumenray, "density", text="Active object")
+            own = context.object.lumenray
+            row = column.row(heading="Own Density")
+            row.prop(own, "use_density", text="")
+            part = row.row()
+            part.active = own.use_density
+            shown = (own, "density") if own.use_density else (settings, "bake_density")
+            part.prop(*shown, text="")
             column.prop(context.object.lumenray, "two_sided")
         column.prop(settings, "bake_layers")
         draw_stop(layout, settings)
@@ -316,7 +322,7 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
         layout.operator("lumenray.hide_baked", icon="LOOP_BACK")
         shading = context.space_data.shading
         if shading.type not in {"MATERIAL", "RENDERED"}:
-            layout.prop_enum(shading, "type", "MATERIAL", text="Show Material Preview")
+            draw_choice(layout, shading, "type", "MATERIAL", "Show Material Preview")
         layout.row().prop(settings, "baked_look", expand=True)
         if settings.baked_look == "FALSE":
             self._draw_scale(layout, context)

@@ -4,7 +4,7 @@ import bpy
 
 from ..blender_addon import luminaire_readout, rayset_readout, readout
 from ..blender_addon.sync.portals import is_portal
-from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum
+from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum, draw_wide
 
 
 def draw_shape(layout, light) -> None:
@@ -21,8 +21,8 @@ def draw_shape(layout, light) -> None:
         return
     _draw_size(layout, light)
     if light.type == "SPOT":
-        layout.prop(light, "spot_size", text="Beam angle")
-        layout.prop(light, "spot_blend", text="Soft edge", slider=True)
+        layout.prop(light, "spot_size", text="Beam Angle")
+        layout.prop(light, "spot_blend", text="Soft Edge", slider=True)
         layout.prop(light, "show_cone")
     if light.type == "AREA":
         if hasattr(light, "cycles"):
@@ -48,8 +48,12 @@ def draw_amount(layout, light) -> None:
     """Draw how much light there is and of which spectrum."""
     settings = light.lumenray
     if settings.use_physical:
-        layout.prop(settings, "quantity", text="")
-        layout.prop(settings, "value", text=f"Value [{readout.value_unit(light)}]")
+        row = layout.row(align=True)
+        row.use_property_split = False
+        for quantity in readout.quantities_of(light):
+            row.prop_enum(settings, "quantity", quantity, text=readout.value_unit(light, quantity))
+        name = f"{readout.value_name(light)} [{readout.value_unit(light)}]"
+        draw_wide(layout, settings, "value", name)
         draw_spectrum(layout, settings, light)
         return
     layout.prop(light, "energy")

@@ -5,7 +5,15 @@ import bpy
 from ..blender_addon import luminaire_readout as readout
 from ..blender_addon.luminaire_pictures import has_dark_theme, pictures, side_of
 from ..blender_addon.luminaires.settings import active_settings
-from .parts import PropertiesPanel, draw_description, draw_lines, draw_spectrum, draw_text
+from ..blender_addon.raysets.settings import is_rayset
+from .parts import (
+    PropertiesPanel,
+    draw_description,
+    draw_lines,
+    draw_spectrum,
+    draw_text,
+    draw_wide,
+)
 
 ICON_UNIT, ICON_BORDER = 20.0, 6.0
 """Width of an icon of scale 1, and what of an icon is left free around its picture. [pixel]"""
@@ -71,7 +79,7 @@ def draw_flux(layout, settings) -> None:
     column = layout.column()
     column.prop(settings, "amount")
     if settings.amount == "LUMENS":
-        column.prop(settings, "luminous_flux", text="Flux [lm]")
+        draw_wide(column, settings, "luminous_flux", "Luminous Flux [lm]")
     column = layout.column()
     column.prop(settings, "dimming")
     column.prop(settings, "maintenance_factor", text="Maintenance")
@@ -130,6 +138,8 @@ class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
         state = readout.state_of(settings)
         layout.active = settings.use_file or not state.name
         draw_file(layout, context, settings, state)
+        if not settings.use_file and is_rayset(context.object):
+            draw_text(layout, context, "Off: the ray set gives the light", "INFO")
         if state.reading is None:
             return
         draw_picture(layout, context, state.reading)
@@ -168,7 +178,9 @@ class LUMENRAY_PT_luminaire_spectrum(LuminaireChild, bpy.types.Panel):
 
     def draw_part(self, layout, context, settings, reading):
         """Draw the file's reason or the user's choice."""
-        layout.prop(settings, "spectrum_source", expand=True)
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(settings, "spectrum_source", expand=True)
         if settings.spectrum_source == "FILE":
             draw_text(layout, context, reading.lamp_spectrum.reason, "INFO")
         elif context.light is not None:

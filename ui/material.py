@@ -2,7 +2,7 @@
 
 import bpy
 
-from .parts import PropertiesPanel, draw_spectrum, draw_surface
+from .parts import PropertiesPanel, draw_spectrum, draw_surface, draw_wide
 
 
 class MaterialPanel(PropertiesPanel):
@@ -39,7 +39,7 @@ def _draw_index(layout, settings):
 
 def _draw_diffuse(layout, settings):
     _draw_reflectance(layout, settings)
-    layout.prop(settings, "transmittance")
+    draw_wide(layout, settings, "transmittance", "Transmittance")
 
 
 def _draw_coated(layout, settings):
@@ -59,16 +59,16 @@ def _draw_dielectric(layout, settings):
 
 
 def _draw_pane(layout, settings):
-    layout.prop(settings, "pane_source", text="Pane from")
+    layout.prop(settings, "pane_source", text="Pane From")
     if settings.pane_source == "FILE":
         layout.prop(settings, "pane_file", text="File")
         return
-    layout.prop(settings, "transmittance", text="Internal transm.")
+    draw_wide(layout, settings, "transmittance", "Internal Transmittance")
     _draw_index(layout, settings)
 
 
 def _draw_emitter(layout, settings):
-    layout.prop(settings, "luminance", text="Luminance [cd/m²]")
+    draw_wide(layout, settings, "luminance", "Luminance [cd/m²]")
     layout.prop(settings, "two_sided")
     draw_spectrum(layout, settings)
     if settings.spectrum == "RGB":

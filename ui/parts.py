@@ -1,7 +1,15 @@
 """Pieces that several panels share."""
 
+import math
+import textwrap
+
+import bpy
+
 from ..blender_addon import readout
 from .compatibility import ENGINE
+
+BORDERS, CHARACTER = 36.0, 6.4
+"""What the borders of a panel take of its region's width, and the mean width of a character. [pixel]"""
 
 
 class PropertiesPanel:
@@ -16,15 +24,50 @@ class PropertiesPanel:
         return context.engine in cls.COMPAT_ENGINES
 
 
+def draw_wide(layout, data, name, text) -> None:
+    """Draw a number over the whole width with its name inside, where name and unit are longer than half a panel."""
+    row = layout.row()
+    row.use_property_split = False
+    row.prop(data, name, text=text)
+
+
+def draw_choice(layout, data, name, value, text) -> None:
+    """Draw a button that sets an enumeration to a value."""
+    row = layout.row()
+    row.use_property_split = False
+    row.prop_enum(data, name, value, text=text)
+
+
 def draw_lines(layout, lines, share=0.55) -> None:
-    """Draw (label, value) pairs in two columns; the labels take their ``share`` of the width."""
+    """Draw (label, value) pairs in two columns; the labels take their ``share`` of the width.
+
+    What does not fit beside the other is drawn below it instead of being cut off.
+    """
     column = layout.column(align=True)
+    room = _characters()
     for label, value in lines:
+        label = readout.title_case(label)  # noqa: PLW2901 - as it is drawn
+        if len(label) > share * room or len(value) > (1.0 - share) * room:
+            name = column.row()
+            name.active = False
+            name.label(text=label)
+            for part in textwrap.wrap(value, int(min(room, 200.0)) - 4) or [""]:
+                column.label(text=f"    {part}")
+            continue
         split = column.split(factor=share)
         name = split.row()
         name.active = False
         name.label(text=label)
         split.label(text=value)
+
+
+def _characters() -> float:
+    """How many characters fit into a line of the region that is drawn; without a window as many as one likes."""
+    region = bpy.context.region
+    if region is None:
+        return math.inf
+    scale = max(bpy.context.preferences.system.ui_scale, 0.1)
+    return max((region.width / scale - BORDERS) / CHARACTER, 8.0)
 
 
 def draw_text(layout, context, text, icon="NONE") -> None:
@@ -53,7 +96,7 @@ def draw_spectrum(layout, settings, data=None) -> None:
     if settings.spectrum == "ILLUMINANT":
         layout.prop(settings, "illuminant")
     elif settings.spectrum in {"BLACKBODY", "DAYLIGHT"}:
-        layout.prop(settings, "colour_temperature", text="Temperature [K]")
+        layout.prop(settings, "colour_temperature", text="Kelvin")
     elif settings.spectrum == "FILE":
         layout.prop(settings, "spectrum_file", text="File")
         layout.prop(settings, "spectrum_column", text="Column")
@@ -77,9 +120,9 @@ def draw_stop(layout, settings, prefix="") -> None:
     if stop == "SAMPLES":
         layout.prop(settings, f"{prefix}samples", text="Samples")
     elif stop == "ERROR":
-        layout.prop(settings, f"{prefix}error")
+        layout.prop(settings, f"{prefix}error_percent")
     else:
-        layout.prop(settings, f"{prefix}time", text="Seconds")
+        layout.prop(settings, f"{prefix}time")
 
 
 def draw_surface(layout, tree) -> None:

@@ -3,8 +3,9 @@
 import bpy
 
 from ..blender_addon import rayset_readout as readout
+from ..blender_addon.luminaires.settings import is_luminaire
 from ..blender_addon.raysets.settings import active_rays
-from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text
+from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text, draw_wide
 
 LABELS = 0.42
 """Share of the width that labels take."""
@@ -53,10 +54,12 @@ class LUMENRAY_PT_rayset(RaysetPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = active_rays(context)
+        if not settings.use_file and is_luminaire(context.object):
+            draw_text(layout, context, "Off: the photometric file gives the light", "INFO")
         if not settings.filepath:
             row = layout.row()
             row.scale_y = 1.4
-            row.operator("lumenray.load_rayset", text="Open ray file")
+            row.operator("lumenray.load_rayset", text="Open Ray File")
             return
         row = layout.row(align=True)
         row.operator("lumenray.load_rayset", text="", icon="FILEBROWSER")
@@ -108,14 +111,14 @@ class LUMENRAY_PT_rayset_amount(RaysetChild, bpy.types.Panel):
         """Draw what sets flux and spectrum."""
         layout.prop(settings, "amount")
         if settings.amount == "LUMENS":
-            layout.prop(settings, "luminous_flux", text="Flux [lm]")
+            draw_wide(layout, settings, "luminous_flux", "Luminous Flux [lm]")
         layout.prop(settings, "dimming")
-        layout.prop(settings, "spectrum_source")
+        layout.prop(settings, "spectrum_source", text="Spectrum Of")
         state = readout.state_of(settings)
         has_own = state.light is not None and state.light.spectrum is not None
         if settings.spectrum_source == "LIGHT" or not has_own:
             lamp = context.light.lumenray
-            layout.prop(lamp, "use_physical", text="Physical spectrum")
+            layout.prop(lamp, "use_physical", text="Physical")
             if lamp.use_physical:
                 draw_spectrum(layout, lamp, context.light)
             else:
@@ -131,15 +134,15 @@ class LUMENRAY_PT_rayset_rays(RaysetChild, bpy.types.Panel):
     def draw_part(self, layout, context, settings):
         """Draw symmetry, fluctuation and units."""
         layout.prop(settings, "symmetry")
-        layout.prop(settings, "use_widths")
+        layout.prop(settings, "use_widths", text="Own Spread")
         if settings.use_widths:
             column = layout.column()
-            column.prop(settings, "width_position", text="Position [mm]")
+            column.prop(settings, "position_spread")
             column.prop(settings, "width_direction")
-        column = layout.column(heading="Text files")
+        column = layout.column(heading="Text Files")
         column.prop(settings, "unit")
         column.prop(settings, "is_luminous")
-        layout.prop(settings, "keep_index")
+        layout.prop(settings, "keep_index", text="Keep Prepared")
         layout.prop(settings, "show_rays")
         layout.operator("lumenray.parent_rayset_body", icon="CON_CHILDOF")
 

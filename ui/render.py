@@ -24,8 +24,11 @@ class LUMENRAY_PT_sampling(RenderPanel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def draw_settings(self, layout, context, settings):
-        """Draw the stopping rule."""
+        """Draw the stopping rule, and what the last picture came to."""
         draw_stop(layout, settings)
+        text = context.window_manager.lumenray.render
+        if text:
+            draw_text(layout, context, f"Last: {text}", "INFO")
 
 
 class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):
@@ -63,8 +66,8 @@ class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(context.view_layer, "use_pass_z", text="Depth")
         column.prop(context.view_layer, "use_pass_normal", text="Normal")
-        column.prop(context.view_layer, "use_pass_object_index", text="Object index")
-        column.prop(context.view_layer, "use_pass_material_index", text="Material index")
+        column.prop(context.view_layer, "use_pass_object_index", text="Object Index")
+        column.prop(context.view_layer, "use_pass_material_index", text="Material Index")
 
 
 class LUMENRAY_PT_advanced(RenderPanel, bpy.types.Panel):
@@ -78,7 +81,7 @@ class LUMENRAY_PT_advanced(RenderPanel, bpy.types.Panel):
     def draw_settings(self, layout, context, settings):
         """Draw transport, meaning of watts and seed."""
         layout.prop(settings, "transport")
-        layout.prop(settings, "efficacy", text="lm per watt")
+        layout.prop(settings, "efficacy", text="lm per Watt")
         layout.prop(settings, "seed")
 
 

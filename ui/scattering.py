@@ -16,7 +16,7 @@ def draw_file(layout, context, settings, state) -> None:
     if not state.name:
         row = layout.row()
         row.scale_y = 1.4
-        row.operator("lumenray.load_scattering_file", text="Open scattering file")
+        row.operator("lumenray.load_scattering_file", text="Open Scattering File")
         return
     row = layout.row(align=True)
     row.operator("lumenray.load_scattering_file", text="", icon="FILEBROWSER")

@@ -9,7 +9,7 @@ from ..blender_addon.sync.portals import is_portal
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
-from .parts import draw_description, draw_lines, draw_text
+from .parts import draw_choice, draw_description, draw_lines, draw_text, draw_wide
 from .rayset import draw_state
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
@@ -46,7 +46,7 @@ class LUMENRAY_PT_engine(SidebarPanel, bpy.types.Panel):
             layout.operator("lumenray.check_engine", text="Check Again", icon="FILE_REFRESH")
         if context.engine != ENGINE:
             draw_text(layout, context, "This scene is rendered by another engine", "INFO")
-            layout.prop_enum(context.scene.render, "engine", ENGINE, text="Render with Lumenray")
+            draw_choice(layout, context.scene.render, "engine", ENGINE, "Render with Lumenray")
 
 
 class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
@@ -73,7 +73,7 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
             column.prop(settings, "viewport_logarithmic")
         column.prop(settings, "viewport_samples", text="Samples")
         if context.space_data.shading.type != "RENDERED":
-            layout.prop_enum(context.space_data.shading, "type", "RENDERED", text="Show Rendered")
+            draw_choice(layout, context.space_data.shading, "type", "RENDERED", "Show Rendered")
             return
         self._draw_status(layout, context)
 
@@ -87,6 +87,8 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
             box.operator("lumenray.restart_engine", icon="FILE_REFRESH")
             return
         draw_lines(box, readout.describe_edit(status))
+        if context.preferences.view.show_developer_ui:
+            draw_lines(box, readout.describe_timing(status))
 
 
 class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
@@ -181,7 +183,7 @@ class LUMENRAY_PT_active_rayset(SidebarPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         layout.prop(settings, "amount")
         if settings.amount == "LUMENS":
-            layout.prop(settings, "luminous_flux", text="Flux [lm]")
+            draw_wide(layout, settings, "luminous_flux", "Luminous Flux [lm]")
         layout.prop(settings, "dimming")
         layout.prop(settings, "show_rays")
 
@@ -226,7 +228,7 @@ class LUMENRAY_PT_report(SidebarPanel, bpy.types.Panel):
             layout.label(text="All of it was taken over", icon="CHECKMARK")
             return
         line = layout.row()
-        line.label(text=readout.describe_counts(feedback.rows))
+        line.label(text=readout.describe_counts(row.severity for row in feedback.rows))
         line.operator("lumenray.copy_report", text="", icon="COPYDOWN")
         layout.template_list(
             "LUMENRAY_UL_report", "", feedback, "rows", feedback, "row_index", rows=4

@@ -4,7 +4,7 @@ import bpy
 
 from ..blender_addon import readout
 from ..blender_addon.sky import depends_on_sun, find_sun_lamp
-from .parts import PropertiesPanel, draw_description, draw_surface
+from .parts import PropertiesPanel, draw_description, draw_surface, draw_wide
 
 
 class WorldPanel(PropertiesPanel):
@@ -41,12 +41,12 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         layout.prop(settings, "type", text="")
         layout.use_property_split = True
         column = layout.column()
-        column.prop(settings, "illuminance", text="Illuminance [lx]")
+        draw_wide(column, settings, "illuminance", "Illuminance [lx]")
         column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
         lamp = None
         if depends_on_sun(settings):
-            column = layout.column(heading="Sun from")
+            column = layout.column(heading="Sun From")
             column.prop(settings, "use_sun_lamp")
             if settings.use_sun_lamp:
                 lamp = find_sun_lamp(context.scene, context.view_layer)
@@ -84,9 +84,9 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
         settings = context.world.lumenray
         layout.prop(settings, "unit")
         if settings.unit == "ILLUMINANCE":
-            layout.prop(settings, "illuminance", text="Illuminance [lx]")
+            draw_wide(layout, settings, "illuminance", "Illuminance [lx]")
         elif settings.unit == "BLENDER":
-            layout.prop(context.scene.lumenray, "efficacy", text="lm per watt")
+            layout.prop(context.scene.lumenray, "efficacy", text="lm per Watt")
 
 
 CLASSES = (LUMENRAY_PT_world_sky, LUMENRAY_PT_world_surface, LUMENRAY_PT_world_unit)

@@ -12,7 +12,7 @@ import bpy
 from ...engine.errors import LumenrayError
 from ...libraries.materials import PREFIX, Entry, Library, Problem
 from ..scattering import files
-from ..scattering.look_nodes import show_look
+from ..scattering.look_nodes import wear_look
 from ..scattering.settings import MEASURED
 from .build import CATALOGUES, catalogue_id, save_file, set_preview, write_catalogues
 
@@ -92,7 +92,7 @@ def _make_asset(entry: Entry, folder: Path) -> None:
     try:
         apply_settings(material, entry)
         if entry.model == MEASURED:
-            show_look(material, files.obtain(material.lumenray.measured).look, is_forced=True)
+            wear_look(material, files.obtain(material.lumenray.measured).look)
             _relate(material.lumenray.measured, folder)
         else:
             _show(material, entry.settings)

@@ -18,8 +18,8 @@ LIGHT_TYPES = ("POINT", "SPOT", "AREA")
 """Kinds of Blender's lights that can take a photometric file."""
 
 EMISSIONS = [
-    ("OPENING", "Luminous opening", "From the luminous opening that the file states", 0),
-    ("LIGHT", "Size of the light", "From the light's own radius or size; an empty is a point", 1),
+    ("OPENING", "Opening", "From the luminous opening that the file states", 0),
+    ("LIGHT", "Light's Size", "From the light's own radius or size; an empty is a point", 1),
     ("POINT", "Point", "From one point: exact far away, without soft shadows", 2),
 ]
 
@@ -42,15 +42,25 @@ def _unload(self, context):
     tag_owner(self, context)
 
 
+def _switch(self, context):
+    """A light shines by one file: switching this one on switches a ray file off."""
+    rays = getattr(self.id_data.lumenray, "rayset", None)
+    if self.use_file and rays is not None and rays.use_file:
+        rays.use_file = False
+    tag_owner(self, context)
+
+
 class LuminaireSettings:
     """Mix-in of what lights and empties have in common."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
-        name="Photometric file",
-        description="Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts",
+        name="Photometric File",
+        description=(
+            "Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts. Switches a ray set off"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch,
     )
     filepath: StringProperty(
         name="File",
@@ -63,18 +73,18 @@ class LuminaireSettings:
         update=_unload,
     )
     text: PointerProperty(
-        name="Embedded file",
+        name="Embedded File",
         description="Text data-block with the content of the file; without one it is read from its path",
         type=bpy.types.Text,
         update=tag_owner,
     )
     digest: StringProperty(
-        name="Content hash",
+        name="Content Hash",
         description="SHA-256 of the file's bytes when it was loaded, to tell when a linked file has changed",
         options={"HIDDEN"},
     )
     emission: EnumProperty(
-        name="Shines from",
+        name="Shines From",
         description="What emits the light; seen from afar all of them give the file's distribution",
         items=EMISSIONS,
         default="OPENING",
@@ -91,7 +101,7 @@ class LuminaireSettings:
         update=tag_owner,
     )
     mirror: BoolProperty(
-        name="C clockwise",
+        name="C Clockwise",
         description="Count the C planes of a type C file the other way, as some laboratories do",
         default=False,
         update=tag_owner,
@@ -103,14 +113,14 @@ class LuminaireSettings:
         update=tag_owner,
     )
     amount: EnumProperty(
-        name="Flux from",
+        name="Flux From",
         description="What states the amount of light before dimming",
         items=AMOUNTS,
         default="FILE",
         update=tag_owner,
     )
     luminous_flux: FloatProperty(
-        name="Luminous flux",
+        name="Luminous Flux",
         description="Flux that leaves the luminaire, before dimming and the other factors, in lumens",
         default=1000.0,
         min=0.0,
@@ -128,7 +138,7 @@ class LuminaireSettings:
         update=tag_owner,
     )
     maintenance_factor: FloatProperty(
-        name="Maintenance factor",
+        name="Maintenance Factor",
         description="Share of the flux that is left by ageing and dirt before the next service (CIE 97)",
         default=1.0,
         min=0.0,
@@ -137,7 +147,7 @@ class LuminaireSettings:
         update=tag_owner,
     )
     lamp_factor: FloatProperty(
-        name="Lamp factor",
+        name="Lamp Factor",
         description="Flux of the lamps in use over that of the lamps that the file was measured with",
         default=1.0,
         min=0.0,
@@ -146,14 +156,14 @@ class LuminaireSettings:
         update=tag_owner,
     )
     spectrum_source: EnumProperty(
-        name="Spectrum from",
+        name="Spectrum From",
         description="What states how the light is distributed over the wavelengths",
         items=SPECTRUM_SOURCES,
         default="FILE",
         update=tag_owner,
     )
     show_solid: BoolProperty(
-        name="Show distribution",
+        name="Show Solid",
         description="Draw the file's intensity distribution as a solid in the 3D view",
         default=True,
         update=tag_owner,

@@ -6,6 +6,7 @@ from bpy.types import PropertyGroup
 
 from ...engine.errors import LumenrayError
 from ..shared_settings import PATH_OPTIONS, tag_owner
+from ..sync.units import metres_per_unit
 
 LIGHT_TYPES = ("POINT", "SPOT", "AREA")
 """Kinds of Blender's lights that can take a ray file."""
@@ -21,7 +22,7 @@ SPECTRUM_SOURCES = [
 ]
 
 SYMMETRIES = [
-    ("AUTO", "As found", "Even about an axis where the rays do not speak against it", 0),
+    ("AUTO", "As Found", "Even about an axis where the rays do not speak against it", 0),
     ("ON", "Rotational", "It is known that the light is the same all around its axis", 1),
     ("OFF", "None", "Only what the rays themselves show", 2),
 ]
@@ -32,6 +33,15 @@ UNITS = [
     ("m", "m", "Metres", 2),
     ("inch", "in", "Inches", 3),
 ]
+
+
+def _read_spread(self):
+    """Spread of the starting points in Blender units, so that it is shown in those of the scene."""
+    return 1e-3 * self.width_position / metres_per_unit(bpy.context.scene)
+
+
+def _write_spread(self, value):
+    self.width_position = 1e3 * value * metres_per_unit(bpy.context.scene)
 
 
 def _keep(self, context):
@@ -50,15 +60,26 @@ def _keep(self, context):
         )
 
 
+def _switch(self, context):
+    """A light shines by one file: switching this one on switches a photometric file off."""
+    luminaire = self.id_data.lumenray.luminaire
+    if self.use_file and luminaire.use_file:
+        luminaire.use_file = False
+    tag_owner(self, context)
+
+
 class LumenrayRaysetSettings(PropertyGroup):
     """Ray file of a point, spot or area light, whose own kind, size and beam do not count then."""
 
     version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
-        name="Ray file",
-        description="Shine as the rays of a measured or computed source do, in place of Blender's own light",
+        name="Ray File",
+        description=(
+            "Shine as the rays of a measured or computed source do, in place of Blender's own light. Switches a luminaire's "
+            "photometric file off"
+        ),
         default=False,
-        update=tag_owner,
+        update=_switch,
     )
     filepath: StringProperty(
         name="File",
@@ -71,14 +92,14 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=tag_owner,
     )
     amount: EnumProperty(
-        name="Flux from",
+        name="Flux From",
         description="What states the amount of light before dimming",
         items=AMOUNTS,
         default="FILE",
         update=tag_owner,
     )
     luminous_flux: FloatProperty(
-        name="Luminous flux",
+        name="Luminous Flux",
         description="Flux of the source before dimming, in lumens",
         default=100.0,
         min=0.0,
@@ -96,7 +117,7 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=tag_owner,
     )
     spectrum_source: EnumProperty(
-        name="Spectrum from",
+        name="Spectrum From",
         description="What states how the light is distributed over the wavelengths",
         items=SPECTRUM_SOURCES,
         default="FILE",
@@ -110,7 +131,7 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=tag_owner,
     )
     use_widths: BoolProperty(
-        name="Own fluctuation",
+        name="Own Fluctuation",
         description="State how far new rays differ from those of the file, instead of finding it from their neighbours",
         default=False,
         update=tag_owner,
@@ -124,6 +145,15 @@ class LumenrayRaysetSettings(PropertyGroup):
         precision=4,
         update=tag_owner,
     )
+    position_spread: FloatProperty(
+        name="Position",
+        description="Standard deviation of the starting points of new rays from those of the file",
+        min=0.0,
+        precision=5,
+        subtype="DISTANCE",
+        get=_read_spread,
+        set=_write_spread,
+    )
     width_direction: FloatProperty(
         name="Direction",
         description="Standard deviation of the directions of new rays from those of the file",
@@ -134,7 +164,7 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=tag_owner,
     )
     unit: EnumProperty(
-        name="Length unit",
+        name="Length Unit",
         description="Of text files that do not tell theirs",
         items=UNITS,
         default="mm",
@@ -147,7 +177,7 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=tag_owner,
     )
     keep_index: BoolProperty(
-        name="Keep prepared rays",
+        name="Keep Prepared Rays",
         description=(
             "Write what is found out about the rays into a file beside theirs (its name and '.prepared'), so that it need "
             "not be found out again"
@@ -156,7 +186,7 @@ class LumenrayRaysetSettings(PropertyGroup):
         update=_keep,
     )
     show_rays: BoolProperty(
-        name="Show rays",
+        name="Show Rays",
         description="Draw where the light starts, and some of its rays, in the 3D view",
         default=True,
         update=tag_owner,

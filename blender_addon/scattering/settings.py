@@ -22,7 +22,7 @@ MEASURED = "MEASURED"
 """Name of the model of a surface in the settings of a material."""
 
 BACKS = [
-    ("SAME", "As the front", "Of what the file tells of one side only, the other side does the same", 0),
+    ("SAME", "As the Front", "Of what the file tells of one side only, the other side does the same", 0),
     ("NONE", "Black", "What the file does not tell of a side is absorbed there", 1),
 ]  # fmt: skip
 
@@ -55,7 +55,7 @@ class LumenrayMeasuredSettings(PropertyGroup):
         update=_unload,
     )
     text: PointerProperty(
-        name="Embedded file",
+        name="Embedded File",
         description="Text data-block with the content of the file; without one it is read from its path",
         type=bpy.types.Text,
         update=tag_owner,
@@ -68,7 +68,7 @@ class LumenrayMeasuredSettings(PropertyGroup):
         update=tag_owner,
     )
     is_turned: BoolProperty(
-        name="Turn over",
+        name="Turn Over",
         description="The front of the file's sample is the back of the surface, where normals do not point",
         default=False,
         update=tag_owner,
@@ -109,6 +109,40 @@ class LumenrayMeasuredSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         get=_swatch,
+    )
+    has_look: BoolProperty(
+        name="Look Shown",
+        description="Whether the material shows the look that was fitted to the file",
+        options={"HIDDEN"},
+    )
+    is_look_wanted: BoolProperty(
+        name="Look Wanted",
+        description="Whether the look comes back when the file counts again",
+        options={"HIDDEN"},
+    )
+    own_colour: FloatVectorProperty(
+        name="Own Colour",
+        description="Viewport colour of the material without its look",
+        subtype="COLOR",
+        size=4,
+        min=0.0,
+        default=(0.8, 0.8, 0.8, 1.0),
+        options={"HIDDEN"},
+    )
+    own_metallic: FloatProperty(
+        name="Own Metallic",
+        description="Viewport metallic of the material without its look",
+        options={"HIDDEN"},
+    )
+    own_roughness: FloatProperty(
+        name="Own Roughness",
+        description="Viewport roughness of the material without its look",
+        options={"HIDDEN"},
+    )
+    own_use_nodes: BoolProperty(
+        name="Own Nodes",
+        description="Whether the material without its look is made of nodes",
+        options={"HIDDEN"},
     )
 
 

@@ -400,13 +400,17 @@ class _Diagram:
         """Flux, peak, and the angles of the beam in both planes."""
         left, _, right, _ = self.window
         unit = self.zoom
-        self._write((left, 16 * unit), f"{_number(self.flux)} {self.flux_unit}", 18, "lm")
+        end = self._write((left, 16 * unit), f"{_number(self.flux)} {self.flux_unit}", 18, "lm")
         around, gamma = self.towards
         where = f"gamma {_degrees(gamma)}"
         if 1e-6 < gamma < math.pi - 1e-6:
             where = f"C {_degrees(around)}  {where}"
         peak_text = f"{_number(self.largest * self.factor)} {self.unit}"
-        self._write((right, 17 * unit), f"peak {peak_text} at {where}", 13, "rm")
+        text = f"peak {peak_text} at {where}"
+        if end + self._width(text, 13) > right - 4 * unit:
+            # Letters have a least size, so in a small picture both would meet.
+            text = f"peak {peak_text}"
+        self._write((right, 17 * unit), text, 13, "rm")
         for name, spreads, place, anchor in (
             ("beam", self.beams, left, "lm"),
             ("field", self.fields, right, "rm"),
@@ -485,9 +489,15 @@ class _Diagram:
         line = round(self.zoom * SCALE)
         self.pen.rectangle((left, top, right, bottom), outline=self.colours.axis, width=line)
 
+    def _font(self, size):
+        return ImageFont.load_default(max(round(size * self.zoom * SCALE), 8 * SCALE))
+
+    def _width(self, text, size) -> float:
+        return self._font(size).getlength(text) / SCALE
+
     def _write(self, place, text, size, anchor, caption=False, halo=False) -> float:
         """Write a text and return where it ends on the right. ``halo`` keeps lines off it."""
-        font = ImageFont.load_default(max(round(size * self.zoom * SCALE), 8 * SCALE))
+        font = self._font(size)
         at = (place[0] * SCALE, place[1] * SCALE)
         colour = self.colours.caption if caption else self.colours.text
         stroke = {"stroke_width": 2 * SCALE, "stroke_fill": self.colours.background} if halo else {}

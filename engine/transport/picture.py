@@ -22,6 +22,12 @@ LANES = 1 << 18
 GROUPS = 2
 """Even and odd half."""
 
+DEEPEST = 8
+"""Most samples per pixel and half in one pass."""
+
+BELIEVED = 8
+"""Samples per pixel below which the error is not believed enough to stop by it: of so few it is too noisy itself."""
+
 FILTER_RADIUS = 0.75
 """Half width of the pixel filter, a tent; it is sampled, so that pixels stay independent. [pixel]"""
 
@@ -119,26 +125,32 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
     learn_lights(scene, film)
     job = PictureJob(scene, film, settings)
     clock = Clock(settings.rule, "picture")
-    batch = job.batch(pixels)
-    per_launch = max(LANES // (GROUPS * batch), 1)
     sums = Accumulator(GROUPS, (pixels, job.channels))
     error = float("inf")
     while True:
+        batch = job.batch(pixels, sums.samples)
         new = np.zeros((GROUPS, pixels, job.channels))
-        for first in range(0, pixels, per_launch):
-            if cancelled():
-                raise Cancelled("cancelled")
-            count = min(per_launch, pixels - first)
-            new[:, first : first + count] = job.launch(first, count, batch, sums.samples)
-            if progress is not None:
-                share = (first + count) / pixels
-                state = clock.progress(int((sums.samples + share * batch) * GROUPS), error)
-                # The first pass shows what it has, row by row; later ones replace the whole picture.
-                progress(state, _snapshot(camera, new, batch) if sums.samples == 0 else None)
+        # At first one half after the other, so that the whole frame is there after one sample.
+        halves = [range(GROUPS)] if sums.samples else [range(1), range(1, GROUPS)]
+        for number, groups in enumerate(halves):
+            per_launch = max(LANES // (len(groups) * batch), 1)
+            for first in range(0, pixels, per_launch):
+                if cancelled():
+                    raise Cancelled("cancelled")
+                count = min(per_launch, pixels - first)
+                made = job.launch(first, count, batch, sums.samples, groups)
+                new[groups.start : groups.stop, first : first + count] = made
+                if progress is not None:
+                    share = (number + (first + count) / pixels) / len(halves)
+                    state = clock.progress(int((sums.samples + share * batch) * GROUPS), error)
+                    known = first + count if number else 0
+                    # The first pass shows what it has; later ones replace the whole picture.
+                    progress(state, None if sums.samples else _snapshot(camera, new, known))
         sums.add(new, batch)
         estimate = sums.estimate()
         error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
-        finished = clock.is_done(sums.samples * GROUPS, error)
+        is_believed = estimate.samples >= BELIEVED
+        finished = clock.is_done(estimate.samples, error if is_believed else float("inf"))
         if progress is not None:
             shape = (camera.height, camera.width, 3)
             progress(
@@ -167,11 +179,15 @@ def learn_lights(scene: CompiledScene, film: Film, lanes: int = PILOT_LANES) -> 
     learn(scene, points, normals, gather.typical_wavelengths(), lanes)
 
 
-def _snapshot(camera: Camera, sums: np.ndarray, batch: int):
-    """Return a function that gives the picture of a pass that is not done yet, (h, w, 3) X, Y, Z."""
+def _snapshot(camera: Camera, sums: np.ndarray, both: int):
+    """Return a function that gives the picture of the first pass as it is, (h, w, 3) X, Y, Z.
+
+    ``sums``: one sample of each half; ``both``: number of pixels whose second half is there too.
+    """
 
     def take():
-        mean = sums[:, :, :3].mean(axis=0) / batch
+        mean = sums[0, :, :3].copy()
+        mean[:both] = sums[:, :both, :3].mean(axis=0)
         return mean.reshape(camera.height, camera.width, 3).astype(np.float32)
 
     return take
@@ -227,21 +243,30 @@ class PictureJob:
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self.lamp_tristimulus, self.lamp_bands = _colour_of(scene.mean_light, self.bands)
 
-    def batch(self, pixels: int) -> int:
-        """Samples per pixel and half in one pass: few at first sight, a power of two."""
-        wanted = 4 if self.rule.samples is None else max(self.rule.samples // GROUPS, 1)
-        limit = min(wanted, 8, max(LANES // GROUPS, 1))
+    def batch(self, pixels: int, done: int) -> int:
+        """Samples per pixel and half in the next pass, a power of two: one at first, more where one launch has the frame.
+
+        ``done``: samples per pixel and half so far.
+        """
+        wanted = DEEPEST
+        if self.rule.samples is not None:
+            wanted = -(-self.rule.samples // GROUPS) - done
+        limit = min(wanted, max(done, 1), DEEPEST, LANES // (GROUPS * pixels))
         return 1 << int(np.floor(np.log2(max(limit, 1))))
 
-    def launch(self, first: int, count: int, batch: int, index: int) -> np.ndarray:
-        """Trace one range of pixels, return the sums of samples (2, count, channels)."""
+    def launch(
+        self, first: int, count: int, batch: int, index: int, groups: range = range(GROUPS)
+    ) -> np.ndarray:
+        """Trace one range of pixels, both halves or one; return the sums of samples (len(groups), count, channels)."""
         scene = self.scene
         width = self.film.width
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
-        lane = dr.arange(mi.UInt32, count * GROUPS * batch)
+        lane = dr.arange(mi.UInt32, count * len(groups) * batch)
+        # As data: one half alone meets the kernel of both.
+        halves = dr.opaque(mi.UInt32, len(groups))
         sample = dr.opaque(mi.UInt32, int(index)) + lane % batch
-        group = (lane // batch) % GROUPS
-        pixel = dr.opaque(mi.UInt32, int(first)) + lane // (batch * GROUPS)
+        group = dr.opaque(mi.UInt32, groups.start) + (lane // batch) % halves
+        pixel = dr.opaque(mi.UInt32, int(first)) + (lane // batch) // halves
         own_seed = hash_words(pixel, hash_words(group, seed))
 
         wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
@@ -271,14 +296,16 @@ class PictureJob:
         if self.transparent:
             columns += self._backdrop(ray, wavelengths)
         sums = [dr.block_reduce(dr.ReduceOp.Add, c, batch) for c in columns]
-        bands = self._band_sums(radiance, wavelengths, lane // batch, count) if self.bands else None
+        bands = None
+        if self.bands:
+            bands = self._band_sums(radiance, wavelengths, lane // batch, count * len(groups))
         dr.eval(sums, bands)
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         if bands is not None:
             made = np.concatenate(
                 [made, np.array(bands, dtype=np.float64).reshape(-1, self.bands)], axis=-1
             )
-        return made.reshape(count, GROUPS, self.channels).transpose(1, 0, 2)
+        return made.reshape(count, len(groups), self.channels).transpose(1, 0, 2)
 
     def _colour(self, radiance, wavelengths) -> list:
         if self.spectral:
@@ -300,9 +327,9 @@ class PictureJob:
             colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
         return [*colour, dr.mean(passed)]
 
-    def _band_sums(self, radiance, wavelengths, row, count):
-        """Sum of spectral radiance by band, flat (count * 2 * bands)."""
-        sums = dr.zeros(mi.Float, count * GROUPS * self.bands)
+    def _band_sums(self, radiance, wavelengths, row, rows):
+        """Sum of spectral radiance by band, flat (rows * bands)."""
+        sums = dr.zeros(mi.Float, rows * self.bands)
         if not self.spectral:
             for band, value in enumerate(self.lamp_bands):
                 dr.scatter_add(sums, radiance[0] * float(value), row * self.bands + band)

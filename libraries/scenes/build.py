@@ -1,10 +1,13 @@
-"""Builds the bundled scenes from nothing and saves them."""
+"""Builds the bundled scenes from nothing and saves them.
+
+Those that ship are written by the oldest Blender at hand (``make scenes``): no Blender opens files of a newer one.
+"""
 
 from pathlib import Path
 
 import bpy
 
-from . import FOLDER, NAMES
+from . import NAMES
 from .office import build_office
 from .tiny import build_closed_box, build_inverse_square, build_materials
 
@@ -27,22 +30,24 @@ def build_scene(name: str) -> None:
     KeyError    There is no bundled scene of that name.
     """
     builder = BUILDERS[name]
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    # The preferences stay: those of the factory would switch off an installed extension.
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     builder()
 
 
-def save_scenes(names: tuple[str, ...] = NAMES, folder: Path = FOLDER) -> list[Path]:
+def save_scenes(folder: Path, names: tuple[str, ...] = NAMES) -> list[Path]:
     """Build scenes and save each as a compressed ``.blend`` file; return the files."""
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
+    paths = [folder / f"{name}.blend" for name in names]
+    settings = bpy.context.preferences.filepaths
     # No .blend1 beside the files that ship.
-    bpy.context.preferences.filepaths.save_version = 0
-    for name in names:
-        build_scene(name)
-        bpy.context.preferences.filepaths.save_version = 0
-        path = folder / f"{name}.blend"
-        bpy.ops.wm.save_as_mainfile(
-            filepath=str(path.resolve()), compress=True, relative_remap=True
-        )
-        paths.append(path)
+    kept, settings.save_version = settings.save_version, 0
+    try:
+        for name, path in zip(names, paths, strict=True):
+            build_scene(name)
+            bpy.ops.wm.save_as_mainfile(
+                filepath=str(path.resolve()), compress=True, relative_remap=True
+            )
+    finally:
+        settings.save_version = kept
     return paths

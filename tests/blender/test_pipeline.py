@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import types
 from pathlib import Path
 
 import bpy
@@ -18,6 +20,8 @@ from lumenray.engine.scene.scene import Scene
 from lumenray.engine.session import Session
 from lumenray.libraries import scenes
 from lumenray.libraries.scenes import tiny
+from lumenray.ui import image_header
+from panels import Layout, context
 
 FOREIGN = Path(os.environ.get("LUMENRAY_BLEND_FILES", "nowhere"))
 
@@ -341,6 +345,32 @@ def test_the_render_engine_delivers_its_passes(tmp_path):
         assert (
             sum(name.startswith("S0.") for name in file.channels()) == scene.lumenray.spectral_bands
         )
+
+
+def test_samples_and_error_of_a_render_stay_in_the_header_and_in_the_file(tmp_path):
+    tiny.build_closed_box()
+    scene = bpy.context.scene
+    scene.render.engine = "LUMENRAY"
+    scene.render.resolution_x, scene.render.resolution_y = 24, 16
+    scene.render.resolution_percentage = 100
+    scene.lumenray.samples = 8
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = str(tmp_path / "box.exr")
+    bpy.ops.render.render(write_still=True)
+    said = bpy.context.window_manager.lumenray.render
+    assert re.match(r"8 samples, error [0-9.]+ %, [0-9]+ s", said)
+    openexr = pytest.importorskip("OpenEXR")
+    with openexr.File(str(tmp_path / "box.exr")) as file:
+        assert file.header()["Lumenray"] == said
+    shown = Layout()
+    image = types.SimpleNamespace(type="RENDER_RESULT")
+    where = context(space_data=types.SimpleNamespace(image=image))
+    image_header.draw_error(types.SimpleNamespace(layout=shown), where)
+    assert shown.seen == [said]
+    # Another picture in the editor, or another engine, is not spoken for.
+    image.type = "IMAGE"
+    image_header.draw_error(types.SimpleNamespace(layout=shown), where)
+    assert shown.seen == [said]
 
 
 def test_a_scene_without_camera_fails_in_words(tmp_path, capsys):

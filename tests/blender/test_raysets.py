@@ -336,7 +336,7 @@ def test_panels_show_the_file_its_figures_and_what_can_be_set(led, own):
         amount = draw("LUMENRAY_PT_rayset_amount", where)
         assert ("luminous_flux" in amount) is own
         rays = draw("LUMENRAY_PT_rayset_rays", where)
-        assert ("width_position" in rays) is own
+        assert ("position_spread" in rays) is own
         assert "symmetry" in rays
         settings.filepath = led + ".gone"
         assert draw("LUMENRAY_PT_rayset", where)

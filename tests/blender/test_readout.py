@@ -90,7 +90,7 @@ def test_lines_of_a_point_light_are_rounded_to_three_digits():
     lines = lines_of(lamp("POINT", "LUMINOUS_FLUX", shadow_soft_size=0.0))
     assert lines == {
         "Luminous flux": "1\u2009000 lm",
-        "Intensity on the axis": "79.6 cd",
+        "Axial intensity": "79.6 cd",
         "At 1 m on the axis": "79.6 lx",
     }
 

@@ -1,12 +1,15 @@
 """Every panel is drawn onto a layout that checks what is put on it."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
 from fake_bakes import make_page, make_result
 from lumenray import operators, ui
-from lumenray.blender_addon import feedback, probe
+from lumenray.blender_addon import feedback, probe, properties, readout
 from lumenray.blender_addon.report import ConversionReport
+from lumenray.blender_addon.sync.units import format_lengths
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import Layout as MapLayout
 from lumenray.engine.baking.order import LuxMap
@@ -142,7 +145,8 @@ def test_world_panels_draw(unit):
 def test_render_panels_draw_what_their_choice_needs(stop):
     settings = bpy.context.scene.lumenray
     settings.stop = stop
-    assert stop.lower() in draw("LUMENRAY_PT_sampling", context())
+    drawn = {"SAMPLES": "samples", "ERROR": "error_percent", "TIME": "time"}[stop]
+    assert drawn in draw("LUMENRAY_PT_sampling", context())
     for name in ("LUMENRAY_PT_passes", "LUMENRAY_PT_advanced"):
         assert draw(name, context())
 
@@ -150,11 +154,87 @@ def test_render_panels_draw_what_their_choice_needs(stop):
 def test_the_bake_panel_says_so_where_a_bake_would_never_end():
     settings = bpy.context.scene.lumenray
     seen = draw("LUMENRAY_PT_lux_bake", context())
-    for name in ("error", "absolute", "time", "samples"):
-        assert {f"bake_use_{name}", f"bake_{name}"} <= set(seen)
+    for name, amount in (
+        ("error", "error_percent"),
+        ("absolute", "absolute"),
+        ("time", "time"),
+        ("samples", "samples"),
+    ):
+        assert {f"bake_use_{name}", f"bake_{amount}"} <= set(seen)
     assert not any("never end" in text for text in seen)
     settings.bake_use_error = False
     assert any("never end" in text for text in draw("LUMENRAY_PT_lux_bake", context()))
+
+
+def test_errors_are_shown_in_per_cent_and_kept_as_shares():
+    settings = bpy.context.scene.lumenray
+    for name in ("error", "bake_error"):
+        setattr(settings, name, 0.02)
+        assert getattr(settings, f"{name}_percent") == pytest.approx(2.0)
+        setattr(settings, f"{name}_percent", 0.5)
+        assert getattr(settings, name) == pytest.approx(0.005)
+        assert settings.bl_rna.properties[f"{name}_percent"].subtype == "PERCENTAGE"
+
+
+def test_an_object_without_a_density_of_its_own_shows_the_scenes():
+    mesh = bpy.data.objects.new("Floor", bpy.data.meshes.new("Floor"))
+    where = context(selected_objects=[mesh], object=mesh)
+    settings = mesh.lumenray
+    bpy.context.scene.lumenray.bake_density = 12.0
+    seen = draw("LUMENRAY_PT_bake", where)
+    assert "use_density" in seen
+    assert "density" not in seen
+    settings.use_density = True
+    assert settings.density == 12.0
+    assert "density" in draw("LUMENRAY_PT_bake", where)
+    settings.use_density = False
+    assert settings.density == 0.0
+
+
+def test_designers_are_not_shown_what_an_edit_cost_the_engine():
+    status = types.SimpleNamespace(
+        changed="Cube moved", sent=1, action="moved", walk=0.01, transfer=0.01, commit=0.01,
+        first_sample=0.01, error=0.012, samples=64, is_error=False, message="",
+    )  # fmt: skip
+    told = " ".join(f"{label} {value}" for label, value in readout.describe_edit(status))
+    assert "Picture error 1.2 %" in told
+    assert "ms" not in told
+    assert any("ms" in value for _, value in readout.describe_timing(status))
+
+
+def test_lengths_follow_the_units_of_the_scene():
+    units = bpy.context.scene.unit_settings
+    light = new_light("POINT").light
+    settings = light.lumenray.rayset
+    settings.width_position = 2.0
+    assert settings.position_spread == pytest.approx(0.002)
+    units.scale_length = 0.01
+    assert settings.position_spread == pytest.approx(0.2)
+    settings.position_spread = 0.1
+    assert settings.width_position == pytest.approx(1.0)
+    assert settings.bl_rna.properties["position_spread"].subtype == "DISTANCE"
+    assert format_lengths([0.0254, 0.508]) == "25.4 × 508 mm"
+    units.system = "IMPERIAL"
+    assert format_lengths([0.0254, 0.508]) == "1 × 20 in"
+    assert format_lengths([3.048]) == "10 ft"
+
+
+SMALL = {"from", "with", "than", "that", "into", "mode"}
+
+
+@pytest.mark.parametrize("group", properties.CLASSES, ids=lambda group: group.__name__)
+def test_names_of_settings_are_written_as_blender_writes_its_own(group):
+    for entry in group.bl_rna.properties:
+        is_group = entry.type in {"POINTER", "COLLECTION"}
+        if entry.identifier == "name" or is_group or entry.is_hidden:
+            continue
+        names = [entry.name]
+        if entry.type == "ENUM":
+            names += [item.name for item in entry.enum_items]
+        for name in names:
+            words = [word for word in name.split(" ") if word.isalpha() and len(word) > 3]
+            small = [word for word in words if word.islower() and word not in SMALL]
+            assert not small, f"{entry.identifier}: '{name}'"
 
 
 def test_film_says_what_becomes_white():

@@ -97,28 +97,59 @@ def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
     assert bake(samples=4).maps[0].samples == pytest.approx(4, abs=1)
 
 
-def test_a_render_can_be_cancelled_and_shows_its_first_pass_on_the_way():
+def lit_room(width, height):
+    """Session with a room and a lamp, and a camera in it."""
     from lumenray.engine.scene.camera import Camera, Projection
     from lumenray.engine.scene.light import Output, PointLight, Quantity
-    from lumenray.engine.session import ViewSettings
     from small_scenes import box, paint, session_of
 
     frame = np.eye(4)
     frame[:3, 3] = (1.0, 1.0, 1.9)
-    camera = Camera(frame, Projection.PERSPECTIVE, 300, 200, 1.5, 1.0)
+    camera = Camera(frame, Projection.PERSPECTIVE, width, height, 1.5, 1.0)
     lamp = PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 100.0), np.array([0.5, 1.0, 1.0]))
-    session = session_of(box(2, 2, 2), paint(0.5), lamp)
+    return session_of(box(2, 2, 2), paint(0.5), lamp), camera
+
+
+@pytest.mark.mitsuba
+def test_a_render_shows_the_whole_frame_after_one_sample_and_can_be_cancelled():
+    from lumenray.engine.session import ViewSettings
+
+    session, camera = lit_room(800, 400)
     seen = []
 
     def follow(progress, preview):
-        seen.append(preview() if preview is not None else None)
-        if len(seen) == 2:
+        seen.append((progress.samples, preview() if preview is not None else None))
+        if progress.samples == 1:
             session.cancel()
 
     with pytest.raises(Cancelled):
         session.render(camera, ViewSettings(StopRule(samples=1024)), follow)
-    first = seen[0]
-    assert first.shape == (200, 300, 3)
+    (_, first), (samples, whole) = seen[:2]
     # Rows appear from below; the upper ones are still empty.
+    assert first.shape == (400, 800, 3)
     assert first[0].min() > 0.0
     assert first[-1].max() == 0.0
+    assert samples == 1
+    assert whole[..., 1].min() > 0.0
+
+
+@pytest.mark.mitsuba
+def test_no_strip_of_a_picture_is_ahead_of_the_others_by_more_than_two_samples():
+    from lumenray.engine.session import ViewSettings
+
+    session, camera = lit_room(800, 400)
+    counts = []
+    session.render(
+        camera, ViewSettings(StopRule(samples=16)), lambda state, _: counts.append(state.samples)
+    )
+    assert counts[-1] == 16
+    assert max(np.diff(counts)) <= 2
+
+
+@pytest.mark.mitsuba
+def test_a_picture_does_not_end_by_an_error_that_two_samples_tell():
+    from lumenray.engine.session import ViewSettings
+
+    session, camera = lit_room(40, 30)
+    picture = session.render(camera, ViewSettings(StopRule(error=0.99)))
+    assert picture.provenance.samples == 8

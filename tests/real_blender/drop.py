@@ -1,6 +1,7 @@
-"""Drop luminaires in a window: a file from outside, and an asset from the Asset Browser with the mouse.
+"""Drop things in a window: a luminaire's file from outside, and with the mouse a luminaire and a material of the libraries.
 
-Run by ``run_drop.sh``, which moves the mouse where ``/out/drop/places.txt`` says and reads ``/out/drop/objects.txt``.
+Run by ``run_drop.sh``, which moves the mouse where ``/out/drop/luminaire.txt`` and ``material.txt`` say and reads
+``objects.txt`` there. The second place is told when the first asset has been dropped.
 """
 
 from pathlib import Path
@@ -46,26 +47,51 @@ def drop_file(browser):
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, area=view, region=region_of(view)):
         bpy.ops.wm.drop_import_file("INVOKE_DEFAULT", directory=PHOTOMETRY, files=[{"name": FILE}])
-    height = window.height
-    assets, target = region_of(browser), region_of(view)
+    # The floor beside the cube.
+    tell_places("luminaire", browser, 150, -120)
+    bpy.app.timers.register(lambda: choose_materials(browser), first_interval=1.0)
+
+
+def choose_materials(browser):
+    """Show the library of materials as soon as a luminaire was dragged."""
+    if not any(item.type == "LIGHT" and is_luminaire(item) for item in bpy.data.objects):
+        return 1.0
+    browser.spaces.active.params.asset_library_reference = "Lumenray: materials"
+    # The cube itself.
+    bpy.app.timers.register(lambda: tell_places("material", browser, 0, 0), first_interval=3.0)
+    return None
+
+
+def tell_places(what, browser, right, up):
+    """Write where the mouse has to go: from the first picture to a place in the view, from its middle. [pixel]"""
+    height = bpy.context.window_manager.windows[0].height
+    assets, target = region_of(browser), region_of(area_of("VIEW_3D"))
     places = (
-        # The first picture, and the floor beside the cube.
         assets.x + 60,
         height - (assets.y + assets.height - 60),
-        target.x + target.width // 2 + 150,
-        height - (target.y + target.height // 2 - 120),
+        target.x + target.width // 2 + right,
+        height - (target.y + target.height // 2 + up),
     )
-    (FOLDER / "places.txt").write_text(" ".join(map(str, places)) + "\n", encoding="ascii")
+    (FOLDER / f"{what}.txt").write_text(" ".join(map(str, places)) + "\n", encoding="ascii")
+
+
+def is_luminaire(item):
+    """Whether an object shines as an embedded file says."""
+    settings = item.data.lumenray.luminaire if item.type == "LIGHT" else None
+    settings = item.lumenray.luminaire if item.type == "EMPTY" else settings
+    return settings is not None and settings.use_file and settings.text is not None
 
 
 def tell_objects():
-    """Write down what lies in the scene."""
+    """Write down what lies in the scene, and what the cube is made of."""
     lines = []
+    for slot in bpy.data.objects["Cube"].material_slots:
+        is_physical = slot.material is not None and slot.material.lumenray.use_override
+        lines.append(
+            f"CUBE {'physical' if is_physical else '-'} {slot.material and slot.material.name}\n"
+        )
     for item in bpy.data.objects:
-        settings = item.data.lumenray.luminaire if item.type == "LIGHT" else None
-        settings = item.lumenray.luminaire if item.type == "EMPTY" else settings
-        is_luminaire = settings is not None and settings.use_file and settings.text is not None
-        lines.append(f"{item.type} {'luminaire' if is_luminaire else '-'} {item.name}\n")
+        lines.append(f"{item.type} {'luminaire' if is_luminaire(item) else '-'} {item.name}\n")
     (FOLDER / "objects.txt").write_text("".join(lines), encoding="utf-8")
     return 1.0
 

@@ -1,6 +1,6 @@
 """Turn a newly opened window into one worth a picture: ``--python prepare_window.py -- VIEW``.
 
-The bundled office is built anew (files of newer Blenders do not open in older ones). ``light`` makes
+The bundled office is built anew. ``light`` makes
 a luminaire active, ``material`` an object with a physical override, ``render`` starts F12, ``bake``
 runs the bake as a user would and writes into the log how long the window ever waited, ``bake_graph``
 shows one half-way; ``baked`` and ``baked_lux`` bake the whole office and show its light and its

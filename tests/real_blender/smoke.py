@@ -10,9 +10,9 @@ and with the bpy wheel, in which the package is called ``lumenray``::
 
     python smoke.py use FOLDER
 
-``use`` registers, looks for the luminaires' asset library, renders and bakes a closed box, bakes it with a luminaire that is
-dropped as a file, registers anew and renders again, and writes
-``FOLDER/smoke.json``; ``read`` adds what the render from the command line shows.
+``use`` registers, appends every asset of the libraries, opens the bundled scenes, renders and bakes a closed box, bakes it
+with a luminaire that is dropped as a file, registers anew and renders again, and writes ``FOLDER/smoke.json``;
+``read`` adds what the render from the command line shows.
 """
 
 import importlib
@@ -143,18 +143,46 @@ def bake_luminaire(package, folder):
     return bake(folder)
 
 
-def check_library():
-    """Require that the luminaires are offered in the Asset Browser."""
-    libraries = bpy.context.preferences.filepaths.asset_libraries
-    found = next((entry for entry in libraries if entry.name == "Lumenray"), None)
-    require(found is not None, "there is no asset library 'Lumenray'")
-    assets = Path(found.path) / "luminaires.blend"
-    require(assets.exists(), f"the asset library has no {assets.name}")
-    with bpy.data.libraries.load(str(assets), assets_only=True) as (offered, _):
-        count = len(offered.objects) + len(offered.collections)
-    require(
-        count >= 20, f"{assets.name} offers {count} assets to this Blender, expected 20 or more"
-    )
+def check_libraries(package):
+    """Require that every asset is offered in the Asset Browser and can be appended, with what makes it what it is."""
+    shipped = importlib.import_module(f"{package.__name__}.libraries.materials")
+    luminaires = importlib.import_module(f"{package.__name__}.libraries.luminaires")
+    models = luminaires.read_library(luminaires.FOLDER).models
+    titles = {
+        "Lumenray": ("luminaires.blend", {model.title for model in models}),
+        "Lumenray: materials": ("materials.blend", {entry.title for entry in shipped.entries()}),
+    }
+    for name, (file, wanted) in titles.items():
+        libraries = bpy.context.preferences.filepaths.asset_libraries
+        found = next((entry for entry in libraries if entry.name == name), None)
+        require(found is not None, f"there is no asset library '{name}'")
+        path = Path(found.path) / file
+        with bpy.data.libraries.load(str(path), link=False, assets_only=True) as (offered, taken):
+            taken.objects, taken.collections = offered.objects, offered.collections
+            taken.materials = offered.materials
+        appended = [*taken.objects, *taken.collections, *taken.materials]
+        left = wanted - {item.name for item in appended}
+        require(not left, f"{file} does not offer {', '.join(sorted(left))} to this Blender")
+        lamps = [item for item in taken.objects if item.type == "LIGHT"]
+        lamps += [item for group in taken.collections for item in group.objects]
+        for lamp in lamps:
+            settings = lamp.data.lumenray.luminaire
+            has_file = settings.use_file and settings.text is not None
+            require(has_file, f"{lamp.name} comes without its photometric file")
+        for material in taken.materials:
+            require(material.lumenray.use_override, f"{material.name} comes without its override")
+
+
+def check_scenes(package):
+    """Require that this Blender opens the bundled scenes."""
+    scenes = importlib.import_module(f"{package.__name__}.libraries.scenes")
+    for name in scenes.scene_names():
+        bpy.ops.wm.open_mainfile(filepath=str(scenes.scene_path(name)))
+        scene = bpy.context.scene
+        require(scene.camera is not None, f"the scene {name} opens without its camera")
+        require(scene.render.engine == "LUMENRAY", f"{name} opens with {scene.render.engine}")
+        meshes = [item for item in scene.objects if item.type == "MESH" and item.data.polygons]
+        require(meshes, f"the scene {name} opens without its surfaces")
 
 
 def register_again(package):
@@ -171,9 +199,10 @@ def use(folder):
     """Go through everything and write ``smoke.json`` and ``box.blend``."""
     folder.mkdir(parents=True, exist_ok=True)
     package = load_package()
+    check_libraries(package)
+    check_scenes(package)
     build_scene(package)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
-    check_library()
     measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
     measured["illuminance by a luminaire"] = bake_luminaire(package, folder / "luminaire")
     register_again(package)

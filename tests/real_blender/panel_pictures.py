@@ -1,0 +1,223 @@
+"""Take a picture of every panel of ours at the widths that Blender gives its editors at first.
+
+Run by ``run_panels.sh`` in a window that is high enough for whole tabs; pictures go to ``/out/panels``. They are for
+reading: what is cut off, what has no unit, what a designer does not need.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import subprocess
+
+import bpy
+from window import PACKAGE, module, override, region_of, show_tab, start, wait_for, window
+
+FOLDER = Path("/out/panels")
+
+DRAWN = 1.5
+"""How long drawing may take, twice where texts follow from a file. [s]"""
+
+PHOTOMETRY = "libraries/luminaires/photometry"
+
+
+def area_of(kind):
+    """Return the largest area of a kind."""
+    return max(
+        (area for area in window().screen.areas if area.type == kind),
+        key=lambda area: area.width * area.height,
+    )
+
+
+def picture(name, region):
+    """Take a picture of a region."""
+    top = window().height - region.y - region.height
+    crop = f"{region.width}x{region.height}+{region.x}+{top}"
+    command = ["import", "-silent", "-window", "root", "-crop", crop, "+repage"]
+    subprocess.run([*command, str(FOLDER / f"{name}.png")], check=True)
+    print(f"{name}: {region.width} pixels wide", flush=True)
+
+
+def tab(name, context):
+    """Take a picture of a tab of the properties editor."""
+    area = area_of("PROPERTIES")
+    area.tag_redraw()
+    # Which tabs there are is known after drawing.
+    yield DRAWN
+    area.spaces.active.context = context
+    area.tag_redraw()
+    yield DRAWN
+    area.tag_redraw()
+    yield DRAWN
+    picture(name, region_of(area))
+
+
+def sidebar(name):
+    """Take a picture of the sidebar."""
+    area = area_of("VIEW_3D")
+    area.tag_redraw()
+    yield DRAWN
+    area.tag_redraw()
+    yield DRAWN
+    picture(name, region_of(area, "UI"))
+
+
+def activate(item):
+    """Select an object alone and make it active."""
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == item)
+    bpy.context.view_layer.objects.active = item
+
+
+def open_panels():
+    """Have all panels open: their classes say what is folded at first."""
+    for kind in module("ui").CLASSES:
+        if "DEFAULT_CLOSED" in getattr(kind, "bl_options", ()):
+            bpy.utils.unregister_class(kind)
+            kind.bl_options = kind.bl_options - {"DEFAULT_CLOSED"}
+            bpy.utils.register_class(kind)
+
+
+def prepare():
+    """Show our tab and choose our engine."""
+    bpy.context.scene.render.engine = "LUMENRAY"
+    open_panels()
+    yield from show_tab()
+    yield DRAWN
+
+
+def lights():
+    """Lights of all kinds, with Blender's watts and in photometric units."""
+    for kind in ("POINT", "SPOT", "SUN", "AREA"):
+        bpy.ops.object.light_add(type=kind, location=(0.0, 0.0, 3.0))
+        item = bpy.context.object
+        yield from tab(f"light_{kind.lower()}", "DATA")
+        yield from sidebar(f"sidebar_{kind.lower()}")
+        item.data.lumenray.use_physical = True
+        item.data.lumenray.spectrum = "DAYLIGHT"
+        yield from tab(f"light_{kind.lower()}_physical", "DATA")
+        yield from sidebar(f"sidebar_{kind.lower()}_physical")
+        bpy.data.objects.remove(item)
+
+
+def luminaires():
+    """A luminaire on an empty, and a ray set."""
+    folder = Path(sys.modules[PACKAGE].__file__).parent / PHOTOMETRY
+    bpy.ops.lumenray.add_luminaire(filepath=str(folder / "batwing_office.ldt"))
+    yield 3.0
+    yield from tab("luminaire", "DATA")
+    yield from sidebar("sidebar_luminaire")
+    bpy.ops.lumenray.add_rayset(entry="led_collimator")
+    yield 12.0
+    yield from tab("rayset", "DATA")
+    yield from sidebar("sidebar_rayset")
+
+
+def materials():
+    """All models of a material."""
+    cube = bpy.data.objects["Cube"]
+    activate(cube)
+    material = cube.active_material
+    yield from tab("material_nodes", "MATERIAL")
+    settings = material.lumenray
+    settings.use_override = True
+    for item in settings.bl_rna.properties["model"].enum_items:
+        settings.model = item.identifier
+        yield from tab(f"material_{item.identifier.lower()}", "MATERIAL")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.load_scattering_file(filepath="library:aluminium_brushed")
+    yield 15.0
+    yield from tab("material_measured_file", "MATERIAL")
+    settings.use_override = False
+
+
+def worlds():
+    """The world's nodes, and a sky."""
+    settings = bpy.context.scene.world.lumenray
+    yield from tab("world_nodes", "WORLD")
+    settings.unit = "ILLUMINANCE"
+    yield from tab("world_lux", "WORLD")
+    settings.source, settings.sky.type = "CIE", "12"
+    yield from tab("world_sky", "WORLD")
+    settings.source = "NODES"
+
+
+def renders():
+    """The render tab with all ways to stop and to expose."""
+    settings = bpy.context.scene.lumenray
+    for stop, exposure in (("SAMPLES", "LUMINANCE"), ("ERROR", "EV100"), ("TIME", "AUTO")):
+        settings.stop, settings.exposure = stop, exposure
+        settings.bake_use_absolute = settings.bake_use_time = settings.bake_use_samples = True
+        yield from tab(f"render_{stop.lower()}", "RENDER")
+    settings.stop, settings.exposure = "SAMPLES", "LUMINANCE"
+    settings.bake_use_absolute = settings.bake_use_time = settings.bake_use_samples = False
+
+
+def bakes():
+    """A bake before it starts, under way, and done."""
+    cube = bpy.data.objects["Cube"]
+    activate(cube)
+    yield from sidebar("sidebar_bake")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.bake_illuminance(
+            "INVOKE_DEFAULT", objects="Cube", error=0.01, folder="/out/panels/lux"
+        )
+    yield 2.0
+    yield from sidebar("sidebar_job")
+    job = bpy.context.window_manager.lumenray.job
+    yield from wait_for(lambda: not job.running, "the bake", 120.0)
+    yield 3.0
+    yield from sidebar("sidebar_results")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.show_baked()
+    bpy.context.scene.lumenray.baked_look = "FALSE"
+    yield from sidebar("sidebar_baked")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.hide_baked()
+
+
+def views():
+    """The rendered view, its status, and the conversion report."""
+    shading = area_of("VIEW_3D").spaces.active.shading
+    settings = bpy.context.scene.lumenray
+    settings.viewport_display, settings.viewport_automatic = "FALSE_ILLUMINANCE", False
+    settings.viewport_samples = 16
+    shading.type = "RENDERED"
+    yield 20.0
+    yield from sidebar("sidebar_view")
+    shading.type = "SOLID"
+    settings.viewport_display = "PICTURE"
+    settings.samples = 8
+    bpy.context.scene.render.resolution_percentage = 25
+    with bpy.context.temp_override(window=window()):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield 15.0
+    subprocess.run(["import", "-silent", "-window", "root", str(FOLDER / "render.png")], check=True)
+
+
+def end():
+    """Close Blender."""
+    (FOLDER / "done").touch()
+    bpy.ops.wm.quit_blender()
+
+
+class Log:
+    """Takes what `start` tells of failures."""
+
+    def check(self, holds, text):
+        """Print a failure."""
+        print(f"{'ok' if holds else 'FAILED'}: {text}", flush=True)
+
+    def write(self, is_complete):
+        """Nothing is kept."""
+
+
+CASES = {f.__name__: f for f in (lights, luminaires, materials, worlds, renders, bakes, views)}
+wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+FOLDER.mkdir(exist_ok=True)
+bpy.context.preferences.view.show_splash = False
+# In the same window, of which pictures are taken.
+bpy.context.preferences.view.render_display_type = "AREA"
+bpy.context.preferences.system.use_region_overlap = False
+start([prepare, *(CASES[name] for name in wanted or CASES)], Log(), end)
