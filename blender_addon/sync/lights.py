@@ -103,11 +103,7 @@ def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images
     rgb = _colour(data)
     tint, strength = _node_emission(data, name, report, images)
     rgb = rgb * tint
-    try:
-        output = _output(data, name, rgb, strength, lengths, efficacy, report)
-    except LumenrayError as error:
-        report.error(name, str(error), LEFT_OUT)
-        return None
+    output = _output(data, name, rgb, strength, lengths, efficacy, report)
     if output is None:
         return None
     _tell_scales(data, name, lengths, scale, report)
