@@ -39,7 +39,7 @@ def batch_error(values: np.ndarray) -> np.ndarray:
     return values.std(axis=0, ddof=1) / np.sqrt(count)
 
 
-def compare(first, first_error, second, second_error, freedom, weights) -> Verdict:
+def compare(first, first_error, second, second_error, freedom, weights, hidden=0.0) -> Verdict:
     """Compare two estimates of several quantities.
 
     A difference counts where it exceeds the joint error times Student's t for the probability `CHANCE`, shared between all
@@ -51,6 +51,7 @@ def compare(first, first_error, second, second_error, freedom, weights) -> Verdi
     second, second_error : (n,) array
     freedom : (float, float)    Degrees of freedom of the two errors.
     weights : (n,) array    For the mean.
+    hidden : (n,) array or float    What the second may have missed altogether, whatever its error; it makes it smaller only.
 
     Returns
     -------
@@ -60,6 +61,8 @@ def compare(first, first_error, second, second_error, freedom, weights) -> Verdi
     own, other = np.asarray(first_error, float) ** 2, np.asarray(second_error, float) ** 2
     weights = np.asarray(weights, dtype=np.float64)
     difference = second - first
+    hidden = np.broadcast_to(np.asarray(hidden, dtype=np.float64), difference.shape)
+    other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
     if len(difference) == 0:
         return Verdict(difference, np.zeros(0, dtype=bool), difference)
     share = CHANCE / (len(difference) + 1)
@@ -72,6 +75,8 @@ def compare(first, first_error, second, second_error, freedom, weights) -> Verdi
         part = weights[others] / weights[others].sum()
         mean = float(part @ difference[others])
         sums = [float(part**2 @ each[others]) for each in (own, other)]
+        # What hides from one may hide from all.
+        sums[1] += float(part @ hidden[others]) ** 2 if mean < 0.0 else 0.0
         if _exceeds(np.array([mean]), *(np.array([s]) for s in sums), freedom, share)[0]:
             rest = mean
             floor[others] = abs(mean)

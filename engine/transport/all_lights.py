@@ -281,7 +281,7 @@ class AllLights:
             shape[mine], areas[mine] = part.number, cdf[-1]
             if part.source.emitter.two_sided:
                 areas[mine] *= 2.0
-                sides[mine] = np.where(host.random(count) < 0.5, -1.0, 1.0)
+                sides[mine] = host.permutation(np.arange(count) % 2) * 2.0 - 1.0
         place = mi.Point2f(*(upload(mi.Float, column) for column in uv))
         si = self._scene.interaction_at(upload(mi.UInt32, shape), upload(mi.UInt32, prim), place)
         pointer = self._scene.emitter(si)

@@ -82,7 +82,8 @@ class Sheets:
         each = facing.shape[1]
         count = max(min(len(points), MOST // each), 1)
         chosen = np.unique(np.linspace(0, len(points) - 1, count).round().astype(int))
-        made = _lay(np.repeat(chosen, each), np.repeat(points[chosen], each, axis=0), facing[chosen].reshape(-1, 3))  # fmt: skip
+        repeated = np.repeat(chosen, each)
+        made = _lay(repeated, points[repeated], facing[chosen].reshape(-1, 3))
         self.squares = _fit(scene, made)
         self.response = RESPONSES.get(kind, 1.0)
 

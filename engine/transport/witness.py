@@ -88,9 +88,10 @@ class WitnessReport:
     flux, flux_error : (n,) array    Light that these sides receive, all reflections included. [lm]
     absorbed : (n,) array    What of it they keep. [lm]
     sheets, sheet_errors : (k,) array    Illuminance of the squares about sensors. [lx]
-    emitted, taken, left, cut : Amount    Light of all lights, and what becomes of it: absorbed, out of the scene, not followed.
+    emitted, taken, left, cut, rest : Amount    Light of all lights, what of it is absorbed, leaves the scene, is not followed
+        any further, and what these differ by: roulette, by chance.
     lights : dict of str to float    What each light emits. [lm]
-    heaviest : float    Flux of the heaviest path: less than about that much can hide from all of them. [lm]
+    heaviest : float    Flux of the heaviest path: what brings less may have been missed altogether. [lm]
     paths : int
     """
 
@@ -274,18 +275,16 @@ class Witness:
         sheets = np.zeros((BATCHES, 0))
         if self._sheets is not None:
             sheets = batches(self._sheets.flux) / self._sheets.squares.area
-            extra = heaviest / self._sheets.squares.area
         names: dict[str, float] = {}
         for origin, flux in zip(self._lights.origins, given.sum(axis=1), strict=True):
             names[origin.name] = names.get(origin.name, 0.0) + float(flux)
         return WitnessReport(
             self.objects,
             incident.mean(axis=0),
-            # One path of the heaviest may be missing from what was counted.
-            np.hypot(batch_error(incident), heaviest),
+            batch_error(incident),
             absorbed.mean(axis=0),
             sheets.mean(axis=0),
-            np.hypot(batch_error(sheets), extra) if sheets.shape[1] else np.zeros(0),
+            batch_error(sheets),
             *amounts,
             names,
             heaviest,
