@@ -7,7 +7,10 @@ import numpy as np
 from .calibration import t_quantile
 
 CHANCE = 6.3e-5
-"""Probability of finding any difference at all where there is none: that of four standard errors."""
+"""Probability of finding any difference at all that stems from the second's errors: that of four standard errors."""
+
+OWN_ERRORS = 3.0
+"""Standard errors of the first that a difference must exceed: where it states so much, more of it does no harm."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +45,15 @@ def batch_error(values: np.ndarray) -> np.ndarray:
 def compare(first, first_error, second, second_error, freedom, weights, hidden=0.0) -> Verdict:
     """Compare two estimates of several quantities.
 
-    A difference counts where it exceeds the joint error times Student's t for the probability `CHANCE`, shared between all
-    quantities and their mean (Bonferroni); the degrees of freedom are those of Welch and Satterthwaite.
+    A difference d counts where d^2 > (3 e_1)^2 + (t e_2)^2, with the errors e_1 of what is stated and e_2 of the witness. t
+    is Student's for the probability `CHANCE`, shared between all quantities and their mean (Bonferroni), for the witness is
+    the less exact one as a rule and must not blame what is right; a first that is uncertain itself is soon made more so.
 
     Parameters
     ----------
     first, first_error : (n,) array    Estimates and standard errors; infinite errors are of what is not known.
     second, second_error : (n,) array
-    freedom : (float, float)    Degrees of freedom of the two errors.
+    freedom : float    Degrees of freedom of the second's errors.
     weights : (n,) array    For the mean.
     hidden : (n,) array or float    What the second may have missed altogether, whatever its error; it makes it smaller only.
 
@@ -65,9 +69,9 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
     other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
     if len(difference) == 0:
         return Verdict(difference, np.zeros(0, dtype=bool), difference)
-    share = CHANCE / (len(difference) + 1)
+    limit = t_quantile(1.0 - 0.5 * CHANCE / (len(difference) + 1), freedom)
     known = np.isfinite(own) & np.isfinite(other)
-    differs = known & _exceeds(difference, own, other, freedom, share)
+    differs = known & _exceeds(difference, own, other, limit)
     floor = np.where(differs, np.abs(difference), 0.0)
     rest = 0.0
     others = known & ~differs & (weights > 0.0)
@@ -77,17 +81,12 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
         sums = [float(part**2 @ each[others]) for each in (own, other)]
         # What hides from one may hide from all.
         sums[1] += float(part @ hidden[others]) ** 2 if mean < 0.0 else 0.0
-        if _exceeds(np.array([mean]), *(np.array([s]) for s in sums), freedom, share)[0]:
+        if _exceeds(mean, *sums, limit):
             rest = mean
             floor[others] = abs(mean)
     return Verdict(difference, differs, floor, rest)
 
 
-def _exceeds(difference, own, other, freedom, chance: float) -> np.ndarray:
-    total = own + other
-    spread = own**2 / freedom[0] + other**2 / freedom[1]
-    together = np.divide(total**2, spread, out=np.full_like(total, np.inf), where=spread > 0.0)
-    # Few different ones serve all: quantiles are by steps.
-    together = np.clip(np.floor(together), 1.0, 200.0)
-    limit = np.array([t_quantile(1.0 - 0.5 * chance, float(nu)) for nu in together])
-    return np.abs(difference) > limit * np.sqrt(total)
+def _exceeds(difference, own, other, limit: float) -> np.ndarray:
+    """Whether differences are more than errors explain. ``own``, ``other``: variances."""
+    return difference**2 > OWN_ERRORS**2 * own + limit**2 * other

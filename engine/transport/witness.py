@@ -88,8 +88,8 @@ class WitnessReport:
     flux, flux_error : (n,) array    Light that these sides receive, all reflections included. [lm]
     absorbed : (n,) array    What of it they keep. [lm]
     sheets, sheet_errors : (k,) array    Illuminance of the squares about sensors. [lx]
-    emitted, taken, left, cut, rest : Amount    Light of all lights, what of it is absorbed, leaves the scene, is not followed
-        any further, and what these differ by: roulette, by chance.
+    emitted, taken, left, cut, rest : Amount    Light of all lights, what of it is absorbed, leaves the scene, is not
+        followed any further, and what these differ by: roulette, by chance.
     lights : dict of str to float    What each light emits. [lm]
     heaviest : float    Flux of the heaviest path: what brings less may have been missed altogether. [lm]
     paths : int
