@@ -168,6 +168,7 @@ class Measurement:
     illuminance, standard_error : (n,) float64    [lx]
     tristimulus : (n, 3) float64 or None    X, Y, Z with Y the illuminance, where colour was asked for. [lx]
     tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
+    balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
     """
 
     illuminance: np.ndarray
@@ -175,6 +176,7 @@ class Measurement:
     provenance: Provenance
     tristimulus: np.ndarray | None = None
     tristimulus_error: np.ndarray | None = None
+    balance: dict | None = None
 
 
 @dataclass(frozen=True)
@@ -322,6 +324,7 @@ class Session:
         kind: SensorKind = SensorKind.PLANAR,
         reflections: int | None = None,
         colour: bool = False,
+        witness: bool = True,
     ) -> Measurement:
         """Illuminance at points.
 
@@ -334,6 +337,8 @@ class Session:
             Most reflections (scatterings, of any kind but passing straight) that light may have had: 0 gives the direct
             part, None everything.
         colour : bool    Whether X and Z are wanted too.
+        witness : bool
+            Whether a pilot from the lights tells what the sensors receive, so that the errors cover what it finds.
 
         Raises
         ------
@@ -355,11 +360,23 @@ class Session:
                 reflections,
                 colour,
             )
+            heard = None
+            if witness and len(estimate.mean):
+                from .transport.sensor_witness import hear_sensors
+
+                bright = estimate.channel(1) if colour else estimate
+                heard = hear_sensors(
+                    compiled, positions, normals, kind, bright, seed, reflections, self._cancelled
+                )
+                estimate = estimate.widened(heard.floors)
             provenance = self._provenance(compiled, seed, estimate.samples, start)
-        mean, error = estimate.mean, estimate.standard_error
+        mean, error, balance = estimate.mean, estimate.standard_error, None
+        if heard is not None:
+            provenance = provenance.with_words(heard.decision, heard.notes)
+            balance = heard.balance
         if colour:
-            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error)
-        return Measurement(mean, error, provenance)
+            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, balance)
+        return Measurement(mean, error, provenance, balance=balance)
 
     def measure_sensors(
         self,

@@ -81,6 +81,15 @@ class Estimate:
         variance = ((means - mean) ** 2).sum(axis=0) / (count * (count - 1))
         return cls(mean, np.sqrt(variance), samples)
 
+    def channel(self, number: int) -> "Estimate":
+        """One column of an estimate of shape (n, channels)."""
+        return Estimate(self.mean[:, number], self.standard_error[:, number], self.samples)
+
+    def widened(self, floors: np.ndarray) -> "Estimate":
+        """With errors that hold differences (n,) from another witness as well, in all channels."""
+        floors = floors.reshape(len(floors), *[1] * (self.mean.ndim - 1))
+        return Estimate(self.mean, np.hypot(self.standard_error, floors), self.samples)
+
     def relative_error(self, weights: np.ndarray | None = None) -> float:
         """Standard error of the map: root mean square of the errors over the mean, both weighted by area.
 

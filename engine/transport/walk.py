@@ -14,20 +14,25 @@ from ..materials.plugins import DISPERSED_COMPONENT
 from .landing import _bend, _meet
 from .rays import spawn_ray
 
-ROULETTE_START = 3
-"""Scatterings before roulette begins."""
+FADED = 0.1
+"""Share of its first power below which a path plays roulette. What came before is counted as it fades, so that a path in a
+white room says nine tenths of what it has to say without chance."""
 
 SURVIVAL = 0.998
-"""Largest probability of going on, so that light ends even between perfect mirrors."""
+"""Largest probability of going on then."""
 
-MAXIMUM_STEPS = 20_000
+MAXIMUM_STEPS = 5_000
 """Surfaces on a path after which it is cut off; its light is told apart."""
+
+NEAR = 0.01
+"""Way to the first surface, relative to the scene's radius, below which light begins very near something."""
 
 NOBODY = 0xFFFFFFFF
 """Entry of tables for what nobody asks about."""
 
-BENT, MIRRORED, PASSED, LEFT, CUT = 1, 2, 4, 8, 16
-"""Traces that ways leave: through smooth bodies, over mirrors, straight through panes and cut-outs; and how they end."""
+BENT, MIRRORED, PASSED, CLOSE, LEFT, CUT = 1, 2, 4, 8, 16, 32
+"""Traces that ways leave: through smooth bodies, over mirrors, straight through panes and cut-outs, first met very near the
+light; and how they end."""
 
 
 @dataclass
@@ -74,7 +79,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
 
     Returns
     -------
-    Float    Flux that every ray brought to rows and sheets, all times counted. [lm]
+    (Float, UInt32)    Flux that every ray brought to rows and sheets, all times counted [lm], and surfaces that it met.
     """
     state = {
         "origin": mi.Point3f(rays.ray.o),
@@ -91,6 +96,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         "active": mi.Bool(dr.any(rays.power > 0.0)),
     }
     first = dr.maximum(rays.lumens(rays.power), 1e-30)
+    close = NEAR * scene.extent
     many = mi.UInt32(tally.batches)
 
     def add(target, row, amount, active):
@@ -154,6 +160,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         mark = dr.select(passes, mi.UInt32(PASSED), mark)
         bender = dr.select((bender == NOBODY) & (mark > 0), number, bender)
         trace = trace | mark
+        trace |= dr.select(active & (done == 0) & (hit.t < close), mi.UInt32(CLOSE), 0)
         scatterings = dr.select(turned, scatterings + 1, scatterings)
         done += 1
         beginning = spawn_ray(scene, si, onwards)
@@ -167,8 +174,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         is_cut = active & (done >= steps)
         trace = dr.select(is_cut, trace | CUT, trace)
         active &= ~is_cut
-        tried = turned & active & (scatterings >= ROULETTE_START)
-        survival = dr.minimum(amount / first, SURVIVAL)
+        left = amount / first
+        tried = turned & active & (left < FADED)
+        survival = dr.minimum(left * (1.0 / FADED), SURVIVAL)
         active &= ~tried | (stream.next_float32() < survival)
         power = mi.Spectrum(dr.select(tried & active, power / survival, power))
         return origin, direction, stream, power, scatterings, done, trace, bender, use, lost, dispersed, active  # fmt: skip
@@ -181,9 +189,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     )
     end = dict(zip(state, result, strict=True))
     rest = rays.lumens(end["power"])
-    dr.eval(end["use"], end["lost"], end["trace"], rest, tally.incident, tally.absorbed)
+    dr.eval(end["use"], end["steps"], end["lost"], end["trace"], rest, tally.incident, tally.absorbed)
     add(tally.left, 0, rest, (end["trace"] & LEFT) > 0)
     add(tally.cut, 0, rest, (end["trace"] & CUT) > 0)
     add(tally.lost, 0, end["lost"], mi.Bool(True))
     dr.eval(tally.left, tally.cut, tally.lost)
-    return end["use"]
+    return end["use"], end["steps"]

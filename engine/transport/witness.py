@@ -16,11 +16,17 @@ from ..arrays import upload
 from ..errors import Cancelled
 from .all_lights import SUN, AllLights
 from .textures import is_spectral
-from .walk import BENT, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
+from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
 from .wavelengths import WavelengthSampler
 
-PATHS = 1 << 18
-"""Paths of a pilot."""
+PATHS, FEWEST_PATHS = 1 << 18, 1 << 15
+"""Paths of a pilot, and the fewest where they are long."""
+
+WORK = 1 << 22
+"""Surfaces that all paths of a pilot may meet together before there are fewer of them."""
+
+PROBE = 1 << 12
+"""Paths that tell how long they are."""
 
 SURVEY = 1 << 15
 """Paths that tell which lights matter."""
@@ -50,6 +56,10 @@ SALT = 0x7717
 """Sets these paths apart from others of the same seed."""
 
 UNLIMITED = 0x7FFFFFFF
+"""Scatterings that no path has."""
+
+REFLECTED = 16
+"""Mark of light that does not come straight, beside the traces of `walk`."""
 
 
 @dataclass(frozen=True)
@@ -164,10 +174,11 @@ class Witness:
         Cancelled    When ``cancelled`` answered true.
         """
         self._limit = UNLIMITED if reflections is None else int(reflections)
-        self._paths = paths
+        self._paths = 0
         if not self._lights.origins:
             return self._empty()
         self._shares = self._learn()
+        self._paths = paths = self._affordable(paths)
         which, chance = _spread(self._shares, paths, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), BATCHES)
         if self._sheets is not None:
@@ -175,7 +186,7 @@ class Witness:
         given, heaviest = np.zeros((len(self._lights.origins), BATCHES)), 0.0
         for first in range(0, paths, LANES):
             rows = np.arange(first, min(first + LANES, paths))
-            rays, _ = self._launch(which[rows], chance, tally, rows, 2 + first // LANES)
+            rays, *_ = self._launch(which[rows], chance, tally, rows, 2 + first // LANES)
             flux = np.array(rays.lumens(rays.power), dtype=np.float64)
             given += np.bincount(which[rows] * BATCHES + rows % BATCHES, flux, given.size).reshape(given.shape)  # fmt: skip
             heaviest = max(heaviest, float(flux.max(initial=0.0)))
@@ -196,7 +207,7 @@ class Witness:
     # ---- private ----
 
     def _launch(self, which, chance, tally, rows, salt, watcher=None, steps=None):
-        """Draw and follow rays. ``which``: light of each; ``rows``: their numbers. Gives rays and what they brought."""
+        """Draw and follow rays; ``which``: light of each, ``rows``: their numbers. Gives rays, and of `walk` what it gives."""
         if self._cancelled():
             raise Cancelled("cancelled")
         rays = self._lights.draw(which, chance[which], salt)
@@ -207,7 +218,7 @@ class Witness:
             mi.UInt64(dr.opaque(mi.UInt32, salt)) << 32
         )
         stream = mi.PCG32(initstate=mi.UInt64(dr.opaque(mi.UInt32, self._seed ^ 0x5A5A)), initseq=sequence)  # fmt: skip
-        brought = walk(
+        use, met = walk(
             self._scene, rays, tally, batch, stream, dr.opaque(mi.UInt32, self._limit),
             dr.opaque(mi.UInt32, steps or MAXIMUM_STEPS), self._sheets, watcher,
         )  # fmt: skip
@@ -215,13 +226,26 @@ class Witness:
             watcher.keep()
         if self._sheets is not None:
             dr.eval(self._sheets.flux)
-        return rays, brought
+        return rays, use, met
+
+    def _affordable(self, paths: int) -> int:
+        """So many paths, or fewer where they are long; a power of two of them then."""
+        which, chance = _spread(self._shares, PROBE, self._seed)
+        tally = make_tally(self._all_rows, len(self.objects), 1)
+        if self._sheets is not None:
+            self._sheets.prepare(1)
+        *_, met = self._launch(which, chance, tally, np.arange(PROBE), 900)
+        many = max(float(np.array(met, dtype=np.float64).mean()), 1.0)
+        wanted = 1 << int(np.log2(WORK / many))
+        return min(paths, max(wanted, FEWEST_PATHS))
 
     def _learn(self) -> np.ndarray:
         """Shares of the paths for each light, by what they bring; maps of suns learn too."""
         origins, flux = self._lights.origins, self._lights.flux_shares()
         squares, counts = np.zeros(len(origins)), np.zeros(len(origins))
         plain = np.array([origin.kind != SUN for origin in origins])
+        if len(origins) == 1 and plain[0]:
+            return flux
         if plain.any():
             which, chance = _spread(np.where(plain, flux, 0.0), SURVEY, self._seed)
             _, use = self._survey(which, chance, 0)
@@ -260,7 +284,7 @@ class Witness:
         if self._sheets is not None:
             self._sheets.prepare(1)
         rows = np.arange(len(which))
-        rays, use = self._launch(which, chance, tally, rows, 1000 + salt, steps=SURVEY_STEPS)
+        rays, use, _ = self._launch(which, chance, tally, rows, 1000 + salt, steps=SURVEY_STEPS)
         return rays, np.array(use, dtype=np.float64)
 
     def _report(self, tally, given: np.ndarray, heaviest: float) -> WitnessReport:
@@ -300,7 +324,7 @@ class Witness:
 class Watcher:
     """Notes by which lights and ways one row or sheet gets its light."""
 
-    CLASSES = 16
+    CLASSES = 2 * REFLECTED
 
     def __init__(self, scene, lights: int, row: int | None, sheet: int | None):
         self._scene = scene
@@ -320,7 +344,7 @@ class Watcher:
         self._note(amount, scatterings, trace, bender, active & (sheet == self._sheet))
 
     def _note(self, amount, scatterings, trace, bender, active) -> None:
-        way = (trace & (BENT | MIRRORED | PASSED)) + dr.select(scatterings > 0, mi.UInt32(8), 0)
+        way = (trace & (BENT | MIRRORED | PASSED | CLOSE)) + dr.select(scatterings > 0, REFLECTED, 0)
         add = dr.ReduceOp.Add
         dr.scatter_reduce(add, self._by_light, amount, self.light, active)
         dr.scatter_reduce(add, self._by_way, amount, way, active)
@@ -342,7 +366,9 @@ class Watcher:
         for bit, words in through.items():
             if shares[bit] > 0.1:
                 return Cause(light, f"{words} {self._bender()}")
-        if ways[0] / total > 0.5:
+        if ways[number & CLOSE > 0].sum() > 0.5 * total:
+            return Cause(light, "that begins very near a surface")
+        if ways[0] > 0.5 * total:
             return Cause(light, "that falls straight into it")
         return Cause(light, "that other surfaces reflect, perhaps from a small bright spot")
 
