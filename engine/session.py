@@ -243,10 +243,13 @@ class Session:
     ----------
     interrupt : callable or None
         Called between the launches of long jobs; it may use other sessions.
+    witness : bool
+        Whether bakes and measurements that ask for a second witness get it; not where only their own samples matter.
     """
 
-    def __init__(self, interrupt: Callable[[], None] | None = None):
+    def __init__(self, interrupt: Callable[[], None] | None = None, witness: bool = True):
         self.scene = Scene()
+        self._has_witness = witness
         self.revision = 0
         self.commit = Commit()
         self._interrupt = interrupt
@@ -361,7 +364,7 @@ class Session:
                 colour,
             )
             heard = None
-            if witness and len(estimate.mean):
+            if witness and self._has_witness and len(estimate.mean):
                 from .transport.sensor_witness import hear_sensors
 
                 bright = estimate.channel(1) if colour else estimate
@@ -487,6 +490,8 @@ class Session:
         self._cancel = False
         from .baking.run import Bake, Host
 
+        if not self._has_witness:
+            order = replace(order, witness=False)
         host = Host(
             self.scene, self._engine, self._compile_aside, self._cancelled, self._provenance
         )

@@ -63,7 +63,7 @@ TILE_FREEDOM = 12.0
 COARSE_ERROR, MOST_FINE = 0.02, 4.0
 """Relative error from which there are more cells in proportion, and how many times more. [-]"""
 
-WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
+WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion", "witness")
 """Fields of an order that change nothing about the numbers."""
 
 

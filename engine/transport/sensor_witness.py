@@ -111,10 +111,11 @@ def _tell(witness, sheets, verdict: Verdict, made: Estimate, report) -> tuple[st
     more = (verdict.difference[worst] if verdict.differs.any() else verdict.rest) > 0.0
     cause = witness.explain(sheet=worst).text()
     sensors = np.unique(sheets.squares.sensor[verdict.differs])
-    who = "the sensors together" if len(sensors) == 0 else f"{len(sensors)} of the sensors looked at"
+    who = f"{len(sensors)} of the sensors looked at" if len(sensors) else "the sensors together"
+    first = sheets.squares.sensor[worst] + 1
     return (
-        f"{who} get {'more' if more else 'less'} light than gathering finds, sensor {sheets.squares.sensor[worst] + 1} most of "
-        f"all: {report.sheets[worst]:.4g} ± {report.sheet_errors[worst]:.2g} lx by light paths from the lights, "
+        f"{who} get {'more' if more else 'less'} light than gathering finds, sensor {first} most of all: "
+        f"{report.sheets[worst]:.4g} ± {report.sheet_errors[worst]:.2g} lx by light paths from the lights, "
         f"{made.mean[worst]:.4g} ± {made.standard_error[worst]:.2g} lx by gathering about it: {cause} is "
         f"{'not found in full' if more else 'found too often'}; the stated errors cover the difference",
     )

@@ -119,6 +119,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         counts &= active
 
         # ---- what arrives ----
+        trace |= dr.select(active & (done == 0) & (hit.t < close), mi.UInt32(CLOSE), 0)
         number = dr.reinterpret_array(mi.UInt32, si.shape)
         facing = dr.dot(direction, si.n)
         side = dr.select(facing > 0.0, mi.UInt32(1), mi.UInt32(0))
@@ -160,7 +161,6 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         mark = dr.select(passes, mi.UInt32(PASSED), mark)
         bender = dr.select((bender == NOBODY) & (mark > 0), number, bender)
         trace = trace | mark
-        trace |= dr.select(active & (done == 0) & (hit.t < close), mi.UInt32(CLOSE), 0)
         scatterings = dr.select(turned, scatterings + 1, scatterings)
         done += 1
         beginning = spawn_ray(scene, si, onwards)
@@ -189,7 +189,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     )
     end = dict(zip(state, result, strict=True))
     rest = rays.lumens(end["power"])
-    dr.eval(end["use"], end["steps"], end["lost"], end["trace"], rest, tally.incident, tally.absorbed)
+    dr.eval(
+        end["use"], end["steps"], end["lost"], end["trace"], rest, tally.incident, tally.absorbed
+    )
     add(tally.left, 0, rest, (end["trace"] & LEFT) > 0)
     add(tally.cut, 0, rest, (end["trace"] & CUT) > 0)
     add(tally.lost, 0, end["lost"], mi.Bool(True))

@@ -207,7 +207,7 @@ class Witness:
     # ---- private ----
 
     def _launch(self, which, chance, tally, rows, salt, watcher=None, steps=None):
-        """Draw and follow rays; ``which``: light of each, ``rows``: their numbers. Gives rays, and of `walk` what it gives."""
+        """Draw and follow rays; ``which``: light of each, ``rows``: their numbers. Gives the rays and what `walk` does."""
         if self._cancelled():
             raise Cancelled("cancelled")
         rays = self._lights.draw(which, chance[which], salt)
@@ -344,7 +344,9 @@ class Watcher:
         self._note(amount, scatterings, trace, bender, active & (sheet == self._sheet))
 
     def _note(self, amount, scatterings, trace, bender, active) -> None:
-        way = (trace & (BENT | MIRRORED | PASSED | CLOSE)) + dr.select(scatterings > 0, REFLECTED, 0)
+        way = (trace & (BENT | MIRRORED | PASSED | CLOSE)) + dr.select(
+            scatterings > 0, REFLECTED, 0
+        )
         add = dr.ReduceOp.Add
         dr.scatter_reduce(add, self._by_light, amount, self.light, active)
         dr.scatter_reduce(add, self._by_way, amount, way, active)
@@ -366,7 +368,7 @@ class Watcher:
         for bit, words in through.items():
             if shares[bit] > 0.1:
                 return Cause(light, f"{words} {self._bender()}")
-        if ways[number & CLOSE > 0].sum() > 0.5 * total:
+        if ways[number & CLOSE > 0].sum() > 0.25 * total:
             return Cause(light, "that begins very near a surface")
         if ways[0] > 0.5 * total:
             return Cause(light, "that falls straight into it")
