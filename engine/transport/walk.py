@@ -18,8 +18,9 @@ FADED = 0.1
 """Share of its first power below which a path plays roulette. What came before is counted as it fades, so that a path in a
 white room says nine tenths of what it has to say without chance."""
 
-SURVIVAL = 0.998
-"""Largest probability of going on then."""
+LONG, SURVIVAL = 512, 0.98
+"""Surfaces on a path beyond which it goes on with such a probability at most, so that light that glass or perfect mirrors
+hold for ever ends."""
 
 MAXIMUM_STEPS = 5_000
 """Surfaces on a path after which it is cut off; its light is told apart."""
@@ -175,8 +176,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         trace = dr.select(is_cut, trace | CUT, trace)
         active &= ~is_cut
         left = amount / first
-        tried = turned & active & (left < FADED)
-        survival = dr.minimum(left * (1.0 / FADED), SURVIVAL)
+        is_long = done > LONG
+        tried = turned & active & ((left < FADED) | is_long)
+        survival = dr.minimum(left * (1.0 / FADED), dr.select(is_long, SURVIVAL, 1.0))
         active &= ~tried | (stream.next_float32() < survival)
         power = mi.Spectrum(dr.select(tried & active, power / survival, power))
         return origin, direction, stream, power, scatterings, done, trace, bender, use, lost, dispersed, active  # fmt: skip
