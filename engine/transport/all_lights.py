@@ -25,8 +25,14 @@ from .textures import is_spectral
 POINT, LUMINAIRE, RAYS, BODY, MESH, SUN, WORLD = range(7)
 """Kinds of lights, in the order of their lanes."""
 
-PORTAL_SHARE = 0.75
+PORTAL_SHARE = 0.5
 """Share of the world's rays that are aimed at panes, where there are any."""
+
+RING = 3.0
+"""Ratio of the radii of the disks that rays from infinity are spread over, from what is asked about to the whole scene."""
+
+MAP_SHARE, MAP_SIZE = 0.8, 1.5
+"""Share of a sun's rays that follow its map, and the map's radius relative to what is asked about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +53,14 @@ class Origin:
     flux: float
     number: int
     thing: object = None
+
+
+@dataclass(frozen=True)
+class Focus:
+    """Sphere around what is asked about: centre (3,) in the scene's frame and radius. [m]"""
+
+    centre: np.ndarray
+    radius: float
 
 
 @dataclass
@@ -113,18 +127,27 @@ class AllLights:
     scene : CompiledScene
     sampler : WavelengthSampler or None    None in photometric variants.
     seed : int
+    focus : Focus or None    Where most of the light from infinity is led to; None: all over.
     """
 
-    def __init__(self, scene, sampler, seed: int):
+    def __init__(self, scene, sampler, seed: int, focus: Focus | None = None):
         self._scene, self._sampler = scene, sampler
+        whole = Focus(np.zeros(3), scene.radius)
+        if focus is None or np.linalg.norm(focus.centre) + focus.radius > 2.0 * scene.radius:
+            focus = whole
+        self._disks = _disks(focus, whole)
         self._seed = int(seed) & 0xFFFFFFFF
         self.origins = find_origins(scene)
         self.maps = {place: SunMap() for place, each in enumerate(self.origins) if each.kind == SUN}
         self._sources: dict[int, RaySource] = {}
 
     def flux_shares(self) -> np.ndarray:
-        """Shares of the lights in the flux. (n,)"""
+        """Shares of the lights in the flux, of which those at infinity have a half at most beside others. (n,)"""
         flux = np.array([origin.flux for origin in self.origins], dtype=np.float64)
+        is_far = np.array([origin.kind in {SUN, WORLD} for origin in self.origins])
+        for part in (is_far, ~is_far):
+            if part.any():
+                flux[part] /= flux[part].sum()
         return flux / flux.sum()
 
     def draw(self, which: np.ndarray, chance: np.ndarray, salt: int) -> Rays:
@@ -317,20 +340,34 @@ class AllLights:
     def _draw_suns(self, which, lanes, _host):
         scene, place = self._scene, int(which[0])
         radiance, towards, cap, _, _ = scene.surroundings.suns[self.origins[place].number]
-        x, y, cell, density = self.maps[place].draw(lanes.stream.next_float32(), lanes.pair())
+        x, y = self.maps[place].draw(lanes.stream.next_float32(), lanes.pair())
         # The map's axes belong to the sun, not to the ray, so that cells keep their place.
         frame = mi.Frame3f(towards)
         direction = -frame.to_world(_in_cap(cap, lanes.pair()))
-        # Slanting rays of a wide sun cross the map's plane farther out.
-        reach = scene.extent / dr.maximum(1.0 - cap, 0.1)
-        middle = (frame.s * x + frame.t * y) * reach
-        start = middle - direction * (2.0 * reach)
+        # Slanting rays of a wide sun cross the plane farther out.
+        wider = 1.0 / dr.maximum(1.0 - cap, 0.1)
+        near, whole = self._disks[0], self._disks[-1]
+        size = dr.minimum(near.radius * MAP_SIZE, whole.radius) * wider
+        reach = whole.radius * wider
+        cx, cy = dr.dot(near.middle, frame.s), dr.dot(near.middle, frame.t)
+        disk = mi.warp.square_to_uniform_disk_concentric(lanes.pair()) * reach
+        is_mapped = lanes.stream.next_float32() < MAP_SHARE
+        x, y = (
+            dr.select(is_mapped, x * size + cx, disk.x),
+            dr.select(is_mapped, y * size + cy, disk.y),
+        )
+        cell, density = self.maps[place].find((x - cx) / size, (y - cy) / size)
+        density *= MAP_SHARE / dr.square(size)
+        inside = dr.square(x) + dr.square(y) <= dr.square(reach)
+        density += dr.select(inside, (1.0 - MAP_SHARE) * dr.inv_pi / dr.square(reach), 0.0)
+        middle = frame.s * x + frame.t * y
+        start = middle - direction * (2.0 * reach + dr.dot(middle, direction))
         si = dr.zeros(mi.SurfaceInteraction3f, lanes.count)
         if lanes.wavelengths is not None:
             si.wavelengths = lanes.wavelengths
         cosine = dr.abs(dr.dot(direction, towards))
         value = radiance.eval(si, mi.Bool(True)) * (dr.two_pi * cap) * cosine
-        power = value * (dr.square(reach) / dr.maximum(density, 1e-20))
+        power = value / dr.maximum(density, 1e-20)
         return start, direction, power, lanes.response(), cell
 
     def _draw_world(self, which, lanes, _host):
@@ -342,13 +379,15 @@ class AllLights:
         ds, _ = surroundings.world.sample_direction(it, lanes.pair(), mi.Bool(True))
         pdf = surroundings.world.pdf_direction(it, ds, mi.Bool(True))
         direction = -dr.normalize(ds.d)
-        reach = scene.extent
-        frame = mi.Frame3f(direction)
-        disk = mi.warp.square_to_uniform_disk_concentric(lanes.pair()) * reach
-        middle = frame.s * disk.x + frame.t * disk.y
-        density = dr.inv_pi / dr.square(reach)
-        if surroundings.portals is not None:
-            middle, density = _aim_at_portals(surroundings.portals, middle, direction, reach, lanes)
+        reach = self._disks[-1].radius
+        middle = self._spread_over_disks(direction, lanes)
+        portals, share = surroundings.portals, 0.0
+        if portals is not None:
+            share = PORTAL_SHARE
+            middle, density = _aim_at_portals(portals, middle, direction, lanes)
+        else:
+            density = mi.Float(0.0)
+        density += (1.0 - share) * self._disk_density(middle, direction)
         start = middle - direction * (2.0 * reach + dr.dot(middle, direction))
         si = dr.zeros(mi.SurfaceInteraction3f, lanes.count)
         si.wi = direction
@@ -358,6 +397,48 @@ class AllLights:
         over = pdf * density
         power = dr.select(over > 0.0, value / dr.maximum(over, 1e-30), 0.0)
         return start, direction, power, lanes.response(), lanes.zero()
+
+    def _spread_over_disks(self, direction, lanes):
+        """Point that a ray from infinity passes, on one of the disks that face its direction."""
+        frame = mi.Frame3f(direction)
+        disk = mi.warp.square_to_uniform_disk_concentric(lanes.pair())
+        choice, point = lanes.stream.next_float32() * len(self._disks), mi.Vector3f(0.0)
+        for number, each in enumerate(self._disks):
+            own = each.middle + (frame.s * disk.x + frame.t * disk.y) * each.radius
+            point = dr.select(choice >= float(number), own, point)
+        return point
+
+    def _disk_density(self, point, direction):
+        """Density of such rays over the area that faces them. [1/m2]"""
+        density = mi.Float(0.0)
+        for each in self._disks:
+            away = point - each.middle
+            off = dr.squared_norm(away - direction * dr.dot(away, direction))
+            own = dr.inv_pi / dr.square(each.radius)
+            density += dr.select(off <= dr.square(each.radius) * (1.0 + 1e-6), own, 0.0)
+        return density * (1.0 / len(self._disks))
+
+
+@dataclass
+class _Disk:
+    """Of a focus, as data: ``middle`` Vector3f, ``radius`` Float. [m]"""
+
+    middle: object
+    radius: object
+
+
+def _disks(focus: Focus, whole: Focus) -> list[_Disk]:
+    """Disks from the focus to the whole scene, each larger than the one before; always as many, so that kernels stay."""
+    made = []
+    for number in range(4):
+        radius = focus.radius * RING**number
+        # The last is the whole scene, and those that would be larger are as large.
+        is_last = number == 3 or radius >= whole.radius
+        own = whole if is_last else Focus(focus.centre, radius)
+        disk = _Disk(mi.Vector3f(*map(float, own.centre)), mi.Float(float(own.radius)))
+        dr.make_opaque(disk.middle, disk.radius)
+        made.append(disk)
+    return made
 
 
 class _Lanes:
@@ -394,12 +475,12 @@ class _Lanes:
         return made + dr.zeros(mi.Float, self.count)
 
 
-def _aim_at_portals(portals, middle, direction, reach, lanes):
+def _aim_at_portals(portals, middle, direction, lanes):
     """Lead a share of the world's rays through panes.
 
     Returns
     -------
-    (Vector3f, Float)    A point of the ray, and the density of rays over the area that faces the direction. [1/m2]
+    (Vector3f, Float)    A point of the ray, and the density of rays so aimed over the area that faces the direction. [1/m2]
     """
     areas = [4.0 * np.linalg.norm(p.half_u) * np.linalg.norm(p.half_v) for p in portals.portals]
     shares = np.array(areas) / np.sum(areas)
@@ -415,8 +496,7 @@ def _aim_at_portals(portals, middle, direction, reach, lanes):
         middle = dr.select(aims & (choice >= start), point, middle)
         start = start + chance
         rectangles.append((centre, u, v, chance, size))
-    off = dr.norm(middle - direction * dr.dot(middle, direction))
-    density = dr.select(off <= reach, (1.0 - PORTAL_SHARE) * dr.inv_pi / dr.square(reach), 0.0)
+    density = mi.Float(0.0)
     for centre, u, v, chance, size in rectangles:
         normal = dr.normalize(dr.cross(u, v))
         cosine = dr.dot(direction, normal)

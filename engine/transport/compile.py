@@ -212,6 +212,11 @@ class CompiledScene:
         """Name of an object, for people."""
         return self._bodies[key].item.name
 
+    def object_bounds(self, key: str) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest corner of an object in the scene's frame. (3,), (3,) [m]"""
+        body = self._bodies[key]
+        return body.low - self.origin, body.high - self.origin
+
     @property
     def suns(self) -> tuple[SunLight, ...]:
         """Suns of the surroundings, in their order there."""

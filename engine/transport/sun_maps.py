@@ -67,12 +67,23 @@ class SunMap:
 
         Returns
         -------
-        (Float, Float, UInt32, Float)    Coordinates on the disk, cell, density over its area; 0 outside it.
+        (Float, Float)    Coordinates on the disk.
         """
         last = SIDE * SIDE - 1
         cell = dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice)
-        row, column = cell // SIDE, cell % SIDE
-        x = (mi.Float(column) + place.x) * (2.0 / SIDE) - 1.0
-        y = (mi.Float(row) + place.y) * (2.0 / SIDE) - 1.0
-        share = dr.gather(mi.Float, self._shares, cell)
-        return x, y, cell, share * (0.25 * SIDE * SIDE)
+        x = (mi.Float(cell % SIDE) + place.x) * (2.0 / SIDE) - 1.0
+        y = (mi.Float(cell // SIDE) + place.y) * (2.0 / SIDE) - 1.0
+        return x, y
+
+    def find(self, x, y):
+        """Cell of a place and density there.
+
+        Returns
+        -------
+        (UInt32, Float)    Density over the area of a disk of radius 1, 0 beside the cells.
+        """
+        column, row = (x + 1.0) * (0.5 * SIDE), (y + 1.0) * (0.5 * SIDE)
+        inside = (column >= 0.0) & (column < SIDE) & (row >= 0.0) & (row < SIDE)
+        cell = dr.select(inside, mi.UInt32(dr.maximum(row, 0.0)) * SIDE + mi.UInt32(dr.maximum(column, 0.0)), 0)  # fmt: skip
+        share = dr.gather(mi.Float, self._shares, cell, inside)
+        return cell, dr.select(inside, share * (0.25 * SIDE * SIDE), 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 from ..accuracy.witnesses import batch_error
 from ..arrays import upload
 from ..errors import Cancelled
-from .all_lights import SUN, AllLights
+from .all_lights import SUN, AllLights, Focus
 from .textures import is_spectral
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
 from .wavelengths import WavelengthSampler
@@ -39,6 +39,9 @@ FEW = 0.01
 
 MOST_SUNS = 4
 """Suns that are surveyed like that; more of them share the same rays."""
+
+MOST_FEW = 4.0
+"""Most that a light gets more paths since few of them bring its light."""
 
 SURVEY_STEPS = 8
 """Surfaces on a path of the survey."""
@@ -147,7 +150,6 @@ class Witness:
         self._scene, self._sheets, self._cancelled = scene, sheets, cancelled
         sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
         self._seed = (int(seed) + SALT) & 0xFFFFFFFF
-        self._lights = AllLights(scene, sampler, self._seed)
         keys = list(dict.fromkeys(key for key, _, _ in scene.parts()))
         self.objects = tuple((key, is_back) for key in keys for is_back in (False, True))
         place = {each: row for row, each in enumerate(self.objects)}
@@ -160,6 +162,11 @@ class Witness:
         self._wanted_rows = upload(mi.UInt32, np.where(chosen, rows, NOBODY))
         dr.eval(self._all_rows, self._wanted_rows)
         self._limit = UNLIMITED
+        asked = {key for (key, _), own in zip(self.objects, matters, strict=True) if own}
+        corners = [corner for key in asked for corner in scene.object_bounds(key)]
+        if sheets is not None:
+            corners += list(sheets.squares.centre)
+        self._lights = AllLights(scene, sampler, self._seed, _focus(corners))
 
     def run(self, paths: int = PATHS, reflections: int | None = None) -> WitnessReport:
         """Trace.
@@ -242,25 +249,29 @@ class Witness:
     def _learn(self) -> np.ndarray:
         """Shares of the paths for each light, by what they bring; maps of suns learn too."""
         origins, flux = self._lights.origins, self._lights.flux_shares()
-        squares, counts = np.zeros(len(origins)), np.zeros(len(origins))
+        brought = np.zeros(len(origins))
         plain = np.array([origin.kind != SUN for origin in origins])
         if len(origins) == 1 and plain[0]:
             return flux
         if plain.any():
             which, chance = _spread(np.where(plain, flux, 0.0), SURVEY, self._seed)
             _, use = self._survey(which, chance, 0)
-            squares += np.bincount(which, (use * chance[which]) ** 2, len(origins))
-            counts += np.bincount(which, minlength=len(origins))
+            use *= chance[which]
+            count, total, square = (
+                np.bincount(which, weights, len(origins)) for weights in (None, use, use**2)
+            )
+            mean = total / np.maximum(count, 1.0)
+            # Where few of its rays bring all, a light gets more of them.
+            few = np.sqrt(square * count) / np.maximum(total, 1e-300)
+            brought += mean * np.clip(few, 1.0, MOST_FEW)
         for place in np.flatnonzero(~plain):
-            squares[place] = self._learn_sun(int(place), max((~plain).sum() / MOST_SUNS, 1.0))
-            counts[place] = 1.0
-        useful = np.sqrt(squares / np.maximum(counts, 1.0))
-        if not useful.sum() > 0.0:
+            brought[place] = self._learn_sun(int(place), max((~plain).sum() / MOST_SUNS, 1.0))
+        if not brought.sum() > 0.0:
             return flux
-        return FLUX_SHARE * flux + (1.0 - FLUX_SHARE) * useful / useful.sum()
+        return FLUX_SHARE * flux + (1.0 - FLUX_SHARE) * brought / brought.sum()
 
     def _learn_sun(self, place: int, sharing: float) -> float:
-        """Teach the map of a sun; returns the mean square of what one of its rays will bring. [lm2]"""
+        """Teach the map of a sun; returns what its light brings. [lm]"""
         cells, uses = [], []
         for salt, size in ((0, SUN_SURVEY), (1, FINE_SURVEY)):
             wanted = int(size / sharing)
@@ -276,8 +287,7 @@ class Witness:
             if (found > 0.0).mean() >= FEW or salt == 1:
                 break
         self._lights.maps[place].learn(np.concatenate(cells), found)
-        # With most rays led to where light enters, what they bring is much the same.
-        return (2.0 * float(found.mean())) ** 2
+        return float(found.mean())
 
     def _survey(self, which, chance, salt):
         tally = make_tally(self._wanted_rows, len(self.objects), 1)
@@ -380,6 +390,14 @@ class Watcher:
             if part.number == number:
                 return f"'{self._scene.object_name(key)}' (material '{material.name}')"
         return "another body"
+
+
+def _focus(corners: list[np.ndarray]) -> Focus | None:
+    """Sphere around points, a little larger; None without any."""
+    if not corners:
+        return None
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    return Focus(0.5 * (low + high), max(0.55 * float(np.linalg.norm(high - low)), 0.1))
 
 
 def _spread(shares: np.ndarray, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

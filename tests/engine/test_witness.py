@@ -182,6 +182,21 @@ def test_the_sky_comes_through_an_opening_in_full():
     assert_within(total, error, 100.0 * np.pi * 0.4, 3e-3)
 
 
+@pytest.mark.parametrize("name", ["sky", "sun"])
+def test_light_from_infinity_is_led_to_what_is_asked_about(name):
+    """Two square metres beside a field of a square kilometre get their light within a fiftieth."""
+    light = {
+        "sky": CieSky(16, np.array([0.0, 0.0, 1.0]), 5000.0),
+        "sun": SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 5000.0), np.array([0, 0, -1.0])),
+    }[name]
+    field = quad("field", (-500, -500, 0), (1000, 0, 0), (0, 1000, 0), "black")
+    floor = quad("floor", (300, 200, 1), (2, 0, 0), (0, 1, 0), "black")
+    made, _ = report_of(BLACK, field, floor, light, wanted={("floor", False)})
+    flux, error = flux_of(made, "floor")
+    assert error < 0.02 * flux
+    assert_within(flux, error, 10_000.0)
+
+
 # ---- where it lands ----
 
 
