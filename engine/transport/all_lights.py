@@ -2,9 +2,8 @@
 
 Points and spots shine by their intensity, luminaires by their distribution from the opening, ray sets by their rays,
 luminous surfaces from places drawn by area with the cosine law (narrowed to the cone of their spread), suns and the world
-through a disk that faces the direction and covers everything. What `emission_rays` and `ray_lights` draw is aimed at what
-bends light; here nothing is aimed but the world at panes and suns by a map of what was found before (`sun_maps`), so that
-all of the light is represented.
+through disks that face the direction (`far_disks`), suns by a map of what was found before (`sun_maps`). What
+`emission_rays` and `ray_lights` draw is aimed at what bends light; here all of the light is represented.
 """
 
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ import numpy as np
 from ..arrays import upload
 from ..scene.light import AreaLight
 from . import emission
+from .far_disks import PORTAL_SHARE, FarDisks, Focus, aim_at_portals
 from .gather import photometric
 from .ray_source import RaySource
 from .rays import STEP, start_of
@@ -24,12 +24,6 @@ from .textures import is_spectral
 
 POINT, LUMINAIRE, RAYS, BODY, MESH, SUN, WORLD = range(7)
 """Kinds of lights, in the order of their lanes."""
-
-PORTAL_SHARE = 0.5
-"""Share of the world's rays that are aimed at panes, where there are any."""
-
-RING = 3.0
-"""Ratio of the radii of the disks that rays from infinity are spread over, from what is asked about to the whole scene."""
 
 MAP_SHARE, MAP_SIZE = 0.8, 1.5
 """Share of a sun's rays that follow its map, and the map's radius relative to what is asked about."""
@@ -53,14 +47,6 @@ class Origin:
     flux: float
     number: int
     thing: object = None
-
-
-@dataclass(frozen=True)
-class Focus:
-    """Sphere around what is asked about: centre (3,) in the scene's frame and radius. [m]"""
-
-    centre: np.ndarray
-    radius: float
 
 
 @dataclass
@@ -132,10 +118,7 @@ class AllLights:
 
     def __init__(self, scene, sampler, seed: int, focus: Focus | None = None):
         self._scene, self._sampler = scene, sampler
-        whole = Focus(np.zeros(3), scene.radius)
-        if focus is None or np.linalg.norm(focus.centre) + focus.radius > 2.0 * scene.radius:
-            focus = whole
-        self._disks = _disks(focus, whole)
+        self._disks = FarDisks(focus, scene.radius)
         self._seed = int(seed) & 0xFFFFFFFF
         self.origins = find_origins(scene)
         self.maps = {place: SunMap() for place, each in enumerate(self.origins) if each.kind == SUN}
@@ -346,7 +329,7 @@ class AllLights:
         direction = -frame.to_world(_in_cap(cap, lanes.pair()))
         # Slanting rays of a wide sun cross the plane farther out.
         wider = 1.0 / dr.maximum(1.0 - cap, 0.1)
-        near, whole = self._disks[0], self._disks[-1]
+        near, whole = self._disks.nearest, self._disks.widest
         size = dr.minimum(near.radius * MAP_SIZE, whole.radius) * wider
         reach = whole.radius * wider
         cx, cy = dr.dot(near.middle, frame.s), dr.dot(near.middle, frame.t)
@@ -379,15 +362,15 @@ class AllLights:
         ds, _ = surroundings.world.sample_direction(it, lanes.pair(), mi.Bool(True))
         pdf = surroundings.world.pdf_direction(it, ds, mi.Bool(True))
         direction = -dr.normalize(ds.d)
-        reach = self._disks[-1].radius
-        middle = self._spread_over_disks(direction, lanes)
+        reach = self._disks.widest.radius
+        middle = self._disks.draw(direction, lanes)
         portals, share = surroundings.portals, 0.0
         if portals is not None:
             share = PORTAL_SHARE
-            middle, density = _aim_at_portals(portals, middle, direction, lanes)
+            middle, density = aim_at_portals(portals, middle, direction, lanes)
         else:
             density = mi.Float(0.0)
-        density += (1.0 - share) * self._disk_density(middle, direction)
+        density += (1.0 - share) * self._disks.density(middle, direction)
         start = middle - direction * (2.0 * reach + dr.dot(middle, direction))
         si = dr.zeros(mi.SurfaceInteraction3f, lanes.count)
         si.wi = direction
@@ -397,48 +380,6 @@ class AllLights:
         over = pdf * density
         power = dr.select(over > 0.0, value / dr.maximum(over, 1e-30), 0.0)
         return start, direction, power, lanes.response(), lanes.zero()
-
-    def _spread_over_disks(self, direction, lanes):
-        """Point that a ray from infinity passes, on one of the disks that face its direction."""
-        frame = mi.Frame3f(direction)
-        disk = mi.warp.square_to_uniform_disk_concentric(lanes.pair())
-        choice, point = lanes.stream.next_float32() * len(self._disks), mi.Vector3f(0.0)
-        for number, each in enumerate(self._disks):
-            own = each.middle + (frame.s * disk.x + frame.t * disk.y) * each.radius
-            point = dr.select(choice >= float(number), own, point)
-        return point
-
-    def _disk_density(self, point, direction):
-        """Density of such rays over the area that faces them. [1/m2]"""
-        density = mi.Float(0.0)
-        for each in self._disks:
-            away = point - each.middle
-            off = dr.squared_norm(away - direction * dr.dot(away, direction))
-            own = dr.inv_pi / dr.square(each.radius)
-            density += dr.select(off <= dr.square(each.radius) * (1.0 + 1e-6), own, 0.0)
-        return density * (1.0 / len(self._disks))
-
-
-@dataclass
-class _Disk:
-    """Of a focus, as data: ``middle`` Vector3f, ``radius`` Float. [m]"""
-
-    middle: object
-    radius: object
-
-
-def _disks(focus: Focus, whole: Focus) -> list[_Disk]:
-    """Disks from the focus to the whole scene, each larger than the one before; always as many, so that kernels stay."""
-    made = []
-    for number in range(4):
-        radius = focus.radius * RING**number
-        # The last is the whole scene, and those that would be larger are as large.
-        is_last = number == 3 or radius >= whole.radius
-        own = whole if is_last else Focus(focus.centre, radius)
-        disk = _Disk(mi.Vector3f(*map(float, own.centre)), mi.Float(float(own.radius)))
-        dr.make_opaque(disk.middle, disk.radius)
-        made.append(disk)
-    return made
 
 
 class _Lanes:
@@ -473,40 +414,6 @@ class _Lanes:
             if self._sampler is None and k > 0:
                 made[k] = 0.0
         return made + dr.zeros(mi.Float, self.count)
-
-
-def _aim_at_portals(portals, middle, direction, lanes):
-    """Lead a share of the world's rays through panes.
-
-    Returns
-    -------
-    (Vector3f, Float)    A point of the ray, and the density of rays so aimed over the area that faces the direction. [1/m2]
-    """
-    areas = [4.0 * np.linalg.norm(p.half_u) * np.linalg.norm(p.half_v) for p in portals.portals]
-    shares = np.array(areas) / np.sum(areas)
-    choice, sample = lanes.stream.next_float32(), lanes.pair()
-    aims = lanes.stream.next_float32() < PORTAL_SHARE
-    start = 0.0
-    rectangles = []
-    for portal, share, area in zip(portals.portals, shares, areas, strict=True):
-        centre, u, v = (mi.Vector3f(*map(float, x)) for x in (portal.centre, portal.half_u, portal.half_v))  # fmt: skip
-        chance, size = mi.Float(float(share)), mi.Float(float(area))
-        dr.make_opaque(centre, u, v, chance, size)
-        point = centre + u * (2.0 * sample.x - 1.0) + v * (2.0 * sample.y - 1.0)
-        middle = dr.select(aims & (choice >= start), point, middle)
-        start = start + chance
-        rectangles.append((centre, u, v, chance, size))
-    density = mi.Float(0.0)
-    for centre, u, v, chance, size in rectangles:
-        normal = dr.normalize(dr.cross(u, v))
-        cosine = dr.dot(direction, normal)
-        way = dr.dot(centre - middle, normal) / dr.select(cosine == 0.0, 1e-12, cosine)
-        at = middle + direction * way - centre
-        inside = dr.abs(dr.dot(at, u)) <= dr.squared_norm(u) * (1.0 + 1e-5)
-        inside &= dr.abs(dr.dot(at, v)) <= dr.squared_norm(v) * (1.0 + 1e-5)
-        own = PORTAL_SHARE * chance / (size * dr.maximum(dr.abs(cosine), 1e-6))
-        density += dr.select(inside, own, 0.0)
-    return middle, density
 
 
 def _places_on(lamp, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

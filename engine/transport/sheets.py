@@ -33,6 +33,9 @@ LIFT = 2e-3
 MOST = 48
 """Squares at most; they stand for the other sensors."""
 
+LOOKS = 64
+"""Rays from each square that tell how far its surroundings are."""
+
 RESPONSES = {
     SensorKind.SPHERICAL: 0.25,
     SensorKind.CYLINDRICAL: 1.0 / np.pi,
@@ -132,6 +135,20 @@ class Sheets:
         )
         return brought
 
+    def sight(self) -> float:
+        """Median distance of what the squares see; 0 where they see nothing. [m]"""
+        q, draw = self.squares, np.random.default_rng(8)
+        away = draw.normal(size=(len(self), LOOKS, 3))
+        away /= np.linalg.norm(away, axis=2, keepdims=True)
+        away *= np.sign(np.einsum("klx,kx->kl", away, q.normal))[..., None]
+        starts = np.broadcast_to(q.centre[:, None], away.shape)
+        hit = self._scene.solid.ray_intersect_preliminary(
+            _rays(starts, away), mi.Bool(False), mi.Bool(True)
+        )
+        way = np.array(hit.t)
+        way = way[np.isfinite(way)]
+        return float(np.median(way)) if len(way) else 0.0
+
     def receivers(self, seed: int) -> Receivers:
         """Places all over the squares, in the world."""
         q, draw = self.squares, np.random.default_rng([seed & 0xFFFFFFFF, 6])
@@ -189,10 +206,15 @@ def _seen(scene, centre, along, across, half) -> np.ndarray:
     away = ends - starts
     # The middle corner is the centre itself, and a ray needs a direction.
     away[:, len(edges) ** 2 // 2] = along * (1e-6 * half[:, None])
-    columns = [upload(mi.Float, v.reshape(-1, 3)[:, i]) for v in (starts, away) for i in range(3)]
-    ray = mi.Ray3f(mi.Point3f(*columns[:3]), mi.Vector3f(*columns[3:]))
+    ray = _rays(starts, away)
     # Lengths are told by the direction: what stands at 1 stands at the corner itself.
     ray.maxt = mi.Float(1.001)
     lies = np.array(~scene.solid.ray_test(ray, mi.Bool(True))).reshape(-1, SIDE + 1, SIDE + 1)
     whole = lies[:, 1:, 1:] & lies[:, :-1, 1:] & lies[:, 1:, :-1] & lies[:, :-1, :-1]
     return whole.reshape(len(centre), -1)
+
+
+def _rays(starts: np.ndarray, away: np.ndarray):
+    """Rays from points along vectors, of any shape (..., 3)."""
+    columns = [upload(mi.Float, v.reshape(-1, 3)[:, i]) for v in (starts, away) for i in range(3)]
+    return mi.Ray3f(mi.Point3f(*columns[:3]), mi.Vector3f(*columns[3:]))

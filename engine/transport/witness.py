@@ -14,7 +14,8 @@ import numpy as np
 from ..accuracy.witnesses import batch_error
 from ..arrays import upload
 from ..errors import Cancelled
-from .all_lights import SUN, AllLights, Focus
+from .all_lights import SUN, AllLights
+from .far_disks import Focus
 from .textures import is_spectral
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
 from .wavelengths import WavelengthSampler
@@ -164,9 +165,11 @@ class Witness:
         self._limit = UNLIMITED
         asked = {key for (key, _), own in zip(self.objects, matters, strict=True) if own}
         corners = [corner for key in asked for corner in scene.object_bounds(key)]
+        margin = 0.0
         if sheets is not None:
             corners += list(sheets.squares.centre)
-        self._lights = AllLights(scene, sampler, self._seed, _focus(corners))
+            margin = sheets.sight()
+        self._lights = AllLights(scene, sampler, self._seed, _focus(corners, margin))
 
     def run(self, paths: int = PATHS, reflections: int | None = None) -> WitnessReport:
         """Trace.
@@ -392,12 +395,13 @@ class Watcher:
         return "another body"
 
 
-def _focus(corners: list[np.ndarray]) -> Focus | None:
-    """Sphere around points, a little larger; None without any."""
+def _focus(corners: list[np.ndarray], margin: float) -> Focus | None:
+    """Sphere around points and as far about them; None without any."""
     if not corners:
         return None
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    return Focus(0.5 * (low + high), max(0.55 * float(np.linalg.norm(high - low)), 0.1))
+    radius = 0.55 * float(np.linalg.norm(high - low)) + margin
+    return Focus(0.5 * (low + high), max(radius, 1e-3))
 
 
 def _spread(shares: np.ndarray, count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
