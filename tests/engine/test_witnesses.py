@@ -1,5 +1,7 @@
 """Two estimates side by side, and errors that stem from few samples: statistics alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.estimate import Accumulator
@@ -110,3 +112,20 @@ def test_a_single_part_makes_an_error_worth_less_than_half():
     assert tail_factor(1.0, 0.05, 1000) == 1.0
     assert tail_factor(1.0, 0.25, 4) == 1.0
     assert tail_factor(0.0, 0.0, 4) == 1.0
+
+
+@pytest.mark.mitsuba
+def test_an_error_of_a_map_that_a_single_lumel_makes_is_not_trusted():
+    from lumenray.engine.transport import backend
+
+    backend.start(spectral=False)
+    from lumenray.engine.baking.run import _whole
+
+    survey = SimpleNamespace(area=np.ones(1000), valid=np.ones(1000, dtype=bool))
+    error = np.full(1000, 1e-3)
+    even = SimpleNamespace(illuminance=np.ones(1000), standard_error=error)
+    spike = SimpleNamespace(illuminance=np.ones(1000), standard_error=error.copy())
+    spike.standard_error[7] = 10.0
+    table = SimpleNamespace(survey=survey)
+    assert _whole(even, table)[2] == pytest.approx(1e-3)
+    assert _whole(spike, table)[2] == pytest.approx((1.0 + np.sqrt(1.75)) * 10.0 / np.sqrt(1000.0), rel=1e-3)  # fmt: skip
