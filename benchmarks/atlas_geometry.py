@@ -379,7 +379,7 @@ def _point(name: str, position, lumens: float) -> PointLight:
 
 def _bake(items, objects, density: float, rule: StopRule | None = None):
     """Result, and the session that made it."""
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(changed=tuple(items)))
     rule = rule or StopRule(samples=SAMPLES)
     order = BakeOrder(tuple(objects), rule, density=density, seed=SEED)

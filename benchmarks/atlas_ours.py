@@ -40,7 +40,7 @@ class Ours:
 
     def __init__(self, scene: AtlasScene):
         self.scene = scene
-        self.session = Session()
+        self.session = Session(witness=False)
         self.session.apply(SceneDelta(changed=scene.items))
 
     def order(self, rule: StopRule, seed: int, **more) -> BakeOrder:

@@ -131,7 +131,7 @@ def bake_building(run: Specification) -> dict:
     rooms = run.charts / CHARTS_OF_ROOM
     density = float(np.sqrt(FILLED * run.pages * SIDE**2 / (rooms * SURFACE)))
     scene = build_building(run.triangles, run.charts, density)
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(changed=scene.items))
     before, begin = _peak(), time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:

@@ -128,7 +128,7 @@ class Bench:
     """Our engine with one luminaire, and the two programs' answers about it."""
 
     def __init__(self):
-        self.session = Session()
+        self.session = Session(witness=False)
 
     def compare_points(self, path: Path, file: LuminaireFile) -> dict:
         """Compare both programs with the luminaire as a point.

@@ -58,7 +58,7 @@ def build() -> tuple[Session, float]:
         spectrum = choose_spectrum(file).spectrum
         output = Output(Quantity.LUMINOUS_FLUX, LUMENS, spectrum)
         items.append(Luminaire(f"light:{i}", name, output, frame, file.distribution, file.opening))
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(changed=tuple(items)))
     return session, length
 

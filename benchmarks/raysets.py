@@ -192,7 +192,7 @@ def measure_maps(told) -> list[dict]:
         )
         row = {"distance": distance}
         for name, caustics in (("rays", "auto"), ("point", "off")):
-            session = Session()
+            session = Session(witness=False)
             black = Material("black", "black", Diffuse(Constant(0.0)))
             session.apply(SceneDelta(changed=(sheet, black, lamp)))
             order = BakeOrder(

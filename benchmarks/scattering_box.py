@@ -43,7 +43,7 @@ def light_box(reflector: Surface, diffuser: Surface) -> tuple[Session, Material]
         Mesh(name, name, _CORNERS * SIZE, faces, (material.id,), np.zeros(len(faces), np.int32))
         for name, faces, material in (("tray", _TRAY, walls), ("sheet", _SHEET, sheet))
     ]
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta((walls, sheet, *lamps, *parts)))
     return session, walls
 

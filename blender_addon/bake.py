@@ -74,6 +74,7 @@ class BakeSettings:
     gltf_textures: int = 16
     gltf_size: int = 2048
     white: float | None = None
+    witness: bool = True
 
 
 @dataclass
@@ -275,6 +276,7 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
         smooth=settings.smooth,
         method=settings.method,
         caustics=settings.caustics,
+        witness=settings.witness,
         seed=settings.seed,
         transport=settings.transport,
         folder=str(settings.folder),

@@ -253,6 +253,7 @@ def _add_measure(commands) -> None:
         metavar="E",
         help="go on until the relative standard error of every sensor is below E",
     )
+    _add_witness(measure)
     _add_rule(measure, "sensor")
     assumptions.add_option(measure)
 
@@ -312,6 +313,7 @@ def _add_bake(commands) -> None:
     light.add_argument(
         "--caustics", choices=("auto", "on", "off"), help="trace light from the lights as well"
     )
+    _add_witness(light)
     rule = _add_rule(bake, "lumel")
     rule.add_argument(
         "--absolute",
@@ -350,6 +352,15 @@ def _add_scene(parser) -> None:
         "--transport",
         choices=("auto", "mono", "spectral"),
         help="photometric or spectral computation (default: the scene's)",
+    )
+
+
+def _add_witness(parser) -> None:
+    parser.add_argument(
+        "--witness",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="compare with a few light paths from the lights, so that errors cover what they find (default: yes)",
     )
 
 
@@ -664,6 +675,7 @@ def _bake_open(options, depsgraph):
         "smooth": options.smooth,
         "method": options.method,
         "caustics": options.caustics,
+        "witness": options.witness,
         "gltf_textures": options.gltf_textures,
         "gltf_size": options.gltf_size,
     }
@@ -746,6 +758,7 @@ def _measure(options) -> int:
         kind=SensorKind(options.kind),
         reflections=options.reflections,
         colour=options.colour,
+        witness=options.witness,
     )
     bar.close()
     found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)

@@ -106,8 +106,9 @@ def measure_sensitivities(
                 readings.append([])
                 for repetition in range(REPETITIONS):
                     found = session.measure(
-                        positions, normals, rule, seed + repetition, transport, kind=kind
-                    )
+                        positions, normals, rule, seed + repetition, transport,
+                        kind=kind, witness=False,
+                    )  # fmt: skip
                     readings[-1].append(found.illuminance)
                     done += 1
                     if progress is not None:

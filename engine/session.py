@@ -177,6 +177,7 @@ class Measurement:
     illuminance, standard_error : (n,) float64    [lx]
     tristimulus : (n, 3) float64 or None    X, Y, Z with Y the illuminance, where colour was asked for. [lx]
     tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
+    balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
     """
 
     illuminance: np.ndarray
@@ -184,6 +185,7 @@ class Measurement:
     provenance: Provenance
     tristimulus: np.ndarray | None = None
     tristimulus_error: np.ndarray | None = None
+    balance: dict | None = None
 
 
 @dataclass(frozen=True)
@@ -250,10 +252,13 @@ class Session:
     ----------
     interrupt : callable or None
         Called between the launches of long jobs; it may use other sessions.
+    witness : bool
+        Whether bakes and measurements that ask for a second witness get it; not where only their own samples matter.
     """
 
-    def __init__(self, interrupt: Callable[[], None] | None = None):
+    def __init__(self, interrupt: Callable[[], None] | None = None, witness: bool = True):
         self.scene = Scene()
+        self._has_witness = witness
         self.revision = 0
         self.commit = Commit()
         self._interrupt = interrupt
@@ -333,6 +338,7 @@ class Session:
         kind: SensorKind = SensorKind.PLANAR,
         reflections: int | None = None,
         colour: bool = False,
+        witness: bool = True,
     ) -> Measurement:
         """Illuminance at points.
 
@@ -345,6 +351,8 @@ class Session:
             Most reflections (scatterings, of any kind but passing straight) that light may have had: 0 gives the direct
             part, None everything.
         colour : bool    Whether X and Z are wanted too.
+        witness : bool
+            Whether a pilot from the lights tells what the sensors receive, so that the errors cover what it finds.
 
         Raises
         ------
@@ -357,6 +365,7 @@ class Session:
 
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
+            heard = None
             with bent_lights(compiled) as notes:
                 estimate = compute(
                     compiled,
@@ -369,11 +378,29 @@ class Session:
                     reflections,
                     colour,
                 )
+                if witness and self._has_witness and len(estimate.mean):
+                    from .transport.sensor_witness import hear_sensors
+
+                    bright = estimate.channel(1) if colour else estimate
+                    heard = hear_sensors(
+                        compiled,
+                        positions,
+                        normals,
+                        kind,
+                        bright,
+                        seed,
+                        reflections,
+                        self._cancelled,
+                    )
+                    estimate = estimate.widened(heard.floors)
             provenance = self._provenance(compiled, seed, estimate.samples, start, notes)
-        mean, error = estimate.mean, estimate.standard_error
+        mean, error, balance = estimate.mean, estimate.standard_error, None
+        if heard is not None:
+            provenance = provenance.with_words(heard.decision, heard.notes)
+            balance = heard.balance
         if colour:
-            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error)
-        return Measurement(mean, error, provenance)
+            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, balance)
+        return Measurement(mean, error, provenance, balance=balance)
 
     def measure_sensors(
         self,
@@ -484,6 +511,8 @@ class Session:
         self._cancel = False
         from .baking.run import Bake, Host
 
+        if not self._has_witness:
+            order = replace(order, witness=False)
         host = Host(
             self.scene, self._engine, self._compile_aside, self._cancelled, self._provenance
         )

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .tails import tail_factor
+
 
 class Accumulator:
     """Sums of samples in double precision, kept apart by independent group.
@@ -18,6 +20,8 @@ class Accumulator:
 
     def __init__(self, groups: int, shape):
         self._sum = np.zeros((groups, *np.atleast_1d(shape)), dtype=np.float64)
+        self._squares = np.zeros(0)
+        self._largest = np.zeros(0)
         self.samples = 0
 
     @property
@@ -25,15 +29,33 @@ class Accumulator:
         """Number of groups."""
         return len(self._sum)
 
-    def add(self, sums: np.ndarray, samples: int) -> None:
-        """Add sums over ``samples`` new samples of every group. ``sums``: (groups, ...)."""
+    def add(self, sums: np.ndarray, samples: int, squares=None, largest=None) -> None:
+        """Add sums over ``samples`` new samples of every group.
+
+        Parameters
+        ----------
+        sums : (groups, ...) array
+        samples : int
+        squares, largest : (...) array or None
+            Over all groups, of a shape that goes with the values: sum of the samples' squares, and the largest of these.
+        """
         self._sum += sums
         self.samples += samples
+        if squares is not None:
+            if self._squares.shape != squares.shape:
+                self._squares, self._largest = np.zeros_like(squares), np.zeros_like(largest)
+            self._squares = self._squares + squares
+            self._largest = np.maximum(self._largest, largest)
 
     def estimate(self) -> "Estimate":
         """Return mean and standard error so far."""
         means = self._sum / max(self.samples, 1)
-        return Estimate.from_groups(means, self.samples * self.groups)
+        made = Estimate.from_groups(means, self.samples * self.groups)
+        if not self._squares.size:
+            return made
+        # What stems from few samples is not known as well as it seems, see `tails`.
+        factor = tail_factor(self._squares, self._largest, made.samples)
+        return Estimate(made.mean, made.standard_error * factor, made.samples)
 
 
 @dataclass(frozen=True)
@@ -58,6 +80,15 @@ class Estimate:
         count = len(means)
         variance = ((means - mean) ** 2).sum(axis=0) / (count * (count - 1))
         return cls(mean, np.sqrt(variance), samples)
+
+    def channel(self, number: int) -> "Estimate":
+        """One column of an estimate of shape (n, channels)."""
+        return Estimate(self.mean[:, number], self.standard_error[:, number], self.samples)
+
+    def widened(self, floors: np.ndarray) -> "Estimate":
+        """With errors that hold differences (n,) from another witness as well, in all channels."""
+        floors = floors.reshape(len(floors), *[1] * (self.mean.ndim - 1))
+        return Estimate(self.mean, np.hypot(self.standard_error, floors), self.samples)
 
     def relative_error(self, weights: np.ndarray | None = None) -> float:
         """Standard error of the map: root mean square of the errors over the mean, both weighted by area.

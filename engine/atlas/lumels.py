@@ -56,10 +56,12 @@ class LumelBlock(LumelFacts):
     ----------
     receivers : Receivers    n rows, those that are not valid too.
     triangle : (k,) int32 array    Triangle of the mesh for every place of the receivers.
+    reached : (n,) array or None    Share of each lumel's places that light can reach; None: all. [-]
     """
 
     receivers: Receivers
     triangle: np.ndarray
+    reached: np.ndarray | None = None
 
     def size(self) -> int:
         """Memory that it takes. [byte]"""
@@ -556,10 +558,11 @@ def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
     positions = held.positions.copy()
     positions[correction.moved] += correction.shift
     kept, count, valid = np.ones(len(positions), dtype=bool), held.count, block.valid
+    reached = None
     if correction.dropped is not None:
         kept = np.unpackbits(correction.dropped, count=len(positions)) == 0
         count = np.add.reduceat(kept, held.start, dtype=np.int64)
-        valid = count > 0
+        valid, reached = count > 0, count / held.count
         # Lumels without any use keep their places, so that every row has some.
         kept |= np.repeat(~valid, held.count)
         count = np.where(valid, count, held.count)
@@ -582,4 +585,5 @@ def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
         valid,
         receivers,
         block.triangle[kept],
+        reached,
     )

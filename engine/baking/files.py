@@ -101,6 +101,8 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         },
         "error_over_time": to_rows(result.history),
     }
+    if result.balance is not None:
+        content["energy"] = result.balance
     files.append(write_json(folder / "report.json", content))
     return files
 

@@ -48,6 +48,7 @@ class BakeOrder:
     caustics : str    ``auto``, ``on`` or ``off``: whether light is also traced from the lights.
     folder : str or None    Where pages and report are written; None: nowhere.
     keep_pages : bool    Whether the result holds the pages' arrays; else they are in the folder only.
+    witness : bool    Whether a pilot from the lights tells what the objects receive, so that the errors cover what it finds.
     checkpoint : str or None    File from which an interrupted bake of the same order goes on, and to which its state is
         written from time to time.
     file : str    Name of the scene's file, for the report.
@@ -77,6 +78,7 @@ class BakeOrder:
     checkpoint: str | None = None
     file: str = ""
     conversion: tuple[dict, ...] = ()
+    witness: bool = True
 
 
 @dataclass(frozen=True)
@@ -222,6 +224,7 @@ class BakeResult:
     mean : float    Of everything. [lx]
     shrink : float    Factor by which all densities were lowered to fit the pages. [-]
     seams : Seams
+    balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
     """
 
     maps: tuple[LuxMap, ...]
@@ -234,6 +237,7 @@ class BakeResult:
     mean: float
     shrink: float
     seams: Seams
+    balance: dict | None = None
 
     def lumels(self, number: int) -> "Values":
         """Values of the computed lumels of an object, by its number."""

@@ -14,6 +14,7 @@ import numpy as np
 from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
 from ..accuracy.stopping import Progress, StopRule
+from ..accuracy.tails import tail_factor
 from ..atlas.detail import halve_even_charts
 from ..atlas.finder import LumelFinder
 from ..atlas.lay_out import arrange, find_all_charts
@@ -33,8 +34,10 @@ from ..transport.tiles import tile_numbers
 from .files import scale_top, write_page, write_report
 from .layer import CHUNK, Layer, LayerState
 from .light_layers import split_lights
+from .means import ObjectMean, find_means
 from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
 from .pages import Estimates, lay_out_page, match_pages
+from .testimony import hear, widen
 
 SAVE_INTERVAL = 20.0
 """Shortest time between two states that are written. [s]"""
@@ -54,16 +57,13 @@ MOST_ADAPTIVE = 20_000_000
 MOST_MATCHED = 1 << 27
 """Pixels of all pages up to which seams are matched: all pages have to be at hand together."""
 
-SHARED = 4.0
-"""Passes that count for one where sweeps of the cells remember, for every pass that shares a sweep."""
-
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
 
 COARSE_ERROR, MOST_FINE = 0.02, 4.0
 """Relative error from which there are more cells in proportion, and how many times more. [-]"""
 
-WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
+WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion", "witness")
 """Fields of an order that change nothing about the numbers."""
 
 
@@ -116,6 +116,7 @@ class Bake:
     departures: list[Departure] = field(default_factory=list)
     _done: float = 0.0
     _decisions: list[str] = field(default_factory=list)
+    _balance: dict | None = None
     _start: float = field(default_factory=time.perf_counter)
 
     def run(self) -> BakeResult:
@@ -139,12 +140,15 @@ class Bake:
             layers = self._run_layers(compiled, table, items, atlas)
             states = [state for _, state in layers]
             estimates = _estimates(layers, order, table)
+            means = find_means(len(items), table, estimates, states)
+            floors = self._hear_witness(compiled, items, means)
+            estimates = widen(estimates, means, floors)
             samples = round(sum(s.sums.mean_samples for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
             provenance = replace(provenance, decisions=decisions)
         self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
-        maps = self._summarise(items, atlas, table, estimates, states, provenance)
+        maps = self._summarise(items, atlas, means, floors, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
         return self._finish(maps, pages, seams, table, estimates, states, atlas)
 
@@ -372,49 +376,46 @@ class Bake:
 
     # ---- after the passes ----
 
-    def _summarise(self, items, atlas, table, estimates, states, provenance) -> list[LuxMap]:
-        first = np.concatenate([[0], np.cumsum(table.counts)])
-        blocks: list[list[int]] = [[] for _ in items]
-        for block in range(len(table.counts)):
-            blocks[table.layout(block)].append(block)
+    def _hear_witness(self, compiled, items, means) -> np.ndarray:
+        """What the error of each map must be at least by what light paths from the lights bring. (n,) [lx]"""
+        if not self.order.witness:
+            return np.zeros(len(items))
+        self._report(Progress(1.0, 0, 0.0, self._seconds, None, "light paths from the lights"))
+        sides = [(item.key, item.is_back, item.mesh.name) for item in items]
+        heard = hear(compiled, sides, means, self.order.seed, self.host.cancelled)
+        self.departures += heard.departures
+        self._decisions.append(heard.decision)
+        self._balance = heard.balance
+        return heard.floors
+
+    def _summarise(
+        self, items, atlas, means: list[ObjectMean], floors, estimates, states, provenance
+    ) -> list[LuxMap]:
         made = []
-        for number, item in enumerate(items):
-            layout = atlas.layouts[number]
-            parts, areas, valid = [], [], []
-            for block in blocks[number]:
-                part = slice(first[block], first[block + 1])
-                parts.append(np.arange(part.start, part.stop))
-                areas.append(table.survey.area[part].astype(np.float64))
-                valid.append(table.survey.valid[part])
-            rows = np.concatenate(parts) if parts else np.zeros(0, dtype=np.int64)
-            area = np.concatenate(areas) if areas else np.zeros(0)
-            good = np.concatenate(valid) if valid else np.zeros(0, dtype=bool)
-            rows, kept = rows[good], area[good]
+        for number, (item, own, floor) in enumerate(zip(items, means, floors, strict=True)):
+            layout, rows = atlas.layouts[number], own.rows
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
-            mean = float((light * kept).sum() / max(kept.sum(), 1e-300))
-            spread = _mean_error(states, number, rows, kept)
-            shifts = [_bias(state.bias_sums[:, number]) for state in states]
-            shift = sum(value for value, _ in shifts)
-            shift_error = float(np.sqrt(sum(each**2 for _, each in shifts)))
+            parts = own.areas * error.astype(np.float64) ** 2
+            heavy = float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts)))
             made.append(
                 LuxMap(
                     id=item.key,
                     name=item.mesh.name + (" (back)" if item.is_back else ""),
                     number=number,
-                    lumels=len(good),
+                    lumels=own.count,
                     charts=len(np.unique(layout.chart[layout.chart >= 0])),
-                    mean=mean,
+                    mean=own.mean,
                     minimum=float(light.min(initial=np.inf)) if len(light) else 0.0,
                     maximum=float(light.max(initial=0.0)),
-                    relative_standard_error=relative_error(light, error, kept),
-                    mean_standard_error=spread,
-                    bias=shift,
-                    bias_error=shift_error,
+                    relative_standard_error=heavy * relative_error(light, error, own.areas),
+                    mean_standard_error=float(np.hypot(own.error, floor)),
+                    bias=own.bias,
+                    bias_error=own.bias_error,
                     samples=_mean_samples(states, rows) if len(rows) else 0.0,
                     density=layout.density,
                     requested_density=layout.requested_density,
-                    area=float(area.sum()),
-                    invalid=int((~good).sum()),
+                    area=own.area,
+                    invalid=own.count - len(rows),
                     smoothed=self.order.smooth,
                     provenance=provenance,
                     layout=_layout_of(item, layout, atlas.sizes),
@@ -482,6 +483,7 @@ class Bake:
             mean=mean,
             shrink=atlas.shrink,
             seams=seams,
+            balance=self._balance,
         )
         if order.folder is not None:
             conversion = [*order.conversion, *(_report_row(each) for each in self.departures)]
@@ -620,49 +622,20 @@ def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:
     return float(np.mean([state.sums.samples(rows).mean() for state in states]))
 
 
-def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: np.ndarray) -> float:
-    """Standard error of an object's mean. [lx]
-
-    The scatter of the passes' means has two parts. That of the lumels themselves is known from their own variances and
-    differs from pass to pass. The rest comes from the cells, which all lumels share, and which passes that follow each other
-    share in part; so it counts for fewer passes.
-    """
-    total = max(float(area.sum()), 1e-300)
-    square = 0.0
-    for state in states:
-        weights, means = state.object_passes[:, 0], state.object_passes[:, 1 + number]
-        rest = weights.sum() ** 2 - (weights**2).sum()
-        if rest <= 0.0:
-            return float("inf")
-        centre = (weights * means).sum() / weights.sum()
-        whole = float((weights**2 * (means - centre) ** 2).sum() / rest)
-        variance = state.sums.variance(rows)
-        own = float((np.where(np.isfinite(variance), variance, 0.0) * area**2).sum()) / total**2
-        shared = min(SHARED * state.sharing, len(means))
-        square += own + max(whole - own, 0.0) * shared
-    return float(np.sqrt(square))
-
-
 def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:
     """Mean, root mean square and standard error of everything, by area. [lx]"""
     known = table.survey
-    sums = np.zeros(4)
+    sums, largest = np.zeros(4), 0.0
     for first in range(0, len(known.area), CHUNK):
         part = slice(first, first + CHUNK)
         area = np.where(known.valid[part], known.area[part], 0.0).astype(np.float64)
         light, error = estimates.illuminance[part], estimates.standard_error[part]
-        sums += [area.sum(), (light * area).sum(), (light**2 * area).sum(), (error**2 * area).sum()]
+        parts = error**2 * area
+        sums += [area.sum(), (light * area).sum(), (light**2 * area).sum(), parts.sum()]
+        largest = max(largest, float(parts.max(initial=0.0)))
     mean, square, variance = sums[1:] / max(sums[0], 1e-300)
+    variance *= float(tail_factor(sums[3], largest, len(known.area))) ** 2
     return float(mean), float(np.sqrt(square)), float(np.sqrt(variance))
-
-
-def _bias(sums: np.ndarray) -> tuple[float, float]:
-    """Mean of differences and its standard error, from their number, sum and sum of squares."""
-    count, total, square = (float(each) for each in sums)
-    if count < 2:
-        return 0.0, float("inf") if count else 0.0
-    mean = total / count
-    return mean, float(np.sqrt(max(square / count - mean**2, 0.0) / (count - 1)))
 
 
 def _layout_of(item: _Item, layout, sizes: np.ndarray) -> Layout:

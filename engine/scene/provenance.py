@@ -1,6 +1,6 @@
 """Where a result comes from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -15,3 +15,8 @@ class Provenance:
     seconds: float
     decisions: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def with_words(self, decision: str, notes: tuple[str, ...]) -> "Provenance":
+        """The same with one more decision, if it says anything, and more notes."""
+        decisions = (*self.decisions, *([decision] if decision else []))
+        return replace(self, decisions=decisions, notes=(*self.notes, *notes))

@@ -220,6 +220,29 @@ class CompiledScene:
             for part in body.parts if body.item.meets_light else ():
                 yield key, part, self._finishes.item(part.material)
 
+    def lamps(self):
+        """Yield every light at work but those at infinity, as `Lamp`."""
+        yield from self._lamps.values()
+
+    def object_name(self, key: str) -> str:
+        """Name of an object, for people."""
+        return self._bodies[key].item.name
+
+    def object_bounds(self, key: str) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest corner of an object in the scene's frame. (3,), (3,) [m]"""
+        body = self._bodies[key]
+        return body.low - self.origin, body.high - self.origin
+
+    @property
+    def suns(self) -> tuple[SunLight, ...]:
+        """Suns of the surroundings, in their order there."""
+        return () if self.surroundings is None else tuple(self._outside_parts[1])
+
+    @property
+    def world_luminance(self) -> float:
+        """Mean over all directions of the world without its suns. [cd/m2]"""
+        return 0.0 if self._world is None else self._world.mean_luminance
+
     @property
     def shape_count(self) -> int:
         """Entries of tables by the number of a shape."""

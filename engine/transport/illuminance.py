@@ -148,16 +148,17 @@ def compute(
     clock = Clock(rule, "illuminance")
     error = float("inf")
     while True:
-        new = np.zeros((groups, total, channels))
+        new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
         for first in range(0, total, per_launch):
             if cancelled():
                 raise Cancelled("cancelled")
             count = min(per_launch, total - first)
-            new[:, first : first + count] = job.launch(first, count, batch, sums.samples)
+            part = slice(first, first + count)
+            new[:, part], tails[:, part, 0] = job.launch(first, count, batch, sums.samples)
             if progress is not None:
                 share = (first + count) / total
                 progress(clock.progress(int((sums.samples + share * batch) * groups), error))
-        sums.add(new, batch)
+        sums.add(new, batch, *tails)
         made = sums.estimate()
         brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
         error = brightness.relative_error(receivers.weights)
@@ -230,8 +231,14 @@ class _Job:
         places["p"] = [point.x, point.y, point.z]
         dr.eval(places)
 
-    def launch(self, first: int, count: int, batch: int, index: int) -> np.ndarray:
-        """Run one kernel and return the sums of its samples, (groups, count, channels)."""
+    def launch(self, first: int, count: int, batch: int, index: int):
+        """Run one kernel.
+
+        Returns
+        -------
+        (groups, count, channels), (2, count) array    Sums of its samples; sum and largest of the squares of the samples'
+            illuminance, over all groups.
+        """
         groups, places = self.groups, self.places
         first = dr.opaque(mi.UInt32, int(first))
         start_index = dr.opaque(mi.UInt32, int(index))
@@ -271,13 +278,18 @@ class _Job:
         )
         block = min(batch, LARGEST_SUM)
         sums = []
-        for channel in self._channels(value, wavelengths):
+        for number, channel in enumerate(self._channels(value, wavelengths)):
             kept = dr.select(dr.isfinite(channel), channel, 0.0)
             sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, block))
-        dr.eval(sums)
+            if number == (1 if self.colour else 0):
+                # Squares of huge samples would not fit; the scale makes no difference.
+                square = dr.square(kept * 1e-6)
+                tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]  # fmt: skip
+        dr.eval(sums, tails)
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)
-        return made.transpose(1, 0, 2)
+        squares, largest = (np.array(t, dtype=np.float64).reshape(count, -1) for t in tails)
+        return made.transpose(1, 0, 2), np.stack([squares.sum(axis=1), largest.max(axis=1)])
 
     def _channels(self, value, wavelengths) -> list:
         if not self.colour:

@@ -19,6 +19,7 @@ class Survey:
     ----------
     area : (n,) float32 array    Surface in each lumel. [m2]
     valid : (n,) bool array
+    reached : (n,) float32 array    Of the area, what light can reach; lumels may lie half under something. [m2]
     places : (b,) int array    Places in every block.
     positions : (k, 3) float64 array    Some of the places of valid lumels, drawn by area within each block. [m]
     normals : (k, 3) float32 array
@@ -27,6 +28,7 @@ class Survey:
 
     area: np.ndarray
     valid: np.ndarray
+    reached: np.ndarray
     places: np.ndarray
     positions: np.ndarray
     normals: np.ndarray
@@ -51,7 +53,7 @@ class Surveyor:
     def __init__(self, blocks: int, seed: int):
         self._draw = np.random.default_rng([seed & 0xFFFFFFFF, 4])
         self._each = int(np.clip(POOL // max(blocks, 1), FEWEST, MOST))
-        self._area, self._valid, self._places = [], [], []
+        self._area, self._valid, self._reached, self._places = [], [], [], []
         self._positions, self._normals, self._chances = [], [], []
 
     def add(self, block) -> None:
@@ -59,6 +61,8 @@ class Surveyor:
         held, each = block.receivers, self._each
         self._area.append(block.area.astype(np.float32))
         self._valid.append(block.valid)
+        share = block.valid if block.reached is None else block.reached
+        self._reached.append((block.area * share).astype(np.float32))
         self._places.append(len(held.positions))
         share = np.where(block.valid, block.area, 0.0)
         total = float(share.sum())
@@ -76,6 +80,7 @@ class Surveyor:
         return Survey(
             np.concatenate([np.zeros(0, dtype=np.float32), *self._area]),
             np.concatenate([np.zeros(0, dtype=bool), *self._valid]),
+            np.concatenate([np.zeros(0, dtype=np.float32), *self._reached]),
             np.array(self._places, dtype=np.int64),
             np.concatenate([np.zeros((0, 3)), *self._positions]),
             np.concatenate([np.zeros((0, 3), dtype=np.float32), *self._normals]),

@@ -126,6 +126,7 @@ class RemoteSession:
         kind: SensorKind = SensorKind.PLANAR,
         reflections: int | None = None,
         colour: bool = False,
+        witness: bool = True,
     ) -> Measurement:
         """Illuminance at points, as `Session.measure`. Raises as `render`. (n, 3), (n, 3) [m -> lx]"""
         points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
@@ -135,6 +136,7 @@ class RemoteSession:
             "kind": kind,
             "reflections": reflections,
             "colour": colour,
+            "witness": witness,
         }
         return self._wait("measure", (*points, rule), options, _states_only(progress), idle)
 

@@ -49,7 +49,7 @@ def test_five_hundred_random_edits_give_the_picture_of_a_fresh_start(seed, tmp_p
     # A lamp of the engine's own, which no edit of Blender's scene touches: some of them leave it dark.
     down = np.array([0.3, 0.2, -0.93])
     lamp = SunLight("test:sun", "sun", Output(Quantity.ILLUMINANCE, 100.0), down, 0.02)
-    kept = SceneFeed(Session(), final=bool(seed % 2))
+    kept = SceneFeed(Session(witness=False), final=bool(seed % 2))
     kept.session.apply(SceneDelta(changed=(lamp,)))
     settings = ViewSettings(StopRule(samples=4), seed=7)
     for number in range(1, 501):
@@ -60,7 +60,7 @@ def test_five_hundred_random_edits_give_the_picture_of_a_fresh_start(seed, tmp_p
             kept.session.watch(camera, LiveSettings(samples=4), Display())
             kept.session.refine()
         if number % 250 == 0:
-            fresh = SceneFeed(Session(), final=kept.sync.final)
+            fresh = SceneFeed(Session(witness=False), final=kept.sync.final)
             fresh.session.apply(SceneDelta(changed=(lamp,)))
             fresh.update(bpy.context.evaluated_depsgraph_get())
             a = kept.session.render(camera, settings)

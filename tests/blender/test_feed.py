@@ -33,7 +33,7 @@ def light_key(source):
 def test_additions_survive_edits_copies_and_a_new_engine():
     source = lamp()
     ensure_ids()
-    feed = SceneFeed(Session())
+    feed = SceneFeed(Session(witness=False))
     update(feed)
     key = light_key(source)
     assert key in feed.session.scene.lights
@@ -55,7 +55,7 @@ def test_additions_survive_edits_copies_and_a_new_engine():
     assert other != key
     assert feed.session.scene.lights[other].output == bright
 
-    again = SceneFeed(Session())
+    again = SceneFeed(Session(witness=False))
     update(again)
     assert again.session.scene.lights[key].output == bright
     assert again.session.scene.lights[other].output == bright
@@ -64,7 +64,7 @@ def test_additions_survive_edits_copies_and_a_new_engine():
 
 def test_nothing_is_sent_for_nothing():
     lamp()
-    feed = SceneFeed(Session())
+    feed = SceneFeed(Session(witness=False))
     assert update(feed).stats.sent["light"] == 1
     assert update(feed) is None
     bpy.data.objects["Lamp"].name = "Other"

@@ -709,7 +709,7 @@ def test_the_engine_measures_the_files_candelas(kind, write):
     settings_of(lamp).rotation, settings_of(lamp).dimming = np.deg2rad(30.0), 0.5
     lamp.location, lamp.rotation_euler = (1.0, 2.0, 2.0), (0.0, 0.0, np.deg2rad(60.0))
     bpy.context.view_layer.update()
-    session = Session()
+    session = Session(witness=False)
     session.apply(convert_scene(bpy.context.evaluated_depsgraph_get()).delta)
     # C0 looks along world +y: turned by 30 degrees about the beam and by 60 with the object.
     points = np.array([[1, 3, 0], [0, 2, 0], [1, 1, 0], [2, 2, 0]], float)

@@ -36,7 +36,7 @@ def convert():
 
 
 def read(position, normal=(0, 0, 1), samples=1 << 14):
-    session = Session()
+    session = Session(witness=False)
     session.apply(convert().delta)
     made = session.measure([position], [normal], StopRule(samples=samples))
     return made.illuminance[0], made.standard_error[0]
@@ -95,7 +95,7 @@ def test_scene_units_scale_distances():
 def test_object_scale_enlarges_area_lights():
     light = add_light("AREA", location=(0, 0, 0.5), energy=10.0, size=1.0)
     light.scale = (2.0, 2.0, 2.0)
-    session = Session()
+    session = Session(witness=False)
     session.apply(convert().delta)
     area = next(iter(session.scene.lights.values()))
     assert area.size_x == pytest.approx(2.0)

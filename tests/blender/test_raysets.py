@@ -234,7 +234,7 @@ def test_a_scene_with_a_ray_set_is_baked_and_explained(led):
     lamp = add_lamp(led)
     lamp.location = (0.0, 0.0, 0.005)
     done = convert_scene(bpy.context.evaluated_depsgraph_get())
-    session = Session()
+    session = Session(witness=False)
     session.apply(done.delta)
     made = session.explain()
     choice = made.choices[0]

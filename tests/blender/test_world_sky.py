@@ -33,7 +33,7 @@ def world():
 
 @pytest.fixture(scope="module")
 def session():
-    return Session()
+    return Session(witness=False)
 
 
 def add_sun(name="Sun", rotation=(0.0, 0.0, 0.0), power=1.0):

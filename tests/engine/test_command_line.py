@@ -27,3 +27,12 @@ def test_help_is_printed(words):
 
 def test_commands_are_those_that_are_documented():
     assert {"render", "bake", "measure", "brdf info", "brdf library", "sensitivity"} <= set(PARSERS)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["bake", "f.blend", "-o", "lux"], ["measure", "f.blend", "--sensors", "a.csv", "-o", "b.csv"]],
+)
+def test_the_second_witness_is_heard_unless_it_is_left_out(words):
+    assert build_parser().parse_args(words).witness
+    assert not build_parser().parse_args([*words, "--no-witness"]).witness

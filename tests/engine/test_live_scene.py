@@ -213,7 +213,7 @@ WALLS = (
 @pytest.mark.parametrize("seed", range(4))
 def test_edits_end_at_the_picture_of_a_fresh_start(seed):
     editor = Editor(seed)
-    kept = Session()
+    kept = Session(witness=False)
     kept.apply(editor.delta)
     camera = camera_at(2, 2, 2.8)
     kept.watch(camera, LiveSettings(), Display())
@@ -221,7 +221,7 @@ def test_edits_end_at_the_picture_of_a_fresh_start(seed):
         kept.apply(editor.edit())
         if number % 3 == 0:
             kept.refine()
-    fresh = Session()
+    fresh = Session(witness=False)
     # In another order and under other names: neither may count.
     items = list(editor.items.values())[::-1]
     fresh.apply(SceneDelta(changed=tuple(items)))
@@ -277,7 +277,7 @@ def test_values_of_lights_materials_and_cameras_need_no_new_kernel():
     import drjit as dr
 
     editor = Editor(5)
-    session = Session()
+    session = Session(witness=False)
     session.apply(editor.delta)
     camera = camera_at(2, 2, 2.8)
     session.watch(camera, LiveSettings(), Display())
@@ -319,7 +319,7 @@ def test_values_of_lights_materials_and_cameras_need_no_new_kernel():
 
 def test_only_what_changed_is_built():
     editor = Editor(7)
-    session = Session()
+    session = Session(witness=False)
     session.apply(editor.delta)
     session.watch(camera_at(2, 2, 2.8), LiveSettings(), Display())
     session.refine()

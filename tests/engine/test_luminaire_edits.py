@@ -164,7 +164,7 @@ def test_one_more_of_a_known_kind_meets_known_kernels():
 
 
 def test_luminaires_may_come_and_go():
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(ROOM[:3]))
     assert (readings(session).illuminance == 0.0).all()
     light = first_lights()["a"]

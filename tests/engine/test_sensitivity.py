@@ -43,7 +43,7 @@ def light_box(reflector, diffuser, lamp_place, size=(0.3, 0.2, 0.05)):
         "lamp", "Lamp", Output(Quantity.LUMINOUS_FLUX, 100.0), np.array(lamp_place), 0.004
     )
     size = np.array(size)
-    session = Session()
+    session = Session(witness=False)
     session.apply(
         SceneDelta(
             (
@@ -65,7 +65,7 @@ def test_in_a_closed_matt_box_the_figure_is_that_of_the_furnace_series(rho):
     wall = Material("wall", "Wall", Diffuse(Constant(rho)))
     lamp = PointLight("lamp", "Lamp", Output(Quantity.LUMINOUS_FLUX, 100.0), np.full(3, 0.5), 0.02)
     faces = np.concatenate([BOTTOM_AND_SIDES, TOP[:, ::-1]])
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta((wall, lamp, part("box", faces, wall, np.ones(3)))))
     grid = (np.arange(6) + 0.5) / 6
     u, v = (m.ravel() for m in np.meshgrid(grid, grid))

@@ -31,7 +31,7 @@ def furnished_room(material="paint"):
 
 def bake(items, objects, samples=None, progress=None, density=6.0, **more):
     """Bake in a session of its own; ``more`` as of `StopRule` and `BakeOrder`."""
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(changed=tuple(items)))
     return bake_in(session, objects, samples, progress, density, **more)
 

@@ -41,6 +41,6 @@ def paint(reflectance, name="paint", **more):
 
 def session_of(*items):
     """Session that holds the items."""
-    session = Session()
+    session = Session(witness=False)
     session.apply(SceneDelta(changed=tuple(items)))
     return session

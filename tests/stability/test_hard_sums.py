@@ -99,7 +99,7 @@ def test_samples_far_along_their_sequence_are_as_good_as_the_first():
         job = illuminance._Job(compiled, receivers, GROUPS, 0, None, False)
         for index in (0, 1 << 30, (1 << 32) - batch):
             sums = Accumulator(GROUPS, (1, 1))
-            sums.add(job.launch(0, 1, batch, index), batch)
+            sums.add(job.launch(0, 1, batch, index)[0], batch)
             estimates.append(sums.estimate())
     means = np.array([e.mean.item() for e in estimates])
     errors = np.array([e.standard_error.item() for e in estimates])

@@ -92,7 +92,7 @@ PLACE = np.array([0.4, -0.3, 3.0])
 @pytest.fixture(scope="module")
 def session():
     """Return one session for all files, so that kernels are made once."""
-    return Session()
+    return Session(witness=False)
 
 
 def turned(about_x: float, about_z: float) -> np.ndarray:

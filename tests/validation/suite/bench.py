@@ -74,7 +74,7 @@ class Engine:
     name = "Lumenray"
 
     def __init__(self):
-        self.session = Session()
+        self.session = Session(witness=False)
         self._sent: dict[str, object] = {}
         self.samples = 0
 

@@ -1,0 +1,92 @@
+"""Two witnesses: whether two independent estimates of the same quantities agree, and what is stated where they do not."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .calibration import t_quantile
+
+CHANCE = 6.3e-5
+"""Probability of finding any difference at all that stems from the second's errors: that of four standard errors."""
+
+OWN_ERRORS = 3.0
+"""Standard errors of the first that a difference must exceed: where it states so much, more of it does no harm."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a comparison says.
+
+    Parameters
+    ----------
+    difference : (n,) array    Second estimate less the first.
+    differs : (n,) bool array    Where it is more than chance explains, quantity by quantity.
+    floor : (n,) array    What the error of the first must be at least; 0 where nothing is known against it.
+    rest : float    Difference of the mean of all quantities that do not differ by themselves; 0 where chance explains it.
+    """
+
+    difference: np.ndarray
+    differs: np.ndarray
+    floor: np.ndarray
+    rest: float = 0.0
+
+    @property
+    def agrees(self) -> bool:
+        """Whether nothing differs."""
+        return not self.differs.any() and self.rest == 0.0
+
+
+def batch_error(values: np.ndarray) -> np.ndarray:
+    """Standard error of the mean over independent batches. (b, ...) -> (...)"""
+    count = len(values)
+    return values.std(axis=0, ddof=1) / np.sqrt(count)
+
+
+def compare(first, first_error, second, second_error, freedom, weights, hidden=0.0) -> Verdict:
+    """Compare two estimates of several quantities.
+
+    A difference d counts where d^2 > (3 e_1)^2 + (t e_2)^2, with the errors e_1 of what is stated and e_2 of the witness. t
+    is Student's for the probability `CHANCE`, shared between all quantities and their mean (Bonferroni), for the witness is
+    the less exact one as a rule and must not blame what is right; a first that is uncertain itself is soon made more so.
+
+    Parameters
+    ----------
+    first, first_error : (n,) array    Estimates and standard errors; infinite errors are of what is not known.
+    second, second_error : (n,) array
+    freedom : float    Degrees of freedom of the second's errors.
+    weights : (n,) array    For the mean.
+    hidden : (n,) array or float    What the second may have missed altogether, whatever its error; it makes it smaller only.
+
+    Returns
+    -------
+    Verdict
+    """
+    first, second = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    own, other = np.asarray(first_error, float) ** 2, np.asarray(second_error, float) ** 2
+    weights = np.asarray(weights, dtype=np.float64)
+    difference = second - first
+    hidden = np.broadcast_to(np.asarray(hidden, dtype=np.float64), difference.shape)
+    other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
+    if len(difference) == 0:
+        return Verdict(difference, np.zeros(0, dtype=bool), difference)
+    limit = t_quantile(1.0 - 0.5 * CHANCE / (len(difference) + 1), freedom)
+    known = np.isfinite(own) & np.isfinite(other)
+    differs = known & _exceeds(difference, own, other, limit)
+    floor = np.where(differs, np.abs(difference), 0.0)
+    rest = 0.0
+    others = known & ~differs & (weights > 0.0)
+    if others.any():
+        part = weights[others] / weights[others].sum()
+        mean = float(part @ difference[others])
+        sums = [float(part**2 @ each[others]) for each in (own, other)]
+        # What hides from one may hide from all.
+        sums[1] += float(part @ hidden[others]) ** 2 if mean < 0.0 else 0.0
+        if _exceeds(mean, *sums, limit):
+            rest = mean
+            floor[others] = abs(mean)
+    return Verdict(difference, differs, floor, rest)
+
+
+def _exceeds(difference, own, other, limit: float) -> np.ndarray:
+    """Whether differences are more than errors explain. ``own``, ``other``: variances."""
+    return difference**2 > OWN_ERRORS**2 * own + limit**2 * other

@@ -1,0 +1,123 @@
+"""Sensors before a second witness: what light paths bring to small squares about them, beside gathering on these squares."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..accuracy.estimate import Estimate
+from ..accuracy.stopping import StopRule
+from ..accuracy.witnesses import Verdict, compare
+from ..scene.sensor import SensorKind
+from .illuminance import compute
+from .sheets import Sheets
+from .witness import BATCHES, FEWEST_PATHS, PATHS, Witness
+
+SAMPLES = (1 << 8, 1 << 12)
+"""Fewest and most samples of gathering on each square; half as many as the sensors had in between."""
+
+GROUPS = 16
+"""Independent groups of them."""
+
+
+@dataclass(frozen=True)
+class SensorTestimony:
+    """What the witness says.
+
+    Parameters
+    ----------
+    floors : (n,) array    What the error of each sensor must be at least. [lx]
+    notes : tuple of str    What differs, for people.
+    decision : str    How the two compare on the whole, for people; empty where no sensor could be looked at.
+    balance : dict    Energy of the whole. [lm]
+    """
+
+    floors: np.ndarray
+    notes: tuple[str, ...]
+    decision: str
+    balance: dict
+
+
+def hear_sensors(
+    scene,
+    positions,
+    normals,
+    kind: SensorKind,
+    found: Estimate,
+    seed: int,
+    reflections: int | None = None,
+    cancelled=lambda: False,
+) -> SensorTestimony:
+    """Compare gathering at sensors with light paths.
+
+    Parameters
+    ----------
+    scene : CompiledScene    With all that the measurement used.
+    positions, normals : (n, 3) array    In the world. [m]
+    kind : SensorKind
+    found : Estimate    Of the measurement. (n,) [lx]
+    seed : int
+    reflections : int or None    Most reflections that counted.
+    cancelled : callable    Asked before every launch.
+    """
+    sheets = Sheets(scene, positions, normals, kind)
+    has_some = len(sheets) > 0
+    witness = Witness(scene, seed, set(), sheets if has_some else None, cancelled)
+    # A quick look at a few sensors gets a quick witness.
+    spent = found.samples * len(found.mean)
+    report = witness.run(int(np.clip(spent, FEWEST_PATHS, PATHS)), reflections)
+    floors = np.zeros(len(found.mean))
+    # Where nothing at all was found, that is known as well as the pilot can tell of the whole.
+    nothing = (found.mean == 0.0) & (found.standard_error == 0.0)
+    floors[nothing] = report.heaviest / (np.pi * scene.radius**2)
+    if not has_some:
+        return SensorTestimony(floors, (), "", report.balance())
+    made = compute(
+        scene,
+        sheets.receivers(seed),
+        StopRule(samples=int(np.clip(found.samples // 2, *SAMPLES))),
+        seed,
+        GROUPS,
+        cancelled=cancelled,
+        reflections=reflections,
+    )
+    squares = sheets.squares
+    verdict = compare(
+        made.mean,
+        made.standard_error,
+        report.sheets,
+        report.sheet_errors,
+        BATCHES - 1.0,
+        np.ones(len(squares.sensor)),
+        report.heaviest / squares.area,
+    )
+    lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
+    floors = np.maximum(floors, np.maximum(lacks, abs(verdict.rest)) * sheets.response)
+    decision = (
+        f"{report.paths} light paths from the lights bring {report.sheets.mean():.4g} ± "
+        f"{_mean_error(report.sheet_errors):.2g} lx to {len(squares.sensor)} squares about sensors, gathering "
+        f"{made.mean.mean():.4g} ± {_mean_error(made.standard_error):.2g} lx"
+    )
+    notes = _tell(witness, sheets, verdict, made, report)
+    return SensorTestimony(floors, notes, decision, report.balance())
+
+
+def _mean_error(errors: np.ndarray) -> float:
+    return float(np.sqrt((errors**2).sum()) / len(errors))
+
+
+def _tell(witness, sheets, verdict: Verdict, made: Estimate, report) -> tuple[str, ...]:
+    if verdict.agrees:
+        return ()
+    size = np.abs(verdict.difference)
+    worst = int(np.argmax(size * verdict.differs if verdict.differs.any() else size))
+    more = (verdict.difference[worst] if verdict.differs.any() else verdict.rest) > 0.0
+    cause = witness.explain(sheet=worst).text()
+    sensors = np.unique(sheets.squares.sensor[verdict.differs])
+    who = f"{len(sensors)} of the sensors looked at" if len(sensors) else "the sensors together"
+    first = sheets.squares.sensor[worst] + 1
+    return (
+        f"{who} get {'more' if more else 'less'} light than gathering finds, sensor {first} most of all: "
+        f"{report.sheets[worst]:.4g} ± {report.sheet_errors[worst]:.2g} lx by light paths from the lights, "
+        f"{made.mean[worst]:.4g} ± {made.standard_error[worst]:.2g} lx by gathering about it: {cause} is "
+        f"{'not found in full' if more else 'found too often'}; the stated errors cover the difference",
+    )
