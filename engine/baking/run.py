@@ -6,14 +6,15 @@ filling, seams, smoothing, files.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
 
+from ..accuracy.extremes import Extreme, Halves, find_largest, find_least
 from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
-from ..accuracy.stopping import Progress, StopRule
+from ..accuracy.stopping import Progress, StopRule, format_seconds
 from ..atlas.detail import halve_even_charts
 from ..atlas.finder import LumelFinder
 from ..atlas.lay_out import arrange, find_all_charts
@@ -21,7 +22,7 @@ from ..atlas.layout import Atlas, Charts
 from ..atlas.lumels import LumelTable
 from ..atlas.smoothing import smooth_maps
 from ..atlas.texture_density import texture_density
-from ..errors import Cancelled, SceneError
+from ..errors import Cancelled, FileFormatError, SceneError
 from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -31,7 +32,7 @@ from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
 from ..transport.tiles import tile_numbers
 from .files import scale_top, write_page, write_report
-from .layer import CHUNK, Layer, LayerState
+from .layer import CHUNK, SHORT, Ending, Layer, LayerState
 from .light_layers import split_lights
 from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
 from .pages import Estimates, lay_out_page, match_pages
@@ -63,8 +64,27 @@ TILE_FREEDOM = 12.0
 COARSE_ERROR, MOST_FINE = 0.02, 4.0
 """Relative error from which there are more cells in proportion, and how many times more. [-]"""
 
-WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion")
-"""Fields of an order that change nothing about the numbers."""
+WITHOUT = (
+    "folder",
+    "keep_pages",
+    "checkpoint",
+    "file",
+    "scene",
+    "conversion",
+    "smooth",
+    "rule",
+)
+"""Fields of an order with which a bake may go on that was begun with others."""
+
+SETTINGS = {
+    "density": "lumels per metre", "densities": "lumels per metre of single objects", "from_textures": "as fine as textures",
+    "largest": "page size", "pages": "most pages", "cone": "cone angle", "detail": "detail threshold",
+    "two_sided": "both sides", "groups": "layers",
+}  # fmt: skip
+"""What people call the fields whose names do not say it."""
+
+MOST_TOLD = 5_000
+"""Objects up to which a checkpoint knows them one by one, to tell what of the scene has changed."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +98,7 @@ class Host:
     compiled : callable    ``compiled(scene, like)`` compiles another scene for the same variant.
     cancelled : callable    Whether to end; lets others work for a moment.
     provenance : callable    ``provenance(compiled, seed, samples, start)``.
+    stopped : callable    Whether to end with what there is.
     """
 
     scene: Scene
@@ -85,6 +106,7 @@ class Host:
     compiled: Callable
     cancelled: Callable
     provenance: Callable
+    stopped: Callable = lambda: False
 
 
 @dataclass
@@ -118,6 +140,8 @@ class Bake:
     _decisions: list[str] = field(default_factory=list)
     _found: set[str] = field(default_factory=set)
     _start: float = field(default_factory=time.perf_counter)
+    _saver: "_Saver | None" = None
+    _stopped: list[str] = field(default_factory=list)
 
     def run(self) -> BakeResult:
         """Bake.
@@ -126,9 +150,11 @@ class Bake:
         ------
         SceneError    Nothing of the order can be baked, or it makes no sense.
         Cancelled    The host said so; a checkpoint stays.
+        FileFormatError    The order's checkpoint belongs to another bake; the text says what differs.
         """
         order = self.order
         _check(order)
+        self._saver = _Saver(order, self.host.scene)
         items = self._find_items()
         charts = self._find_charts(items)
         atlas = self._arrange(items, charts)
@@ -242,11 +268,13 @@ class Bake:
     def _shrink_even(self, items, charts, atlas: Atlas, table, compiled) -> Atlas:
         """Lay out anew with fewer lumels on charts that turn out even in a first pass."""
         order = self.order
-        job = self._job(compiled, table, items, atlas)
-        rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
+        ending = Ending(self.host.cancelled)
+        job = self._job(compiled, table, items, atlas, ending)
+        # Whatever the rule: a bake that goes on with another one has to find the same layout.
+        rule = StopRule(samples=FIRST_PASS_SAMPLES)
         owners = _owners(table)
         try:
-            state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
+            state = Layer(job, rule, owners, self._report, lambda _: None, len(items), ending).run()
         finally:
             job.close()
         made = _estimates([("", state)], order, table)
@@ -278,7 +306,7 @@ class Bake:
             )
         return True, "the radiance beyond the first bounce is read from cells; the bias is measured"
 
-    def _job(self, compiled, table, items, atlas, layer: int = 0) -> LuxJob:
+    def _job(self, compiled, table, items, atlas, ending: Ending, layer: int = 0) -> LuxJob:
         options = self.options
         if options is None:
             count = sum(table.counts)
@@ -288,7 +316,7 @@ class Bake:
                 cells=cells,
                 exitance=self.order.exitance,
                 adaptive=count <= MOST_ADAPTIVE,
-                fineness=_fineness(self.order.rule),
+                fineness=self._saver.fineness,
             )
         tracer = finder = None
         if self.order.caustics != "off":
@@ -317,7 +345,7 @@ class Bake:
         # Errors of layers add up as those of independent estimates.
         seed = self.order.seed + LAYER_SEEDS * layer
         try:
-            return LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, finder)
+            return LuxJob(compiled, table, seed, options, ending, tracer, finder)
         except BaseException:
             # What is traced of ray sets is missing from next-event until then.
             if tracer is not None:
@@ -335,23 +363,30 @@ class Bake:
         rule = order.rule
         if rule.seconds is not None:
             rule = replace(rule, seconds=rule.seconds / len(scenes))
-        saver = _Saver(order, self.host.scene.hash(), [name for name, _ in scenes], rule)
+        saver = self._saver
+        saver.read_states(rule, len(scenes), sum(table.counts))
         owners = _owners(table)
         for number, (name, scene) in enumerate(scenes):
             if saver.is_finished(number):
                 continue
+            is_late = self.host.stopped() and saver.state(number) is None
+            if is_late:
+                # The whole needs every layer; one for which there is no time left gets a few samples.
+                rule = StopRule(samples=SHORT)
+            ending = Ending(self.host.cancelled, _never if is_late else self.host.stopped)
             own = compiled if scene is None else self.host.compiled(scene, compiled)
 
             def report(state: Progress, number=number, name=name) -> None:
                 self._report(_part_of(state, number, len(scenes), name))
 
             layer = Layer(
-                self._job(own, table, items, atlas, number),
+                self._job(own, table, items, atlas, ending, number),
                 rule,
                 owners,
                 report,
-                saver.saving(number),
+                (lambda _: None) if is_late else saver.saving(number),
                 len(items),
+                ending,
                 self._start if number == 0 else time.perf_counter(),
             )
             try:
@@ -361,7 +396,11 @@ class Bake:
                 raise
             finally:
                 layer.job.close()
-            saver.finish(number, state)
+            saver.finish(number, state, is_late)
+            if is_late or not state.is_done:
+                self._stopped.append(name)
+        if self._stopped:
+            saver.write()
         return [(name, saver.state(number)) for number, (name, _) in enumerate(scenes)]
 
     # ---- after the passes ----
@@ -387,6 +426,9 @@ class Bake:
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
             mean = float((light * kept).sum() / max(kept.sum(), 1e-300))
             spread = _mean_error(states, number, rows, kept)
+            least, largest = _extremes(
+                estimates, states, rows, spread / mean if mean > 0.0 else 0.0
+            )
             shifts = [_bias(state.bias_sums[:, number]) for state in states]
             shift = sum(value for value, _ in shifts)
             shift_error = float(np.sqrt(sum(each**2 for _, each in shifts)))
@@ -398,8 +440,8 @@ class Bake:
                     lumels=len(good),
                     charts=len(np.unique(layout.chart[layout.chart >= 0])),
                     mean=mean,
-                    minimum=float(light.min(initial=np.inf)) if len(light) else 0.0,
-                    maximum=float(light.max(initial=0.0)),
+                    least=least,
+                    largest=largest,
                     relative_standard_error=relative_error(light, error, kept),
                     mean_standard_error=spread,
                     bias=shift,
@@ -471,34 +513,81 @@ class Bake:
             mean=mean,
             shrink=atlas.shrink,
             seams=seams,
+            shortfall=_shortfall(order.rule, mean, error) if self._stopped else "",
         )
         if order.folder is not None:
             conversion = [*order.conversion, *(_report_row(each) for each in self.departures)]
             files = write_report(Path(order.folder), order, result, conversion)
             result = replace(result, files=(*result.files, *(str(file) for file in files)))
-        if order.checkpoint is not None:
+        if order.checkpoint is not None and not self._stopped:
             Path(order.checkpoint).unlink(missing_ok=True)
         return result
 
 
 class _Saver:
-    """Keeps the states of layers, and writes them from time to time."""
+    """Keeps the states of layers, and writes them from time to time.
 
-    def __init__(self, order: BakeOrder, scene_hash: str, names: list[str], rule):
+    ``fineness``: factor on the number of cells, which a bake that goes on keeps, whatever its rule says now. [-]
+    """
+
+    def __init__(self, order: BakeOrder, scene: Scene):
         self._path = None if order.checkpoint is None else Path(order.checkpoint)
-        self._facts = {"scene": scene_hash, "order": digest(order, WITHOUT), "layers": names}
+        settings = {
+            entry.name: digest(getattr(order, entry.name))
+            for entry in fields(order)
+            if entry.name not in WITHOUT
+        }
+        self._facts = {
+            "scene": scene.hash(),
+            "order": digest(settings),
+            "settings": {SETTINGS.get(name, name): value for name, value in settings.items()},
+            "items": scene.digests() if len(scene.meshes) <= MOST_TOLD else {},
+            "rule": digest(order.rule),
+            "fineness": _fineness(order.rule),
+        }
         self._states: dict[int, LayerState] = {}
         self._finished: set[int] = set()
+        self._late: set[int] = set()
         self._written = time.perf_counter()
+        self._arrays: dict[str, np.ndarray] = {}
+        self._has_same_rule = True
         if self._path is not None and self._path.exists():
-            arrays, _ = read_checkpoint(self._path, scene_hash, self._facts["order"])
-            for number in range(len(names)):
-                head = f"{number}."
-                own = {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
-                if own:
-                    self._states[number] = LayerState.from_arrays(rule, own)
-                    if self._states[number].is_done:
-                        self._finished.add(number)
+            self._arrays, known = read_checkpoint(
+                self._path, self._facts["scene"], self._facts["order"], self._facts
+            )
+            self._has_same_rule = known.get("rule") == self._facts["rule"]
+            if 1.0 <= float(known.get("fineness", 0.0)) <= MOST_FINE:
+                self._facts["fineness"] = float(known["fineness"])
+
+    @property
+    def fineness(self) -> float:
+        """Factor on the number of cells. [-]"""
+        return self._facts["fineness"]
+
+    def read_states(self, rule: StopRule, layers: int, count: int) -> None:
+        """Take over the states of the layers that the file holds.
+
+        Raises
+        ------
+        FileFormatError    They are of maps with another number of lumels.
+        """
+        for number in range(layers):
+            head = f"{number}."
+            own = {key[len(head) :]: v for key, v in self._arrays.items() if key.startswith(head)}
+            if not own:
+                continue
+            state = LayerState.from_arrays(rule, own)
+            if state.sums.count != count:
+                raise FileFormatError(
+                    self._path,
+                    f"the checkpoint is of {state.sums.count} lumels, the bake has {count}: delete it and start anew",
+                )
+            if not self._has_same_rule:
+                state.review()
+            self._states[number] = state
+            if state.is_done:
+                self._finished.add(number)
+        self._arrays = {}
 
     def state(self, number: int) -> LayerState | None:
         """State of a layer, None when it has not begun."""
@@ -518,9 +607,11 @@ class _Saver:
 
         return save
 
-    def finish(self, number: int, state: LayerState) -> None:
-        """Take note of a layer that has met its rule."""
+    def finish(self, number: int, state: LayerState, is_late: bool) -> None:
+        """Take note of a layer that has come to its end; one that came too late is not worth going on from."""
         self._states[number] = state
+        if is_late:
+            self._late.add(number)
         self._finished.add(number)
 
     def write(self) -> None:
@@ -530,10 +621,15 @@ class _Saver:
         arrays = {
             f"{number}.{name}": value
             for number, state in self._states.items()
+            if number not in self._late
             for name, value in state.arrays().items()
         }
         write_checkpoint(self._path, arrays, self._facts)
         self._written = time.perf_counter()
+
+
+def _never() -> bool:
+    return False
 
 
 def _check(order: BakeOrder) -> None:
@@ -549,6 +645,21 @@ def _check(order: BakeOrder) -> None:
         raise SceneError(
             "pages need a side of 16 lumels at least, and margin and number of pages must not be negative"
         )
+
+
+def _shortfall(rule: StopRule, mean: float, error: float) -> str:
+    """Say what a bake that was stopped has, and what it should have. ``mean``, ``error`` [lx]"""
+    wanted = []
+    if rule.error is not None:
+        wanted.append(f"{100.0 * rule.error:.2g} %")
+    if rule.absolute is not None:
+        wanted.append(f"{rule.absolute:.3g} lx")
+    if rule.samples is not None:
+        wanted.append(f"{rule.samples} samples")
+    if rule.seconds is not None:
+        wanted.append(format_seconds(rule.seconds))
+    share = f"{100.0 * error / mean:.2g} % ({error:.3g} lx)" if mean > 0.0 else f"{error:.3g} lx"
+    return f"stopped at an error of {share}; asked for: {' or '.join(wanted)}"
 
 
 def _fineness(rule: StopRule) -> float:
@@ -630,6 +741,24 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
         shared = min(SHARED * state.sharing, len(means))
         square += own + max(whole - own, 0.0) * shared
     return float(np.sqrt(square))
+
+
+def _extremes(
+    estimates: Estimates, states: list[LayerState], rows: np.ndarray, common: float
+) -> tuple[Extreme, Extreme]:
+    """Least and largest illuminance of an object. ``common``: relative standard error of its mean. [lx]"""
+    if not len(rows):
+        return Extreme(0.0, 0.0, 0.0), Extreme(0.0, 0.0, 0.0)
+    sums = [state.sums for state in states]
+    halves = Halves(
+        estimates.illuminance[rows],
+        estimates.standard_error[rows],
+        sum(each.even(rows) for each in sums),
+        sum(each.odd(rows) for each in sums),
+        np.mean([each.even_share(rows) for each in sums], axis=0),
+        estimates.freedom,
+    )
+    return find_least(halves, common), find_largest(halves, common)
 
 
 def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:
