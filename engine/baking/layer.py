@@ -196,7 +196,8 @@ class Layer:
             self.job.restore(state.cells)
             self._lengthen(state)
         while not state.is_done:
-            self.ending.has_result = state.sums.passes >= FEWEST_PASSES
+            # Noise of the cells shows from sweep to sweep only.
+            self.ending.has_result = state.sums.passes >= FEWEST_PASSES * state.sharing
             if self.ending.is_stopped:
                 break
             try:

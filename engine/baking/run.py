@@ -738,7 +738,7 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
         whole = float((weights**2 * (means - centre) ** 2).sum() / rest)
         variance = state.sums.variance(rows)
         own = float((np.where(np.isfinite(variance), variance, 0.0) * area**2).sum()) / total**2
-        shared = min(SHARED * state.sharing, len(means))
+        shared = SHARED * state.sharing
         square += own + max(whole - own, 0.0) * shared
     return float(np.sqrt(square))
 

@@ -202,7 +202,7 @@ def test_an_interrupted_bake_goes_on_with_another_end(tmp_path, before, after):
 
 def test_a_rule_that_is_stricter_by_far_takes_longer_passes(tmp_path):
     path = tmp_path / "state"
-    interrupted(path, error=0.2)
+    interrupted(path, samples=32)
     result = bake(GREY, OBJECTS, error=0.01, checkpoint=str(path))
     assert result.relative_standard_error <= 0.01
     # At the length that was planned it would have been hundreds.
@@ -222,22 +222,22 @@ def test_a_bake_that_is_stopped_keeps_what_it_has_and_goes_on_later(tmp_path, gr
         if progress.samples:
             stopped.session.stop()
 
-    more = {"error": 0.004, "groups": groups, "checkpoint": str(path)}
+    more = {"error": 0.01, "groups": groups, "checkpoint": str(path)}
     made = bake_in(stopped.session, OBJECTS, None, stop, **more)
-    assert 0.004 < made.relative_standard_error < 1.0
-    assert "asked for: 0.4 %" in made.shortfall
+    assert 0.01 < made.relative_standard_error < 1.0
+    assert "asked for: 1 %" in made.shortfall
     assert f"{100.0 * made.relative_standard_error:.2g} %" in made.shortfall
     if groups:
         assert {"sky"} < set(made.pages[0].layers)
-    # The stated error holds: the truth is that of the whole bake.
-    whole = bake_in(Stopper(items).session, OBJECTS, None, None, error=0.01, seed=5, groups=groups)
-    for early, late in zip(made.maps, whole.maps, strict=True):
-        error = np.hypot(early.mean_standard_error, late.mean_standard_error)
-        assert abs(early.mean - late.mean) < 4.0 * error + 3.0 * early.bias_error
+    # The walls of a room absorb what the lamp gives, but for lumels that lie half under the block, and light by its slits.
+    assert sum(each.mean * each.area for each in made.maps) == pytest.approx(1000.0 / 0.5, rel=0.03)
     assert path.exists()
-    again = bake_in(Stopper(items).session, OBJECTS, None, None, **(more | {"error": 0.02}))
-    assert again.relative_standard_error <= 0.02
+    again = bake_in(Stopper(items).session, OBJECTS, None, None, **(more | {"error": 0.03}))
+    assert again.relative_standard_error <= 0.03
     assert again.shortfall == ""
+    # The stated errors of what was kept hold, by what it became.
+    for early, late in zip(made.maps, again.maps, strict=True):
+        assert abs(early.mean - late.mean) < 4.0 * early.mean_standard_error
     assert not path.exists()
 
 
@@ -350,7 +350,7 @@ def test_light_through_a_slab_is_baked_where_it_lands():
     assert np.sqrt(np.mean(z**2)) < 1.4
     assert made.maps[0].mean == pytest.approx(expected.mean(), rel=0.01)
     # Nothing else finds an ideal point through glass.
-    assert dark.maps[0].maximum == 0.0
+    assert dark.maps[0].largest.high == 0.0
 
 
 def test_light_of_a_plane_mirror_counts_once_beside_traced_light():

@@ -148,9 +148,9 @@ def test_extremes_of_a_quick_bake_agree_with_those_of_a_long_one():
     room, block = furnished_room()
     items = (room, moved(block, "block", (0.0, 0.0, 0.4)), paint(0.5), lamp((0.6, 0.7, 1.5)))
     objects = ("room", "block")
-    long = bake(items, objects, error=0.003, seed=99).maps
+    long = bake(items, objects, error=0.005, seed=99).maps
     held = []
-    for seed in range(6):
+    for seed in range(5):
         made = bake(items, objects, error=0.06, seed=seed).maps
         for quick, true in zip(made, long, strict=True):
             for name in ("least", "largest", "uniformity"):
