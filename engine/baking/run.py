@@ -6,7 +6,7 @@ filling, seams, smoothing, files.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +22,7 @@ from ..atlas.layout import Atlas, Charts
 from ..atlas.lumels import LumelTable
 from ..atlas.smoothing import smooth_maps
 from ..atlas.texture_density import texture_density
-from ..errors import Cancelled, FileFormatError, SceneError
-from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
+from ..errors import Cancelled, SceneError
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..transport.bands import TOLERANCE as BAND_TOLERANCE
@@ -36,9 +35,7 @@ from .layer import CHUNK, SHORT, Ending, Layer, LayerState
 from .light_layers import split_lights
 from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
 from .pages import Estimates, lay_out_page, match_pages
-
-SAVE_INTERVAL = 20.0
-"""Shortest time between two states that are written. [s]"""
+from .saver import Saver
 
 METHODS = ("auto", "cells", "paths")
 SWITCH = ("auto", "on", "off")
@@ -60,31 +57,6 @@ SHARED = 4.0
 
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
-
-COARSE_ERROR, MOST_FINE = 0.02, 4.0
-"""Relative error from which there are more cells in proportion, and how many times more. [-]"""
-
-WITHOUT = (
-    "folder",
-    "keep_pages",
-    "checkpoint",
-    "file",
-    "scene",
-    "conversion",
-    "smooth",
-    "rule",
-)
-"""Fields of an order with which a bake may go on that was begun with others."""
-
-SETTINGS = {
-    "density": "lumels per metre", "densities": "lumels per metre of single objects", "from_textures": "as fine as textures",
-    "largest": "page size", "pages": "most pages", "cone": "cone angle", "detail": "detail threshold",
-    "two_sided": "both sides", "groups": "layers",
-}  # fmt: skip
-"""What people call the fields whose names do not say it."""
-
-MOST_TOLD = 5_000
-"""Objects up to which a checkpoint knows them one by one, to tell what of the scene has changed."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +112,7 @@ class Bake:
     _decisions: list[str] = field(default_factory=list)
     _found: set[str] = field(default_factory=set)
     _start: float = field(default_factory=time.perf_counter)
-    _saver: "_Saver | None" = None
+    _saver: Saver | None = None
     _stopped: list[str] = field(default_factory=list)
 
     def run(self) -> BakeResult:
@@ -154,7 +126,7 @@ class Bake:
         """
         order = self.order
         _check(order)
-        self._saver = _Saver(order, self.host.scene)
+        self._saver = Saver(order, self.host.scene)
         items = self._find_items()
         charts = self._find_charts(items)
         atlas = self._arrange(items, charts)
@@ -524,110 +496,6 @@ class Bake:
         return result
 
 
-class _Saver:
-    """Keeps the states of layers, and writes them from time to time.
-
-    ``fineness``: factor on the number of cells, which a bake that goes on keeps, whatever its rule says now. [-]
-    """
-
-    def __init__(self, order: BakeOrder, scene: Scene):
-        self._path = None if order.checkpoint is None else Path(order.checkpoint)
-        settings = {
-            entry.name: digest(getattr(order, entry.name))
-            for entry in fields(order)
-            if entry.name not in WITHOUT
-        }
-        self._facts = {
-            "scene": scene.hash(),
-            "order": digest(settings),
-            "settings": {SETTINGS.get(name, name): value for name, value in settings.items()},
-            "items": scene.digests() if len(scene.meshes) <= MOST_TOLD else {},
-            "rule": digest(order.rule),
-            "fineness": _fineness(order.rule),
-        }
-        self._states: dict[int, LayerState] = {}
-        self._finished: set[int] = set()
-        self._late: set[int] = set()
-        self._written = time.perf_counter()
-        self._arrays: dict[str, np.ndarray] = {}
-        self._has_same_rule = True
-        if self._path is not None and self._path.exists():
-            self._arrays, known = read_checkpoint(
-                self._path, self._facts["scene"], self._facts["order"], self._facts
-            )
-            self._has_same_rule = known.get("rule") == self._facts["rule"]
-            if 1.0 <= float(known.get("fineness", 0.0)) <= MOST_FINE:
-                self._facts["fineness"] = float(known["fineness"])
-
-    @property
-    def fineness(self) -> float:
-        """Factor on the number of cells. [-]"""
-        return self._facts["fineness"]
-
-    def read_states(self, rule: StopRule, layers: int, count: int) -> None:
-        """Take over the states of the layers that the file holds.
-
-        Raises
-        ------
-        FileFormatError    They are of maps with another number of lumels.
-        """
-        for number in range(layers):
-            head = f"{number}."
-            own = {key[len(head) :]: v for key, v in self._arrays.items() if key.startswith(head)}
-            if not own:
-                continue
-            state = LayerState.from_arrays(rule, own)
-            if state.sums.count != count:
-                raise FileFormatError(
-                    self._path,
-                    f"the checkpoint is of {state.sums.count} lumels, the bake has {count}: delete it and start anew",
-                )
-            if not self._has_same_rule:
-                state.review()
-            self._states[number] = state
-            if state.is_done:
-                self._finished.add(number)
-        self._arrays = {}
-
-    def state(self, number: int) -> LayerState | None:
-        """State of a layer, None when it has not begun."""
-        return self._states.get(number)
-
-    def is_finished(self, number: int) -> bool:
-        """Whether a layer has met its rule."""
-        return number in self._finished
-
-    def saving(self, number: int):
-        """Return a function that takes note of a layer's state."""
-
-        def save(state: LayerState) -> None:
-            self._states[number] = state
-            if time.perf_counter() - self._written > SAVE_INTERVAL:
-                self.write()
-
-        return save
-
-    def finish(self, number: int, state: LayerState, is_late: bool) -> None:
-        """Take note of a layer that has come to its end; one that came too late is not worth going on from."""
-        self._states[number] = state
-        if is_late:
-            self._late.add(number)
-        self._finished.add(number)
-
-    def write(self) -> None:
-        """Write what is known, if the order names a file."""
-        if self._path is None or not self._states:
-            return
-        arrays = {
-            f"{number}.{name}": value
-            for number, state in self._states.items()
-            if number not in self._late
-            for name, value in state.arrays().items()
-        }
-        write_checkpoint(self._path, arrays, self._facts)
-        self._written = time.perf_counter()
-
-
 def _never() -> bool:
     return False
 
@@ -660,11 +528,6 @@ def _shortfall(rule: StopRule, mean: float, error: float) -> str:
         wanted.append(format_seconds(rule.seconds))
     share = f"{100.0 * error / mean:.2g} % ({error:.3g} lx)" if mean > 0.0 else f"{error:.3g} lx"
     return f"stopped at an error of {share}; asked for: {' or '.join(wanted)}"
-
-
-def _fineness(rule: StopRule) -> float:
-    """Factor on the number of cells: the smaller the error that is asked for, the less the cells may add to it. [-]"""
-    return 1.0 if rule.error is None else float(np.clip(COARSE_ERROR / rule.error, 1.0, MOST_FINE))
 
 
 def _owners(table: LumelTable) -> np.ndarray:
