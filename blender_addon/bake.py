@@ -4,7 +4,7 @@ Three steps: `prepare` reads Blender's data (main thread), `BakeJob.run` lets th
 no bpy), `store` puts UV maps and images into the file (main thread).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
@@ -15,16 +15,14 @@ from ..engine.analysis.false_colour import nice_maximum
 from ..engine.baking.order import BakeOrder, BakeResult, LuxMap
 from ..engine.errors import Cancelled, LumenrayError, SceneError
 from ..engine.scene.scene import Scene
-from . import baked_images, baked_layout, baked_look
+from . import bake_folders, baked_images, baked_layout, baked_look, baked_results
+from .bake_folders import checkpoint_path
 from .light_groups import find_groups
 from .properties import white_luminance
 from .report import ConversionReport
 from .sync.meshes import MESH_TYPES
 from .sync.scene import convert_scene
 from .sync.step import PART_BYTES, split
-
-CHECKPOINT = "bake.checkpoint"
-"""Name of the file, in the bake's folder, that an interrupted bake goes on from."""
 
 GLTF = "baked.glb"
 """Name of the glTF file, where no other is asked for."""
@@ -43,6 +41,7 @@ class BakeSettings:
     densities : dict of str to float    Lumels per metre by object name, where it is not ``density``.
     two_sided : tuple of str    Names of the objects whose back sides are wanted.
     layers : str    ``none``, ``groups`` or ``each``.
+    overwrite : bool    Whether results of other bakes in the folder may be replaced; else a folder beside it is taken.
     checkpoint : bool    Whether the state is kept in the folder.
     resume : bool    Whether an interrupted bake there goes on; else it is forgotten.
     gltf : Path or None    Where the objects are written with their light.
@@ -68,6 +67,7 @@ class BakeSettings:
     smooth: bool = False
     method: str = "auto"
     caustics: str = "auto"
+    overwrite: bool = False
     checkpoint: bool = False
     resume: bool = False
     gltf: Path | None = None
@@ -79,7 +79,10 @@ class BakeSettings:
 
 @dataclass
 class BakeJob:
-    """A bake that is ready to run; owns copies of all it needs. ``names`` of objects by their engine ids."""
+    """A bake that is ready to run; owns copies of all it needs.
+
+    ``names`` of objects by their engine ids; ``watch`` knows what has changed in Blender since.
+    """
 
     parts: list
     names: dict[str, str]
@@ -88,8 +91,10 @@ class BakeJob:
     order: BakeOrder
     result: BakeResult | None = None
     files: list[Path] = field(default_factory=list)
+    watch: baked_results.Watch | None = None
     _session: object = None
     _cancelled: bool = False
+    _stopped: bool = False
 
     @property
     def maps(self) -> tuple[LuxMap, ...]:
@@ -101,6 +106,12 @@ class BakeJob:
         self._cancelled = True
         if self._session is not None:
             self._session.cancel()
+
+    def stop(self) -> None:
+        """Ask the job to end as soon as what it has can be kept."""
+        self._stopped = True
+        if self._session is not None:
+            self._session.stop()
 
     def run(self, session, progress=None) -> BakeResult:
         """Send the scene, unwrap, compute, write the files.
@@ -121,11 +132,20 @@ class BakeJob:
             session.apply(part)
             if scene is not None:
                 scene.apply(part)
-            if self._cancelled:
+            if self._cancelled or self._stopped:
+                # There is nothing yet that could be kept.
                 raise Cancelled("cancelled")
         # The engine holds the scene now.
         self.parts = []
-        result = session.bake_objects(self.order, progress)
+
+        def report(state):
+            if self._stopped:
+                # The word may have come before the bake could hear it.
+                session.stop()
+            if progress is not None:
+                progress(state)
+
+        result = session.bake_objects(self.order, report)
         for departure in result.departures:
             note = self.report.error if departure.is_error else self.report.warn
             where = self.names.get(departure.name, departure.name)
@@ -142,6 +162,7 @@ class BakeJob:
             path.unlink(missing_ok=True)
         elif not path.is_file():
             raise SceneError(f"{self.settings.folder} holds no interrupted bake that could go on")
+        bake_folders.claim(self.settings.folder, self.order)
 
     def _write_gltf(self, scene: Scene, result: BakeResult) -> list[Path]:
         from ..engine.formats.gltf import GltfLimits, write_gltf
@@ -157,11 +178,6 @@ class BakeJob:
             # The maps are worth hours; they do not go with a file that comes on top.
             self.report.error(self.settings.gltf.name, str(error), "the glTF file is not written")
             return []
-
-
-def checkpoint_path(folder) -> Path:
-    """Return where an interrupted bake of a folder has its state."""
-    return Path(folder) / CHECKPOINT
 
 
 def gltf_path(wanted) -> Path:
@@ -180,15 +196,6 @@ def gltf_path(wanted) -> Path:
 def bakeable(objects) -> list:
     """Objects of these that have a surface."""
     return [source for source in objects if source.type in MESH_TYPES]
-
-
-def folder_of(settings, wanted: str = "") -> Path:
-    """Return the folder of a scene's bakes, or the one that is wanted instead."""
-    folder = bpy.path.abspath(wanted or settings.bake_folder)
-    if folder.startswith("//"):
-        # An unsaved file has no place of its own.
-        folder = str(Path(bpy.app.tempdir) / folder[2:])
-    return Path(folder)
 
 
 def rule_of(settings) -> StopRule:
@@ -227,6 +234,7 @@ def read_settings(settings, objects, rule: StopRule, folder: Path) -> BakeSettin
         smooth=settings.bake_smooth,
         method=settings.bake_method.lower(),
         caustics=settings.bake_caustics.lower(),
+        overwrite=settings.bake_overwrite,
         checkpoint=settings.bake_checkpoint,
         gltf=folder / GLTF if settings.bake_gltf else None,
         gltf_textures=settings.bake_gltf_textures,
@@ -279,17 +287,34 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
         witness=settings.witness,
         seed=settings.seed,
         transport=settings.transport,
-        folder=str(settings.folder),
-        checkpoint=(
-            str(checkpoint_path(settings.folder))
-            if settings.checkpoint or settings.resume
-            else None
-        ),
         file=Path(bpy.data.filepath).name if bpy.data.filepath else "(not saved)",
+        scene=depsgraph.scene.name,
         conversion=tuple(converted.report.to_dicts()),
+    )
+    settings = _settle(settings, order)
+    keeps_state = settings.checkpoint or settings.resume
+    order = replace(
+        order,
+        folder=str(settings.folder),
+        checkpoint=str(checkpoint_path(settings.folder)) if keeps_state else None,
     )
     parts = list(split(converted.delta, PART_BYTES))
     return BakeJob(parts, found, settings, converted.report, order)
+
+
+def _settle(settings: BakeSettings, order: BakeOrder) -> BakeSettings:
+    """Choose the folder: that of the interrupted bake, or one in which nothing else is lost."""
+    wanted = settings.folder
+    if settings.resume:
+        folder = bake_folders.find_interrupted(wanted, settings.overwrite) or wanted
+    elif settings.overwrite:
+        folder = wanted
+    else:
+        folder = bake_folders.find_free(wanted, order)
+    gltf = settings.gltf
+    if gltf is not None and gltf.parent == wanted:
+        gltf = folder / gltf.name
+    return replace(settings, folder=folder, gltf=gltf)
 
 
 def store(job: BakeJob, scene) -> list[str]:
@@ -297,6 +322,14 @@ def store(job: BakeJob, scene) -> list[str]:
 
     Baked light that is shown stays shown, with the new atlas.
     """
+    with baked_results.unchanged(scene):
+        images = _store(job, scene)
+    changed = () if job.watch is None else job.watch.end()
+    baked_results.store_results(scene, job.result, job.settings.folder, changed)
+    return [image.name for image in images]
+
+
+def _store(job: BakeJob, scene) -> list:
     was_shown = scene.lumenray.is_baked_shown
     baked_look.hide()
     result = job.result
@@ -313,7 +346,7 @@ def store(job: BakeJob, scene) -> list[str]:
     settings.baked_high = _scale_top(result)
     if was_shown:
         baked_look.show(scene)
-    return [image.name for image in images]
+    return images
 
 
 def _scale_top(result: BakeResult) -> float:

@@ -6,11 +6,12 @@ import numpy as np
 
 from ..engine.baking.order import BakeResult, Layout
 from .report import ConversionReport
+from .sync.meshes import BAKED_MAP
 
-UV_MAP = "Lumenray"
+UV_MAP = BAKED_MAP
 """Name of the UV map that the atlas lies on."""
 
-BACK = "Lumenray Back"
+BACK = f"{BAKED_MAP} Back"
 """That of the back sides."""
 
 MOST_MAPS = 8

@@ -13,8 +13,9 @@ from ..engine.analysis.false_colour import STOPS, colours
 from ..engine.photometry import units
 from ..engine.photometry.colour import REC709_LUMINANCE
 from . import baked_images
+from .sync.meshes import BAKED_TREE
 
-MARK = "lumenray_baked"
+MARK = BAKED_TREE
 """Custom property of all that the baked look adds to materials and node groups."""
 
 PLACE = "lumenray_place"

@@ -322,7 +322,9 @@ def _add_bake(commands) -> None:
         help="standard error in lx; the first end that is met counts",
     )
     bake.add_argument(
-        "--resume", action="store_true", help="go on with the interrupted bake in DIR"
+        "--resume",
+        action="store_true",
+        help="go on with the unfinished bake in DIR; error, time and samples may be others",
     )
     bake.add_argument(
         "--gltf",
@@ -647,6 +649,12 @@ def _bake(options) -> int:
     print(f"written to {options.output}")
     if options.gltf in job.files:
         print(f"written to {options.gltf}")
+    if job.result.shortfall:
+        print(
+            f"lumenray: the bake was {job.result.shortfall}; --resume goes on with it",
+            file=sys.stderr,
+        )
+        return 1
     error = job.result.relative_standard_error
     shortfall = job.order.rule.shortfall(error, error * job.result.mean)
     return assumptions.exit_code(job.report, options.accept_missing, shortfall)
@@ -656,8 +664,10 @@ def _bake_open(options, depsgraph):
     """Bake objects of the open file. Returns the finished job."""
     from dataclasses import replace
 
+    from ..engine.errors import Cancelled
     from ..engine.session import Session
-    from . import bake
+    from . import bake, bake_folders
+    from .interruption import Interruption
 
     settings = depsgraph.scene.lumenray
     objects = _chosen(options, depsgraph.scene)
@@ -683,13 +693,22 @@ def _bake_open(options, depsgraph):
         made,
         **{name: value for name, value in stated.items() if value is not None},
         resume=options.resume,
+        # The folder was named.
+        overwrite=True,
         gltf=made.gltf if options.gltf is None else bake.gltf_path(options.gltf),
     )
     job = bake.prepare(depsgraph, objects, made)
     assumptions.refuse_missing(job.report, options.accept_missing)
     bar = _Bar("bake")
-    job.run(Session(), bar)
-    bar.close()
+    try:
+        with Interruption(job):
+            job.run(Session(), bar)
+    except Cancelled:
+        kept = bake_folders.checkpoint_path(made.folder).is_file()
+        more = "; --resume goes on with what is done" if kept else ""
+        raise Cancelled(f"the bake was cancelled, nothing was written{more}") from None
+    finally:
+        bar.close()
     return job
 
 
@@ -899,14 +918,18 @@ def _benchmark_luminaires(options) -> int:
 
 def print_table(maps) -> None:
     """Print mean, minimum and maximum illuminance per surface."""
+    from .readout import format_range
+
     width = max(len("surface"), *(len(made.name) for made in maps))
     print(
-        f"{'surface':<{width}}  {'mean lx':>16}  {'min lx':>8}  {'max lx':>8}  {'map error':>9}  {'lumels':>8}"
+        f"{'surface':<{width}}  {'mean lx':>16}  {'min lx (95 %)':>22}  {'max lx (95 %)':>24}  "
+        f"{'uniformity (95 %)':>19}  {'map error':>9}  {'lumels':>8}"
     )
     for made in maps:
         mean = f"{made.mean:.1f} ± {made.mean_standard_error:.2f}"
         print(
-            f"{made.name:<{width}}  {mean:>16}  {made.minimum:8.1f}  {made.maximum:8.1f}  "
+            f"{made.name:<{width}}  {mean:>16}  {format_range(made.least, 1):>22}  "
+            f"{format_range(made.largest, 1):>24}  {format_range(made.uniformity, 2):>19}  "
             f"{100 * made.relative_standard_error:8.2f}%  {made.lumels:8d}"
         )
 

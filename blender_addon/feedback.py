@@ -1,4 +1,4 @@
-"""What Lumenray tells the user: engine status, running job, conversion report and results.
+"""What Lumenray tells the user: engine status, running job and conversion report.
 
 Kept in ``window_manager.lumenray``, on Blender's main thread. It belongs to the session, not to the file.
 """
@@ -17,7 +17,6 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..engine.accuracy.stopping import Progress, format_seconds
-from ..engine.baking.order import BakeResult
 from .probe import Probe
 from .report import ConversionReport
 
@@ -51,6 +50,7 @@ class LumenrayJob(PropertyGroup):
     """The bake or render that runs in the background."""
 
     running: BoolProperty(name="Running", description="Whether something is being computed")
+    is_stopping: BoolProperty(name="Stopping", description="Whether it is to end with what it has")
     progress: FloatProperty(
         name="Progress",
         description="Part that is done",
@@ -76,52 +76,6 @@ class LumenrayReportRow(PropertyGroup):
     count: IntProperty(name="Count", description="How often it occurred", default=1, min=1)
 
 
-class LumenrayResultRow(PropertyGroup):
-    """One lux map. ``relative_error`` is that of its lumels, ``mean_error`` that of ``mean``."""
-
-    name: StringProperty(name="Name", description="Object that the map lies on")
-    mean: FloatProperty(name="Mean", description="Area-weighted mean")
-    minimum: FloatProperty(name="Minimum", description="Smallest value on the surface")
-    maximum: FloatProperty(name="Maximum", description="Largest value on the surface")
-    mean_error: FloatProperty(name="Error of the mean", description="Standard error of the mean")
-    relative_error: FloatProperty(
-        name="Relative error",
-        description="Standard error of the single values divided by the mean",
-    )
-    bias: FloatProperty(
-        name="Bias", description="What the method adds to the mean on the whole, as measured"
-    )
-    bias_error: FloatProperty(name="Error of the bias", description="Standard error of the bias")
-    samples: IntProperty(name="Samples", description="Samples per lumel")
-    lumels: IntProperty(name="Lumels", description="How many lie on the surface")
-    density: FloatProperty(name="Density", description="Lumels per metre that were reached")
-    invalid: IntProperty(
-        name="Inside solids", description="Lumels that were filled from their neighbours"
-    )
-    is_smoothed: BoolProperty(
-        name="Smoothed", description="Whether the map was smoothed after its error was known"
-    )
-    unit: StringProperty(name="Unit", description="Unit of the values", default="lx")
-
-
-class LumenrayBakeSummary(PropertyGroup):
-    """The last bake as a whole."""
-
-    relative_error: FloatProperty(
-        name="Relative error", description="Standard error of all lumels divided by the mean"
-    )
-    mean: FloatProperty(name="Mean", description="Of everything, in lx")
-    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
-    pages: IntProperty(name="Pages", description="Of the atlas")
-    shrink: FloatProperty(
-        name="Shrink", description="Factor on all densities that made the charts fit"
-    )
-    seam_pairs: IntProperty(name="Seam points", description="Places where charts meet")
-    seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
-    seam_after: FloatProperty(name="Steps left", description="At seams after matching, in lx")
-    seam_noise: FloatProperty(name="Noise of steps", description="Their standard error, in lx")
-
-
 class LumenrayFeedback(PropertyGroup):
     """All of it; the indices are the active rows of the lists."""
 
@@ -130,9 +84,6 @@ class LumenrayFeedback(PropertyGroup):
     reported: BoolProperty(name="Reported", description="Whether a scene has been converted")
     rows: CollectionProperty(type=LumenrayReportRow)
     row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
-    results: CollectionProperty(type=LumenrayResultRow)
-    result_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
-    summary: PointerProperty(type=LumenrayBakeSummary)
     render: StringProperty(
         name="Last render", description="Samples, error and time of the last picture"
     )
@@ -177,31 +128,6 @@ def show_progress(window_manager, progress: Progress) -> None:
     job.error = progress.relative_error if progress.relative_error < UNKNOWN else 0.0
     left = progress.seconds_left
     job.left = "" if left is None else format_seconds(left)
-
-
-def show_results(window_manager, result: BakeResult) -> None:
-    """Show a finished bake in place of the one before."""
-    feedback = window_manager.lumenray
-    feedback.results.clear()
-    feedback.result_index = 0
-    for made in result.maps:
-        item = feedback.results.add()
-        item.name = made.name
-        item.mean, item.minimum, item.maximum = made.mean, made.minimum, made.maximum
-        item.mean_error = made.mean_standard_error
-        item.relative_error = made.relative_standard_error
-        item.bias, item.bias_error = made.bias, made.bias_error
-        item.samples, item.lumels = round(made.samples), made.lumels
-        item.density, item.invalid = made.density, made.invalid
-        item.is_smoothed = made.smoothed
-        item.unit = "lx"
-    summary, seams = feedback.summary, result.seams
-    summary.relative_error, summary.mean = result.relative_standard_error, result.mean
-    marks = result.history.marks
-    summary.seconds = marks[-1].seconds if marks else 0.0
-    summary.pages, summary.shrink = len(result.pages), result.shrink
-    summary.seam_pairs, summary.seam_noise = seams.pairs, seams.noise
-    summary.seam_before, summary.seam_after = seams.before, seams.after
 
 
 def check_engine(window_manager) -> bool:
@@ -269,8 +195,6 @@ CLASSES = (
     LumenrayEngineStatus,
     LumenrayJob,
     LumenrayReportRow,
-    LumenrayResultRow,
-    LumenrayBakeSummary,
     LumenrayFeedback,
 )
 

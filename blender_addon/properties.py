@@ -15,6 +15,7 @@ from bpy.types import PropertyGroup
 
 from ..engine.photometry import units
 from ..libraries import spectra
+from . import baked_tables
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .raysets.settings import LumenrayRaysetSettings
 from .scattering.settings import LumenrayMeasuredSettings
@@ -775,6 +776,14 @@ class LumenraySceneSettings(PropertyGroup):
         description="Write the state into the folder from time to time, so that an interrupted bake can go on",
         default=True,
     )
+    bake_overwrite: BoolProperty(
+        name="Overwrite other bakes",
+        description=(
+            "Write into the folder whatever it holds; else a bake of other objects or settings goes to a folder with the "
+            "next number"
+        ),
+        default=False,
+    )
     bake_gltf: BoolProperty(
         name="glTF",
         description="Also write the baked objects with their light as baked.glb, for viewers on the web",
@@ -797,8 +806,7 @@ class LumenraySceneSettings(PropertyGroup):
     )
     bake_folder: StringProperty(
         name="Folder",
-        description="Where lux maps are written as EXR",
-        default="//lux",
+        description="Where lux maps are written as EXR; empty: lux_ and the file's name, beside the file",
         subtype="DIR_PATH",
         options=PATH_OPTIONS,
     )
@@ -840,6 +848,7 @@ class LumenraySceneSettings(PropertyGroup):
         max=1e9,
         update=tag_owner,
     )
+    baked: PointerProperty(type=baked_tables.LumenrayBakedResults)
     baked_layers: CollectionProperty(type=LumenrayBakedLayer)
     baked_layer_index: IntProperty(
         name="Active Layer", description="Layer whose settings are shown", min=0
@@ -868,6 +877,7 @@ CLASSES = (
     LumenrayObjectSettings,
     LumenrayCameraSettings,
     LumenrayBakedLayer,
+    *baked_tables.CLASSES,
     LumenraySceneSettings,
 )
 

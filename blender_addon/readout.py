@@ -13,6 +13,7 @@ from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
 from ..engine.scene.spectrum import Rgb
 from ..engine.sky.cie import ground_luminance, zenith_luminance
+from .baked_tables import UNKNOWN
 from .properties import white_luminance
 from .report import ConversionReport
 from .sky import angles, onto_horizon, towards_lamp
@@ -151,10 +152,17 @@ def format_number(value: float) -> str:
 
 def format_estimate(value: float, error: float) -> str:
     """Return a number with its standard error, both to the second significant digit of the error."""
-    if not (np.isfinite(error) and error > 0.0):
+    if not 0.0 < error < UNKNOWN:
         return format_number(value)
     digits = max(0, 1 - int(np.floor(np.log10(error))))
     return f"{value:,.{digits}f} ± {error:,.{digits}f}".replace(",", "\u2009")
+
+
+def format_range(extreme, digits: int) -> str:
+    """Return an `Extreme` with the range that holds the true one; an unknown range is said so."""
+    if not np.isfinite(extreme.high):
+        return f"{extreme.value:.{digits}f} (range not known)"
+    return f"{extreme.value:.{digits}f} ({extreme.low:.{digits}f} to {extreme.high:.{digits}f})"
 
 
 def format_amount(value: float, unit: str) -> str:
@@ -265,7 +273,7 @@ def describe_selection(context) -> tuple[int, str]:
 
 def format_error(error: float) -> str:
     """Return a relative standard error in per cent; one of too few samples is not known."""
-    return f"{100.0 * error:.2g} %" if np.isfinite(error) else "not known"
+    return f"{100.0 * error:.2g} %" if error < UNKNOWN else "not known"
 
 
 def describe_job(job) -> tuple[tuple[str, str], ...]:
@@ -283,14 +291,17 @@ def describe_result(row) -> tuple[tuple[str, str], ...]:
     lines = [
         ("Mean", f"{format_estimate(row.mean, row.mean_error)} {row.unit}"),
         ("Smallest", format_amount(row.minimum, row.unit)),
+        ("95 % range", _range(row.minimum_low, row.minimum_high, row.unit)),
         ("Largest", format_amount(row.maximum, row.unit)),
-        ("Uniformity", f"{row.minimum / row.mean:.2f}" if row.mean > 0.0 else "–"),
+        ("95 % range", _range(row.maximum_low, row.maximum_high, row.unit)),
+        ("Uniformity", f"{row.uniformity:.2f}" if row.mean > 0.0 else "–"),
+        ("95 % range", _range(row.uniformity_low, row.uniformity_high, "")),
         ("Error per lumel", format_error(row.relative_error)),
         ("Samples", f"{row.samples}"),
         ("Lumels", f"{row.lumels:,}".replace(",", "\u2009")),
         ("Lumels per m", f"{row.density:.3g}"),
     ]
-    if 0.0 < row.bias_error < float("inf"):
+    if 0.0 < row.bias_error < UNKNOWN:
         lines.append(("Bias", f"{format_estimate(row.bias, row.bias_error)} {row.unit}"))
     if row.invalid:
         lines.append(("Inside solids", f"{row.invalid} lumels, filled"))
@@ -299,21 +310,28 @@ def describe_result(row) -> tuple[tuple[str, str], ...]:
     return tuple(lines)
 
 
-def describe_bake(summary) -> tuple[tuple[str, str], ...]:
-    """Lines (label, value) about the last bake as a whole."""
+def _range(low: float, high: float, unit: str) -> str:
+    """Range that holds a true extreme in 95 % of cases at least; without a unit it is a ratio."""
+    if high >= UNKNOWN:
+        return "not known"
+    if not unit:
+        return f"{low:.2f} to {high:.2f}"
+    return f"{format_number(low)} to {format_amount(high, unit)}"
+
+
+def describe_bake(baked) -> tuple[tuple[str, str], ...]:
+    """Lines (label, value) about the last bake of a scene as a whole."""
     lines = [
-        ("Mean of all", format_amount(summary.mean, "lx")),
-        ("Error of all", format_error(summary.relative_error)),
-        ("Pages", f"{summary.pages}"),
-        ("Time", format_seconds(summary.seconds)),
+        ("Mean of all", format_amount(baked.mean, "lx")),
+        ("Error of all", format_error(baked.relative_error)),
+        ("Pages", f"{baked.pages}"),
+        ("Time", format_seconds(baked.seconds)),
     ]
-    if summary.shrink < 0.999:
-        lines.append(("Density lowered", f"to {100.0 * summary.shrink:.0f} %"))
-    if summary.seam_pairs:
-        noise = format_amount(summary.seam_noise, "lx")
-        lines.append(
-            ("Steps at seams", f"{format_amount(summary.seam_after, 'lx')} (noise {noise})")
-        )
+    if baked.shrink < 0.999:
+        lines.append(("Density lowered", f"to {100.0 * baked.shrink:.0f} %"))
+    if baked.seam_pairs:
+        noise = format_amount(baked.seam_noise, "lx")
+        lines.append(("Steps at seams", f"{format_amount(baked.seam_after, 'lx')} (noise {noise})"))
     return tuple(lines)
 
 

@@ -7,7 +7,17 @@ from . import properties, render_engine
 
 def _groups():
     """Modules with something to register: classes, and functions that tie them to Blender and off again."""
-    from . import engine_process, feed, feedback, identity, preferences, view_drawing, viewport
+    from . import (
+        baked_results,
+        engine_process,
+        feed,
+        feedback,
+        identity,
+        preferences,
+        running_bake,
+        view_drawing,
+        viewport,
+    )
     from .asset_library import registration as asset_libraries
     from .raysets import files as ray_files
     from .scattering import files as scattering_files
@@ -19,10 +29,12 @@ def _groups():
         asset_libraries,
         feedback,
         identity,
+        baked_results,
         live,
         ray_files,
         scattering_files,
         engine_process,
+        running_bake,
         feed,
         viewport,
         view_drawing,

@@ -267,7 +267,7 @@ class Session:
         self._requirements: tuple | None = None
         self._pending: dict[str, None] = {}
         self._view: _View | None = None
-        self._cancel = False
+        self._cancel = self._stop = False
         self._is_busy = False
 
     def apply(self, delta: SceneDelta) -> None:
@@ -286,6 +286,10 @@ class Session:
             *(new for new, _ in delta.copies),
         ):
             self._pending[key] = None
+
+    def stop(self) -> None:
+        """Ask a bake that runs to end as soon as what it has can be kept with an error; may be called from any thread."""
+        self._stop = True
 
     def cancel(self) -> None:
         """Ask the running job to end; it raises `Cancelled` before its next launch."""
@@ -514,9 +518,17 @@ class Session:
         if not self._has_witness:
             order = replace(order, witness=False)
         host = Host(
-            self.scene, self._engine, self._compile_aside, self._cancelled, self._provenance
+            self.scene,
+            self._engine,
+            self._compile_aside,
+            self._cancelled,
+            self._provenance,
+            lambda: self._stop,
         )
-        return Bake(host, order, progress, options).run()
+        try:
+            return Bake(host, order, progress, options).run()
+        finally:
+            self._stop = False
 
     # ---- live view ----
 

@@ -1,18 +1,26 @@
 """Bake illuminance: selected objects to lux maps, without blocking the window."""
 
-import logging
-import threading
 from dataclasses import replace
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..blender_addon import bake, baked_look, engine_process, feedback, readout
+from ..blender_addon import (
+    bake,
+    bake_folders,
+    baked_look,
+    baked_results,
+    engine_process,
+    feedback,
+    readout,
+    running_bake,
+)
 from ..blender_addon.error_graphs import graph
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
 
-log = logging.getLogger(__name__)
+ONCE = {"SKIP_SAVE"}
+"""Options of what a call is told: the next one is not to find it again unseen."""
 
 
 class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
@@ -20,45 +28,66 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
 
     bl_idname = "lumenray.bake_illuminance"
     bl_label = "Bake Illuminance"
-    bl_options = {"REGISTER", "UNDO"}
+    # Not REGISTER: whatever is touched in the redo panel would bake again, in the way and over the files.
+    bl_options = {"UNDO"}
 
     objects: StringProperty(
         name="Objects",
         description="Names separated by commas; empty takes the selected objects",
+        options=ONCE,
     )
     density: FloatProperty(
-        name="Lumels per metre", description="0 takes the scene's", default=0.0, min=0.0, max=1000.0
+        name="Lumels per metre",
+        description="0 takes the scene's",
+        default=0.0,
+        min=0.0,
+        max=1000.0,
+        options=ONCE,
     )
-    samples: IntProperty(name="Samples", description="0 takes the scene's rule", default=0, min=0)
+    samples: IntProperty(
+        name="Samples", description="0 takes the scene's rule", default=0, min=0, options=ONCE
+    )
     error: FloatProperty(
-        name="Relative error", description="0 takes the scene's rule", default=0.0, min=0.0, max=1.0
+        name="Relative error",
+        description="0 takes the scene's rule",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        options=ONCE,
     )
     absolute: FloatProperty(
         name="Absolute error",
         description="In lx; 0 takes the scene's rule",
         default=0.0,
         min=0.0,
+        options=ONCE,
     )
     time: FloatProperty(
-        name="Seconds", description="0 takes the scene's rule", default=0.0, min=0.0
+        name="Seconds", description="0 takes the scene's rule", default=0.0, min=0.0, options=ONCE
     )
-    folder: StringProperty(name="Folder", description="Empty takes the scene's", subtype="DIR_PATH")
+    folder: StringProperty(
+        name="Folder", description="Empty takes the scene's", subtype="DIR_PATH", options=ONCE
+    )
     gltf: StringProperty(
         name="glTF",
         description="Also write the baked objects with their light to this .glb or .gltf; empty does as the scene says",
         subtype="FILE_PATH",
+        options=ONCE,
     )
     resume: BoolProperty(
         name="Resume",
-        description="Go on with the interrupted bake in the folder; all settings must be as they were",
+        description=(
+            "Go on with the interrupted bake in the folder; error, time and samples may be others, all other settings must "
+            "be as they were"
+        ),
         default=False,
-        options={"SKIP_SAVE"},
+        options=ONCE,
     )
 
     @classmethod
     def poll(cls, context):
         if context.window_manager.lumenray.job.running:
-            cls.poll_message_set("A bake is running already; press Esc to end it")
+            cls.poll_message_set("A bake is running already; stop or cancel it first")
             return False
         return True
 
@@ -85,52 +114,48 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         """Bake in the background while the window stays alive."""
         if bpy.app.background:
             return self.execute(context)
+        manager = context.window_manager
         try:
-            self._job = self._prepare(context)
-            self._session = engine_process.open_session("bake")
+            job = self._prepare(context)
+            self._bake = running_bake.start(job, engine_process.open_session("bake"), manager)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._error = None
-        self._progress = None
-        graph.note(None)
-        self._thread = threading.Thread(target=self._work, name="lumenray bake", daemon=True)
-        self._thread.start()
-        manager = context.window_manager
-        feedback.begin_job(manager)
-        manager.progress_begin(0, 1000)
-        self._timer = manager.event_timer_add(0.1, window=context.window)
+        self._bake.begin_signals(manager, context.window)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
         """Show progress, hear Esc, end when the work has ended."""
         if event.type == "ESC" and event.value == "PRESS":
-            self._job.cancel()
+            running_bake.stop(context.window_manager)
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        self._show_progress(context)
-        if self._thread.is_alive():
+        bake_, manager = self._bake, context.window_manager
+        bake_.show(manager)
+        for area in context.screen.areas:
+            if area.type in {"VIEW_3D", "PROPERTIES"}:
+                area.tag_redraw()
+        if bake_.is_alive:
             return {"PASS_THROUGH"}
-        self._clean(context)
-        if self._error is not None:
-            level, text = self._describe_end()
+        bake_.end(manager)
+        if bake_.error is not None:
+            level, text = self._describe_end(bake_)
             self.report({level}, text)
             return {"CANCELLED"}
-        return self._finish(context, self._job)
+        return self._finish(context, bake_.job)
 
     def cancel(self, context):
         """Blender closes or loads a file: end the work before anything it refers to goes."""
-        self._job.cancel()
-        self._thread.join()
-        self._clean(context)
+        self._bake.end(context.window_manager)
 
     # ---- private ----
 
     def _prepare(self, context):
-        settings = context.scene.lumenray
+        scene = context.scene
+        settings = scene.lumenray
         chosen = self._objects(context)
-        folder = bake.folder_of(settings, self.folder)
+        folder = bake_folders.folder_of(settings, self.folder)
         made = bake.read_settings(settings, chosen, self._rule(settings), folder)
         if self.density:
             made = replace(made, density=self.density, densities={})
@@ -139,8 +164,10 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         if self.resume:
             made = replace(made, resume=True)
         # Objects without a material have one while baked light is shown.
-        with baked_look.hidden(context.scene):
-            return bake.prepare(context.evaluated_depsgraph_get(), chosen, made)
+        with baked_results.unchanged(scene), baked_look.hidden(scene):
+            job = bake.prepare(context.evaluated_depsgraph_get(), chosen, made)
+        job.watch = baked_results.Watch()
+        return job
 
     def _objects(self, context) -> list:
         if not self.objects.strip():
@@ -161,58 +188,97 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             )
         return bake.rule_of(settings)
 
-    def _work(self):
-        try:
-            self._job.run(self._session, self._note)
-        except LumenrayError as error:
-            self._error = error
-        except Exception as error:
-            # A fault of ours: the log tells where, the window that it happened.
-            log.exception("the bake failed")
-            self._error = error
-        finally:
-            self._session.close()
-
-    def _note(self, progress):
-        self._progress = progress
-
-    def _show_progress(self, context):
-        progress = self._progress
-        if progress is None:
-            return
-        feedback.show_progress(context.window_manager, progress)
-        if progress.history is not None:
-            graph.note(progress.history)
-        context.window_manager.progress_update(int(progress.done * 1000))
-        for area in context.screen.areas:
-            if area.type in {"VIEW_3D", "PROPERTIES"}:
-                area.tag_redraw()
-
-    def _describe_end(self) -> tuple[str, str]:
-        """Say how a bake ended that did not come to its end."""
-        if not isinstance(self._error, Cancelled):
-            return "ERROR", str(self._error)
-        if bake.checkpoint_path(self._job.settings.folder).is_file():
+    def _describe_end(self, ended) -> tuple[str, str]:
+        """Say how a bake ended that gave no result."""
+        if not isinstance(ended.error, Cancelled):
+            return "ERROR", str(ended.error)
+        if bake_folders.checkpoint_path(ended.job.settings.folder).is_file():
             return "WARNING", "Bake cancelled; what is done was kept, and Resume goes on with it"
         return "WARNING", "Bake cancelled"
 
-    def _clean(self, context):
-        manager = context.window_manager
-        manager.event_timer_remove(self._timer)
-        manager.progress_end()
-        manager.lumenray.job.running = False
-
     def _finish(self, context, job):
-        images = bake.store(job, context.scene)
+        # The window may show another scene by now.
+        scene = bpy.data.scenes.get(job.order.scene) or context.scene
+        images = bake.store(job, scene)
         feedback.show_report(context.window_manager, job.report)
-        feedback.show_results(context.window_manager, job.result)
         graph.note(job.result.history)
         error = readout.format_error(job.result.relative_standard_error)
-        self.report(
-            {"INFO"},
-            f"{len(job.maps)} lux maps in {len(images)} images, error {error}, written to {job.settings.folder}",
+        folder = job.settings.folder
+        text = (
+            f"{len(job.maps)} lux maps in {len(images)} images, error {error}, written to {folder}"
         )
+        if job.result.shortfall:
+            text = f"Bake {job.result.shortfall}. {text}"
+        if bake_folders.is_temporary(folder):
+            text += ", which goes when Blender ends: save the file to give its bakes a place"
+        is_short = job.result.shortfall or bake_folders.is_temporary(folder)
+        self.report({"WARNING" if is_short else "INFO"}, text)
         return {"FINISHED"}
 
 
-CLASSES = (LUMENRAY_OT_bake_illuminance,)
+class LUMENRAY_OT_stop_bake(bpy.types.Operator):
+    """End the bake with the results so far and their error; Resume goes on with it later (Esc)"""
+
+    bl_idname = "lumenray.stop_bake"
+    bl_label = "Stop and Keep"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        if running_bake.current() is None:
+            cls.poll_message_set("No bake is running")
+            return False
+        return True
+
+    def execute(self, context):
+        running_bake.stop(context.window_manager)
+        return {"FINISHED"}
+
+
+class LUMENRAY_OT_cancel_bake(bpy.types.Operator):
+    """End the bake without a result; with Keep What Is Done on, Resume can go on with it"""
+
+    bl_idname = "lumenray.cancel_bake"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return LUMENRAY_OT_stop_bake.poll.__func__(cls, context)
+
+    def execute(self, context):
+        running_bake.cancel()
+        return {"FINISHED"}
+
+
+class LUMENRAY_OT_check_baked(bpy.types.Operator):
+    """Compare the whole scene with the one that was baked, and take the mark off if they are the same"""
+
+    bl_idname = "lumenray.check_baked"
+    bl_label = "Check"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.lumenray.baked.serial:
+            cls.poll_message_set("Bake objects of this scene first")
+            return False
+        return True
+
+    def execute(self, context):
+        scene = context.scene
+        with baked_results.unchanged(scene), baked_look.hidden(scene):
+            is_same = baked_results.check_current(scene, context.evaluated_depsgraph_get())
+        if is_same:
+            self.report({"INFO"}, "The scene is the one that was baked")
+        else:
+            self.report({"WARNING"}, "The scene is not the one that was baked")
+        return {"FINISHED"}
+
+
+CLASSES = (
+    LUMENRAY_OT_bake_illuminance,
+    LUMENRAY_OT_stop_bake,
+    LUMENRAY_OT_cancel_bake,
+    LUMENRAY_OT_check_baked,
+)

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender_addon import baked_images, baked_look
+from ..blender_addon import baked_images, baked_look, baked_results
 from ..blender_addon.properties import LumenraySceneSettings
 from ..blender_addon.report import Severity
 from ..engine.errors import LumenrayError
@@ -38,7 +38,8 @@ class LUMENRAY_OT_show_baked(bpy.types.Operator):
     def execute(self, context):
         context.scene.lumenray.baked_look = self.look
         try:
-            report = baked_look.show(context.scene)
+            with baked_results.unchanged(context.scene):
+                report = baked_look.show(context.scene)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -77,7 +78,8 @@ class LUMENRAY_OT_hide_baked(bpy.types.Operator):
         return True
 
     def execute(self, context):
-        baked_look.hide()
+        with baked_results.unchanged(context.scene):
+            baked_look.hide()
         return {"FINISHED"}
 
 

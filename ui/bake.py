@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon import bake, baked_images, readout
+from ..blender_addon import bake, bake_folders, baked_images, readout
 from ..blender_addon.error_graphs import graph
 from ..blender_addon.luminaire_pictures import has_dark_theme, side_of
 from ..blender_addon.luminaires.settings import is_luminaire
@@ -45,12 +45,22 @@ def draw_buttons(layout, context, is_ready: bool) -> None:
     column.scale_y = 1.4
     column.enabled = is_ready
     column.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
-    if not bake.checkpoint_path(bake.folder_of(settings)).is_file():
+    wanted = bake_folders.folder_of(settings)
+    if bake_folders.find_interrupted(wanted, settings.bake_overwrite) is None:
         return
     column = layout.column()
     column.enabled = is_ready
-    column.label(text="The folder holds an interrupted bake", icon="INFO")
+    column.label(text="The folder holds an unfinished bake", icon="INFO")
     column.operator("lumenray.bake_illuminance", text="Resume", icon="PLAY").resume = True
+
+
+def draw_state(layout, context, baked) -> None:
+    """Draw what makes baked light other than it should be: changes since, and an early end."""
+    if baked.changed:
+        draw_text(layout, context, f"Out of date. Changed since: {baked.changed}", "ERROR")
+        layout.operator("lumenray.check_baked", text="Check for Changes", icon="FILE_REFRESH")
+    if baked.shortfall:
+        draw_text(layout, context, f"Bake {baked.shortfall}", "INFO")
 
 
 def draw_graph(layout, context) -> None:
@@ -136,6 +146,13 @@ class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
     def draw_settings(self, layout, context, settings):
         """Draw the folder and what else goes there."""
         layout.prop(settings, "bake_folder")
+        if not bpy.data.filepath:
+            draw_text(
+                layout, context, "Not saved: lux maps go with Blender's temporary folder", "INFO"
+            )
+        elif not settings.bake_folder:
+            draw_text(layout, context, f"Empty: {bake_folders.default_folder()}", "INFO")
+        layout.prop(settings, "bake_overwrite")
         layout.prop(settings, "bake_checkpoint")
         layout.prop(settings, "bake_gltf", text=f"glTF ({bake.GLTF})")
         column = layout.column(align=True)
@@ -220,10 +237,12 @@ class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.progress(factor=job.progress, text=f"{int(100.0 * job.progress + 1e-4)} %")
         draw_lines(layout, readout.describe_job(job), 0.35)
         draw_graph(layout, context)
-        if context.scene.lumenray.bake_checkpoint:
-            layout.label(text="Esc cancels; Resume goes on later", icon="INFO")
-        else:
-            layout.label(text="Esc cancels", icon="INFO")
+        row = layout.row(align=True)
+        row.enabled = not job.is_stopping
+        row.operator("lumenray.stop_bake", icon="CHECKMARK")
+        layout.operator("lumenray.cancel_bake", icon="X")
+        text = "Ends with the results so far" if job.is_stopping else "Esc stops and keeps"
+        layout.label(text=text, icon="INFO")
 
     def _draw_settings(self, layout, context):
         settings, engine = context.scene.lumenray, context.window_manager.lumenray.engine
@@ -252,7 +271,8 @@ class LUMENRAY_UL_results(bpy.types.UIList):
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
         split = layout.split(factor=0.45)
-        split.label(text=item.name, icon="TEXTURE")
+        is_current = not item.id_data.lumenray.baked.changed
+        split.label(text=item.name, icon="TEXTURE" if is_current else "ERROR")
         row = split.row()
         row.alignment = "RIGHT"
         row.label(text=readout.format_amount(item.mean, item.unit))
@@ -265,17 +285,15 @@ class LUMENRAY_PT_results(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return len(context.window_manager.lumenray.results) > 0
+        return len(context.scene.lumenray.baked.rows) > 0
 
     def draw(self, context):
         layout = self.layout
-        feedback = context.window_manager.lumenray
-        layout.template_list(
-            "LUMENRAY_UL_results", "", feedback, "results", feedback, "result_index", rows=3
-        )
-        if feedback.result_index < len(feedback.results):
-            row = feedback.results[feedback.result_index]
-            draw_lines(layout.box(), readout.describe_result(row))
+        baked = context.scene.lumenray.baked
+        draw_state(layout, context, baked)
+        layout.template_list("LUMENRAY_UL_results", "", baked, "rows", baked, "row_index", rows=3)
+        if baked.row_index < len(baked.rows):
+            draw_lines(layout.box(), readout.describe_result(baked.rows[baked.row_index]))
 
 
 class LUMENRAY_PT_results_whole(SidebarPanel, bpy.types.Panel):
@@ -286,7 +304,7 @@ class LUMENRAY_PT_results_whole(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        draw_lines(layout, readout.describe_bake(context.window_manager.lumenray.summary))
+        draw_lines(layout, readout.describe_bake(context.scene.lumenray.baked))
         if not context.window_manager.lumenray.job.running:
             draw_graph(layout, context)
 
@@ -316,6 +334,8 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.lumenray
+        if settings.baked.changed:
+            layout.label(text="Out of date, see Lux Maps", icon="ERROR")
         if not settings.is_baked_shown:
             layout.operator("lumenray.show_baked", icon="SHADING_TEXTURE")
             return

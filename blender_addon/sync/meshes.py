@@ -4,6 +4,12 @@ import numpy as np
 
 from ...engine.scene.mesh import Geometry
 
+BAKED_MAP = "Lumenray"
+"""UV map by which lux maps lie on a mesh; others of them begin with it."""
+
+BAKED_TREE = "lumenray_baked"
+"""Custom property of the node trees that show baked light."""
+
 MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 """Object types that have a surface."""
 
@@ -24,7 +30,7 @@ def read_geometry(source, geometry_id: str) -> Geometry | None:
     if mesh is None:
         return None
     try:
-        return _convert(mesh, geometry_id)
+        return _convert(mesh, geometry_id, _hidden_maps(source, mesh))
     finally:
         source.to_mesh_clear()
 
@@ -45,7 +51,30 @@ def fingerprint(geometry: Geometry | None) -> int:
     return hash((*parts, *geometry.uv_maps))
 
 
-def _convert(mesh, geometry_id) -> Geometry | None:
+def _hidden_maps(source, mesh) -> set[str]:
+    """UV maps of lux maps that no material asks for: a bake must not change the scene that it was made of."""
+    own = {each.name for each in mesh.uv_layers if f"{each.name} ".startswith(f"{BAKED_MAP} ")}
+    if own:
+        for slot in source.material_slots:
+            if slot.material is not None and slot.material.node_tree is not None:
+                own -= _named_maps(slot.material.node_tree, set())
+    return own
+
+
+def _named_maps(tree, seen: set) -> set[str]:
+    """Names of UV maps that the nodes of a tree ask for, but for the trees that show baked light."""
+    if tree in seen or tree.get(BAKED_TREE):
+        return set()
+    seen.add(tree)
+    found = set()
+    for node in tree.nodes:
+        found |= {getattr(node, name, "") for name in ("uv_map", "attribute_name")}
+        if getattr(node, "node_tree", None) is not None:
+            found |= _named_maps(node.node_tree, seen)
+    return found
+
+
+def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     if count == 0:
@@ -77,6 +106,7 @@ def _convert(mesh, geometry_id) -> Geometry | None:
                 corners, axis=0
             )
             for layer in sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)
+            if layer.name not in hidden
         },
         polygon=polygon,
     )

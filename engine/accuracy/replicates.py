@@ -138,6 +138,10 @@ class ReplicateSums:
         """Mean over the passes 1, 3, 5 and so on. (count,)"""
         return _ratio(self._sums[1, part], self._of(self._weights[1], part))
 
+    def even_share(self, part=slice(None)) -> np.ndarray:
+        """Share of each value's samples that the passes 0, 2, 4 and so on have; 0 without any. (count,) [-]"""
+        return _ratio(self._of(self._weights[0], part).astype(np.float64), self.samples(part))
+
     def further_means(self, part=slice(None)) -> np.ndarray:
         """Mean of the channels beyond the first. (count, channels - 1) float32"""
         return self._further[part].copy()

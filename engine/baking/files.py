@@ -9,7 +9,7 @@ from ..analysis.error_graph import draw_error_graph, to_rows
 from ..analysis.false_colour import nice_maximum, write_false_colour
 from ..formats import exr
 from ..formats.names import file_stem
-from ..formats.report import compose, quantity_of_map, write_json
+from ..formats.report import compose, quantity_of_map, write_json, write_table
 from .order import AtlasPage, BakeOrder, BakeResult
 
 FIRST_TILE, TILES_ACROSS = 1001, 10
@@ -63,7 +63,7 @@ def scale_top(illuminance: np.ndarray) -> float:
 
 
 def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion) -> list[Path]:
-    """Write the graph of the error and the report.
+    """Write the graph of the error, the table of maps and the report.
 
     Raises
     ------
@@ -76,16 +76,11 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         draw_error_graph(result.history, graph)
         files.append(graph)
     first = result.maps[0].provenance
-    content = compose(
-        order.file,
-        first,
-        first.seconds,
-        [quantity_of_map(made) for made in result.maps],
-        conversion,
-        order.rule.shortfall(
-            result.relative_standard_error, result.relative_standard_error * result.mean
-        ),
-    )
+    quantities = [quantity_of_map(made) for made in result.maps]
+    files.append(write_table(folder / "report.csv", quantities))
+    error = result.relative_standard_error
+    shortfall = order.rule.shortfall(error, error * result.mean)
+    content = compose(order.file, first, first.seconds, quantities, conversion, shortfall)
     content["atlas"] = {
         "pages": [[page.width, page.height] for page in result.pages],
         "mean": result.mean,

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ..accuracy.forecast import Forecaster
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
+from ..errors import Cancelled
 from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
 from ..transport.pilot import Pilot, Trial
 
@@ -22,6 +24,12 @@ met after the last one nine times in ten, and the bake ends when it was said to.
 
 FEWEST_PASSES = 2
 """From which an error can be told."""
+
+HURRY = 3
+"""How often the samples of passes are halved that are made only to have an error when a bake is stopped early."""
+
+MOST_PASSES = 4.0
+"""Times the planned passes that a bake which goes on with another rule may take as they are."""
 
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
@@ -48,6 +56,30 @@ MOST_PILOTED = 20_000_000
 
 MAIN_PASSES, TRIALS = 1_000, 100_000
 """First numbers of passes and trials: no two may use the same points."""
+
+
+@dataclass
+class Ending:
+    """Whether work is to end: a cancel counts at once, a stop as soon as there is a result with an error.
+
+    Parameters
+    ----------
+    cancelled, stopped : callable
+    has_result : bool
+    """
+
+    cancelled: Callable[[], bool]
+    stopped: Callable[[], bool] = lambda: False
+    has_result: bool = False
+
+    def __call__(self) -> bool:
+        """Whether the present pass is given up."""
+        return self.cancelled() or self.is_stopped
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether what there is is wanted."""
+        return self.has_result and self.stopped()
 
 
 @dataclass
@@ -109,6 +141,22 @@ class LayerState:
             sharing,
         )
 
+    def review(self) -> None:
+        """Find anew whether the rule is met, which may be another one than before."""
+        marks = self.forecaster.history.marks
+        # Where there is no light, an error tells nothing.
+        is_dark = self.is_done and not (marks and marks[-1].error < math.inf)
+        self.is_done = self.sums.passes >= FEWEST_PASSES and (
+            is_dark or self.forecaster.is_done() or self.is_out_of_time()
+        )
+
+    def is_out_of_time(self) -> bool:
+        """Whether the time that is left is not worth another pass."""
+        limit = self.forecaster.rule.seconds
+        if limit is None:
+            return False
+        return limit - self.forecaster.history.marks[-1].seconds < SMALLEST_TIME_SHARE * limit
+
 
 @dataclass
 class Layer:
@@ -122,6 +170,7 @@ class Layer:
     report : callable    Gets a `Progress`.
     save : callable    Gets a `LayerState` after passes, and decides itself whether to write it.
     object_count : int
+    ending : Ending    That the job asks too.
     start : float    When the work began, by `time.perf_counter`. [s]
     """
 
@@ -131,6 +180,7 @@ class Layer:
     report: object
     save: object
     object_count: int
+    ending: Ending
     start: float = field(default_factory=time.perf_counter)
 
     def __post_init__(self):
@@ -144,8 +194,19 @@ class Layer:
             state = self._begin()
         else:
             self.job.restore(state.cells)
+            self._lengthen(state)
         while not state.is_done:
-            self._pass(state)
+            # Noise of the cells shows from sweep to sweep only.
+            self.ending.has_result = state.sums.passes >= FEWEST_PASSES * state.sharing
+            if self.ending.is_stopped:
+                break
+            try:
+                self._pass(state)
+            except Cancelled:
+                if self.ending.cancelled() or not self.ending.is_stopped:
+                    raise
+                # The state is that before the pass that was given up.
+                break
             self.save(state)
         return state
 
@@ -154,6 +215,16 @@ class Layer:
     @property
     def _seconds(self) -> float:
         return time.perf_counter() - self.start
+
+    def _lengthen(self, state: LayerState) -> None:
+        """Have longer passes where a rule that is stricter than the planned one would take very many."""
+        needed = state.forecaster.passes_needed() or 0.0
+        if needed <= MOST_PASSES * PASSES:
+            return
+        state.levels = state.levels.lowered(-int(math.log2(needed / PASSES)))
+        each = state.levels.total() / max(self.job.count, 1)
+        samples = state.forecaster.history.marks[-1].samples
+        state.forecaster.respread(1.0, samples, each, each)
 
     def _begin(self) -> LayerState:
         job, rule = self.job, self.rule
@@ -267,10 +338,7 @@ class Layer:
         state.passes += 1
         state.cells = job.state()
         error = self._note(forecaster, state.sums, 1, extra=extra)
-        state.is_done = forecaster.is_done()
-        if self.rule.seconds is not None:
-            left = self.rule.seconds - forecaster.history.marks[-1].seconds
-            state.is_done |= left < SMALLEST_TIME_SHARE * self.rule.seconds
+        state.is_done = forecaster.is_done() or state.is_out_of_time()
         # Where nothing scatters, no light at all for one, more passes tell no more; and one pass tells no error.
         state.is_done |= error == 0.0
         state.is_done &= state.sums.passes >= 2
@@ -285,6 +353,9 @@ class Layer:
 
     def _steps_down(self, state: LayerState) -> int:
         """How often the samples of the next pass are halved, so that the last one does not go far beyond the rule."""
+        if self.ending.stopped():
+            # There is no result yet, and somebody waits for one.
+            return HURRY
         needed = state.forecaster.passes_needed()
         if needed is None or needed >= 1.0 or state.forecaster.is_last_planned():
             return 0

@@ -95,7 +95,7 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
         parts = np.where(np.isfinite(variance), variance, 0.0) * area**2
         own = float(parts.sum()) / total**2
         own *= float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts))) ** 2
-        shared = min(SHARED * state.sharing, len(means))
+        shared = SHARED * state.sharing
         square += own + max(whole - own, 0.0) * shared
     return float(np.sqrt(square))
 

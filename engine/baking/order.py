@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..accuracy.extremes import Extreme, divide
 from ..accuracy.history import History
 from ..accuracy.stopping import StopRule
 from ..scene.provenance import Provenance
@@ -51,7 +52,7 @@ class BakeOrder:
     witness : bool    Whether a pilot from the lights tells what the objects receive, so that the errors cover what it finds.
     checkpoint : str or None    File from which an interrupted bake of the same order goes on, and to which its state is
         written from time to time.
-    file : str    Name of the scene's file, for the report.
+    file, scene : str    Names of the scene's file and of the scene in it, for the report.
     conversion : tuple of dict    Rows of the conversion report, for the report.
     """
 
@@ -77,6 +78,7 @@ class BakeOrder:
     keep_pages: bool = True
     checkpoint: str | None = None
     file: str = ""
+    scene: str = ""
     conversion: tuple[dict, ...] = ()
     witness: bool = True
 
@@ -110,7 +112,8 @@ class LuxMap:
     id, name : str    Of the object.
     number : int    By which the pages' ``object`` knows it.
     lumels, charts : int    How many.
-    mean, minimum, maximum : float    Area-weighted mean, and extremes over the lumels. [lx]
+    mean : float    Area-weighted. [lx]
+    least, largest : Extreme    Over the lumels, freed of what noise adds to extremes. [lx]
     relative_standard_error : float    Area-weighted root mean square of the lumels' errors over the mean. [-]
     mean_standard_error : float    Of ``mean``. [lx]
     bias, bias_error : float    What the cells add to the mean on the whole, and the standard error of that. [lx]
@@ -127,8 +130,8 @@ class LuxMap:
     lumels: int
     charts: int
     mean: float
-    minimum: float
-    maximum: float
+    least: Extreme
+    largest: Extreme
     relative_standard_error: float
     mean_standard_error: float
     bias: float
@@ -141,6 +144,11 @@ class LuxMap:
     smoothed: bool
     provenance: Provenance
     layout: Layout
+
+    @property
+    def uniformity(self) -> Extreme:
+        """Least illuminance over the mean. [-]"""
+        return divide(self.least, self.mean, self.mean_standard_error)
 
 
 @dataclass(frozen=True)
@@ -225,6 +233,7 @@ class BakeResult:
     shrink : float    Factor by which all densities were lowered to fit the pages. [-]
     seams : Seams
     balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
+    shortfall : str    Empty, or what of the rule is not met because the bake was stopped: for people.
     """
 
     maps: tuple[LuxMap, ...]
@@ -238,6 +247,7 @@ class BakeResult:
     shrink: float
     seams: Seams
     balance: dict | None = None
+    shortfall: str = ""
 
     def lumels(self, number: int) -> "Values":
         """Values of the computed lumels of an object, by its number."""

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..accuracy.extremes import Extreme, Halves, find_largest, find_least
 from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
-from ..accuracy.stopping import Progress, StopRule
+from ..accuracy.stopping import Progress, StopRule, format_seconds
 from ..accuracy.tails import tail_factor
 from ..atlas.detail import halve_even_charts
 from ..atlas.finder import LumelFinder
@@ -23,7 +24,6 @@ from ..atlas.lumels import LumelTable
 from ..atlas.smoothing import smooth_maps
 from ..atlas.texture_density import texture_density
 from ..errors import Cancelled, SceneError
-from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..transport.bands import TOLERANCE as BAND_TOLERANCE
@@ -32,15 +32,13 @@ from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
 from ..transport.tiles import tile_numbers
 from .files import scale_top, write_page, write_report
-from .layer import CHUNK, Layer, LayerState
+from .layer import CHUNK, SHORT, Ending, Layer, LayerState
 from .light_layers import split_lights
 from .means import ObjectMean, find_means
 from .order import AtlasPage, BakeOrder, BakeResult, Departure, Layout, LuxMap, Seams
 from .pages import Estimates, lay_out_page, match_pages
+from .saver import Saver
 from .testimony import hear, widen
-
-SAVE_INTERVAL = 20.0
-"""Shortest time between two states that are written. [s]"""
 
 METHODS = ("auto", "cells", "paths")
 SWITCH = ("auto", "on", "off")
@@ -60,12 +58,6 @@ MOST_MATCHED = 1 << 27
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
 
-COARSE_ERROR, MOST_FINE = 0.02, 4.0
-"""Relative error from which there are more cells in proportion, and how many times more. [-]"""
-
-WITHOUT = ("folder", "keep_pages", "checkpoint", "file", "conversion", "witness")
-"""Fields of an order that change nothing about the numbers."""
-
 
 @dataclass(frozen=True)
 class Host:
@@ -78,6 +70,7 @@ class Host:
     compiled : callable    ``compiled(scene, like)`` compiles another scene for the same variant.
     cancelled : callable    Whether to end; lets others work for a moment.
     provenance : callable    ``provenance(compiled, seed, samples, start)``.
+    stopped : callable    Whether to end with what there is.
     """
 
     scene: Scene
@@ -85,6 +78,7 @@ class Host:
     compiled: Callable
     cancelled: Callable
     provenance: Callable
+    stopped: Callable = lambda: False
 
 
 @dataclass
@@ -118,6 +112,8 @@ class Bake:
     _decisions: list[str] = field(default_factory=list)
     _balance: dict | None = None
     _start: float = field(default_factory=time.perf_counter)
+    _saver: Saver | None = None
+    _stopped: list[str] = field(default_factory=list)
 
     def run(self) -> BakeResult:
         """Bake.
@@ -126,9 +122,11 @@ class Bake:
         ------
         SceneError    Nothing of the order can be baked, or it makes no sense.
         Cancelled    The host said so; a checkpoint stays.
+        FileFormatError    The order's checkpoint belongs to another bake; the text says what differs.
         """
         order = self.order
         _check(order)
+        self._saver = Saver(order, self.host.scene)
         items = self._find_items()
         charts = self._find_charts(items)
         atlas = self._arrange(items, charts)
@@ -244,11 +242,13 @@ class Bake:
     def _shrink_even(self, items, charts, atlas: Atlas, table, compiled) -> Atlas:
         """Lay out anew with fewer lumels on charts that turn out even in a first pass."""
         order = self.order
-        job = self._job(compiled, table, items, atlas)
-        rule = replace(order.rule, samples=FIRST_PASS_SAMPLES)
+        ending = Ending(self.host.cancelled)
+        job = self._job(compiled, table, items, atlas, ending)
+        # Whatever the rule: a bake that goes on with another one has to find the same layout.
+        rule = StopRule(samples=FIRST_PASS_SAMPLES)
         owners = _owners(table)
         try:
-            state = Layer(job, rule, owners, self._report, lambda _: None, len(items)).run()
+            state = Layer(job, rule, owners, self._report, lambda _: None, len(items), ending).run()
         finally:
             job.close()
         made = _estimates([("", state)], order, table)
@@ -280,7 +280,7 @@ class Bake:
             )
         return True, "the radiance beyond the first bounce is read from cells; the bias is measured"
 
-    def _job(self, compiled, table, items, atlas, layer: int = 0) -> LuxJob:
+    def _job(self, compiled, table, items, atlas, ending: Ending, layer: int = 0) -> LuxJob:
         options = self.options
         if options is None:
             count = sum(table.counts)
@@ -290,7 +290,7 @@ class Bake:
                 cells=cells,
                 exitance=self.order.exitance,
                 adaptive=count <= MOST_ADAPTIVE,
-                fineness=_fineness(self.order.rule),
+                fineness=self._saver.fineness,
             )
         tracer = None
         if self.order.caustics == "off":
@@ -315,7 +315,7 @@ class Bake:
         # Errors of layers add up as those of independent estimates.
         seed = self.order.seed + LAYER_SEEDS * layer
         try:
-            job = LuxJob(compiled, table, seed, options, self.host.cancelled, tracer, find_lumels)
+            job = LuxJob(compiled, table, seed, options, ending, tracer, find_lumels)
         except BaseException:
             # What is traced of ray sets is missing from next-event until then.
             if tracer is not None:
@@ -345,23 +345,30 @@ class Bake:
         rule = order.rule
         if rule.seconds is not None:
             rule = replace(rule, seconds=rule.seconds / len(scenes))
-        saver = _Saver(order, self.host.scene.hash(), [name for name, _ in scenes], rule)
+        saver = self._saver
+        saver.read_states(rule, len(scenes), sum(table.counts))
         owners = _owners(table)
         for number, (name, scene) in enumerate(scenes):
             if saver.is_finished(number):
                 continue
+            is_late = self.host.stopped() and saver.state(number) is None
+            if is_late:
+                # The whole needs every layer; one for which there is no time left gets a few samples.
+                rule = StopRule(samples=SHORT)
+            ending = Ending(self.host.cancelled, _never if is_late else self.host.stopped)
             own = compiled if scene is None else self.host.compiled(scene, compiled)
 
             def report(state: Progress, number=number, name=name) -> None:
                 self._report(_part_of(state, number, len(scenes), name))
 
             layer = Layer(
-                self._job(own, table, items, atlas, number),
+                self._job(own, table, items, atlas, ending, number),
                 rule,
                 owners,
                 report,
-                saver.saving(number),
+                (lambda _: None) if is_late else saver.saving(number),
                 len(items),
+                ending,
                 self._start if number == 0 else time.perf_counter(),
             )
             try:
@@ -371,7 +378,11 @@ class Bake:
                 raise
             finally:
                 layer.job.close()
-            saver.finish(number, state)
+            saver.finish(number, state, is_late)
+            if is_late or not state.is_done:
+                self._stopped.append(name)
+        if self._stopped:
+            saver.write()
         return [(name, saver.state(number)) for number, (name, _) in enumerate(scenes)]
 
     # ---- after the passes ----
@@ -397,6 +408,10 @@ class Bake:
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
             parts = own.areas * error.astype(np.float64) ** 2
             heavy = float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts)))
+            spread = float(np.hypot(own.error, floor))
+            least, largest = _extremes(
+                estimates, states, rows, spread / own.mean if own.mean > 0.0 else 0.0
+            )
             made.append(
                 LuxMap(
                     id=item.key,
@@ -405,10 +420,10 @@ class Bake:
                     lumels=own.count,
                     charts=len(np.unique(layout.chart[layout.chart >= 0])),
                     mean=own.mean,
-                    minimum=float(light.min(initial=np.inf)) if len(light) else 0.0,
-                    maximum=float(light.max(initial=0.0)),
+                    least=least,
+                    largest=largest,
                     relative_standard_error=heavy * relative_error(light, error, own.areas),
-                    mean_standard_error=float(np.hypot(own.error, floor)),
+                    mean_standard_error=spread,
                     bias=own.bias,
                     bias_error=own.bias_error,
                     samples=_mean_samples(states, rows) if len(rows) else 0.0,
@@ -484,69 +499,19 @@ class Bake:
             shrink=atlas.shrink,
             seams=seams,
             balance=self._balance,
+            shortfall=_shortfall(order.rule, mean, error) if self._stopped else "",
         )
         if order.folder is not None:
             conversion = [*order.conversion, *(_report_row(each) for each in self.departures)]
             files = write_report(Path(order.folder), order, result, conversion)
             result = replace(result, files=(*result.files, *(str(file) for file in files)))
-        if order.checkpoint is not None:
+        if order.checkpoint is not None and not self._stopped:
             Path(order.checkpoint).unlink(missing_ok=True)
         return result
 
 
-class _Saver:
-    """Keeps the states of layers, and writes them from time to time."""
-
-    def __init__(self, order: BakeOrder, scene_hash: str, names: list[str], rule):
-        self._path = None if order.checkpoint is None else Path(order.checkpoint)
-        self._facts = {"scene": scene_hash, "order": digest(order, WITHOUT), "layers": names}
-        self._states: dict[int, LayerState] = {}
-        self._finished: set[int] = set()
-        self._written = time.perf_counter()
-        if self._path is not None and self._path.exists():
-            arrays, _ = read_checkpoint(self._path, scene_hash, self._facts["order"])
-            for number in range(len(names)):
-                head = f"{number}."
-                own = {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
-                if own:
-                    self._states[number] = LayerState.from_arrays(rule, own)
-                    if self._states[number].is_done:
-                        self._finished.add(number)
-
-    def state(self, number: int) -> LayerState | None:
-        """State of a layer, None when it has not begun."""
-        return self._states.get(number)
-
-    def is_finished(self, number: int) -> bool:
-        """Whether a layer has met its rule."""
-        return number in self._finished
-
-    def saving(self, number: int):
-        """Return a function that takes note of a layer's state."""
-
-        def save(state: LayerState) -> None:
-            self._states[number] = state
-            if time.perf_counter() - self._written > SAVE_INTERVAL:
-                self.write()
-
-        return save
-
-    def finish(self, number: int, state: LayerState) -> None:
-        """Take note of a layer that has met its rule."""
-        self._states[number] = state
-        self._finished.add(number)
-
-    def write(self) -> None:
-        """Write what is known, if the order names a file."""
-        if self._path is None or not self._states:
-            return
-        arrays = {
-            f"{number}.{name}": value
-            for number, state in self._states.items()
-            for name, value in state.arrays().items()
-        }
-        write_checkpoint(self._path, arrays, self._facts)
-        self._written = time.perf_counter()
+def _never() -> bool:
+    return False
 
 
 def _check(order: BakeOrder) -> None:
@@ -564,9 +529,19 @@ def _check(order: BakeOrder) -> None:
         )
 
 
-def _fineness(rule: StopRule) -> float:
-    """Factor on the number of cells: the smaller the error that is asked for, the less the cells may add to it. [-]"""
-    return 1.0 if rule.error is None else float(np.clip(COARSE_ERROR / rule.error, 1.0, MOST_FINE))
+def _shortfall(rule: StopRule, mean: float, error: float) -> str:
+    """Say what a bake that was stopped has, and what it should have. ``mean``, ``error`` [lx]"""
+    wanted = []
+    if rule.error is not None:
+        wanted.append(f"{100.0 * rule.error:.2g} %")
+    if rule.absolute is not None:
+        wanted.append(f"{rule.absolute:.3g} lx")
+    if rule.samples is not None:
+        wanted.append(f"{rule.samples} samples")
+    if rule.seconds is not None:
+        wanted.append(format_seconds(rule.seconds))
+    share = f"{100.0 * error / mean:.2g} % ({error:.3g} lx)" if mean > 0.0 else f"{error:.3g} lx"
+    return f"stopped at an error of {share}; asked for: {' or '.join(wanted)}"
 
 
 def _owners(table: LumelTable) -> np.ndarray:
@@ -620,6 +595,24 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
 
 def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:
     return float(np.mean([state.sums.samples(rows).mean() for state in states]))
+
+
+def _extremes(
+    estimates: Estimates, states: list[LayerState], rows: np.ndarray, common: float
+) -> tuple[Extreme, Extreme]:
+    """Least and largest illuminance of an object. ``common``: relative standard error of its mean. [lx]"""
+    if not len(rows):
+        return Extreme(0.0, 0.0, 0.0), Extreme(0.0, 0.0, 0.0)
+    sums = [state.sums for state in states]
+    halves = Halves(
+        estimates.illuminance[rows],
+        estimates.standard_error[rows],
+        sum(each.even(rows) for each in sums),
+        sum(each.odd(rows) for each in sums),
+        np.mean([each.even_share(rows) for each in sums], axis=0),
+        estimates.freedom,
+    )
+    return find_least(halves, common), find_largest(halves, common)
 
 
 def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:

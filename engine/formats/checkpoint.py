@@ -54,6 +54,13 @@ WHOSE = {
 """Facts that must agree, and what a file comes from where they do not."""
 
 
+TABLES = {"scene": "items", "order": "settings"}
+"""Facts whose parts are known by name."""
+
+MOST_NAMES = 4
+"""Parts that are named where many differ."""
+
+
 def write_checkpoint(path, state: dict[str, np.ndarray], facts: dict) -> Path:
     """Write arrays and facts; a file that was there before stays whole until the new one is.
 
@@ -98,7 +105,7 @@ def write_checkpoint(path, state: dict[str, np.ndarray], facts: dict) -> Path:
 
 
 def read_checkpoint(
-    path, scene: str | None = None, order: str | None = None
+    path, scene: str | None = None, order: str | None = None, wanted: dict | None = None
 ) -> tuple[dict[str, np.ndarray], dict]:
     """Read arrays and facts.
 
@@ -106,6 +113,8 @@ def read_checkpoint(
     ----------
     path : str or Path
     scene, order : str or None    Digests that the file's facts must have; None: any.
+    wanted : dict or None    Facts as of `write_checkpoint`, with which a refusal says what differs: tables of digests by
+        name, ``items`` of the scene and ``settings`` of the order.
 
     Returns
     -------
@@ -120,7 +129,8 @@ def read_checkpoint(
         with open_file(path) as file:
             size = size_of(file)
             facts, table, begin = _read_header(path, file, size)
-            _compare(path, facts, {"engine": VERSION, "scene": scene, "order": order})
+            digests = {"engine": VERSION, "order": order, "scene": scene}
+            _compare(path, facts, digests, wanted or {})
             layout = _check_table(path, table, size - begin)
             state = {}
             for name, kind, shape, checksum in layout:
@@ -252,14 +262,27 @@ def _read_header(path: Path, file, size: int) -> tuple[dict, list, int]:
     return facts, table, begin
 
 
-def _compare(path: Path, facts: dict, wanted: dict) -> None:
+def _compare(path: Path, facts: dict, digests: dict, wanted: dict) -> None:
     """Refuse a file of another version, scene or order."""
-    for name, value in wanted.items():
+    for name, value in digests.items():
         if value is not None and facts.get(name) != value:
             whose = WHOSE[name].format(found=str(facts.get(name))[:40], wanted=value)
+            table = TABLES.get(name)
+            what = _differences(facts.get(table), wanted.get(table))
             raise FileFormatError(
-                path, f"the checkpoint comes from {whose}: delete it or name another file"
+                path, f"the checkpoint comes from {whose}{what}: delete it or name another file"
             )
+
+
+def _differences(found, wanted) -> str:
+    """Names by which two tables differ, in brackets; nothing where they are not known."""
+    if not isinstance(found, dict) or not isinstance(wanted, dict) or not found or not wanted:
+        return ""
+    names = [name for name in {**found, **wanted} if found.get(name) != wanted.get(name)]
+    if not names:
+        return ""
+    more = f" and {len(names) - MOST_NAMES} others" if len(names) > MOST_NAMES else ""
+    return f" ({', '.join(str(name)[:60] for name in names[:MOST_NAMES])}{more})"
 
 
 def _check_table(path: Path, table: list, room: int) -> list[tuple[str, np.dtype, tuple, int]]:

@@ -250,8 +250,10 @@ def _describe_object(shown: ShownObject) -> dict:
 def _describe_map(made) -> dict:
     return {
         "mean_lux": _state(made.mean),
-        "minimum_lux": _state(made.minimum),
-        "maximum_lux": _state(made.maximum),
+        "minimum_lux": _state(made.least.value),
+        "minimum_lux_range": [_state(made.least.low), _state(made.least.high)],
+        "maximum_lux": _state(made.largest.value),
+        "maximum_lux_range": [_state(made.largest.low), _state(made.largest.high)],
         "relative_standard_error": _state(made.relative_standard_error),
         "mean_standard_error_lux": _state(made.mean_standard_error),
         "lumels": int(made.lumels),

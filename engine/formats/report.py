@@ -1,5 +1,6 @@
 """The machine-readable report that goes with pictures and lux maps."""
 
+import csv
 import json
 import math
 from pathlib import Path
@@ -8,14 +9,21 @@ from ..errors import FileFormatError
 
 
 def quantity_of_map(made) -> dict:
-    """Row of a `baking.order.LuxMap`. Errors that are not known are null: JSON has no infinity."""
+    """Row of a `baking.order.LuxMap`. Errors that are not known are null: JSON has no infinity.
+
+    Extremes are freed of noise; ``…_range`` is the interval that holds the true one in 95 % of cases at least.
+    """
     return {
         "name": made.name,
         "quantity": "illuminance",
         "unit": "lx",
         "mean": made.mean,
-        "minimum": made.minimum,
-        "maximum": made.maximum,
+        "minimum": made.least.value,
+        "minimum_range": _range(made.least),
+        "maximum": made.largest.value,
+        "maximum_range": _range(made.largest),
+        "uniformity": made.uniformity.value,
+        "uniformity_range": _range(made.uniformity),
         "relative_standard_error": _known(made.relative_standard_error),
         "mean_standard_error": _known(made.mean_standard_error),
         "bias": made.bias,
@@ -29,8 +37,45 @@ def quantity_of_map(made) -> dict:
     }
 
 
+def _range(extreme) -> list[float | None]:
+    return [extreme.low, _known(extreme.high)]
+
+
 def _known(error: float) -> float | None:
     return error if math.isfinite(error) else None
+
+
+COLUMNS = (
+    "name", "unit", "mean", "mean_standard_error", "minimum", "minimum_low", "minimum_high", "maximum", "maximum_low",
+    "maximum_high", "uniformity", "uniformity_low", "uniformity_high", "relative_standard_error", "bias", "bias_error",
+    "samples", "lumels", "invalid", "area", "lumels_per_metre", "smoothed",
+)  # fmt: skip
+"""Of the table of lux maps; ``_low`` and ``_high`` are the ends of ranges."""
+
+
+def write_table(path, quantities: list[dict]) -> Path:
+    """Write rows of `quantity_of_map` as comma-separated text; what is not known stays empty.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be written.
+    """
+    path = Path(path)
+    rows = []
+    for quantity in quantities:
+        row = dict(quantity)
+        for name in ("minimum", "maximum", "uniformity"):
+            row[f"{name}_low"], row[f"{name}_high"] = row.pop(f"{name}_range")
+        rows.append({name: "" if row[name] is None else row[name] for name in COLUMNS})
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+    except OSError as error:
+        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
+    return path
 
 
 def compose(

@@ -174,6 +174,19 @@ class Scene:
             digest.update(self._digest(self.world))
         return digest.hexdigest()
 
+    def digests(self) -> dict[str, str]:
+        """Fingerprints of the items that make light or are lit, by name; items of one name have one together."""
+        found: dict[str, list[str]] = {}
+        tables = (self.meshes, self.materials, self.lights)
+        items = [item for table in tables for item in table.values()]
+        for item in items if self.world is None else [*items, self.world]:
+            part = hashlib.sha256(self._digest(item))
+            if isinstance(item, Placement) and item.geometry in self.geometries:
+                part.update(self._digest(self.geometries[item.geometry]))
+            part.update(repr(getattr(item, "materials", ())).encode())
+            found.setdefault(getattr(item, "name", "") or item.id, []).append(part.hexdigest()[:16])
+        return {name: "".join(sorted(parts)[:8]) for name, parts in found.items()}
+
     def _digest(self, item) -> bytes:
         """SHA-256 of an item's content; kept, because meshes are large."""
         known = self._digests.get(item.id)

@@ -85,6 +85,10 @@ class RemoteSession:
         """Ask the session's jobs to end; whoever waits for them gets `Cancelled`."""
         self._link.cancel_session(self.name)
 
+    def stop(self) -> None:
+        """Ask the session's bake to end with what it has; whoever waits for it gets that."""
+        self._link.stop_session(self.name)
+
     def render(
         self,
         camera: Camera,

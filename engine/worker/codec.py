@@ -13,7 +13,7 @@ from enum import Enum
 import numpy as np
 
 from .. import session
-from ..accuracy import history, stopping
+from ..accuracy import extremes, history, stopping
 from ..baking import order
 from ..errors import CodecError, LumenrayError
 from ..scene import (
@@ -52,7 +52,7 @@ DTYPES = {
 
 _MODULES = (
     camera, distribution, light, material, mesh, provenance, ray_emission, scattering, scene, sensor, spectrum, texture,
-    session, history, stopping, order, backend,
+    session, extremes, history, stopping, order, backend,
 )  # fmt: skip
 
 

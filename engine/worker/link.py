@@ -232,6 +232,15 @@ class Link:
             call.cancel_age = 0.0
             self._channel.send({"kind": "cancel", "number": call.number})
 
+    def stop_session(self, session: str) -> None:
+        """Ask the bakes of a session to end with what they have."""
+        with self._lock:
+            if self.lost is not None:
+                return
+            for call in self._calls.values():
+                if call.session == session and call.kind == "bake_objects" and not call.is_done:
+                    self._channel.send({"kind": "stop", "number": call.number})
+
     def cancel_session(self, session: str) -> None:
         """Ask all jobs of a session to end."""
         with self._lock:

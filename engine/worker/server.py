@@ -132,6 +132,8 @@ class Server:
             os._exit(0)
         elif kind == "cancel":
             self._cancel(number)
+        elif kind == "stop":
+            self._stop(number)
         elif kind == "seen":
             self._note_seen(head)
         elif kind in JOBS or kind in CHANGES:
@@ -176,6 +178,17 @@ class Server:
                     self._fail(order, Cancelled("cancelled"))
                 elif self._desks[order.session].session is not None:
                     self._desks[order.session].session.cancel()
+
+    def _stop(self, number: int) -> None:
+        """Let a bake end with what it has; one that has not begun has nothing."""
+        with self._lock:
+            if not any(order.number == number for order in self._stack):
+                self._cancel(number)
+                return
+            for order in self._stack:
+                session = self._desks[order.session].session
+                if order.number == number and order.kind == "bake_objects" and session is not None:
+                    session.stop()
 
     def _note_seen(self, head: dict) -> None:
         """Send on what was held back until the other end had dealt with the last of its kind."""

@@ -23,6 +23,7 @@ from fake_bakes import (
 )
 from lumenray.blender_addon import (
     bake,
+    bake_folders,
     baked_images,
     baked_layout,
     baked_look,
@@ -320,7 +321,7 @@ def test_settings_reach_the_engine(fake, tmp_path):
     assert (rule.samples, rule.error, rule.seconds, rule.absolute) == (
         None, pytest.approx(0.01), pytest.approx(9.0), 4.0,
     )  # fmt: skip
-    assert order.checkpoint == str(tmp_path / bake.CHECKPOINT)
+    assert order.checkpoint == str(tmp_path / bake_folders.CHECKPOINT)
 
 
 def test_a_rule_of_a_script_stands_alone(fake, tmp_path):
@@ -342,7 +343,7 @@ def test_only_a_bake_that_is_there_is_resumed(fake, tmp_path):
     add_quad("Floor")
     with pytest.raises(RuntimeError, match="no interrupted bake"):
         bake_all(tmp_path, resume=True)
-    kept = tmp_path / bake.CHECKPOINT
+    kept = tmp_path / bake_folders.CHECKPOINT
     kept.write_bytes(b"state")
     bpy.context.scene.lumenray.bake_checkpoint = False
     bake_all(tmp_path, resume=True)
@@ -352,7 +353,8 @@ def test_only_a_bake_that_is_there_is_resumed(fake, tmp_path):
 
 def test_a_new_bake_forgets_the_interrupted_one(fake, tmp_path, monkeypatch):
     add_quad("Floor")
-    kept = tmp_path / bake.CHECKPOINT
+    bake_all(tmp_path)
+    kept = tmp_path / bake_folders.CHECKPOINT
     kept.write_bytes(b"state")
     seen = []
     real = fake.bake_objects
@@ -756,7 +758,7 @@ def test_resume_is_offered_where_the_folder_holds_a_state(tmp_path):
         item = add_quad("Floor")
         where = context(selected_objects=[item], object=item)
         assert draw("LUMENRAY_PT_bake", where).count("lumenray.bake_illuminance") == 1
-        (tmp_path / bake.CHECKPOINT).write_bytes(b"state")
+        (tmp_path / bake_folders.CHECKPOINT).write_bytes(b"state")
         assert draw("LUMENRAY_PT_bake", where).count("lumenray.bake_illuminance") == 2
 
 
@@ -932,8 +934,8 @@ def test_a_cancelled_bake_goes_on_to_the_same_map(tmp_path):
 
     with pytest.raises(Cancelled):
         job.run(Session(), stop_half_way)
-    assert bake.checkpoint_path(tmp_path / "halves").is_file()
+    assert bake_folders.checkpoint_path(tmp_path / "halves").is_file()
     page = prepared("halves", resume=True).run(Session()).pages[0]
-    assert not bake.checkpoint_path(tmp_path / "halves").exists()
+    assert not bake_folders.checkpoint_path(tmp_path / "halves").exists()
     np.testing.assert_array_equal(page.illuminance, whole.illuminance)
     np.testing.assert_array_equal(page.standard_error, whole.standard_error)

@@ -405,7 +405,8 @@ def test_the_bake_operator_writes_uv_map_image_and_files(tmp_path):
     assert abs(row["mean"] - 1000.0 / (24.0 * 0.5)) < 3 * row["mean_standard_error"] + 0.2
     values = np.array(image.pixels[:]).reshape(*reversed(image.size), 4)[..., 0]
     # Gutters hold what lumels hold, and nothing above them.
-    assert values.max() == pytest.approx(row["maximum"], rel=1e-5)
+    low, high = row["maximum_range"]
+    assert low < values.max() < high
     layer = np.array([d.vector[:] for d in floor.data.uv_layers["Lumenray"].uv])
     assert layer.min() >= 0.0
     assert layer.max() <= 1.0

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from fake_bakes import make_page, make_result
 from lumenray import operators, ui
-from lumenray.blender_addon import feedback, probe, properties, readout
+from lumenray.blender_addon import baked_results, feedback, probe, properties, readout
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.units import format_lengths
+from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import Layout as MapLayout
 from lumenray.engine.baking.order import LuxMap
@@ -275,7 +276,7 @@ def test_bake_panel_shows_a_button_or_progress():
     # Rounded down.
     assert "42 %" in seen
     assert {"passes", "8", "3.10 %", "27 s"} <= set(seen)
-    assert any(text.startswith("Esc cancels") for text in seen)
+    assert any(text.startswith("Esc stops") for text in seen)
     assert "lumenray.bake_illuminance" not in seen
 
 
@@ -289,8 +290,8 @@ def lux_map(name="Floor", mean=500.0):
         lumels=12500,
         charts=1,
         mean=mean,
-        minimum=0.5 * mean,
-        maximum=1.5 * mean,
+        least=Extreme(0.5 * mean, 0.45 * mean, 0.55 * mean),
+        largest=Extreme(1.5 * mean, 1.4 * mean, 1.7 * mean),
         relative_standard_error=0.1,
         mean_standard_error=2.0,
         bias=-0.4,
@@ -307,13 +308,14 @@ def lux_map(name="Floor", mean=500.0):
 
 
 def test_results_are_shown_with_their_error():
-    manager = bpy.context.window_manager
     assert draw("LUMENRAY_PT_results", context()) is None
-    feedback.show_results(manager, make_result([lux_map(), lux_map("Desk", 750.0)], [make_page(0)]))
-    manager.lumenray.result_index = 1
+    scene = bpy.context.scene
+    made = make_result([lux_map(), lux_map("Desk", 750.0)], [make_page(0)])
+    baked_results.store_results(scene, made, "lux")
+    scene.lumenray.baked.row_index = 1
     said = draw("LUMENRAY_PT_results", context())
     assert "750.0 ± 2.0 lx" in said
-    assert "0.50" in said
+    assert {"0.50", "338 to 412 lx", "1\u2009050 to 1\u2009275 lx", "0.45 to 0.55"} <= set(said)
     assert "-0.40 ± 0.20 lx" in said
     assert "7 lumels, filled" in said
     assert "Smoothed" in said
@@ -324,7 +326,7 @@ def test_results_are_shown_with_their_error():
     layout = Layout()
     list_ = Drawn(bake.LUMENRAY_UL_results, layout)
     bake.LUMENRAY_UL_results.draw_item(
-        list_, context(), layout, manager.lumenray, manager.lumenray.results[0], 0, None, ""
+        list_, context(), layout, scene.lumenray.baked, scene.lumenray.baked.rows[0], 0, None, ""
     )
     assert layout.seen == ["Floor", "500 lx"]
 

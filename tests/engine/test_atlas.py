@@ -104,7 +104,7 @@ def test_a_baked_floor_follows_the_inverse_square_cosine_law():
     # Mean over the square by its closed form: flux through it = I * 4 asin(a^2 / (a^2 + h^2)), a = 2.
     flux = 1000.0 * 4.0 * np.arcsin(4.0 / (4.0 + height**2))
     assert made.mean == pytest.approx(flux / 16.0, rel=0.003)
-    assert made.minimum <= made.mean <= made.maximum
+    assert made.least.low <= made.mean <= made.largest.high
 
 
 @pytest.mark.mitsuba

@@ -214,7 +214,7 @@ def test_a_check_that_is_made_now_and_then_does_not_lengthen_all_passes():
 def test_over_the_passes_that_share_it_work_counts_once():
     from lumenray.engine.baking.layer import Layer
 
-    layer = Layer(None, StopRule(samples=1), None, None, None, 1)
+    layer = Layer(None, StopRule(samples=1), None, None, None, 1, None)
     extra = [
         layer._extra("check", seconds, number, 4) for number, seconds in enumerate([8, 0, 0, 0])
     ]

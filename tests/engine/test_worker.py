@@ -272,6 +272,31 @@ def test_a_paused_job_is_cancelled_at_once(worker, jobs):
     assert "end bake" not in events(worker)
 
 
+def test_a_bake_that_is_stopped_answers_with_what_it_has(worker, jobs):
+    states, session = [], worker.session("bake")
+    bake = jobs.submit(session.bake_objects, order(10_000), states.append)
+    wait_for(begun(states))
+    session.stop()
+    made = bake.result(5)
+    assert made.departures[0].message.endswith("stop bake")
+    # The word is for that bake alone.
+    assert session.bake_objects(order(3)).departures[0].message.endswith("end bake")
+    session.stop()
+    assert session.bake_objects(order(3)).departures[0].message.endswith("end bake")
+
+
+def test_a_bake_that_waits_has_nothing_to_keep(worker, jobs):
+    states, told, waiting = [], [], worker.session("b")
+    long = jobs.submit(measure, worker.session("a"), 200, progress=states.append)
+    wait_for(begun(states))
+    job = jobs.submit(waiting.bake_objects, order(10), told.append)
+    wait_for(lambda: told)
+    waiting.stop()
+    with pytest.raises(Cancelled):
+        job.result(5)
+    long.result(10)
+
+
 def test_a_cancel_hits_only_its_own_session_and_no_later_job(worker, jobs):
     a, b, states = worker.session("a"), worker.session("b"), []
     running = jobs.submit(measure, a, 60, progress=states.append)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams
 from lumenray.engine.scene.material import Diffuse, Emission, Material, ThinGlass
@@ -110,8 +111,8 @@ def make_map(mesh: Mesh, number, values, uv, page):
         lumels=values.size,
         charts=1,
         mean=float(values.mean()),
-        minimum=float(values.min()),
-        maximum=float(values.max()),
+        least=Extreme(float(values.min()), 0.9 * float(values.min()), 1.1 * float(values.min())),
+        largest=Extreme(float(values.max()), 0.9 * float(values.max()), 1.1 * float(values.max())),
         relative_standard_error=0.01,
         mean_standard_error=0.5,
         bias=0.0,

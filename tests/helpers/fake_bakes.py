@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History, Mark
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams
 from lumenray.engine.errors import Cancelled
@@ -33,13 +34,16 @@ class FakeSession:
         self.scene = Scene()
         self.pages = pages
         self.order = None
-        self.cancelled = False
+        self.cancelled = self.stopped = False
 
     def apply(self, delta):
         self.scene.apply(delta)
 
     def cancel(self):
         self.cancelled = True
+
+    def stop(self):
+        self.stopped = True
 
     def close(self):
         pass
@@ -111,8 +115,8 @@ def make_map(mesh, number: int, page: int, order) -> LuxMap:
         lumels=SIZE * SIZE,
         charts=1,
         mean=float(values.mean()),
-        minimum=float(values.min()),
-        maximum=float(values.max()),
+        least=Extreme(float(values.min()), 0.9 * float(values.min()), 1.1 * float(values.min())),
+        largest=Extreme(float(values.max()), 0.9 * float(values.max()), 1.1 * float(values.max())),
         relative_standard_error=ERROR,
         mean_standard_error=0.5,
         bias=0.1,

@@ -37,7 +37,7 @@ class FakeSession:
 
     def __init__(self, interrupt):
         self._interrupt = interrupt
-        self._cancel = False
+        self._cancel = self._stop = False
         self._view = None
         self._shown = 0
         self.items = {}
@@ -55,6 +55,9 @@ class FakeSession:
 
     def cancel(self):
         self._cancel = True
+
+    def stop(self):
+        self._stop = True
 
     def render(self, camera, settings, progress=None):
         small = np.full((camera.height, camera.width), self.revision, np.float32)
@@ -124,6 +127,10 @@ class FakeSession:
                 self._interrupt()
                 if self._cancel:
                     raise Cancelled("cancelled")
+            if self._stop:
+                self._stop = False
+                EVENTS.append(f"stop {name}")
+                return
             time.sleep(STEP)
             if progress is not None and transport != "deaf":
                 progress(Progress((step + 1) / steps, step, 0.1, 0.0, None, name), *more)

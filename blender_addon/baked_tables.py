@@ -1,0 +1,86 @@
+"""Tables of the last bake of a scene, as they are kept in the file: property groups, reached as ``scene.lumenray.baked``."""
+
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatProperty,
+    IntProperty,
+    StringProperty,
+)
+from bpy.types import PropertyGroup
+
+UNKNOWN = 1e30
+"""Errors and ends of ranges from here on are not known; Blender's numbers have no infinity."""
+
+
+class LumenrayResultRow(PropertyGroup):
+    """One lux map. ``relative_error`` is that of its lumels, ``mean_error`` that of ``mean``."""
+
+    name: StringProperty(name="Name", description="Object that the map lies on")
+    mean: FloatProperty(name="Mean", description="Area-weighted mean")
+    minimum: FloatProperty(
+        name="Minimum", description="Smallest value on the surface, without what noise adds"
+    )
+    minimum_low: FloatProperty(name="From", description="The smallest value is hardly below this")
+    minimum_high: FloatProperty(name="To", description="The smallest value is hardly above this")
+    maximum: FloatProperty(
+        name="Maximum", description="Largest value on the surface, without what noise adds"
+    )
+    maximum_low: FloatProperty(name="From", description="The largest value is hardly below this")
+    maximum_high: FloatProperty(name="To", description="The largest value is hardly above this")
+    uniformity: FloatProperty(name="Uniformity", description="Smallest value over the mean")
+    uniformity_low: FloatProperty(name="From", description="The uniformity is hardly below this")
+    uniformity_high: FloatProperty(name="To", description="The uniformity is hardly above this")
+    mean_error: FloatProperty(name="Error of the mean", description="Standard error of the mean")
+    relative_error: FloatProperty(
+        name="Relative error",
+        description="Standard error of the single values divided by the mean",
+    )
+    bias: FloatProperty(
+        name="Bias", description="What the method adds to the mean on the whole, as measured"
+    )
+    bias_error: FloatProperty(name="Error of the bias", description="Standard error of the bias")
+    samples: IntProperty(name="Samples", description="Samples per lumel")
+    lumels: IntProperty(name="Lumels", description="How many lie on the surface")
+    density: FloatProperty(name="Density", description="Lumels per metre that were reached")
+    invalid: IntProperty(
+        name="Inside solids", description="Lumels that were filled from their neighbours"
+    )
+    is_smoothed: BoolProperty(
+        name="Smoothed", description="Whether the map was smoothed after its error was known"
+    )
+    unit: StringProperty(name="Unit", description="Unit of the values", default="lx")
+
+
+class LumenrayBakedResults(PropertyGroup):
+    """The last bake of a scene: a row for each map, the whole, and what has changed since."""
+
+    rows: CollectionProperty(type=LumenrayResultRow)
+    row_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
+    relative_error: FloatProperty(
+        name="Relative error", description="Standard error of all lumels divided by the mean"
+    )
+    mean: FloatProperty(name="Mean", description="Of everything, in lx")
+    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
+    pages: IntProperty(name="Pages", description="Of the atlas")
+    shrink: FloatProperty(
+        name="Shrink", description="Factor on all densities that made the charts fit"
+    )
+    seam_pairs: IntProperty(name="Seam points", description="Places where charts meet")
+    seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
+    seam_after: FloatProperty(name="Steps left", description="At seams after matching, in lx")
+    seam_noise: FloatProperty(name="Noise of steps", description="Their standard error, in lx")
+    shortfall: StringProperty(
+        name="Stopped", description="What of the rule was not met when the bake was stopped"
+    )
+    folder: StringProperty(name="Folder", description="Where the files were written")
+    scene_hash: StringProperty(
+        name="Scene", description="Fingerprint of the scene that was baked", options={"HIDDEN"}
+    )
+    serial: StringProperty(name="Bake", description="Tells one bake from all others", options={"HIDDEN"})  # fmt: skip
+    changed: StringProperty(
+        name="Changed", description="What has changed since the bake; empty: nothing"
+    )
+
+
+CLASSES = (LumenrayResultRow, LumenrayBakedResults)
