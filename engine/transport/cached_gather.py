@@ -78,6 +78,7 @@ def incoming(
         mi.Float(guided_ratio),
         mi.Spectrum(1.0),
         mi.UInt32(1),
+        mi.UInt32(0),
         mi.Bool(False),
         mi.Bool(False),
     )
@@ -106,7 +107,8 @@ def incoming(
 class _Rays:
     """Rays from receivers; parameters as of `incoming`, and of what panes have done to them.
 
-    ``number``: of the ray. ``is_read``: whether the base of what they meet has been read.
+    ``number``: of the ray. ``chain``: known mirrors met since ``reference`` was one's own. ``is_read``: whether the base of
+    what they meet has been read.
     """
 
     number: object
@@ -120,6 +122,7 @@ class _Rays:
     guided_ratio: object
     throughput: object
     depth: object
+    chain: object
     bent: object
     is_read: object
 
@@ -226,13 +229,18 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
             throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf, 0.0),
         )
         if wanted == mi.BSDFFlags.DeltaReflection:
+            known = mi.Bool(False)
+            if scene.mirrors is not None:
+                known = scene.mirror_at(si, mi.Bool(True)) > 0
+            image = si.p - onwards.d * dr.norm(si.p - rays.reference)
             found = replace(
                 found,
-                scatter_pdf=mi.Float(0.0),
-                reference=si.p,
-                ratio=mi.Float(1.0),
+                scatter_pdf=dr.select(known, rays.scatter_pdf, 0.0),
+                reference=dr.select(known, image, si.p),
+                ratio=dr.select(known, rays.ratio, 1.0),
                 depth=rays.depth + 1,
-                bent=mi.Bool(True),
+                chain=dr.select(known, rays.chain + 1, 0),
+                bent=~known,
             )
         made.append(found)
     return made
@@ -271,7 +279,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         "ratio": mi.Float(rays.ratio),
         "depth": mi.UInt32(rays.depth),
         "steps": mi.UInt32(0),
-        "chain": mi.UInt32(0),
+        "chain": mi.UInt32(rays.chain),
         "bent": mi.Bool(rays.bent),
         "is_read": mi.Bool(rays.is_read),
         # Traced light lands on receivers and matt surfaces only.
@@ -434,8 +442,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         bends = turned & delta
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            mirrored = turned & (scene.mirror_at(si, turned) > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
             chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))

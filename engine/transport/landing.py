@@ -135,9 +135,8 @@ def follow(
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
         is_bend = mi.Bool(bent)
-        if scene.is_mirror is not None:
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            is_bend &= ~dr.gather(mi.Bool, scene.is_mirror, ids, bent)
+        if scene.mirrors is not None:
+            is_bend &= scene.mirror_at(si, bent) == 0
         bends = dr.select(is_bend, bends + 1, bends)
         # Straight means straight: turned into the surface's frame and back, rays would drift.
         onwards = spawn_ray(scene, si, dr.select(straight, ray.d, si.to_world(bs.wo)))

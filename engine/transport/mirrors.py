@@ -1,12 +1,15 @@
-"""Light that reaches a point by way of plane mirrors: next-event through virtual images.
+"""Light that reaches a point by way of plane mirrors and panes: next-event through virtual images.
 
 A chain of mirrors is drawn, the point is reflected at each of them in turn, and an emitter is chosen and sampled as that
 image sees it; the path is then traced from the point over the mirrors, which must be met in this order. So even ideal points
 and suns shine by mirrors, which no scattered ray would find. The chance of a chain depends on its length alone, so hits of
 scattered rays that came over mirrors can be weighed against it (see `paths`): their reference point is the same image.
+
+A pane is a mirror to the chains that it is in and lets all others pass straight. A straight line meets a plane once, so what
+a pane does to a ray follows from the chain.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -27,77 +30,114 @@ GOES_ON = 0.5
 FLATNESS = 1e-5
 """Largest distance from its plane, relative to its size, of what counts as a plane mirror. [-]"""
 
-NEARNESS = 64.0
-"""Largest distance of a hit from the chain's plane, in steps by which rays start off surfaces."""
+SLIVER = 0.02
+"""Faces of a pane smaller than this share of its largest, such as its edges, are left to scattered rays. [-]"""
 
+ROUNDING = 64.0
+"""By which the bounds of mirrors are wider than the mirrors, in steps by which rays start off surfaces."""
 
-ALIGNMENT = 0.99999
-"""Smallest cosine between the normals of a hit and of the chain's plane. [-]"""
+COLUMNS = 10
+"""Of the table of planes: normal, distance, lowest and highest corner."""
 
 
 @dataclass(frozen=True)
 class Plane:
-    """Plane of a mirror in the world: unit normal (3,), distance from the origin along it [m], mirror's area in it [m2]."""
+    """Plane of a mirror in the world.
+
+    ``normal`` (3,): of unit length; ``distance``: from the origin along it [m]; ``area``: of the mirror in it [m2]; ``low``,
+    ``high`` (3,): corners of the mirror's bounds [m]; ``is_pane``: whether light may also pass it.
+    """
 
     normal: np.ndarray
     distance: float
     area: float
+    low: np.ndarray
+    high: np.ndarray
+    is_pane: bool = False
 
     def order(self) -> tuple:
-        """Key that puts planes in an order of their own: the largest first."""
-        return (-self.area, *self.normal, self.distance)
+        """Key that puts planes in an order of their own: true mirrors first, then the largest."""
+        return (self.is_pane, -self.area, *self.normal, self.distance, *self.low)
+
+    def holds(self, other: "Plane") -> bool:
+        """Whether another plane is the same but for what rounding may do."""
+        size = max(float((p.high - p.low).max()) for p in (self, other))
+        cosine = float(self.normal @ other.normal)
+        if np.linalg.norm(other.normal - np.sign(cosine) * self.normal) > FLATNESS:
+            return False
+        middle = 0.5 * (other.low + other.high)
+        return abs(float(self.normal @ middle) - self.distance) <= FLATNESS * size
 
 
-def find_planes(vertices, triangles) -> list[Plane] | None:
-    """Planes of triangles, None when there are more than `MAXIMUM_MIRRORS` (a curved mirror). (v, 3) [m], (t, 3)"""
-    corners = vertices[triangles]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    double = np.linalg.norm(cross, axis=1)
-    kept = double > 0.0
-    corners, cross, double = corners[kept], cross[kept], double[kept]
-    normals = cross / double[:, None]
-    size = float(np.ptp(vertices, axis=0).max(initial=0.0))
-    found: list[Plane] = []
-    left = np.arange(len(corners))
-    while len(left):
-        if len(found) == MAXIMUM_MIRRORS:
-            return None
-        normal, point = normals[left[0]], corners[left[0], 0]
-        off = np.abs((corners[left] - point) @ normal).max(axis=1)
-        same = off <= FLATNESS * size
-        area = 0.5 * float(double[left[same]].sum())
-        # One sign for both sides of a plane.
-        sign = 1.0 if tuple(normal) >= tuple(-normal) else -1.0
-        found.append(Plane(sign * normal, sign * float(normal @ point), area))
-        left = left[~same]
-    return found
-
-
-def choose_planes(planes: list[Plane], radius: float) -> tuple[list[Plane], set[int]]:
-    """Planes that chains are drawn from: the largest, and only one of those that a hit could not tell apart.
+def find_planes(vertices, triangles, is_pane=False) -> tuple[list[Plane], np.ndarray]:
+    """Planes of triangles, none when there are more than `MAXIMUM_MIRRORS` (a curved mirror).
 
     Parameters
     ----------
-    planes : list of Plane
-    radius : float    Of the scene. [m]
+    vertices, triangles : (v, 3) array [m], (t, 3) int array
+    is_pane : bool    Whether they let light pass; the smallest faces are left out then.
 
     Returns
     -------
-    (list of Plane, set of int)    With the `id` of every given plane that one of them stands for.
+    (list of Plane, (t,) int array)    And which of them each triangle lies in, -1: none.
     """
-    near = 2.0 * NEARNESS * STEP * max(radius, 1e-30)
+    member = np.full(len(triangles), -1)
+    corners = vertices[triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    double = np.linalg.norm(cross, axis=1)
+    normals = cross / np.maximum(double, 1e-300)[:, None]
+    size = float(np.ptp(vertices, axis=0).max(initial=0.0))
+    found: list[Plane] = []
+    left = np.flatnonzero(double > 0.0)
+    while len(left):
+        if len(found) == MAXIMUM_MIRRORS:
+            return [], np.full(len(triangles), -1)
+        normal, point = normals[left[0]], corners[left[0], 0]
+        off = np.abs((corners[left] - point) @ normal).max(axis=1)
+        same = left[off <= FLATNESS * size]
+        member[same] = len(found)
+        # One sign for both sides of a plane.
+        sign = 1.0 if tuple(normal) >= tuple(-normal) else -1.0
+        places = corners[same].reshape(-1, 3)
+        found.append(
+            Plane(
+                sign * normal,
+                sign * float(normal @ point),
+                0.5 * float(double[same].sum()),
+                places.min(axis=0),
+                places.max(axis=0),
+                is_pane,
+            )
+        )
+        left = left[off > FLATNESS * size]
+    if is_pane and found:
+        largest = max(plane.area for plane in found)
+        kept = np.array([plane.area >= SLIVER * largest for plane in found])
+        member = np.where((member >= 0) & kept[member], (np.cumsum(kept) - 1)[member], -1)
+        found = [plane for plane, is_kept in zip(found, kept, strict=True) if is_kept]
+    return found, member
+
+
+def choose_planes(planes: list[Plane]) -> tuple[list[Plane], dict[int, int]]:
+    """Planes that chains are drawn from: true mirrors before panes, the largest first, and the same plane once.
+
+    Returns
+    -------
+    (list of Plane, dict of int to int)    And for the `id` of every given plane that one of them stands for its place.
+    """
     chosen: list[Plane] = []
-    known: set[int] = set()
+    known: dict[int, int] = {}
     for plane in sorted(planes, key=Plane.order):
-        for other in chosen:
-            cosine = float(plane.normal @ other.normal)
-            if abs(cosine) > ALIGNMENT and abs(plane.distance * cosine - other.distance) <= near:
-                known.add(id(plane))
-                break
-        else:
-            if len(chosen) < MAXIMUM_MIRRORS:
-                chosen.append(plane)
-                known.add(id(plane))
+        place = next((i for i, other in enumerate(chosen) if other.holds(plane)), None)
+        if place is not None:
+            other = chosen[place]
+            low, high = np.minimum(other.low, plane.low), np.maximum(other.high, plane.high)
+            chosen[place] = replace(other, low=low, high=high)
+        elif len(chosen) < MAXIMUM_MIRRORS:
+            place = len(chosen)
+            chosen.append(plane)
+        if place is not None:
+            known[id(plane)] = place
     return chosen, known
 
 
@@ -111,17 +151,34 @@ class MirrorSet:
     """
 
     def __init__(self, planes: list[Plane], origin: np.ndarray):
-        rows = np.zeros((table_size(len(planes)), 4))
+        rows = np.zeros((table_size(len(planes)), COLUMNS))
         for row, plane in zip(rows, planes, strict=False):
             row[:3], row[3] = plane.normal, plane.distance - float(plane.normal @ origin)
+            row[4:7], row[7:] = plane.low - origin, plane.high - origin
         self._rows = upload(mi.Float, rows)
         self._count = dr.opaque(mi.UInt32, len(planes))
         dr.eval(self._rows)
 
     def plane(self, index, active):
         """Unit normal and distance of a plane in the scene's frame."""
-        x, y, z, w = (dr.gather(mi.Float, self._rows, index * 4 + k, active) for k in range(4))
+        x, y, z, w = (self._entry(index, k, active) for k in range(4))
         return mi.Vector3f(x, y, z), w
+
+    def may_meet(self, index, ray, slack, active):
+        """Whether a ray may meet the mirrors in a plane; most cannot, and need not be traced. ``slack``: of bounds [m]."""
+        normal, distance = self.plane(index, active)
+        way = (distance - dr.dot(normal, ray.o)) / dr.dot(normal, ray.d)
+        # Steep rays lose digits on a long way.
+        place, reach = ray.o + ray.d * way, slack + 1e-5 * dr.abs(way)
+        low, high = (
+            mi.Point3f(*(self._entry(index, first + k, active) for k in range(3)))
+            for first in (4, 7)
+        )
+        is_inside = dr.all((place >= low - reach) & (place <= high + reach))
+        return active & is_inside & (way > -slack)
+
+    def _entry(self, index, column, active):
+        return dr.gather(mi.Float, self._rows, index * COLUMNS + column, active)
 
     def probability(self, length):
         """Chance of one chain of a length: of the length, and of its mirrors, no two alike in sequence."""
@@ -192,7 +249,8 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
 
     Returns
     -------
-    (SurfaceInteraction3f, Spectrum, Bool)    The last mirror's surface, the chain's reflectance, and whether it was met.
+    (SurfaceInteraction3f, Vector3f, Spectrum, Bool)
+        The last mirror's surface, where it reflects to, the chain's reflectance, and whether it was met.
     """
     context = mi.BSDFContext()
     mirrors = scene.mirrors
@@ -208,28 +266,28 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         "going": mi.Bool(active),
     }
 
+    slack = ROUNDING * STEP * scene.extent
+
     def body(ray, at, value, numbers, last, step, passes, going):
+        drawn = mi.PCG32(numbers)
+        index = mirrors.next(drawn.next_float32(), last, step == 0)
+        going = mirrors.may_meet(index, ray, slack, going)
         hit = closest_hit(scene, ray, going)
         hit.wavelengths = ray.wavelengths
         going &= hit.is_valid()
         bsdf = scene.bsdf(hit, going)
-        ids = dr.reinterpret_array(mi.UInt32, hit.shape)
-        is_mirror = dr.gather(mi.Bool, scene.is_mirror, ids, going) & going
-        drawn = mi.PCG32(numbers)
-        index = mirrors.next(drawn.next_float32(), last, step == 0)
-        normal, distance = mirrors.plane(index, is_mirror)
-        off = dr.abs(dr.dot(normal, hit.p) - distance)
-        is_meant = is_mirror & (off <= NEARNESS * STEP * scene.extent)
-        is_meant &= dr.abs(dr.dot(normal, hit.n)) > ALIGNMENT
-        bs, weight = bsdf.sample(context, hit, 0.5, mi.Point2f(0.5), is_meant)
-        through = bsdf.eval_null_transmission(hit, going & ~is_mirror)
-        value = value * dr.select(is_mirror, weight, through)
-        onwards = dr.select(is_mirror, hit.to_world(bs.wo), ray.d)
-        going &= (is_meant | ~is_mirror) & dr.any(value != 0.0)
+        is_meant = going & (scene.mirror_at(hit, going) == index + 1)
+        # The least number makes panes reflect; the chance of it is taken back.
+        bs, weight = bsdf.sample(context, hit, 0.0, mi.Point2f(0.5), is_meant)
+        is_meant &= mi.has_flag(bs.sampled_type, mi.BSDFFlags.DeltaReflection)
+        through = bsdf.eval_null_transmission(hit, going & ~is_meant)
+        value = value * dr.select(is_meant, weight * bs.pdf, through)
+        onwards = dr.select(is_meant, hit.to_world(bs.wo), ray.d)
+        going &= dr.any(value != 0.0)
         step = dr.select(is_meant, step + 1, step)
         last = dr.select(is_meant, index, last)
         numbers = dr.select(is_meant, drawn, numbers)
-        at = dr.select(is_mirror, hit, at)
+        at = dr.select(is_meant, hit, at)
         following = spawn_ray(scene, hit, onwards)
         following.wavelengths = ray.wavelengths
         passes += 1
@@ -241,5 +299,5 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         body=body,
         labels=tuple(state),
     )
-    at, value, step, going = result[1], result[2], result[5], result[7]
-    return at, value, going & (step == length)
+    ray, at, value, step, going = (result[k] for k in (0, 1, 2, 5, 7))
+    return at, ray.d, value, going & (step == length)

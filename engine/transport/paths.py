@@ -123,7 +123,11 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     weight = dr.select(ds.delta, 1.0, power_heuristic(density, response_pdf))
     amount = response * value * (weight / chance)
     lit = active & (ds.pdf > 0.0) & dr.any(amount != 0.0)
-    last, reflectance, met = mirrors.walk(scene, si, direction, numbers, length, closest_hit, lit)
+    last, onwards, reflectance, met = mirrors.walk(
+        scene, si, direction, numbers, length, closest_hit, lit
+    )
+    # A light behind the last pane is not seen in it.
+    met &= dr.dot(onwards, ds.p - last.p) > 0.0
     return dr.select(met, amount * reflectance * transmittance(scene, last, ds, met), 0.0)
 
 
@@ -315,8 +319,7 @@ def trace(
         anew = turned
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            mirrored = turned & (scene.mirror_at(si, turned) > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
             chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
