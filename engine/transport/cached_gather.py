@@ -15,6 +15,7 @@ import drjit as dr
 import mitsuba as mi
 
 from . import paths
+from .polarisation import polarise
 from .rays import spawn_ray
 from .textures import is_spectral
 
@@ -79,6 +80,7 @@ def incoming(
         mi.Spectrum(1.0),
         mi.UInt32(1),
         mi.UInt32(0),
+        None if scene.polarisation is None else mi.Vector3f(0.0),
         mi.Bool(False),
         mi.Bool(False),
     )
@@ -107,8 +109,8 @@ def incoming(
 class _Rays:
     """Rays from receivers; parameters as of `incoming`, and of what panes have done to them.
 
-    ``number``: of the ray. ``chain``: known mirrors met since ``reference`` was one's own. ``is_read``: whether the base of
-    what they meet has been read.
+    ``number``: of the ray. ``chain``: known mirrors met since ``reference`` was one's own. ``polar``: polarisation, None
+    where the scene needs none. ``is_read``: whether the base of what they meet has been read.
     """
 
     number: object
@@ -123,6 +125,7 @@ class _Rays:
     throughput: object
     depth: object
     chain: object
+    polar: object
     bent: object
     is_read: object
 
@@ -222,11 +225,16 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
         )
         is_wanted = mi.has_flag(bs.sampled_type, wanted)
         onwards = spawn_ray(scene, si, si.to_world(bs.wo))
+        is_turned = mi.Bool(wanted == mi.BSDFFlags.DeltaReflection)
+        factor, polar = polarise(
+            scene, si, rays.direction, onwards.d, rays.polar, is_turned, mi.Bool(True)
+        )
         found = replace(
             rays,
             origin=onwards.o,
             direction=onwards.d,
-            throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf, 0.0),
+            throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf * factor, 0.0),
+            polar=polar,
         )
         if wanted == mi.BSDFFlags.DeltaReflection:
             known = mi.Bool(False)
@@ -280,6 +288,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         "depth": mi.UInt32(rays.depth),
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(rays.chain),
+        "polar": mi.Vector3f(0.0) if rays.polar is None else mi.Vector3f(rays.polar),
         "bent": mi.Bool(rays.bent),
         "is_read": mi.Bool(rays.is_read),
         # Traced light lands on receivers and matt surfaces only.
@@ -301,6 +310,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         depth,
         steps,
         chain,
+        polar,
         bent,
         is_read,
         traceable,
@@ -433,10 +443,12 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
         direction = si.to_world(bs.wo)
+        turned = active & ~straight
+        factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active)
+        throughput = throughput * factor
         onwards = spawn_ray(scene, si, direction)
         onwards.wavelengths = ray.wavelengths
         ray = onwards
-        turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         anew = turned
         bends = turned & delta
@@ -467,7 +479,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
         return (
-            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, bent, mi.Bool(False),
+            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, polar, bent, mi.Bool(False),
             traceable, dispersed, eta, active,
         )  # fmt: skip
 

@@ -32,6 +32,7 @@ from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp, reach_of
 from .layers import Layer
 from .lights import LightTable, Source
+from .polarisation import make_polarisation
 from .pool import SurfacePool
 from .requirements import Requirements
 from .surfaces import has_grain
@@ -118,6 +119,7 @@ class CompiledScene:
         self.surroundings = None
         self.hidden = None
         self.known_mirrors = KnownMirrors()
+        self.polarisation = None
         self.indices: dict = {}
         self.notes: list[str] = []
         self.unfound: list[str] = []
@@ -493,7 +495,11 @@ class CompiledScene:
         self._extents = upload(mi.Float, columns["extent"])
         hidden = columns["hidden"] > 0.0
         self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
-        self.known_mirrors.commit(size, [part for _, part in parts])
+        shapes = [part for _, part in parts]
+        self.known_mirrors.commit(size, shapes)
+        self.polarisation = make_polarisation(
+            size, shapes, self._finishes.item, self._finishes.make
+        )
         dr.eval(self.indices, self.hidden, self._extents)
 
     # ---- notes ----

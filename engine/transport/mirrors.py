@@ -16,6 +16,7 @@ import mitsuba as mi
 import numpy as np
 
 from ..arrays import table_size, upload
+from .polarisation import polarise
 from .rays import STEP, spawn_ray
 
 MAXIMUM_MIRRORS = 64
@@ -249,8 +250,9 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
 
     Returns
     -------
-    (SurfaceInteraction3f, Vector3f, Spectrum, Bool)
-        The last mirror's surface, where it reflects to, the chain's reflectance, and whether it was met.
+    (SurfaceInteraction3f, Vector3f, Vector3f, Spectrum, Bool)
+        The last mirror's surface, where it reflects to, the light's polarisation there, the chain's reflectance, and whether
+        it was met.
     """
     context = mi.BSDFContext()
     mirrors = scene.mirrors
@@ -259,6 +261,7 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         "ray": ray,
         "at": mi.SurfaceInteraction3f(si),
         "value": mi.Spectrum(1.0),
+        "polar": mi.Vector3f(0.0),
         "numbers": mi.PCG32(stream),
         "last": mi.UInt32(0),
         "step": mi.UInt32(0),
@@ -268,7 +271,7 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
 
     slack = ROUNDING * STEP * scene.extent
 
-    def body(ray, at, value, numbers, last, step, passes, going):
+    def body(ray, at, value, polar, numbers, last, step, passes, going):
         drawn = mi.PCG32(numbers)
         index = mirrors.next(drawn.next_float32(), last, step == 0)
         going = mirrors.may_meet(index, ray, slack, going)
@@ -281,8 +284,9 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         bs, weight = bsdf.sample(context, hit, 0.0, mi.Point2f(0.5), is_meant)
         is_meant &= mi.has_flag(bs.sampled_type, mi.BSDFFlags.DeltaReflection)
         through = bsdf.eval_null_transmission(hit, going & ~is_meant)
-        value = value * dr.select(is_meant, weight * bs.pdf, through)
         onwards = dr.select(is_meant, hit.to_world(bs.wo), ray.d)
+        factor, polar = polarise(scene, hit, ray.d, onwards, polar, is_meant, going)
+        value = value * dr.select(is_meant, weight * bs.pdf, through) * factor
         going &= dr.any(value != 0.0)
         step = dr.select(is_meant, step + 1, step)
         last = dr.select(is_meant, index, last)
@@ -291,13 +295,15 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
         following = spawn_ray(scene, hit, onwards)
         following.wavelengths = ray.wavelengths
         passes += 1
-        return following, at, value, numbers, last, step, passes, going & (passes < 1000)
+        return following, at, value, polar, numbers, last, step, passes, going & (passes < 1000)
 
     result = dr.while_loop(
         state=tuple(state.values()),
-        cond=lambda ray, at, value, numbers, last, step, passes, going: going & (step < length),
+        cond=lambda ray, at, value, polar, numbers, last, step, passes, going: (
+            going & (step < length)
+        ),
         body=body,
         labels=tuple(state),
     )
-    ray, at, value, step, going = (result[k] for k in (0, 1, 2, 5, 7))
-    return at, ray.d, value, going & (step == length)
+    ray, at, value, polar, step, going = (result[k] for k in (0, 1, 2, 3, 6, 8))
+    return at, ray.d, polar, value, going & (step == length)

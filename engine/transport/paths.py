@@ -14,6 +14,7 @@ import mitsuba as mi
 from ..materials.plugins import DISPERSED_COMPONENT
 from . import mirrors
 from .compile import CompiledScene
+from .polarisation import polarise
 from .rays import spawn_ray, spawn_ray_to
 from .textures import is_spectral
 
@@ -37,13 +38,14 @@ def closest_hit(scene: CompiledScene, ray, active, coherent=False):
     return scene.surface(hit, ray, active)
 
 
-def transmittance(scene: CompiledScene, origin, target, active):
+def transmittance(scene: CompiledScene, origin, target, active, polar=None):
     """Share of light that goes straight from one point to another.
 
     Parameters
     ----------
     origin : SurfaceInteraction3f    Where the ray starts; the ray is offset from its surface.
     target : PositionSample3f    Where it ends, excluded: point and normal.
+    polar : Vector3f or None    Polarisation of the ray, see `polarisation`; None: it has none.
 
     Returns
     -------
@@ -57,23 +59,25 @@ def transmittance(scene: CompiledScene, origin, target, active):
     value = dr.select(lit, mi.Spectrum(1.0), 0.0)
     ray = mi.Ray3f(ray)
     steps = mi.UInt32(0)
+    polar = mi.Vector3f(0.0) if polar is None else mi.Vector3f(polar)
 
-    def step(value, ray, lit, steps):
+    def step(value, ray, lit, steps, polar):
         si = scene.veil.ray_intersect(ray, lit)
         lit &= si.is_valid()
-        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit)
+        factor, polar = polarise(scene, si, ray.d, ray.d, polar, mi.Bool(False), lit)
+        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit) * factor
         ray = dr.select(lit, spawn_ray_to(scene, si, target.p, target.n), ray)
         lit &= dr.any(value != 0.0)
         steps += 1
-        return value, ray, lit & (steps < 1000), steps
+        return value, ray, lit & (steps < 1000), steps, polar
 
-    value, ray, lit, steps = dr.while_loop(
-        state=(value, ray, mi.Bool(lit), steps),
-        cond=lambda value, ray, lit, steps: lit,
+    result = dr.while_loop(
+        state=(value, ray, mi.Bool(lit), steps, polar),
+        cond=lambda value, ray, lit, steps, polar: lit,
         body=step,
-        labels=("value", "ray", "lit", "steps"),
+        labels=("value", "ray", "lit", "steps", "polar"),
     )
-    return value
+    return result[0]
 
 
 def sample_emitter(scene: CompiledScene, si, sample, active):
@@ -123,12 +127,13 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     weight = dr.select(ds.delta, 1.0, power_heuristic(density, response_pdf))
     amount = response * value * (weight / chance)
     lit = active & (ds.pdf > 0.0) & dr.any(amount != 0.0)
-    last, onwards, reflectance, met = mirrors.walk(
+    last, onwards, polar, reflectance, met = mirrors.walk(
         scene, si, direction, numbers, length, closest_hit, lit
     )
     # A light behind the last pane is not seen in it.
     met &= dr.dot(onwards, ds.p - last.p) > 0.0
-    return dr.select(met, amount * reflectance * transmittance(scene, last, ds, met), 0.0)
+    passed = transmittance(scene, last, ds, met, polar)
+    return dr.select(met, amount * reflectance * passed, 0.0)
 
 
 def emitter_density(scene: CompiledScene, reference, si, emitter, active):
@@ -208,6 +213,7 @@ def trace(
         "depth": mi.UInt32(depth),
         "steps": mi.UInt32(0),
         "chain": mi.UInt32(0),
+        "polar": mi.Vector3f(0.0),
         "dispersed": mi.Bool(False),
         "eta": mi.Float(1.0),
         "active": mi.Bool(active),
@@ -227,6 +233,7 @@ def trace(
         depth,
         steps,
         chain,
+        polar,
         dispersed,
         eta,
         active,
@@ -311,10 +318,12 @@ def trace(
             hero[0] = 4.0 * throughput[0]
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
+        turned = active & ~straight
+        factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active & ~hidden)
+        throughput = throughput * factor
         onwards = spawn_ray(scene, si, direction)
         onwards.wavelengths = ray.wavelengths
         ray = onwards
-        turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         anew = turned
         if has_mirrors:
@@ -340,7 +349,7 @@ def trace(
         if last is not None:
             active &= depth <= last + 1
         return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, eta, active
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, active
         )  # fmt: skip
 
     result = dr.while_loop(

@@ -350,8 +350,8 @@ MUTATIONS = (
         (
             Rewrite(
                 "transport.mirrors:walk",
-                "return at, ray.d, value, going",
-                "return at, ray.d, value * value, going",
+                "return at, ray.d, polar, value, going",
+                "return at, ray.d, polar, value * value, going",
             ),
         ),
         ("C18.mirror_pt", "C18.mirror_total"),
