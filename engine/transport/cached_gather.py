@@ -341,7 +341,9 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0)) * over
+            mirrored = chain > 0 if has_mirrors else None
+            found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
+            found *= over
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
             if without_bent_sun:

@@ -149,9 +149,15 @@ class MirrorSet:
     ----------
     planes : list of Plane    At least one.
     origin : (3,) array    Of the compiled scene's frame. [m]
+
+    Attributes
+    ----------
+    are_panes : bool    Whether there is no true mirror. Scattered rays find the sky in panes well enough, so light from
+        infinity is sampled from suns alone.
     """
 
     def __init__(self, planes: list[Plane], origin: np.ndarray):
+        self.are_panes = all(plane.is_pane for plane in planes)
         rows = np.zeros((table_size(len(planes)), COLUMNS))
         for row, plane in zip(rows, planes, strict=False):
             row[:3], row[3] = plane.normal, plane.distance - float(plane.normal @ origin)

@@ -11,6 +11,7 @@ is cut off and the estimate is unbiased.
 import drjit as dr
 import mitsuba as mi
 
+from ..luminaires.plugins import SUNS_ONLY
 from ..materials.plugins import DISPERSED_COMPONENT
 from . import mirrors
 from .compile import CompiledScene
@@ -80,8 +81,12 @@ def transmittance(scene: CompiledScene, origin, target, active, polar=None):
     return result[0]
 
 
-def sample_emitter(scene: CompiledScene, si, sample, active):
+def sample_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False):
     """Choose a direction to an emitter.
+
+    Parameters
+    ----------
+    over_mirrors : bool    Whether the surface is an image of one in mirrors: not all of the surroundings may count then.
 
     Returns
     -------
@@ -91,6 +96,8 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     at = dr.zeros(mi.Interaction3f)
     at.p, at.n, at.wavelengths = si.p, si.n, si.wavelengths
     at.time = scene.lights.row(index)
+    if over_mirrors and scene.mirrors.are_panes:
+        at.time = dr.select(scene.lights.is_outside(index), SUNS_ONLY, at.time)
     pointer = scene.lights.pointer(index)
     ds, value = pointer.sample_direction(at, mi.Point2f(remainder, sample.y), active)
     ds.pdf *= share
@@ -119,7 +126,7 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     image, turn = planes.image(si.p, numbers, length, active)
     at = mi.Interaction3f(si)
     at.p = image
-    ds, value = sample_emitter(scene, at, sample, active)
+    ds, value = sample_emitter(scene, at, sample, active, over_mirrors=True)
     chance = planes.probability(length)
     direction = turn.T @ ds.d
     response, response_pdf = respond(direction, active)
@@ -149,8 +156,10 @@ def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     return density * scene.lights.probability(emitter, reference.p, active, si.time)
 
 
-def surroundings_density(scene: CompiledScene, reference, direction, active):
-    """As `emitter_density`, for light from infinity."""
+def surroundings_density(scene: CompiledScene, reference, direction, active, is_mirrored=None):
+    """As `emitter_density`, for light from infinity. ``is_mirrored``: whether the reference is an image in mirrors."""
+    if is_mirrored is not None and scene.mirrors.are_panes:
+        reference.time = dr.select(is_mirrored, SUNS_ONLY, 0.0)
     ds = dr.zeros(mi.DirectionSample3f)
     ds.d = direction
     density = scene.surroundings.pdf_direction(reference, ds, active)
@@ -267,7 +276,8 @@ def trace(
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0))
+            mirrored = chain > 0 if has_mirrors else None
+            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
             if has_mirrors:
                 found *= over
             weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
