@@ -80,6 +80,8 @@ def incoming(
         mi.Spectrum(1.0),
         mi.UInt32(1),
         mi.UInt32(0),
+        mi.UInt32(0),
+        mi.Float(1.0),
         None if scene.polarisation is None else mi.Vector3f(0.0),
         mi.Bool(False),
         mi.Bool(False),
@@ -109,8 +111,8 @@ def incoming(
 class _Rays:
     """Rays from receivers; parameters as of `incoming`, and of what panes have done to them.
 
-    ``number``: of the ray. ``chain``: known mirrors met since ``reference`` was one's own. ``polar``: polarisation, None
-    where the scene needs none. ``is_read``: whether the base of what they meet has been read.
+    ``number``: of the ray. ``length``, ``last``, ``chance``: of the chain of known mirrors met, see `MirrorSet.extend`.
+    ``polar``: polarisation, None where the scene needs none. ``is_read``: whether the base of what they meet has been read.
     """
 
     number: object
@@ -124,7 +126,9 @@ class _Rays:
     guided_ratio: object
     throughput: object
     depth: object
-    chain: object
+    length: object
+    last: object
+    chance: object
     polar: object
     bent: object
     is_read: object
@@ -237,9 +241,11 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
             polar=polar,
         )
         if wanted == mi.BSDFFlags.DeltaReflection:
-            known = mi.Bool(False)
+            known, chain = mi.Bool(False), (rays.length, rays.last, rays.chance)
             if scene.mirrors is not None:
-                known = scene.mirror_at(si, mi.Bool(True)) > 0
+                plane = scene.mirror_at(si, mi.Bool(True))
+                known = plane > 0
+                chain = scene.mirrors.extend(chain, plane, known, mi.Bool(True))
             image = si.p - onwards.d * dr.norm(si.p - rays.reference)
             found = replace(
                 found,
@@ -247,7 +253,9 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
                 reference=dr.select(known, image, si.p),
                 ratio=dr.select(known, rays.ratio, 1.0),
                 depth=rays.depth + 1,
-                chain=dr.select(known, rays.chain + 1, 0),
+                length=chain[0],
+                last=chain[1],
+                chance=chain[2],
                 bent=~known,
             )
         made.append(found)
@@ -287,7 +295,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         "ratio": mi.Float(rays.ratio),
         "depth": mi.UInt32(rays.depth),
         "steps": mi.UInt32(0),
-        "chain": mi.UInt32(rays.chain),
+        "chain": (mi.UInt32(rays.length), mi.UInt32(rays.last), mi.Float(rays.chance)),
         "polar": mi.Vector3f(0.0) if rays.polar is None else mi.Vector3f(rays.polar),
         "bent": mi.Bool(rays.bent),
         "is_read": mi.Bool(rays.is_read),
@@ -327,7 +335,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         origin.wavelengths = si.wavelengths
         over = mi.Float(ratio)
         if has_mirrors:
-            over *= dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+            over *= scene.mirrors.probability(chain[0], chain[2])
 
         # ---- light that the ray runs into ----
         emitter = scene.emitter(si, valid)
@@ -341,7 +349,7 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            mirrored = chain > 0 if has_mirrors else None
+            mirrored = chain[0] > 0 if has_mirrors else None
             found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
             found *= over
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
@@ -456,10 +464,11 @@ def _follow(scene, cells, rays: _Rays, active, without_bent_sun, reads, guide):
         bends = turned & delta
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            mirrored = turned & (scene.mirror_at(si, turned) > 0)
+            number = scene.mirror_at(si, turned)
+            mirrored = turned & (number > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
-            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            chain = scene.mirrors.extend(chain, number, mirrored, turned)
             anew &= ~mirrored
             bends &= ~mirrored
         if without_bent_sun:

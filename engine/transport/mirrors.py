@@ -2,8 +2,8 @@
 
 A chain of mirrors is drawn, the point is reflected at each of them in turn, and an emitter is chosen and sampled as that
 image sees it; the path is then traced from the point over the mirrors, which must be met in this order. So even ideal points
-and suns shine by mirrors, which no scattered ray would find. The chance of a chain depends on its length alone, so hits of
-scattered rays that came over mirrors can be weighed against it (see `paths`): their reference point is the same image.
+and suns shine by mirrors, which no scattered ray would find. The chance of a chain follows from its mirrors alone, so hits
+of scattered rays that came over mirrors can be weighed against it (see `paths`): their reference point is the same image.
 
 A pane is a mirror to the chains that it is in and lets all others pass straight. A straight line meets a plane once, so what
 a pane does to a ray follows from the chain.
@@ -25,8 +25,15 @@ MAXIMUM_MIRRORS = 64
 LONGEST_CHAIN = 24
 """Most reflections of a chain; longer ones are left to scattered rays."""
 
-GOES_ON = 0.5
-"""Chance that a chain gets one mirror more."""
+GOES_ON = 2.0 / 3.0
+"""Chance that a chain gets one mirror more. Between parallel mirrors chains of all lengths have the same light but for the
+reflectance R of each; where R^2 exceeds this chance, few long ones would bring most of it."""
+
+PANE_WEIGHT = 0.3
+"""How often panes are drawn, of mirrors of the same size and distance. [-]"""
+
+EVEN_SHARE = 0.25
+"""Share of the choices of a next mirror that is made without regard to size and distance."""
 
 FLATNESS = 1e-5
 """Largest distance from its plane, relative to its size, of what counts as a plane mirror. [-]"""
@@ -133,13 +140,56 @@ def choose_planes(planes: list[Plane]) -> tuple[list[Plane], dict[int, int]]:
         if place is not None:
             other = chosen[place]
             low, high = np.minimum(other.low, plane.low), np.maximum(other.high, plane.high)
-            chosen[place] = replace(other, low=low, high=high)
+            chosen[place] = replace(other, area=other.area + plane.area, low=low, high=high)
         elif len(chosen) < MAXIMUM_MIRRORS:
             place = len(chosen)
             chosen.append(plane)
         if place is not None:
             known[id(plane)] = place
     return chosen, known
+
+
+def choice_chances(planes: list[Plane]) -> np.ndarray:
+    """Chance of every mirror to come next in a chain, by the last one; in the last row of all to be the first. (m + 1, m)
+
+    Near mirrors that face each other, such as the panes of one window, follow each other most.
+    """
+    weight = np.array([PANE_WEIGHT if plane.is_pane else 1.0 for plane in planes])
+    centres = np.array([0.5 * (plane.low + plane.high) for plane in planes])
+    normals, areas = (np.array([getattr(p, name) for p in planes]) for name in ("normal", "area"))
+    away = centres[None] - centres[:, None]
+    square = (away**2).sum(axis=2) + 1e-6 * areas
+    facing = np.abs((away * normals[None]).sum(axis=2)) / np.sqrt(square)
+    near = weight * areas * (facing + 0.05) / square
+    even = np.tile(weight, (len(planes), 1))
+    for each in (near, even):
+        np.fill_diagonal(each, 0.0)
+    near, even = (
+        each / np.maximum(each.sum(axis=1, keepdims=True), 1e-300) for each in (near, even)
+    )
+    return np.vstack([(1.0 - EVEN_SHARE) * near + EVEN_SHARE * even, weight / weight.sum()])
+
+
+def make_aliases(chances: np.ndarray) -> np.ndarray:
+    """Share of each cell that it keeps, and which number has the rest, to draw by a single look-up. (n, m) -> (n, m, 2)
+
+    References
+    ----------
+    M. D. Vose: A Linear Algorithm for Generating Random Numbers with a Given Distribution, IEEE TSE 17 (1991).
+    """
+    count = chances.shape[1]
+    made = np.zeros((*chances.shape, 2))
+    for row, chance in zip(made, chances, strict=True):
+        left = chance * count
+        row[:, 0], row[:, 1] = 1.0, np.arange(count)
+        small, large = (list(np.flatnonzero(flag)) for flag in (left < 1.0, left >= 1.0))
+        while small and large:
+            less, more = small.pop(), large[-1]
+            row[less] = left[less], more
+            left[more] -= 1.0 - left[less]
+            if left[more] < 1.0:
+                small.append(large.pop())
+    return made
 
 
 class MirrorSet:
@@ -162,9 +212,13 @@ class MirrorSet:
         for row, plane in zip(rows, planes, strict=False):
             row[:3], row[3] = plane.normal, plane.distance - float(plane.normal @ origin)
             row[4:7], row[7:] = plane.low - origin, plane.high - origin
-        self._rows = upload(mi.Float, rows)
+        chances = choice_chances(planes)
+        choices = np.zeros((table_size(len(chances)), MAXIMUM_MIRRORS, 3))
+        choices[: len(chances), : len(planes), 0] = chances
+        choices[: len(chances), : len(planes), 1:] = make_aliases(chances)
+        self._rows, self._choices = upload(mi.Float, rows), upload(mi.Float, choices)
         self._count = dr.opaque(mi.UInt32, len(planes))
-        dr.eval(self._rows)
+        dr.eval(self._rows, self._choices)
 
     def plane(self, index, active):
         """Unit normal and distance of a plane in the scene's frame."""
@@ -187,18 +241,18 @@ class MirrorSet:
     def _entry(self, index, column, active):
         return dr.gather(mi.Float, self._rows, index * COLUMNS + column, active)
 
-    def probability(self, length):
-        """Chance of one chain of a length: of the length, and of its mirrors, no two alike in sequence."""
-        count = mi.Float(self._count)
-        others = dr.maximum(count - 1.0, 1.0)
-        extent = mi.Float(length)
-        share = (1.0 - GOES_ON) * dr.power(GOES_ON / others, extent - 1.0) / count
+    def _choice(self, row, cell, column, active):
+        place = (row * MAXIMUM_MIRRORS + cell) * 3 + column
+        return dr.gather(mi.Float, self._choices, place, active)
+
+    def probability(self, length, chance):
+        """Chance of one chain: of its length, and of its mirrors as `extend` gives it; 1 without any mirror."""
+        share = (1.0 - GOES_ON) * dr.power(GOES_ON, mi.Float(length) - 1.0)
         # All that would be longer is cut to the longest.
         share = dr.select(length == LONGEST_CHAIN, share / (1.0 - GOES_ON), share)
-        is_drawn = (length >= 1) & (length <= LONGEST_CHAIN)
         # With a single mirror all chains have one reflection.
         share = dr.select(self._count == 1, dr.select(length == 1, 1.0, 0.0), share)
-        return dr.select(is_drawn, share, 0.0)
+        return dr.select(length == 0, 1.0, dr.select(length <= LONGEST_CHAIN, share * chance, 0.0))
 
     def length(self, u):
         """Number of reflections of a chain, from a number in [0, 1)."""
@@ -206,35 +260,63 @@ class MirrorSet:
         drawn = dr.minimum(mi.UInt32(drawn), LONGEST_CHAIN)
         return dr.select(self._count == 1, 1, drawn)
 
-    def next(self, u, last, is_first):
-        """Index of a chain's next mirror, another than the last."""
-        others = dr.select(is_first, self._count, dr.maximum(self._count, 2) - 1)
-        drawn = dr.minimum(mi.UInt32(u * mi.Float(others)), others - 1)
-        return dr.select(~is_first & (drawn >= last), drawn + 1, drawn)
+    def next(self, u, last, is_first, active=True):
+        """Index of a chain's next mirror, another than the last, and its chance."""
+        row = dr.select(is_first, self._count, last)
+        place = u * mi.Float(self._count)
+        cell = dr.minimum(mi.UInt32(place), self._count - 1)
+        keeps = place - mi.Float(cell) < self._choice(row, cell, 1, active)
+        index = dr.select(keeps, cell, mi.UInt32(self._choice(row, cell, 2, active)))
+        return index, self._choice(row, index, 0, active)
+
+    def extend(self, chain, number, is_mirrored, is_turned):
+        """Follow a chain that scattered rays run into.
+
+        Parameters
+        ----------
+        chain : (UInt32, UInt32, Float)    Its length, its last mirror, and the chance of its mirrors.
+        number : UInt32    Of the mirror that is met, plus 1, as of `KnownMirrors.at`.
+        is_mirrored, is_turned : Bool    Whether light is reflected there; whether it goes on in any other direction.
+        """
+        length, last, chance = chain
+        index = number - 1
+        row = dr.select(length == 0, self._count, last)
+        step = self._choice(row, index, 0, is_mirrored)
+        chance = dr.select(is_mirrored, dr.select(length == 0, step, chance * step), chance)
+        length = dr.select(is_mirrored, length + 1, dr.select(is_turned, 0, length))
+        return length, dr.select(is_mirrored, index, last), chance
 
     def image(self, point, stream, length, active):
         """Reflect a point over a chain.
 
         Returns
         -------
-        (Point3f, Matrix3f)    The image and the linear part of the reflections.
+        (Point3f, Matrix3f, Float)
+            The image, the linear part of the reflections, and the chance of the mirrors, see `probability`.
         """
-        state = (mi.Point3f(point), mi.Matrix3f(1.0), mi.PCG32(stream), mi.UInt32(0), mi.UInt32(0))
+        state = (
+            mi.Point3f(point),
+            mi.Matrix3f(1.0),
+            mi.Float(1.0),
+            mi.PCG32(stream),
+            mi.UInt32(0),
+            mi.UInt32(0),
+        )
 
-        def body(image, turn, numbers, last, step):
-            index = self.next(numbers.next_float32(), last, step == 0)
+        def body(image, turn, chance, numbers, last, step):
+            index, share = self.next(numbers.next_float32(), last, step == 0, active)
             normal, distance = self.plane(index, active)
             image = mi.Point3f(image - 2.0 * (dr.dot(normal, image) - distance) * normal)
             turn = turn - 2.0 * _outer(normal, turn.T @ normal)
-            return image, turn, numbers, index, step + 1
+            return image, turn, chance * share, numbers, index, step + 1
 
-        image, turn, *_ = dr.while_loop(
+        image, turn, chance, *_ = dr.while_loop(
             state=state,
-            cond=lambda image, turn, numbers, last, step: active & (step < length),
+            cond=lambda image, turn, chance, numbers, last, step: active & (step < length),
             body=body,
-            labels=("image", "turn", "numbers", "last", "step"),
+            labels=("image", "turn", "chance", "numbers", "last", "step"),
         )
-        return image, turn
+        return image, turn, chance
 
 
 def _outer(a, b):
@@ -279,7 +361,7 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
 
     def body(ray, at, value, polar, numbers, last, step, passes, going):
         drawn = mi.PCG32(numbers)
-        index = mirrors.next(drawn.next_float32(), last, step == 0)
+        index, _ = mirrors.next(drawn.next_float32(), last, step == 0, going)
         going = mirrors.may_meet(index, ray, slack, going)
         hit = closest_hit(scene, ray, going)
         hit.wavelengths = ray.wavelengths

@@ -123,11 +123,11 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     if limit is not None:
         active &= length <= limit
     numbers = mi.PCG32(stream)
-    image, turn = planes.image(si.p, numbers, length, active)
+    image, turn, chance = planes.image(si.p, numbers, length, active)
     at = mi.Interaction3f(si)
     at.p = image
     ds, value = sample_emitter(scene, at, sample, active, over_mirrors=True)
-    chance = planes.probability(length)
+    chance = planes.probability(length, chance)
     direction = turn.T @ ds.d
     response, response_pdf = respond(direction, active)
     density = ds.pdf * chance
@@ -221,7 +221,8 @@ def trace(
         "reference": mi.Point3f(reference),
         "depth": mi.UInt32(depth),
         "steps": mi.UInt32(0),
-        "chain": mi.UInt32(0),
+        # Length, last mirror and chance.
+        "chain": (mi.UInt32(0), mi.UInt32(0), mi.Float(1.0)),
         "polar": mi.Vector3f(0.0),
         "dispersed": mi.Bool(False),
         "eta": mi.Float(1.0),
@@ -265,7 +266,7 @@ def trace(
         glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
         found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
         if has_mirrors:
-            over = dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+            over = scene.mirrors.probability(chain[0], chain[2])
             found *= over
         weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
@@ -276,7 +277,7 @@ def trace(
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            mirrored = chain > 0 if has_mirrors else None
+            mirrored = chain[0] > 0 if has_mirrors else None
             found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
             if has_mirrors:
                 found *= over
@@ -338,10 +339,11 @@ def trace(
         anew = turned
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            mirrored = turned & (scene.mirror_at(si, turned) > 0)
+            number = scene.mirror_at(si, turned)
+            mirrored = turned & (number > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
-            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            chain = scene.mirrors.extend(chain, number, mirrored, turned)
             anew &= ~mirrored
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)

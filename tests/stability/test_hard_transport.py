@@ -79,14 +79,13 @@ def stack_transmittance(kind, count):
     square = 0.5 * (edges[1:] + edges[:-1])
     s, p = fresnel(np.sqrt(square), INDEX)
     if kind == "panes":
-        # A pane of two boundaries by each polarisation, unpolarised between panes.
-        passing = 0.5 * ((1.0 - s) / (1.0 + s) + (1.0 - p) / (1.0 + p))
-        ratio = count * (1.0 - passing) / passing
+        # Panes of two boundaries each, by each polarisation.
+        ratios = [2 * count * each / (1.0 - each) for each in (s, p)]
     else:
         reflected = 0.5 * (s + p)
-        ratio = 2 * count * reflected / (1.0 - reflected)
+        ratios = [2 * count * reflected / (1.0 - reflected)]
     # Cosine-weighted: 2 sin cos dtheta is -d(cos^2).
-    return float((1.0 / (1.0 + ratio)).mean())
+    return float(np.mean([1.0 / (1.0 + ratio) for ratio in ratios]))
 
 
 def stack(kind, count):
