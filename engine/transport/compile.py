@@ -31,6 +31,7 @@ from .finishes import Finishes
 from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .lamps import DELTA_RADIUS, Lamp, change_lamp, make_lamp, reach_of
 from .layers import Layer
+from .light_targets import is_bending
 from .lights import LightTable, Source
 from .polarisation import make_polarisation
 from .pool import SurfacePool
@@ -531,6 +532,18 @@ class CompiledScene:
             self.unfound.append(
                 f"light of '{points[0]}' that '{mirrors[0]}' reflects as a mirror is missing in pictures and at sensors: no "
                 "path finds an ideal point or spot in it; use a point light with a radius"
+            )
+        bent = sorted(
+            material.name
+            for _, part, material in self.parts()
+            if is_bending(material.surface)
+            and not isinstance(material.surface, Dielectric | Measured)
+            and not self.known_mirrors.holds_most(part)
+        )
+        if bent and points:
+            self.unfound.append(
+                f"light of '{points[0]}' that '{bent[0]}' reflects as a mirror is missing in pictures and at sensors: it is "
+                "curved, mixed with another surface, or one of very many planes; use a point light with a radius"
             )
         self.notes += self.unfound
 

@@ -68,9 +68,11 @@ class KnownMirrors:
 
     def holds(self, part) -> bool:
         """Tell whether all faces of a part lie in the planes."""
-        if not part.mirrors or (part.planes < 0).any():
-            return False
-        return all(id(plane) in self._places for plane in part.mirrors)
+        return self.holds_most(part) and not (part.planes < 0).any()
+
+    def holds_most(self, part) -> bool:
+        """As `holds`, whatever becomes of a pane's edges."""
+        return bool(part.mirrors) and all(id(plane) in self._places for plane in part.mirrors)
 
     def at(self, si, active):
         """Number of the plane that a surface lies in, plus 1; 0: none."""

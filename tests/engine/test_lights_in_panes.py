@@ -1,5 +1,7 @@
 """Lamps and suns in panes and between them: against images and sums over layers, both polarisations apart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from baking_rooms import bake, lumel_places
@@ -11,8 +13,10 @@ from lumenray.engine.scene.material import (
     Diffuse,
     Glossy,
     Material,
+    Mix,
     TabulatedPane,
     ThinGlass,
+    Transparent,
 )
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
@@ -313,3 +317,22 @@ def test_edits_that_make_panes_matter_end_at_the_scene_compiled_at_once():
     ):  # fmt: skip
         session.apply(SceneDelta(changed=changed, removed=removed))
         np.testing.assert_array_equal(read(session), read(session_of(*items)))
+
+
+def test_what_lamps_are_not_seen_in_is_said():
+    """A pane that stands for a curved one by its normals, and one in a mixture; but no flat pane."""
+    flat = tilted_pane("pane", (0, 0, 0), UP, 1.0, "glass")
+    bent = np.tile(np.array([[0.3, 0, 1.0], [0, 0.3, 1.0], [-0.3, 0, 1.0]], np.float32), (2, 1, 1))
+    bent /= np.linalg.norm(bent, axis=2, keepdims=True)
+    mixed = Material("glass", "glass", Mix(GLASS.surface, Transparent(), 0.5))
+    for items, is_said in (
+        ((GLASS, flat), False),
+        ((GLASS, replace(flat, corner_normals=bent)), True),
+        ((mixed, flat), True),
+    ):
+        made = session_of(*items, candela([0, 0, 1])).measure(
+            [[0.2, 0, 0.5]], [-UP], StopRule(samples=64)
+        )
+        notes = [note for note in made.provenance.notes if "'glass' reflects as a mirror" in note]
+        assert bool(notes) is is_said
+        assert bool(made.illuminance[0]) is not is_said

@@ -125,7 +125,7 @@ def test_glass_in_an_even_world_cannot_be_seen(kind):
     # Owed: pi L within 3.5 errors and 0.05 %, noise of 0.1 %: what a lossless stack does not pass it reflects, and both are
     # the same. A path weighs 1 / n^2 inside glass and 1 outside, which roulette must not take for a loss.
     made = session_of(*stack(kind, 3), UniformWorld(100.0)).measure(
-        [[0, 0, 0.5], [0, 0, 1.8], [0, 0, 9.0]], [UP, UP, -UP], StopRule(samples=1 << 15)
+        [[0, 0, 0.5], [0, 0, 1.8], [0, 0, 9.0]], [UP, UP, -UP], StopRule(samples=1 << 18)
     )
     assert_agrees(made, 100.0 * np.pi, 5e-4, 1e-3)
 
