@@ -14,6 +14,10 @@ CHORD_ERROR = 3e-7
 found to lie on it. [-]"""
 
 
+SUNS_ONLY = -1.0
+"""Time of a receiver that only suns of the surroundings are to be sampled for."""
+
+
 def register() -> None:
     """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
     for name, make in (
@@ -205,6 +209,8 @@ def _surroundings_class():
     class Surroundings(mi.Emitter):
         """Everything at infinity: the world (nested emitter ``world``) and suns as disks.
 
+        A receiver whose time is `SUNS_ONLY` asks for samples of the suns alone, if there are any, and never aims at portals.
+
         ``sun_i`` is a sun's radiance, ``towards_i`` the direction to it, ``cap_i`` = 1 - cos(angular radius), ``share_i``
         the probability of sampling it; ``world_share`` that of the nested emitter ``world``.
         """
@@ -276,16 +282,32 @@ def _surroundings_class():
                 value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
             return value
 
+        def _shares(self, it):
+            """Share of the world, share of that for portals, factor on shares of the suns, and who asks for portals."""
+            asks = it.time != SUNS_ONLY
+            world, suns = mi.Float(self.world_share), mi.Float(1.0)
+            if self.suns:
+                world = dr.select(asks, world, 0.0)
+                suns = dr.select(asks, suns, 1.0 / max(1.0 - self.world_share, 1e-9))
+            return world, dr.select(asks, mi.Float(self.portal_share), 0.0), suns, asks
+
         def _density(self, it, ds, active):
             pdf = mi.Float(0.0)
+            world_share, portal_share, sun_factor, asks = self._shares(it)
             if self.world is not None and self.world_share > 0.0:
-                plain = 1.0 - self.portal_share
-                pdf += self.world_share * plain * self.world.pdf_direction(it, ds, active)
+                pdf += world_share * (1.0 - portal_share) * self.world.pdf_direction(it, ds, active)
             if self.portals is not None:
-                pdf += self.world_share * self.portal_share * self.portals.density(it.p, ds.d)
+                # Many portals take long, so who does not ask must not wait for them.
+                aimed = dr.if_stmt(
+                    (mi.Point3f(it.p), mi.Vector3f(ds.d)),
+                    mi.Bool(active) & asks,
+                    self.portals.density,
+                    lambda point, direction: mi.Float(0.0),
+                )
+                pdf += world_share * portal_share * aimed
             for _, towards, cap, reach, share in self._shining():
                 inside = self._inside(ds.d, towards, reach)
-                pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
+                pdf += dr.select(inside, share * sun_factor * dr.inv_two_pi / cap, 0.0)
             return pdf
 
         def eval(self, si, active=True):
@@ -296,21 +318,30 @@ def _surroundings_class():
 
         def sample_direction(self, it, sample, active=True):
             # One number chooses the part and is stretched to serve again.
-            u, start = sample.x, 0.0
+            u, start = sample.x, mi.Float(0.0)
             direction = mi.Vector3f(0.0, 0.0, 1.0)
+            world_share, portal_share, sun_factor, _ = self._shares(it)
             if self.world is not None and self.world_share > 0.0:
-                stretched = dr.clip(u / self.world_share, 0.0, 0.9999999)
-                aims = stretched < self.portal_share
+                stretched = dr.clip(u / dr.maximum(world_share, 1e-9), 0.0, 0.9999999)
+                aims = stretched < portal_share
                 if self.portals is not None:
-                    direction = self.portals.direction(
-                        it.p, dr.minimum(stretched / self.portal_share, 0.9999999), sample.y
+                    direction = dr.if_stmt(
+                        (
+                            mi.Point3f(it.p),
+                            dr.minimum(stretched / dr.maximum(portal_share, 1e-9), 0.9999999),
+                            mi.Float(sample.y),
+                        ),
+                        mi.Bool(active) & aims,
+                        self.portals.direction,
+                        lambda point, u, v: mi.Vector3f(0.0, 0.0, 1.0),
                     )
-                    stretched = (stretched - self.portal_share) / (1.0 - self.portal_share)
+                    stretched = (stretched - portal_share) / (1.0 - portal_share)
                     stretched = dr.clip(stretched, 0.0, 0.9999999)
                 plain, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
                 direction = dr.select(aims, direction, plain.d)
-                start = self.world_share
-            for _, towards, cap, _, share in self._shining():
+                start = world_share
+            for _, towards, cap, _, plain_share in self._shining():
+                share = plain_share * sun_factor
                 height = dr.clip((u - start) / share, 0.0, 0.9999999) * cap
                 sine = dr.safe_sqrt(height * (2.0 - height))
                 sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)

@@ -27,6 +27,7 @@ from .emission_rays import IDEAL, SUN, SURFACE, EmissionRays, TracedLight, in_ca
 from .landing import ROULETTE_START, SURVIVAL
 from .light_paths import find_bent_lights, left_out_of, send_pilot
 from .light_targets import find_targets
+from .polarisation import polarise
 from .rays import spawn_ray
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -319,11 +320,12 @@ class BentLights:
             "bends": mi.UInt32(0),
             "turns": mi.UInt32(0),
             "steps": mi.UInt32(0),
+            "polar": mi.Vector3f(0.0),
             "dispersed": mi.Bool(dispersed),
             "active": mi.Bool(active),
         }
 
-        def body(ray, stream, throughput, value, bends, turns, steps, dispersed, active):
+        def body(ray, stream, throughput, value, bends, turns, steps, polar, dispersed, active):
             si = paths.closest_hit(scene, ray, active)
             if spectral:
                 si.wavelengths = ray.wavelengths
@@ -358,12 +360,14 @@ class BentLights:
                 throughput = dr.select(splits, hero, throughput)
                 dispersed = dispersed | splits
             is_bend = mi.Bool(turned)
-            if scene.is_mirror is not None:
-                ids = dr.reinterpret_array(mi.UInt32, si.shape)
-                is_bend &= ~dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            if scene.mirrors is not None:
+                is_bend &= scene.mirror_at(si, turned) == 0
             bends = dr.select(is_bend, bends + 1, bends)
             turns = dr.select(turned, turns + 1, turns)
-            onwards = spawn_ray(scene, si, dr.select(straight, ray.d, si.to_world(bs.wo)))
+            direction = dr.select(straight, ray.d, si.to_world(bs.wo))
+            factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active)
+            throughput = throughput * factor
+            onwards = spawn_ray(scene, si, direction)
             onwards.wavelengths = ray.wavelengths
             ray = dr.select(active, onwards, ray)
             steps = steps + 1
@@ -376,7 +380,7 @@ class BentLights:
                 tried & active, throughput / dr.maximum(survival, 1e-20), throughput
             )
             active &= dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS) & (turns <= most)
-            return ray, stream, throughput, value, bends, turns, steps, dispersed, active
+            return ray, stream, throughput, value, bends, turns, steps, polar, dispersed, active
 
         result = dr.while_loop(
             state=tuple(state.values()),

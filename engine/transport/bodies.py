@@ -16,7 +16,7 @@ from .lamps import surface_emitter
 from .lights import Source
 from .mirrors import Plane, find_planes
 from .requirements import pictures
-from .surfaces import is_mirror, is_window, passes_straight
+from .surfaces import is_mirror, is_mirroring_pane, is_window, passes_straight
 
 SAME_NORMAL, SAME_PLACE = 0.999999, 1e-5
 """From which cosine on triangles face the same way, and up to which part of their size corners are the same. [-]"""
@@ -26,7 +26,8 @@ SAME_NORMAL, SAME_PLACE = 0.999999, 1e-5
 class Part:
     """Triangles of one object that share a material.
 
-    ``source``: its emission, None when it does not glow; ``mirrors``: its planes if it is a plane mirror, in the world.
+    ``source``: its emission, None when it does not glow; ``mirrors``: its planes in the world if it is a plane mirror or a
+    flat pane, and ``planes``: which of them each triangle lies in, -1: none.
     """
 
     shape: object
@@ -37,6 +38,7 @@ class Part:
     is_veil: bool
     source: Source | None
     mirrors: list[Plane] = field(default_factory=list)
+    planes: np.ndarray | None = None
 
 
 @dataclass
@@ -99,6 +101,7 @@ def needs_new_shape(old: Material, new: Material) -> bool:
         passes_straight(old.surface) != passes_straight(new.surface)
         or is_window(old.surface) != is_window(new.surface)
         or is_mirror(old.surface) != is_mirror(new.surface)
+        or is_mirroring_pane(old.surface) != is_mirroring_pane(new.surface)
         or uv_map_of(old) != uv_map_of(new)
         or not _glows_alike(old.emission, new.emission)
     )
@@ -206,19 +209,22 @@ def _make_part(mesh, slot, material: Material, triangles, origin, finishes, pool
     number = pointer_id(shape)
     pool.add_mesh(number, positions, faces, normals, uv)
     veil = passes_straight(material.surface)
-    mirrors = _find_mirrors(mesh, used, normals) if is_mirror(material.surface) else []
-    return Part(shape, number, slot, material.id, len(used), veil, source, mirrors)
+    made = Part(shape, number, slot, material.id, len(used), veil, source)
+    is_pane = is_mirroring_pane(material.surface)
+    if is_pane or is_mirror(material.surface):
+        made.mirrors, made.planes = _find_mirrors(mesh, used, normals, is_pane)
+    return made
 
 
-def _find_mirrors(mesh, used, normals) -> list[Plane]:
-    """Planes of a mirror, none when it is curved or shaded as if it were."""
+def _find_mirrors(mesh, used, normals, is_pane) -> tuple[list[Plane], np.ndarray | None]:
+    """Planes of a mirror or pane and those of its triangles, none when it is curved or shaded as if it were."""
     if normals is not None:
         corners = mesh.vertices[used]
         flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-300)
         if np.abs(np.einsum("tci,ti->tc", normals, flat)).min(initial=1.0) < 0.999999:
-            return []
-    return find_planes(mesh.vertices, used) or []
+            return [], None
+    return find_planes(mesh.vertices, used, is_pane)
 
 
 def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> Source | None:

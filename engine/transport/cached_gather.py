@@ -15,6 +15,7 @@ import drjit as dr
 import mitsuba as mi
 
 from . import paths
+from .polarisation import polarise
 from .rays import spawn_ray
 from .textures import is_spectral
 
@@ -77,6 +78,10 @@ def incoming(
         mi.Float(guided_ratio),
         mi.Spectrum(1.0),
         mi.UInt32(1),
+        mi.UInt32(0),
+        mi.UInt32(0),
+        mi.Float(1.0),
+        None if scene.polarisation is None else mi.Vector3f(0.0),
         mi.Bool(False),
         mi.Bool(False),
     )
@@ -126,7 +131,8 @@ class LeftOut:
 class _Rays:
     """Rays from receivers; parameters as of `incoming`, and of what panes have done to them.
 
-    ``number``: of the ray. ``is_read``: whether the base of what they meet has been read.
+    ``number``: of the ray. ``length``, ``last``, ``chance``: of the chain of known mirrors met, see `MirrorSet.extend`.
+    ``polar``: polarisation, None where the scene needs none. ``is_read``: whether the base of what they meet has been read.
     """
 
     number: object
@@ -140,6 +146,10 @@ class _Rays:
     guided_ratio: object
     throughput: object
     depth: object
+    length: object
+    last: object
+    chance: object
+    polar: object
     bent: object
     is_read: object
 
@@ -239,20 +249,34 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
         )
         is_wanted = mi.has_flag(bs.sampled_type, wanted)
         onwards = spawn_ray(scene, si, si.to_world(bs.wo))
+        is_turned = mi.Bool(wanted == mi.BSDFFlags.DeltaReflection)
+        factor, polar = polarise(
+            scene, si, rays.direction, onwards.d, rays.polar, is_turned, mi.Bool(True)
+        )
         found = replace(
             rays,
             origin=onwards.o,
             direction=onwards.d,
-            throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf, 0.0),
+            throughput=rays.throughput * dr.select(is_wanted, weight * bs.pdf * factor, 0.0),
+            polar=polar,
         )
         if wanted == mi.BSDFFlags.DeltaReflection:
+            known, chain = mi.Bool(False), (rays.length, rays.last, rays.chance)
+            if scene.mirrors is not None:
+                plane = scene.mirror_at(si, mi.Bool(True))
+                known = plane > 0
+                chain = scene.mirrors.extend(chain, plane, known, mi.Bool(True))
+            image = si.p - onwards.d * dr.norm(si.p - rays.reference)
             found = replace(
                 found,
-                scatter_pdf=mi.Float(0.0),
-                reference=si.p,
-                ratio=mi.Float(1.0),
+                scatter_pdf=dr.select(known, rays.scatter_pdf, 0.0),
+                reference=dr.select(known, image, si.p),
+                ratio=dr.select(known, rays.ratio, 1.0),
                 depth=rays.depth + 1,
-                bent=mi.Bool(True),
+                length=chain[0],
+                last=chain[1],
+                chance=chain[2],
+                bent=~known,
             )
         made.append(found)
     return made
@@ -291,7 +315,8 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         "ratio": mi.Float(rays.ratio),
         "depth": mi.UInt32(rays.depth),
         "steps": mi.UInt32(0),
-        "chain": mi.UInt32(0),
+        "chain": (mi.UInt32(rays.length), mi.UInt32(rays.last), mi.Float(rays.chance)),
+        "polar": mi.Vector3f(0.0) if rays.polar is None else mi.Vector3f(rays.polar),
         "bent": mi.Bool(rays.bent),
         "is_read": mi.Bool(rays.is_read),
         # Traced light lands on receivers and matt surfaces only.
@@ -313,6 +338,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         depth,
         steps,
         chain,
+        polar,
         bent,
         is_read,
         traceable,
@@ -329,7 +355,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         origin.wavelengths = si.wavelengths
         over = mi.Float(ratio)
         if has_mirrors:
-            over *= dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+            over *= scene.mirrors.probability(chain[0], chain[2])
 
         # ---- light that the ray runs into ----
         emitter = scene.emitter(si, valid)
@@ -348,7 +374,9 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0)) * over
+            mirrored = chain[0] > 0 if has_mirrors else None
+            found = paths.surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
+            found *= over
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
             if left_out is not None and left_out.suns:
@@ -451,21 +479,23 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
         direction = si.to_world(bs.wo)
+        turned = active & ~straight
+        factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active)
+        throughput = throughput * factor
         onwards = spawn_ray(scene, si, direction)
         onwards.wavelengths = ray.wavelengths
         ray = onwards
-        turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         # A copy: changing it in place must not change the other.
         anew = mi.Bool(turned)
         bends = turned & delta
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            number = scene.mirror_at(si, turned)
+            mirrored = turned & (number > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
-            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            chain = scene.mirrors.extend(chain, number, mirrored, turned)
             anew &= ~mirrored
             bends &= ~mirrored
         if left_out is not None:
@@ -487,7 +517,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
         active &= alive & goes_on
         return (
-            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, bent, mi.Bool(False),
+            ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, polar, bent, mi.Bool(False),
             traceable, dispersed, eta, active,
         )  # fmt: skip
 

@@ -28,10 +28,11 @@ from ..sky.picture import describe_faults
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .finishes import Finishes
+from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .lamps import Lamp, change_lamp, make_lamp, reach_of
 from .layers import Layer
 from .lights import LightTable, Source
-from .mirrors import MirrorSet, Plane, choose_planes
+from .polarisation import make_polarisation
 from .pool import SurfacePool
 from .requirements import Requirements
 from .surfaces import has_grain
@@ -124,8 +125,8 @@ class CompiledScene:
         self._nothing = mi.load_dict({"type": "null"})
         self.surroundings = None
         self.hidden = None
-        self.mirrors = None
-        self.is_mirror = None
+        self.known_mirrors = KnownMirrors()
+        self.polarisation = None
         self.indices: dict = {}
         self.notes: list[str] = []
         # Light over bends for the paths of a job, see `bent_lights`.
@@ -140,8 +141,6 @@ class CompiledScene:
         self._users: dict[str, dict[str, None]] = {}
         self._world_item, self._world = None, None
         self._panes: list[Portal] = []
-        self._planes: list[Plane] = []
-        self._known_planes: set[int] = set()
         self._portals: PortalSet | None = None
         self._outside_key: object = None
         self._outside: Source | None = None
@@ -213,6 +212,15 @@ class CompiledScene:
     def emitter(self, si, active=True):
         """Emitter at an interaction, null where the surface does not glow."""
         return self._pool.emitter(si, mi.Bool(active) & si.is_valid())
+
+    @property
+    def mirrors(self):
+        """Plane mirrors and panes that light is aimed over, a `MirrorSet`, None when there are none."""
+        return self.known_mirrors.planes
+
+    def mirror_at(self, si, active):
+        """Number of the plane among ``mirrors`` that a surface lies in, plus 1; 0: none."""
+        return self.known_mirrors.at(si, active)
 
     def parts(self):
         """Yield every part of an object that light meets: the object's id, the part, its material."""
@@ -425,11 +433,6 @@ class CompiledScene:
             self._panes = panes
             local = [Portal(p.centre - self.origin, p.half_u, p.half_v) for p in panes]
             self._portals = PortalSet(local) if local else None
-        planes = [p for body in met for part in body.parts for p in part.mirrors]
-        if [id(p) for p in planes] != [id(p) for p in self._planes]:
-            self._planes = planes
-            chosen, self._known_planes = choose_planes(planes, self.radius)
-            self.mirrors = MirrorSet(chosen, self.origin) if chosen else None
         sources = [lamp.source for lamp in self._lamps.values()]
         sources += [p.source for body in met for p in body.parts if p.source]
         sources.sort(key=Source.order)
@@ -444,6 +447,9 @@ class CompiledScene:
             if isinstance(light, SunLight) and light.output.value > 0.0
         ]
         suns.sort(key=lambda sun: (*sun.direction, sun.angle, sun.output.value))
+        hard = bool(suns) or any(is_hard_to_meet(source, self.radius) for source in sources)
+        parts = [part for body in self._bodies.values() for part in body.parts]
+        self.known_mirrors.choose(parts, hard, self.origin)
         mean = self._mean_light(scene, sources, suns)
         if not np.array_equal(mean, self.mean_light):
             self.mean_light = mean
@@ -505,7 +511,6 @@ class CompiledScene:
             "object",
             "material",
             "hidden",
-            "mirror",
             "extent",
             "bsdf",
             "emitter",
@@ -522,11 +527,6 @@ class CompiledScene:
             columns["hidden"][place] = [not body.item.visible_to_camera for body, _ in parts]
             columns["extent"][place] = [
                 np.abs([body.low - self.origin, body.high - self.origin]).max() for body, _ in parts
-            ]
-            known = self._known_planes
-            columns["mirror"][place] = [
-                bool(part.mirrors) and all(id(plane) in known for plane in part.mirrors)
-                for _, part in parts
             ]
             columns["bsdf"][place] = [
                 self._finishes.plugin_number(part.material) for _, part in parts
@@ -548,8 +548,12 @@ class CompiledScene:
         self._extents = upload(mi.Float, columns["extent"])
         hidden = columns["hidden"] > 0.0
         self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
-        self.is_mirror = None if self.mirrors is None else upload(mi.Bool, columns["mirror"] > 0.0)
-        dr.eval(self.indices, self.hidden, self.is_mirror, self._extents)
+        shapes = [part for _, part in parts]
+        self.known_mirrors.commit(size, shapes)
+        self.polarisation = make_polarisation(
+            size, shapes, self._finishes.item, self._finishes.make
+        )
+        dr.eval(self.indices, self.hidden, self._extents)
 
     # ---- notes ----
 

@@ -16,6 +16,7 @@ import numpy as np
 from ..materials.plugins import DISPERSED_COMPONENT
 from .compile import CompiledScene
 from .gather import photometric
+from .polarisation import polarise
 from .rays import spawn_ray
 from .textures import is_spectral
 
@@ -86,6 +87,7 @@ def follow(
         "throughput": mi.Spectrum(1.0),
         "bends": mi.UInt32(0),
         "steps": mi.UInt32(0),
+        "polar": mi.Vector3f(0.0),
         "dispersed": mi.Bool(False),
         "active": mi.Bool(active),
         "landed": mi.Bool(False),
@@ -99,7 +101,7 @@ def follow(
     if counts_straight is not None:
         state["length"] = mi.Float(0.0)
 
-    def body(ray, stream, throughput, bends, steps, dispersed, active, landed, *place):
+    def body(ray, stream, throughput, bends, steps, polar, dispersed, active, landed, *place):
         hit, si = _meet(scene, ray, active)
         active &= si.is_valid()
         bsdf = scene.bsdf(si, active)
@@ -134,15 +136,13 @@ def follow(
             hero[0] = 4.0 * throughput[0]
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
-        is_bend = mi.Bool(bent)
-        if scene.is_mirror is not None:
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            is_bend &= ~dr.gather(mi.Bool, scene.is_mirror, ids, bent)
+        is_bend = bent if scene.mirrors is None else bent & (scene.mirror_at(si, bent) == 0)
         bends = dr.select(is_bend, bends + 1, bends)
         # Straight means straight: turned into the surface's frame and back, rays would drift.
-        onwards = spawn_ray(scene, si, dr.select(straight, ray.d, si.to_world(bs.wo)))
-        onwards.wavelengths = ray.wavelengths
-        ray = dr.select(active, onwards, ray)
+        direction = dr.select(straight, ray.d, si.to_world(bs.wo))
+        factor, polar = polarise(scene, si, ray.d, direction, polar, bent, active)
+        throughput = throughput * factor
+        ray = dr.select(active, spawn_ray(scene, si, direction), ray)
         steps += 1
 
         # ---- roulette ----
@@ -153,11 +153,11 @@ def follow(
         active &= dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS)
         if counts_straight is not None:
             place = (*place, length)
-        return ray, stream, throughput, bends, steps, dispersed, active, landed, *place
+        return ray, stream, throughput, bends, steps, polar, dispersed, active, landed, *place
 
     result = dr.while_loop(
         state=tuple(state.values()),
-        cond=lambda *values: values[6],
+        cond=lambda *values: values[7],
         body=body,
         labels=tuple(state),
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..scattering.surface import mirrors_light
 from ..scene.material import Conductor, Dielectric, Glossy, Measured, Mix, TabulatedPane, ThinGlass
-from .surfaces import SMOOTH_ROUGHNESS, is_mirror
+from .surfaces import SMOOTH_ROUGHNESS, is_mirror, is_mirroring_pane
 
 MAXIMUM_TARGETS = 64
 """Most spheres of one light: each of them is asked about every path."""
@@ -38,10 +38,8 @@ def is_bending(surface) -> bool:
             return surface.roughness < SMOOTH_ROUGHNESS
         case Glossy() | Conductor():
             return is_mirror(surface)
-        case ThinGlass():
-            return surface.ior != 1.0
-        case TabulatedPane():
-            return bool(np.any(np.asarray(surface.reflectance) > 0.0))
+        case ThinGlass() | TabulatedPane():
+            return is_mirroring_pane(surface)
         case Measured():
             return mirrors_light(surface)
         case Mix():
@@ -105,7 +103,7 @@ class SphereTree:
 
 @dataclass(frozen=True)
 class Targets:
-    """Everything that bends light, and the plane mirrors by which light may come there.
+    """Everything that bends light, and the plane mirrors and panes by which light may come there.
 
     Parameters
     ----------
@@ -120,14 +118,13 @@ class Targets:
 def find_targets(scene) -> Targets:
     """Gather what bends light in a `CompiledScene`.
 
-    Plane mirrors that next-event knows are no reason to trace light, but on the way to glass it may meet them.
+    Plane mirrors and panes that next-event knows are no reason to trace light, but on the way to glass it may meet them.
     """
-    known = None if scene.is_mirror is None else np.array(scene.is_mirror)
     bending, mirrors, names = [], [], set()
     for _, part, material in scene.parts():
         if not is_bending(material.surface) or part.triangles == 0:
             continue
-        if known is not None and known[part.number]:
+        if scene.known_mirrors.holds(part):
             mirrors.append(part)
         else:
             bending.append(part)

@@ -245,6 +245,10 @@ class LightTable:
         ids = dr.reinterpret_array(mi.UInt32, pointer)
         return dr.gather(mi.UInt32, self._number, ids, active)
 
+    def is_outside(self, index):
+        """Whether the emitter with a number gives light from infinity."""
+        return (index == 0) & self._has_outside
+
     def row(self, index):
         """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
         if self.palette is None:

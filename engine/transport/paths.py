@@ -11,9 +11,11 @@ is cut off and the estimate is unbiased.
 import drjit as dr
 import mitsuba as mi
 
+from ..luminaires.plugins import SUNS_ONLY
 from ..materials.plugins import DISPERSED_COMPONENT
 from . import mirrors
 from .compile import CompiledScene
+from .polarisation import polarise
 from .rays import spawn_ray, spawn_ray_to
 from .textures import is_spectral
 
@@ -40,13 +42,14 @@ def closest_hit(scene: CompiledScene, ray, active, coherent=False, looks=None):
     return scene.surface(hit, ray, active)
 
 
-def transmittance(scene: CompiledScene, origin, target, active):
+def transmittance(scene: CompiledScene, origin, target, active, polar=None):
     """Share of light that goes straight from one point to another.
 
     Parameters
     ----------
     origin : SurfaceInteraction3f    Where the ray starts; the ray is offset from its surface.
     target : PositionSample3f    Where it ends, excluded: point and normal.
+    polar : Vector3f or None    Polarisation of the ray, see `polarisation`; None: it has none.
 
     Returns
     -------
@@ -60,27 +63,33 @@ def transmittance(scene: CompiledScene, origin, target, active):
     value = dr.select(lit, mi.Spectrum(1.0), 0.0)
     ray = mi.Ray3f(ray)
     steps = mi.UInt32(0)
+    polar = mi.Vector3f(0.0) if polar is None else mi.Vector3f(polar)
 
-    def step(value, ray, lit, steps):
+    def step(value, ray, lit, steps, polar):
         si = scene.veil.ray_intersect(ray, lit)
         lit &= si.is_valid()
-        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit)
+        factor, polar = polarise(scene, si, ray.d, ray.d, polar, mi.Bool(False), lit)
+        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit) * factor
         ray = dr.select(lit, spawn_ray_to(scene, si, target.p, target.n), ray)
         lit &= dr.any(value != 0.0)
         steps += 1
-        return value, ray, lit & (steps < 1000), steps
+        return value, ray, lit & (steps < 1000), steps, polar
 
-    value, ray, lit, steps = dr.while_loop(
-        state=(value, ray, mi.Bool(lit), steps),
-        cond=lambda value, ray, lit, steps: lit,
+    result = dr.while_loop(
+        state=(value, ray, mi.Bool(lit), steps, polar),
+        cond=lambda value, ray, lit, steps, polar: lit,
         body=step,
-        labels=("value", "ray", "lit", "steps"),
+        labels=("value", "ray", "lit", "steps", "polar"),
     )
-    return value
+    return result[0]
 
 
-def sample_emitter(scene: CompiledScene, si, sample, active):
+def sample_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False):
     """Choose a direction to an emitter.
+
+    Parameters
+    ----------
+    over_mirrors : bool    Whether the surface is an image of one in mirrors: not all of the surroundings may count then.
 
     Returns
     -------
@@ -90,6 +99,8 @@ def sample_emitter(scene: CompiledScene, si, sample, active):
     at = dr.zeros(mi.Interaction3f)
     at.p, at.n, at.wavelengths = si.p, si.n, si.wavelengths
     at.time = scene.lights.row(index)
+    if over_mirrors and scene.mirrors.are_panes:
+        at.time = dr.select(scene.lights.is_outside(index), SUNS_ONLY, at.time)
     pointer = scene.lights.pointer(index)
     ds, value = pointer.sample_direction(at, mi.Point2f(remainder, sample.y), active)
     ds.pdf *= share
@@ -117,19 +128,24 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     if limit is not None:
         active &= length <= limit
     numbers = mi.PCG32(stream)
-    image, turn = planes.image(si.p, numbers, length, active)
+    image, turn, chance = planes.image(si.p, numbers, length, active)
     at = mi.Interaction3f(si)
     at.p = image
-    ds, value = sample_emitter(scene, at, sample, active)
-    chance = planes.probability(length)
+    ds, value = sample_emitter(scene, at, sample, active, over_mirrors=True)
+    chance = planes.probability(length, chance)
     direction = turn.T @ ds.d
     response, response_pdf = respond(direction, active)
     density = ds.pdf * chance
     weight = dr.select(ds.delta, 1.0, power_heuristic(density, response_pdf))
     amount = response * value * (weight / chance)
     lit = active & (ds.pdf > 0.0) & dr.any(amount != 0.0)
-    last, reflectance, met = mirrors.walk(scene, si, direction, numbers, length, closest_hit, lit)
-    return dr.select(met, amount * reflectance * transmittance(scene, last, ds, met), 0.0)
+    last, onwards, polar, reflectance, met = mirrors.walk(
+        scene, si, direction, numbers, length, closest_hit, lit
+    )
+    # A light behind the last pane is not seen in it.
+    met &= dr.dot(onwards, ds.p - last.p) > 0.0
+    passed = transmittance(scene, last, ds, met, polar)
+    return dr.select(met, amount * reflectance * passed, 0.0)
 
 
 def emitter_density(scene: CompiledScene, reference, si, emitter, active):
@@ -145,8 +161,10 @@ def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     return density * scene.lights.probability(emitter, reference.p, active, si.time)
 
 
-def surroundings_density(scene: CompiledScene, reference, direction, active):
-    """As `emitter_density`, for light from infinity."""
+def surroundings_density(scene: CompiledScene, reference, direction, active, is_mirrored=None):
+    """As `emitter_density`, for light from infinity. ``is_mirrored``: whether the reference is an image in mirrors."""
+    if is_mirrored is not None and scene.mirrors.are_panes:
+        reference.time = dr.select(is_mirrored, SUNS_ONLY, 0.0)
     ds = dr.zeros(mi.DirectionSample3f)
     ds.d = direction
     density = scene.surroundings.pdf_direction(reference, ds, active)
@@ -209,7 +227,9 @@ def trace(
         "reference": mi.Point3f(reference),
         "depth": mi.UInt32(depth),
         "steps": mi.UInt32(0),
-        "chain": mi.UInt32(0),
+        # Length, last mirror and chance.
+        "chain": (mi.UInt32(0), mi.UInt32(0), mi.Float(1.0)),
+        "polar": mi.Vector3f(0.0),
         "dispersed": mi.Bool(False),
         "eta": mi.Float(1.0),
         "active": mi.Bool(active),
@@ -235,6 +255,7 @@ def trace(
         depth,
         steps,
         chain,
+        polar,
         dispersed,
         eta,
         *more,
@@ -258,7 +279,7 @@ def trace(
         glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
         found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
         if has_mirrors:
-            over = dr.select(chain > 0, scene.mirrors.probability(chain), 1.0)
+            over = scene.mirrors.probability(chain[0], chain[2])
             found *= over
         weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
         value = emitter.eval(si, glows)
@@ -273,7 +294,8 @@ def trace(
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             away.wavelengths = si.wavelengths
-            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0))
+            mirrored = chain[0] > 0 if has_mirrors else None
+            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
             if has_mirrors:
                 found *= over
             weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
@@ -336,20 +358,22 @@ def trace(
             hero[0] = 4.0 * throughput[0]
             throughput = dr.select(splits, hero, throughput)
             dispersed |= splits
+        turned = active & ~straight
+        factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active & ~hidden)
+        throughput = throughput * factor
         onwards = spawn_ray(scene, si, direction)
         onwards.wavelengths = ray.wavelengths
         ray = onwards
-        turned = active & ~straight
         delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         # A copy: changing it in place must not change the other.
         anew = mi.Bool(turned)
         if has_mirrors:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            mirrored = turned & dr.gather(mi.Bool, scene.is_mirror, ids, turned)
+            number = scene.mirror_at(si, turned)
+            mirrored = turned & (number > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
-            chain = dr.select(mirrored, chain + 1, dr.select(turned, 0, chain))
+            chain = scene.mirrors.extend(chain, number, mirrored, turned)
             anew &= ~mirrored
         if has_bent:
             spreads = turned & ~delta
@@ -372,7 +396,8 @@ def trace(
             active &= depth <= last + 1
         bending = (spread, bent) if has_bent else ()
         return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, dispersed, eta, *bending, active
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, *bending,
+            active,
         )  # fmt: skip
 
     result = dr.while_loop(

@@ -228,6 +228,16 @@ def is_mirror(surface) -> bool:
     return False
 
 
+def is_mirroring_pane(surface) -> bool:
+    """Tell whether a surface is a pane all over and reflects some of the light as a mirror does."""
+    match surface:
+        case ThinGlass():
+            return surface.ior != 1.0
+        case TabulatedPane():
+            return bool(np.any(np.asarray(surface.reflectance) > 0.0))
+    return False
+
+
 def is_purely_specular(surface) -> bool:
     """Tell whether a surface has no spread-out part: nothing to measure illuminance on."""
     match surface:

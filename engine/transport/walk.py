@@ -12,6 +12,7 @@ import mitsuba as mi
 
 from ..materials.plugins import DISPERSED_COMPONENT
 from .landing import _bend, _meet
+from .polarisation import polarise
 from .rays import spawn_ray
 
 FADED = 0.1
@@ -93,6 +94,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         "bender": mi.UInt32(NOBODY),
         "use": mi.Float(0.0),
         "lost": mi.Float(0.0),
+        "polar": mi.Vector3f(0.0),
         "dispersed": mi.Bool(False),
         "active": mi.Bool(dr.any(rays.power > 0.0)),
     }
@@ -103,7 +105,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     def add(target, row, amount, active):
         dr.scatter_reduce(dr.ReduceOp.Add, target, amount, row * many + batch, active)
 
-    def body(origin, direction, stream, power, scatterings, done, trace, bender, use, lost, dispersed, active):  # fmt: skip
+    def body(
+        origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active
+    ):  # fmt: skip
         ray = mi.Ray3f(origin, direction, mi.Float(0.0), rays.ray.wavelengths)
         hit, si = _meet(scene, ray, active)
         amount = rays.lumens(power)
@@ -143,6 +147,8 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         rise = dr.dot(onwards, si.n)
         is_wrong = ~straight & (reflects == (rise * facing > 0.0))
         onwards = dr.select(is_wrong, onwards - si.n * (2.0 * rise), onwards)
+        factor, polar = polarise(scene, si, direction, onwards, polar, active & ~straight, active)
+        weight = weight * factor
         after = mi.Spectrum(dr.select(dr.isfinite(weight), power * weight, 0.0))
         if scene.requirements.dispersive:
             splits = active & ~straight & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
@@ -181,7 +187,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         survival = dr.minimum(left * (1.0 / FADED), dr.select(is_long, SURVIVAL, 1.0))
         active &= ~tried | (stream.next_float32() < survival)
         power = mi.Spectrum(dr.select(tried & active, power / survival, power))
-        return origin, direction, stream, power, scatterings, done, trace, bender, use, lost, dispersed, active  # fmt: skip
+        return origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active  # fmt: skip
 
     result = dr.while_loop(
         state=tuple(state.values()),

@@ -350,11 +350,35 @@ MUTATIONS = (
         (
             Rewrite(
                 "transport.mirrors:walk",
-                "return at, value, going",
-                "return at, value * value, going",
+                "return at, ray.d, polar, value, going",
+                "return at, ray.d, polar, value * value, going",
             ),
         ),
         ("C18.mirror_pt", "C18.mirror_total"),
+    ),
+    Mutation(
+        "panes as mirrors",
+        "panes are no mirrors to light on its way from a lamp",
+        (
+            Rewrite(
+                "transport.known_mirrors:KnownMirrors.choose",
+                "if with_panes or not p.is_pane",
+                "if not p.is_pane",
+            ),
+        ),
+        ("C38.two", "C39.one"),
+    ),
+    Mutation(
+        "polarisation between panes",
+        "light is unpolarised before every pane",
+        (
+            Rewrite(
+                "transport.polarisation:Polarisation.meet",
+                "factor = 1.0 + uneven * q",
+                "factor = 1.0 + 0.0 * q",
+            ),
+        ),
+        ("C38.two",),
     ),
     Mutation(
         "sun's azimuth",

@@ -254,5 +254,16 @@ TEXTS = {
         "pixels are cells of the right size at the right place, even or with a linear ramp between their middles.",
         "Closed forms, confirmed by sums over 32 million directions.",
     ),
+    "C38": CaseText(
+        "A sun of 10 000 lx shines through two parallel panes of transmittance 0.88, and through three, at 35°, 65° and "
+        "82° to their normal, as a point and as a disk of 0.53°. What arrives behind them has also gone to and fro "
+        "between them.",
+        "Sums over the layers for each polarisation by itself: between two panes light keeps its polarisation.",
+    ),
+    "C39": CaseText(
+        "A point source stands 1 m before a pane of transmittance 0.88, and between two. Sensors on both sides see it "
+        "through the glass and, turned away from it, by its images in the panes.",
+        "Image sources in closed form, with the reflectances and transmittances of each polarisation multiplied apart.",
+    ),
 }
 """By case id."""

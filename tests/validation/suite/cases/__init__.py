@@ -51,6 +51,7 @@ def all_cases() -> dict[str, Case]:
         glare,
         glass,
         interreflection,
+        panes,
         photometry,
         pictures,
         roof,
