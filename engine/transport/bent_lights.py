@@ -13,7 +13,7 @@ of caustics are as much less sharp.
 """
 
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -38,7 +38,7 @@ PILOT = 1 << 17
 MOST_AIMS = 512
 """Most aims of all lights together; of more, lights that give the least are missing, and a note says so."""
 
-MOST_PARTS = 32
+MOST_PARTS = 8
 """Most parts of one light's lines with an aim each."""
 
 LEAST_SHARE = 1e-4
@@ -50,7 +50,7 @@ LEAST_PART = 3e-3
 NARROW = 0.03
 """Angle within which a light seems to be in one place for all that are lit, so that it needs but one aim. [rad]"""
 
-FEWEST_LINES, MOST_LINES = 32, 1 << 14
+FEWEST_LINES, MOST_LINES = 32, 1 << 13
 """Lines that an aim is made of, at least, and those of a light that are looked at."""
 
 POINT_SIZE = 0.01
@@ -60,16 +60,19 @@ SUN_RADIUS = 0.00465
 """Angular radius for which suns that have less are taken: that of the true one. [rad]"""
 
 QUANTILES = (0.5, 0.99)
-"""Shares of the light within the inner and the outer cone of an aim, which get half of its rays each. [-]"""
+"""Shares of the light within the inner and the outer cone of an aim. [-]"""
+
+SHARES = (0.45, 0.4, 0.15)
+"""Of an aim's rays to these cones, and to all that bends the light. [-]"""
+
+ASKED, FEWEST_ASKED = 8.0, 1.0 / 16.0
+"""Vertices of a path that ask for bent light, relative to its share of all light, and the fewest of them. [-]"""
 
 SPARE = 1.1
 """By which aims are larger than what the pilot saw. [-]"""
 
-AT_ALL = 0.15
-"""Share of a light's rays that is aimed at all that bends it. [-]"""
-
-PLACE, DIRECTION, ALL = 0, 1, 2
-"""What an aim is: a place where light seems to come from, a direction, or all that bends it."""
+PLACE, DIRECTION = 0, 1
+"""What an aim is: a place where light seems to come from, or a direction."""
 
 COLUMNS = 19
 """Of the table of aims; see `BentLights._upload`."""
@@ -85,10 +88,11 @@ class _Aim:
     Parameters
     ----------
     flux : float    That the pilot saw land. [lm]
-    kind : int    `PLACE`, `DIRECTION` or `ALL`.
+    kind : int    `PLACE` or `DIRECTION`.
     centre : (3,) array    Place in the scene's frame [m], or unit vector towards the light.
     sizes : (2,) array    Radii about the place [m], or 1 - cos of angles about the direction, by `QUANTILES`.
-    sphere : (4,) array    Holds all places where this light leaves for where it lands. [m]
+    sphere : (4,) array    Holds all places where this light leaves for where it lands; in the end those of all of a light's
+        aims. [m]
     spread : float    Angle within which it seems to come from there. [rad]
     """
 
@@ -155,6 +159,10 @@ class BentLights:
         self.left_out = left_out_of([each.light for each in kept]) or self.left_out
         self.notes = tuple(_notes(kept, found[len(kept) :], targets.names))
         self._upload(kept)
+        bent = sum(each.flux for each in kept)
+        every = sum(source.flux for source in scene.lights.sources)
+        self._chance = float(np.clip(ASKED * bent / max(every, 1e-300), FEWEST_ASKED, 1.0))
+        self._asks = dr.opaque(mi.Float, self._chance)
 
     def _find(self, rays: EmissionRays, sampler) -> list[_BentLight]:
         """Trace all lights and see where they seem to be; those that give most first."""
@@ -198,7 +206,7 @@ class BentLights:
 
     # ---- inside kernels ----
 
-    def light(self, si, stream, respond, active, dispersed=False, limit=None):
+    def light(self, si, stream, respond, active, dispersed=False, limit=None, is_first=None):
         """One-sample estimate of what lights send to a place over bends.
 
         Parameters
@@ -208,17 +216,24 @@ class BentLights:
         respond : callable    Given a direction and which lanes ask: how much radiance from there counts, cosine included.
         dispersed : Bool    Whether the path has one wavelength left.
         limit : UInt32 or None    Most bends and reflections on the way.
+        is_first : Bool or None    Whether the place is the first that a path meets; None: all are.
 
         Returns
         -------
         Spectrum    Response times radiance.
         """
-        index, total = self._choose(si.p, stream.next_float32())
+        lit = mi.Bool(active)
+        chance = mi.Float(1.0)
+        if is_first is not None:
+            # Where little of the light is bent, few vertices of a path ask for it.
+            chance = dr.select(is_first, 1.0, self._asks)
+            lit &= stream.next_float32() < chance
+        index, total = self._choose(si.p, stream.next_float32(), lit)
         direction = self._direct(index, si.p, stream)
-        density = self._density(index, total, si.p, direction)
-        response = respond(direction, active)
-        amount = mi.Spectrum(response / dr.maximum(density, 1e-30))
-        lit = active & (density > 0.0) & dr.any(amount != 0.0)
+        density = self._density(index, total, si.p, direction, lit)
+        response = respond(direction, lit)
+        amount = mi.Spectrum(response / dr.maximum(chance * density, 1e-30))
+        lit &= (density > 0.0) & dr.any(amount != 0.0)
         ray = spawn_ray(self.scene, si, direction)
         value = self._follow(index, ray, stream, lit, dispersed, limit)
         return dr.select(lit, amount * value, 0.0)
@@ -238,72 +253,69 @@ class BentLights:
         away = dr.squared_norm(point - centre)
         return self._number(index, 10) / dr.maximum(away + dr.square(extent), 1e-12)
 
-    def _choose(self, point, u):
+    def _choose(self, point, u, active):
         """An aim, and the sum of all weights."""
 
-        def add(total, i):
-            return total + self._weigh(i, point), i + 1
+        def add(total, index, u, i):
+            weight = self._weigh(i, point)
+            total = total + weight
+            # In one walk: every aim takes the place of those before with its share of the sum so far.
+            share = weight / dr.maximum(total, 1e-30)
+            is_taken = u < share
+            u = dr.select(is_taken, u / dr.maximum(share, 1e-30), (u - share) / (1.0 - share))
+            return total, dr.select(is_taken, i, index), dr.clip(u, 0.0, 0.9999999), i + 1
 
-        total, _ = dr.while_loop(
-            state=(mi.Float(0.0), mi.UInt32(0)),
-            cond=lambda total, i: i < self._count,
+        total, index, _, _ = dr.while_loop(
+            state=(mi.Float(0.0), mi.UInt32(0), mi.Float(u), mi.UInt32(0)),
+            cond=lambda total, index, u, i: active & (i < self._count),
             body=add,
-            labels=("total", "i"),
-        )
-        wanted = u * total
-
-        def find(running, index, i):
-            index = dr.select(running <= wanted, i, index)
-            return running + self._weigh(i, point), index, i + 1
-
-        _, index, _ = dr.while_loop(
-            state=(mi.Float(0.0), mi.UInt32(0), mi.UInt32(0)),
-            cond=lambda running, index, i: i < self._count,
-            body=find,
-            labels=("running", "index", "i"),
+            labels=("total", "index", "u", "i"),
         )
         return index, total
 
     def _direct(self, index, point, stream):
         """A direction within an aim."""
-        inner, outer = self._cones(index, point)
-        is_inner = stream.next_float32() < 0.5
+        cones = self._cones(index, point)
+        u = stream.next_float32()
         sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-        axis, cap = (dr.select(is_inner, a, b) for a, b in zip(inner, outer, strict=True))
+        axis, cap = cones[-1]
+        start = 0.0
+        for share, (own_axis, own_cap) in zip(SHARES[:-1], cones[:-1], strict=True):
+            is_own = (u >= start) & (u < start + share)
+            axis, cap = dr.select(is_own, own_axis, axis), dr.select(is_own, own_cap, cap)
+            start += share
         return mi.Frame3f(axis).to_world(in_cap(cap, sample))
 
-    def _density(self, index, total, point, direction):
+    def _density(self, index, total, point, direction, active):
         """Density with which all aims of a light together give a direction. [sr-1]"""
         light = self._number(index, 18)
 
         def add(density, i):
             pdf = mi.Float(0.0)
-            for axis, cap in self._cones(i, point):
+            for share, (axis, cap) in zip(SHARES, self._cones(i, point), strict=True):
                 # By the chord, since cosines of narrow cones have no digits left.
                 inside = 0.5 * dr.squared_norm(direction - axis) <= cap * (1.0 + 1e-4) + 1e-13
-                pdf += dr.select(inside, 0.5 * dr.inv_two_pi / cap, 0.0)
+                pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
             is_own = self._number(i, 18) == light
             return dr.select(is_own, density + self._weigh(i, point) * pdf, density), i + 1
 
         density, _ = dr.while_loop(
             state=(mi.Float(0.0), mi.UInt32(0)),
-            cond=lambda density, i: i < self._count,
+            cond=lambda density, i: active & (i < self._count),
             body=add,
             labels=("density", "i"),
         )
         return density / dr.maximum(total, 1e-30)
 
     def _cones(self, index, point) -> list:
-        """Axes of an aim's two cones and 1 - cos of their half angles."""
-        kind, centre = self._number(index, 3), self._vector(index, 0)
-        axis, cap = _cone(self._vector(index, 6) - point, self._number(index, 9))
+        """Axes of an aim's cones and 1 - cos of their half angles, by `SHARES`."""
+        is_far, centre = self._number(index, 3) == DIRECTION, self._vector(index, 0)
         made = []
         for column in (4, 5):
             size = self._number(index, column)
-            own, angle = _cone(centre - point, size)
-            own, angle = dr.select(kind == PLACE, own, axis), dr.select(kind == PLACE, angle, cap)
-            is_far = kind == DIRECTION
-            made.append((dr.select(is_far, centre, own), dr.select(is_far, size, angle)))
+            axis, cap = _cone(centre - point, size)
+            made.append((dr.select(is_far, centre, axis), dr.select(is_far, size, cap)))
+        made.append(_cone(self._vector(index, 6) - point, self._number(index, 9)))
         return made
 
     def _follow(self, index, ray, stream, active, dispersed, limit):
@@ -440,7 +452,7 @@ def _size_of(light: TracedLight, lines: dict, scene) -> float:
 
 
 def _find_aims(light: TracedLight, lines: dict, size: float, radius: float):
-    """Aims of a light by the lines on which its light arrives, see `light_paths.send_pilot`; that at everything last.
+    """Aims of a light by the lines on which its light arrives, see `light_paths.send_pilot`.
 
     Lines are parted again and again, by where they begin or by where they go, until each part seems to come from one place.
     """
@@ -455,9 +467,8 @@ def _find_aims(light: TracedLight, lines: dict, size: float, radius: float):
             done.append(aim)
         else:
             parts += halves
-    yield from done
-    flux = AT_ALL / (1.0 - AT_ALL) * whole.flux
-    yield _Aim(flux, ALL, np.array([0.0, 0.0, 1.0]), np.ones(2), whole.sphere, np.pi)
+    for aim in done:
+        yield replace(aim, sphere=whole.sphere)
 
 
 def _part(light: TracedLight, lines: dict, size: float, radius: float) -> list | None:

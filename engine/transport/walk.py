@@ -187,7 +187,21 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         survival = dr.minimum(left * (1.0 / FADED), dr.select(is_long, SURVIVAL, 1.0))
         active &= ~tried | (stream.next_float32() < survival)
         power = mi.Spectrum(dr.select(tried & active, power / survival, power))
-        return origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active  # fmt: skip
+        return (
+            origin,
+            direction,
+            stream,
+            power,
+            scatterings,
+            done,
+            trace,
+            bender,
+            use,
+            lost,
+            polar,
+            dispersed,
+            active,
+        )
 
     result = dr.while_loop(
         state=tuple(state.values()),

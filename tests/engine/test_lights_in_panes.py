@@ -319,8 +319,8 @@ def test_edits_that_make_panes_matter_end_at_the_scene_compiled_at_once():
         np.testing.assert_array_equal(read(session), read(session_of(*items)))
 
 
-def test_what_lamps_are_not_seen_in_is_said():
-    """A pane that stands for a curved one by its normals, and one in a mixture; but no flat pane."""
+def test_lamps_are_seen_in_panes_that_no_plane_stands_for():
+    """A pane that stands for a curved one by its normals, and one in a mixture, bend light; a flat one is a known plane."""
     flat = tilted_pane("pane", (0, 0, 0), UP, 1.0, "glass")
     bent = np.tile(np.array([[0.3, 0, 1.0], [0, 0.3, 1.0], [-0.3, 0, 1.0]], np.float32), (2, 1, 1))
     bent /= np.linalg.norm(bent, axis=2, keepdims=True)
@@ -331,8 +331,8 @@ def test_what_lamps_are_not_seen_in_is_said():
         ((mixed, flat), True),
     ):
         made = session_of(*items, candela([0, 0, 1])).measure(
-            [[0.2, 0, 0.5]], [-UP], StopRule(samples=64)
+            [[0.2, 0, 0.5]], [-UP], StopRule(samples=1 << 14)
         )
-        notes = [note for note in made.provenance.notes if "'glass' reflects as a mirror" in note]
+        notes = [note for note in made.provenance.notes if "'glass' bends" in note]
         assert bool(notes) is is_said
-        assert bool(made.illuminance[0]) is not is_said
+        assert made.illuminance[0] > 0.0

@@ -71,7 +71,7 @@ def pierced_box(width, material="paint"):
 def test_a_sun_through_a_keyhole_lights_the_whole_box(width):
     direction = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
     sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1e5), direction, np.radians(0.53))
-    made = bake((paint(0.5), pierced_box(width), sun), ("room",), 64)
+    made = bake((paint(0.5), pierced_box(width), sun), ("room",), 256)
     entered = -1e5 * direction[2] * width**2
     assert_mean(made, 2.0 * entered / (6.0 - width**2), 0.03)
 
