@@ -31,20 +31,20 @@ class LumenrayResultRow(PropertyGroup):
     uniformity: FloatProperty(name="Uniformity", description="Smallest value over the mean")
     uniformity_low: FloatProperty(name="From", description="The uniformity is hardly below this")
     uniformity_high: FloatProperty(name="To", description="The uniformity is hardly above this")
-    mean_error: FloatProperty(name="Error of the mean", description="Standard error of the mean")
+    mean_error: FloatProperty(name="Error of the Mean", description="Standard error of the mean")
     relative_error: FloatProperty(
-        name="Relative error",
+        name="Relative Error",
         description="Standard error of the single values divided by the mean",
     )
     bias: FloatProperty(
         name="Bias", description="What the method adds to the mean on the whole, as measured"
     )
-    bias_error: FloatProperty(name="Error of the bias", description="Standard error of the bias")
+    bias_error: FloatProperty(name="Error of the Bias", description="Standard error of the bias")
     samples: IntProperty(name="Samples", description="Samples per lumel")
     lumels: IntProperty(name="Lumels", description="How many lie on the surface")
     density: FloatProperty(name="Density", description="Lumels per metre that were reached")
     invalid: IntProperty(
-        name="Inside solids", description="Lumels that were filled from their neighbours"
+        name="Inside Solids", description="Lumels that were filled from their neighbours"
     )
     is_smoothed: BoolProperty(
         name="Smoothed", description="Whether the map was smoothed after its error was known"
@@ -56,9 +56,9 @@ class LumenrayBakedResults(PropertyGroup):
     """The last bake of a scene: a row for each map, the whole, and what has changed since."""
 
     rows: CollectionProperty(type=LumenrayResultRow)
-    row_index: IntProperty(name="Active map", description="Map whose details are shown", min=0)
+    row_index: IntProperty(name="Active Map", description="Map whose details are shown", min=0)
     relative_error: FloatProperty(
-        name="Relative error", description="Standard error of all lumels divided by the mean"
+        name="Relative Error", description="Standard error of all lumels divided by the mean"
     )
     mean: FloatProperty(name="Mean", description="Of everything, in lx")
     seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
@@ -66,10 +66,10 @@ class LumenrayBakedResults(PropertyGroup):
     shrink: FloatProperty(
         name="Shrink", description="Factor on all densities that made the charts fit"
     )
-    seam_pairs: IntProperty(name="Seam points", description="Places where charts meet")
+    seam_pairs: IntProperty(name="Seam Points", description="Places where charts meet")
     seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
-    seam_after: FloatProperty(name="Steps left", description="At seams after matching, in lx")
-    seam_noise: FloatProperty(name="Noise of steps", description="Their standard error, in lx")
+    seam_after: FloatProperty(name="Steps Left", description="At seams after matching, in lx")
+    seam_noise: FloatProperty(name="Noise of Steps", description="Their standard error, in lx")
     shortfall: StringProperty(
         name="Stopped", description="What of the rule was not met when the bake was stopped"
     )

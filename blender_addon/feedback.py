@@ -85,7 +85,7 @@ class LumenrayFeedback(PropertyGroup):
     rows: CollectionProperty(type=LumenrayReportRow)
     row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
     render: StringProperty(
-        name="Last render", description="Samples, error and time of the last picture"
+        name="Last Render", description="Samples, error and time of the last picture"
     )
 
 

@@ -777,7 +777,7 @@ class LumenraySceneSettings(PropertyGroup):
         default=True,
     )
     bake_overwrite: BoolProperty(
-        name="Overwrite other bakes",
+        name="Overwrite Other Bakes",
         description=(
             "Write into the folder whatever it holds; else a bake of other objects or settings goes to a folder with the "
             "next number"
