@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test validate mutations lint extension smoke viewer viewport panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-all validate mutations lint extension smoke viewer viewport panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -33,7 +33,10 @@ materials: setup ## compute the library's materials anew, render them and write 
 	@tests/real_blender/write_library.sh materials
 
 # Two at a time: while one waits, for an engine that starts or a kernel that is compiled, the other computes.
-test: setup ## run the tests, all but those that need a real Blender
+test: setup ## run the tests, all but the slow ones and those that need a real Blender
+	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal -m "not slow"
+
+test-all: setup ## run the slow tests too
 	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal
 
 validate: setup ## run the whole validation suite, other programs too, and write its report into docs/validation

@@ -40,6 +40,24 @@ CODES = {
 """What argparse is told of commands that compute a scene."""
 
 
+def _add_kinds(benchmark):
+    """Begin the list of benchmarks, with that of random rooms."""
+    kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
+    rooms = kinds.add_parser("rooms", help="random small rooms against paths from the lights")
+    rooms.add_argument("--count", type=int, default=300, help="how many (default: 300)")
+    rooms.add_argument("--first", type=int, default=0, help="number of the first (default: 0)")
+    rooms.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    rooms.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("docs/benchmarks"),
+        metavar="DIR",
+        help="folder for rooms.md (default: docs/benchmarks)",
+    )
+    return kinds
+
+
 def build_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(
@@ -107,7 +125,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
 
     benchmark = commands.add_parser("benchmark", help="measure the speed of this machine")
-    kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
+    kinds = _add_kinds(benchmark)
     sync = kinds.add_parser("sync", help="what edits cost, compared with sending the whole scene")
     sync.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
     sync.add_argument(
@@ -861,6 +879,13 @@ def _benchmark(options) -> int:
         )
         print(f"written to {options.output / 'scattering.md'}")
         return 0
+    if options.kind == "rooms":
+        from ..benchmarks import rooms
+
+        made = rooms.run(options.count, options.first, say=rooms.report_progress)
+        rooms.write_results(made, options.output, options.json)
+        print(f"written to {options.output / 'rooms.md'}")
+        return int(any(row["off"] > 1.0 for row in made["rows"]))
     if options.kind == "raysets":
         from ..benchmarks import raysets
 
