@@ -161,8 +161,9 @@ class BentLights:
         self._upload(kept)
         bent = sum(each.flux for each in kept)
         every = sum(source.flux for source in scene.lights.sources)
-        self._chance = float(np.clip(ASKED * bent / max(every, 1e-300), FEWEST_ASKED, 1.0))
-        self._asks = dr.opaque(mi.Float, self._chance)
+        chance = np.clip(ASKED * bent / max(every, 1e-300), FEWEST_ASKED, 1.0)
+        # What a sun gives far outside tells nothing of its share in a room behind glass.
+        self._asks = dr.opaque(mi.Float, 1.0 if self._suns else float(chance))
 
     def _find(self, rays: EmissionRays, sampler) -> list[_BentLight]:
         """Trace all lights and see where they seem to be; those that give most first."""
@@ -216,7 +217,7 @@ class BentLights:
         respond : callable    Given a direction and which lanes ask: how much radiance from there counts, cosine included.
         dispersed : Bool    Whether the path has one wavelength left.
         limit : UInt32 or None    Most bends and reflections on the way.
-        is_first : Bool or None    Whether the place is the first that a path meets; None: all are.
+        is_first : Bool or None    Whether the place is the first of a path that spreads light; None: all are.
 
         Returns
         -------

@@ -344,9 +344,7 @@ def trace(
                 return bsdf.eval_pdf(context, si, si.to_local(direction), asked)[0]
 
             rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
-            amount = scene.bent.light(
-                si, stream, respond_alone, smooth, dispersed, rest, ~spread & (depth == 0)
-            )
+            amount = scene.bent.light(si, stream, respond_alone, smooth, dispersed, rest, ~spread)
             radiance = radiance + throughput * amount
 
         # ---- scattering ----
