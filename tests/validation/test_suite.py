@@ -32,7 +32,8 @@ def engine():
 
 def test_every_case_is_there():
     cases = all_cases()
-    assert list(cases) == [f"C{number:02d}" for number in range(1, 38)]
+    numbers = [*range(1, 38), *range(40, 46)]
+    assert list(cases) == [f"C{number:02d}" for number in numbers]
     assert {case.family for case in cases.values()} <= FAMILIES
 
 
