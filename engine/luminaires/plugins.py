@@ -156,19 +156,21 @@ def _spot_class():
             self.intensity = props["intensity"]
             self.position = mi.Point3f(props["position"])
             self.axis = dr.normalize(mi.Vector3f(props["direction"]))
-            self.cos_end = mi.Float(props["cos_end"])
+            # 1 - cos of the half angle.
+            self.cap = mi.Float(props["cap"])
             self.blend = mi.Float(props["blend"])
             self.radius = mi.Float(props["radius"])
-            dr.make_opaque(self.position, self.axis, self.cos_end, self.blend, self.radius)
+            dr.make_opaque(self.position, self.axis, self.cap, self.blend, self.radius)
             self.m_flags = +mi.EmitterFlags.DeltaPosition
 
         def traverse(self, callback):
             callback.put("intensity", self.intensity, mi.ParamFlags.Differentiable)
 
-        def _edge(self, cosine):
-            width = (1.0 - self.cos_end) * self.blend
-            t = dr.clip((cosine - self.cos_end) / dr.maximum(width, 1e-7), 0.0, 1.0)
-            return dr.select(cosine > self.cos_end, t * t * (3.0 - 2.0 * t), 0.0)
+        def _edge(self, direction):
+            # By the chord, since cosines of narrow cones have no digits left.
+            inside = self.cap - 0.5 * dr.squared_norm(direction - self.axis)
+            t = dr.clip(inside / dr.maximum(self.cap * self.blend, 1e-14), 0.0, 1.0)
+            return dr.select(inside > 0.0, t * t * (3.0 - 2.0 * t), 0.0)
 
         def sample_direction(self, it, sample, active=True):
             frame = mi.Frame3f(dr.normalize(it.p - self.position))
@@ -184,7 +186,7 @@ def _spot_class():
             ds.emitter = mi.EmitterPtr(self)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = it.wavelengths
-            value = self.intensity.eval(si, active) * self._edge(dr.dot(-ds.d, self.axis))
+            value = self.intensity.eval(si, active) * self._edge(-ds.d)
             return ds, mi.Spectrum(value / dr.square(ds.dist) & active)
 
         def pdf_direction(self, it, ds, active=True):

@@ -49,7 +49,7 @@ def spot_solid_angle(half_angle, blend):
     The edge is s(t) = 3 t^2 - 2 t^3 with t = (cos(theta) - cos(h)) / ((1 - cos(h)) blend), whose mean over the edge
     is 1/2, so the weight is the full cone less half of the edge.
     """
-    cap = 1.0 - np.cos(half_angle)
+    cap = 2.0 * np.sin(0.5 * half_angle) ** 2
     return 2.0 * np.pi * cap * (1.0 - 0.5 * blend)
 
 

@@ -155,7 +155,7 @@ def _make_spot(light: SpotLight, origin) -> Lamp:
         "intensity": made.texture(),
         "position": [float(x) for x in centre],
         "direction": [float(x) for x in light.direction],
-        "cos_end": float(np.cos(light.half_angle)),
+        "cap": float(2.0 * np.sin(0.5 * light.half_angle) ** 2),
         "blend": float(light.blend),
         "radius": float(light.radius),
     }
@@ -168,7 +168,7 @@ def _make_spot(light: SpotLight, origin) -> Lamp:
         centre,
         light.radius,
         axis / np.linalg.norm(axis),
-        cone=plugin["cos_end"],
+        cone=float(np.cos(light.half_angle)),
     )
     return Lamp(light, source)
 

@@ -8,8 +8,10 @@ pilot traces straight light, and of every light it is known how strongly its lig
 
 with the illuminance E that it gives on the surface A which is looked at. Of so many evenly spread places one lies in the
 light (K = 1 for a uniform illuminance). Where K is too large for the samples that the first passes make, light that lands
-within a limit of the light's centre is traced (suns: all of it), and next-event leaves it out there. Rays are guided to
-where they land on what is looked at, by a histogram for each light.
+within a limit of the light's centre is traced (suns: all of it), and next-event leaves it out there. The limit is so wide
+that beyond it no place stands for much of the light: K tells of scatter, which is small where little is hidden, but what
+no place has found is missing all the same. Rays are guided to where they land on what is looked at, by a histogram for
+each light.
 """
 
 from dataclasses import dataclass, replace
@@ -38,6 +40,9 @@ FOUND = 200.0
 
 EASED = 4.0
 """How many times less bundled light is beyond the limit than it may be. [-]"""
+
+HIDDEN = 3e-3
+"""Largest share of a light's flux that one place of the first passes may stand for beyond the limit. [-]"""
 
 LARGEST_SURFACE = 0.05
 """Radius of a luminous surface, relative to the scene's, from which on its light is not bundled anywhere. [-]"""
@@ -147,16 +152,18 @@ class StraightLights:
             self._start(self.lights, self._histograms(landed))
         limits, worth = {}, {}
         for number, limit in enumerate(chosen):
+            if not limit:
+                continue
             own = landed.light == number
             flux = landed.flux[own].sum()
-            if limit is None:
-                continue
-            inside = own & (landed.distance < limit)
-            spilled = landed.flux[inside & ~landed.is_matt].sum()
-            # What a surface that is not matt makes of traced light, nothing would find.
-            if limit > 0.0 and spilled <= LEAST_SHARE * flux:
-                limits[number] = limit
-                worth[number] = float(landed.flux[inside] @ landed.lux[inside])
+            for reach in (_widen_limit(landed, own, limit, self._area, most), limit):
+                inside = own & (landed.distance < reach)
+                spilled = landed.flux[inside & ~landed.is_matt].sum()
+                # What a surface that is not matt makes of traced light, nothing would find.
+                if spilled <= LEAST_SHARE * flux:
+                    limits[number] = reach
+                    worth[number] = float(landed.flux[inside] @ landed.lux[inside])
+                    break
         chosen = sorted(sorted(limits, key=lambda n: -worth[n])[:MOST_LIGHTS])
         if not chosen:
             return
@@ -354,3 +361,10 @@ def _choose_limit(
     beyond = np.cumsum(bundled[order])
     spared = int(np.searchsorted(beyond, most / EASED, side="right"))
     return float(distance[order][min(spared, len(order) - 1)] * (1.0 + 1e-6))
+
+
+def _widen_limit(landed: _Landed, own: np.ndarray, limit: float, area: float, most: float) -> float:
+    """Distance beyond which no place of the first passes stands for more than `HIDDEN` of a light's flux. [m]"""
+    brightest = HIDDEN * landed.flux[own].sum() * most * FOUND / area
+    bright = own & (landed.lux > brightest)
+    return max(limit, float(landed.distance[bright].max(initial=0.0) * (1.0 + 1e-6)))

@@ -260,9 +260,9 @@ def test_few_values_are_checked_for_identity_only():
 
 def test_the_reference_is_complete():
     groups = load_groups()
-    assert len(groups) == 444
-    assert sum(group.values.size for group in groups.values()) == 3822
-    assert sorted({group.case for group in groups.values()}) == [f"C{n:02d}" for n in range(1, 40)]
+    assert len(groups) == 460
+    assert sum(group.values.size for group in groups.values()) == 3894
+    assert sorted({group.case for group in groups.values()}) == [f"C{n:02d}" for n in range(1, 46)]
     assert [k for k, g in groups.items() if g.is_informative] == ["C04.Bproj", "C34.rgb"]
 
 
@@ -318,6 +318,33 @@ def test_interreflection_in_a_cube():
     total = 10_000.0 / (96.0 * (1.0 - rho))
     np.testing.assert_allclose(groups["C10.avg_ind"].values, rho * total, rtol=1e-7)
     np.testing.assert_allclose(groups["C10.avg_tot"].values, total, rtol=1e-7)
+
+
+def test_closed_rooms_hold_their_lamps():
+    """A room of 3 m, 54 m2: what is emitted is absorbed. Black meshes in glass take back what is reflected to them."""
+    groups = load_groups()
+    for key, reflectance in (("C40.map10", 0.5), ("C42.lamps", 0.5), ("C44.rooms", 0.5)):
+        np.testing.assert_allclose(
+            groups[key].values, 1000.0 / (54.0 * (1.0 - reflectance)), rtol=1e-7
+        )
+    white = groups["C43.white"]
+    reflectance = np.array([float(label.split(",")[0]) for label in white.labels])
+    np.testing.assert_allclose(white.values, 1000.0 / (54.0 * (1.0 - reflectance)), rtol=1e-7)
+    bulbs = groups["C40.map"]
+    share = bulbs.values * 27.0 / 1000.0
+    is_mesh = np.array([label.startswith("mesh") for label in bulbs.labels])
+    np.testing.assert_allclose(share[~is_mesh], 1.0, rtol=1e-7)
+    np.testing.assert_allclose(share[is_mesh], 1.0 - (0.5 / 2.5) ** 2, rtol=1e-4)
+
+
+def test_light_in_a_sphere_is_that_of_the_lamp_and_the_same_everywhere():
+    groups = load_groups()
+    point, mesh = groups["C40.sensors0"], groups["C40.sensors_mesh"]
+    towards = np.array([0.5, 0.2, 0.6]) - point.positions
+    cosine = (towards * point.normals).sum(axis=1)
+    straight = cosine / (4.0 * np.pi * (towards**2).sum(axis=1) ** 1.5)
+    np.testing.assert_allclose(point.values, 1000.0 * (straight + 1.0 / (16.0 * np.pi)), rtol=1e-6)
+    np.testing.assert_allclose(mesh.values, 0.96 * point.values, rtol=1e-4)
 
 
 def test_furnace():

@@ -433,6 +433,90 @@ MUTATIONS = (
         ("C25.disk", "C21.beam"),
     ),
     Mutation(
+        "one cone of an aim",
+        "rays to lamps in glass are weighed by the last of the cones that might have given them, not by all",
+        (
+            Rewrite(
+                "transport.bent_lights:BentLights._density",
+                "pdf += dr.select(inside,",
+                "pdf = dr.select(inside,",
+            ),
+        ),
+        ("C40.sensors10",),
+    ),
+    Mutation(
+        "lamps in glass twice",
+        "of luminous surfaces in glass both what is traced and what scattered rays meet counts",
+        (
+            Rewrite(
+                "transport.light_paths:left_out_of",
+                "if not starts & {SUN, SURFACE}:",
+                "if not starts & {SUN}:",
+            ),
+        ),
+        ("C40.map10", "C40.sensors10"),
+    ),
+    Mutation(
+        "flux in glass",
+        "flux that leaves glass is divided by the square of its index, as radiance is",
+        (
+            Rewrite(
+                "transport.landing:_bend",
+                "return bs, weight * dr.square(bs.eta)",
+                "return bs, weight",
+            ),
+        ),
+        ("C40.map10",),
+    ),
+    Mutation(
+        "cosine of traced surfaces",
+        "light that is traced from luminous surfaces is as strong along them as away from them",
+        (
+            Rewrite(
+                "transport.emission_rays:EmissionRays._amount",
+                "value *= dr.abs(dr.dot(surface.n, direction)) / dr.maximum(surface.pdf, 1e-30)",
+                "value *= 1.0 / dr.maximum(surface.pdf, 1e-30)",
+            ),
+        ),
+        ("C40.map10",),
+    ),
+    Mutation(
+        "straight light twice",
+        "light of suns and lamps on small spots is traced and found from there too",
+        (
+            Rewrite(
+                "transport.straight_lights:StraightLights.__init__",
+                "self._leave_out()",
+                "pass",
+            ),
+        ),
+        ("C41.hole",),
+    ),
+    Mutation(
+        "guided rays as even ones",
+        "rays that are guided to where light lands count as if they were spread evenly",
+        (
+            Rewrite(
+                "transport.straight_lights:StraightLights._launch",
+                "flux = flux / density",
+                "flux = flux * 1.0",
+            ),
+        ),
+        ("C42.point",),
+    ),
+    Mutation(
+        "guide behind mirrors",
+        "what rays read behind a mirror is weighed against a guide that could not have led there",
+        (
+            Rewrite(
+                "transport.cached_gather:_follow",
+                "anew = mi.Bool(turned)",
+                "anew = turned",
+            ),
+        ),
+        ("C44.half",),
+    ),
+    Mutation(
         "Guth's index",
         "the glare rating takes the position index once instead of squared",
         (

@@ -1,5 +1,7 @@
 """Scene items that the cases are built of."""
 
+from dataclasses import replace
+
 import numpy as np
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.material import Black, Diffuse, Emission, Material, Surface
@@ -63,6 +65,15 @@ def frame(key: str, corner, edge_u, edge_v, hole_u, hole_v, paint: str) -> Mesh:
     return mesh(key, vertices, triangles, paint)
 
 
+def without(whole: Mesh, left_out: np.ndarray) -> Mesh:
+    """Mesh without some of its triangles. ``left_out``: (t,) bool."""
+    return replace(
+        whole,
+        triangles=whole.triangles[~left_out],
+        material_index=whole.material_index[~left_out],
+    )
+
+
 def box(key: str, low, high, paint: str, inwards: bool = False) -> Mesh:
     """Axis-aligned box whose faces look outwards or inwards."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
@@ -72,8 +83,10 @@ def box(key: str, low, high, paint: str, inwards: bool = False) -> Mesh:
     return mesh(key, np.where(pick, high, low), triangles[:, ::-1] if inwards else triangles, paint)
 
 
-def sphere(key: str, centre, radius: float, paint: str, inwards=False, rings=256, caps=None):
-    """Sphere of flat triangles between ``rings`` parallels about z.
+def sphere(
+    key: str, centre, radius: float, paint: str, inwards=False, rings=256, caps=None, smooth=False
+):
+    """Sphere of triangles between ``rings`` parallels about z; ``smooth``: with the true sphere's normals.
 
     ``caps`` = (angle, paint): triangles within the angle [rad] from +z have another material, cut exactly there.
     """
@@ -108,10 +121,13 @@ def sphere(key: str, centre, radius: float, paint: str, inwards=False, rings=256
         triangles = triangles[:, ::-1]
     vertices = np.asarray(centre, dtype=np.float64) + radius * points
     made = mesh(key, vertices, triangles, paint)
+    if smooth:
+        normals = (-points if inwards else points)[made.triangles]
+        made = replace(made, corner_normals=normals.astype(np.float32))
     if caps is None:
         return made
     slots = (rows < share).astype(np.int32)
-    return Mesh(key, key, made.vertices, made.triangles, (paint, caps[1]), slots)
+    return replace(made, materials=(paint, caps[1]), material_index=slots)
 
 
 def candela(key: str, position, intensity: float, spectrum: Spectrum = EVEN, radius=0.0):

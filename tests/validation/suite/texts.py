@@ -265,5 +265,37 @@ TEXTS = {
         "through the glass and, turned away from it, by its images in the panes.",
         "Image sources in closed form, with the reflectances and transmittances of each polarisation multiplied apart.",
     ),
+    "C40": CaseText(
+        "A lamp of 1000 lm is in the middle of a ball of clear glass, 3 cm in radius and of index 1.5: a point, spheres of "
+        "1 mm and 1 cm, and a black glowing mesh of 5 mm. Lux maps of a closed cube, sensors and pictures of a closed "
+        "sphere of reflectance 0.5 must hold all of its light, less what the black mesh takes back.",
+        "Conservation of flux; in the sphere reflected light is the same everywhere. What the mesh takes back is Fresnel's "
+        "reflectance, averaged over its rays.",
+    ),
+    "C41": CaseText(
+        "A sun of 100 000 lx shines through a square hole of 5 mm or 30 mm into a closed box of 1 m and reflectance 0.5. "
+        "The lux maps of all its surfaces together must hold what comes in, as often as it is reflected.",
+        "Conservation of flux; what leaves by the hole again is taken for the mean, and is less than a thousandth.",
+    ),
+    "C42": CaseText(
+        "A lamp of 1000 lm, as a point or as a sphere of 0.05 mm, is 0.1 mm from a wall of a closed room of 3 m: half of "
+        "its light falls on less than a square millimetre. A spot with a beam of 0.1° lights a spot as small on the floor.",
+        "Conservation of flux.",
+    ),
+    "C43": CaseText(
+        "A lamp of 1000 lm in a closed room of 3 m whose surfaces reflect 95 % or 99 %: light is reflected a hundred times "
+        "before it is absorbed.",
+        "Conservation of flux.",
+    ),
+    "C44": CaseText(
+        "Half of a closed room of 3 m with a lamp of 500 lm ends at a perfect mirror. Its lux map must be that of half of "
+        "the whole room with two lamps, although most light on the far side is seen only by the mirror.",
+        "Conservation of flux, the mirror's image being the other half.",
+    ),
+    "C45": CaseText(
+        "A ball of 16 by 8 facets is shaded smoothly. An even world and a sun must give to its lux map what the facets "
+        "take in, not what the normals of a true ball would make of it.",
+        "Area of the outline for the sun; a convex body under an even world receives the same everywhere.",
+    ),
 }
 """By case id."""

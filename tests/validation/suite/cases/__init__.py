@@ -43,14 +43,18 @@ def case(key: str, title: str, family: str, quick: tuple[str, ...] = ()):
 def all_cases() -> dict[str, Case]:
     """Return all cases by id, in order."""
     from . import (  # noqa: F401 - registers the cases
+        bulb,
+        closed_rooms,
         direct,
         direct_flux,
         direct_points,
         enclosures,
         facade,
+        faceted,
         glare,
         glass,
         interreflection,
+        keyhole,
         panes,
         photometry,
         pictures,

@@ -19,6 +19,8 @@ PIXELS = 16
 FIRST_SAMPLES, MOST_SAMPLES = 16, 1 << 20
 """Per lumel or pixel; there are hundreds of them."""
 
+ENOUGH = 1 << 12
+"""Samples per lumel for maps whose error is known to be small by then, if no light is missed."""
 
 SEED_STEP = 1009
 """Between the seeds of a group's scenes; larger than what the comparison of seeds goes through."""
@@ -45,8 +47,13 @@ def mean_at_points(
     return float(weights @ made.values), float(np.sqrt(weights**2 @ made.errors**2))
 
 
-def mean_by_bake(bench: Bench, items, meshes: tuple[Mesh, ...], allowed: float, area: float):
-    """Flux that the lux maps of meshes hold, over an area, and its standard error. [lx]"""
+def mean_by_bake(
+    bench: Bench, items, meshes: tuple[Mesh, ...], allowed: float, area: float, most=MOST_SAMPLES
+):
+    """Flux that the lux maps of meshes hold, over an area, and its standard error. [lx]
+
+    ``most``: samples per lumel after which the error is as it is; where light is missed, no number would be enough.
+    """
     session = bench.engine.stage(items)
     shares = np.array([mesh.areas().sum() for mesh in meshes]) / area
     objects = tuple(mesh.id for mesh in meshes)
@@ -58,7 +65,7 @@ def mean_by_bake(bench: Bench, items, meshes: tuple[Mesh, ...], allowed: float, 
         # The maps of a bake share the light of its cells, so their errors add up like numbers at the worst.
         return float(shares @ means), float(shares @ errors)
 
-    return _refine(bake, allowed)
+    return _refine(bake, allowed, most)
 
 
 def mean_of_picture(bench: Bench, items, camera: Camera, allowed: float) -> tuple[float, float]:
@@ -84,14 +91,14 @@ def look(eye, target, extent: float) -> Camera:
     return Camera(frame, Projection.PERSPECTIVE, PIXELS, PIXELS, extent, extent)
 
 
-def _refine(run, allowed: float) -> tuple[float, float]:
+def _refine(run, allowed: float, most: int = MOST_SAMPLES) -> tuple[float, float]:
     """Repeat a run with more samples until its standard error is a third of what is allowed."""
     samples = FIRST_SAMPLES
     while True:
         mean, error = run(samples)
         excess = MARGIN * error / allowed
-        if excess <= 1.0 or samples >= MOST_SAMPLES:
+        if excess <= 1.0 or samples >= most:
             return mean, error
         # A power of two keeps the sequences well distributed; a fifth more, for the error of the error.
         wanted = samples * max(1.2 * excess**2, 2.0)
-        samples = int(min(1 << int(np.ceil(np.log2(wanted))), MOST_SAMPLES))
+        samples = int(min(1 << int(np.ceil(np.log2(wanted))), most))
