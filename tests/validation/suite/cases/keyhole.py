@@ -7,7 +7,7 @@ from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import box, frame, matt, without
 from . import case
-from .means import ENOUGH, mean_by_bake, reseeded
+from .means import mean_by_bake, reseeded
 
 SUN_NORMAL = 1e5
 """Illuminance by the sun of a plane that faces it. [lx]"""
@@ -15,6 +15,9 @@ SUN_NORMAL = 1e5
 TOWARDS = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
 
 SUN = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, SUN_NORMAL), TOWARDS, np.radians(0.53))
+
+ENOUGH = 1 << 15
+"""Samples per lumel at which the bakes end; there are less than a hundred lumels."""
 
 PAINT = matt("paint", 0.5)
 
