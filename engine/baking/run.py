@@ -392,12 +392,19 @@ class Bake:
         if not self.order.witness:
             return np.zeros(len(items))
         self._report(Progress(1.0, 0, 0.0, self._seconds, None, "light paths from the lights"))
-        sides = [(item.key, item.is_back, item.mesh.name) for item in items]
-        heard = hear(compiled, sides, means, self.order.seed, self.host.cancelled)
-        self.departures += heard.departures
-        self._decisions.append(heard.decision)
-        self._balance = heard.balance
-        return heard.floors
+        floors = np.zeros(len(items))
+        met = {key for key, _, _ in compiled.parts()}
+        # What takes no part in light, such as a measuring plane, no path meets.
+        known = [number for number, item in enumerate(items) if item.key in met]
+        if known:
+            sides = [(items[n].key, items[n].is_back, items[n].mesh.name) for n in known]
+            own = [means[n] for n in known]
+            heard = hear(compiled, sides, own, self.order.seed, self.host.cancelled)
+            self.departures += heard.departures
+            self._decisions.append(heard.decision)
+            self._balance = heard.balance
+            floors[known] = heard.floors
+        return floors
 
     def _summarise(
         self, items, atlas, means: list[ObjectMean], floors, estimates, states, provenance

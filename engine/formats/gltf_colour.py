@@ -153,7 +153,7 @@ def _metal(name: str) -> np.ndarray:
         raise BackendError("Mitsuba, which has the refractive indices of metals, is not installed")
     folder = Path(found.submodule_search_locations[0]) / "data" / "ior"
     n, k = (
-        evaluate_reflectance(read_spectrum(folder / f"{name}.{part}.spd"), GRID)
+        evaluate_reflectance(read_spectrum(folder / f"{name}.{part}.spd").table, GRID)
         for part in ("eta", "k")
     )
     return _daylit(((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2))

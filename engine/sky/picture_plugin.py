@@ -278,6 +278,11 @@ def _picture_class():
                 value *= white * self.colour_level
             return mi.Spectrum(value & active)
 
+        def eval_direction(self, it, ds, active=True):
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            return self.eval(si, active)
+
         # ---- sampling ----
 
         def _draw_elevation(self, sample, active):

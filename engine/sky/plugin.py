@@ -113,6 +113,11 @@ def _sky_class():
             value = self.radiance.eval(si, active) * self._luminance(-si.wi)
             return mi.Spectrum(value & active)
 
+        def eval_direction(self, it, ds, active=True):
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            return self.eval(si, active)
+
         def sample_direction(self, it, sample, active=True):
             last = ROWS * COLUMNS
             cell = dr.binary_search(0, last, lambda i: dr.gather(mi.Float, self.cdf, i) <= sample.x)

@@ -38,8 +38,8 @@ PILOT = 1 << 17
 MOST_AIMS = 512
 """Most aims of all lights together; of more, lights that give the least are missing, and a note says so."""
 
-MOST_PARTS = 8
-"""Most parts of one light's lines with an aim each."""
+MOST_PARTS, ALL_PARTS, FEWEST_PARTS = 32, 64, 4
+"""Most parts of one light's lines with an aim each; of all lights' together, about; and of one light in any case."""
 
 LEAST_SHARE = 1e-4
 """Share of all bent light below which a light's is left out of account. [-]"""
@@ -50,7 +50,7 @@ LEAST_PART = 3e-3
 NARROW = 0.03
 """Angle within which a light seems to be in one place for all that are lit, so that it needs but one aim. [rad]"""
 
-FEWEST_LINES, MOST_LINES = 32, 1 << 13
+FEWEST_LINES, MOST_LINES = 32, 1 << 14
 """Lines that an aim is made of, at least, and those of a light that are looked at."""
 
 POINT_SIZE = 0.01
@@ -170,6 +170,7 @@ class BentLights:
         landed = send_pilot(self.scene, rays, sampler, PILOT)
         names = {id(source): name for name, source in self.scene.named_sources()}
         total, made = max(float(landed["flux"].sum()), 1e-300), []
+        parts = int(np.clip(ALL_PARTS // len(rays.lights), FEWEST_PARTS, MOST_PARTS))
         for number, light in enumerate(rays.lights):
             own = landed["light"] == number
             lines = {name: values[own] for name, values in landed.items()}
@@ -180,7 +181,7 @@ class BentLights:
             size = _size_of(light, lines, self.scene)
             few = {key: values[:MOST_LINES] for key, values in lines.items()}
             few["flux"] = few["flux"] * (flux / few["flux"].sum())
-            aims = tuple(_find_aims(light, few, size, self.scene.radius))
+            aims = tuple(_find_aims(light, few, size, self.scene.radius, parts))
             made.append(_BentLight(light, name, flux, size, aims))
         return sorted(made, key=lambda each: -each.flux)
 
@@ -452,7 +453,7 @@ def _size_of(light: TracedLight, lines: dict, scene) -> float:
     )
 
 
-def _find_aims(light: TracedLight, lines: dict, size: float, radius: float):
+def _find_aims(light: TracedLight, lines: dict, size: float, radius: float, most: int):
     """Aims of a light by the lines on which its light arrives, see `light_paths.send_pilot`.
 
     Lines are parted again and again, by where they begin or by where they go, until each part seems to come from one place.
@@ -460,9 +461,9 @@ def _find_aims(light: TracedLight, lines: dict, size: float, radius: float):
     whole = _aim_of(light, lines, size, radius)
     parts, done = [(whole, lines)], []
     while parts:
-        aim, own = parts.pop(int(np.argmax([aim.flux * aim.spread for aim, _ in parts])))
+        aim, own = parts.pop(int(np.argmax([aim.flux * aim.spread**2 for aim, _ in parts])))
         halves = None
-        if aim.spread > NARROW and len(parts) + len(done) + 2 <= MOST_PARTS:
+        if aim.spread > NARROW and len(parts) + len(done) + 2 <= most:
             halves = _part(light, own, size, radius)
         if halves is None or aim.flux < LEAST_PART * whole.flux:
             done.append(aim)

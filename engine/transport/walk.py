@@ -60,7 +60,9 @@ class Tally:
 
 def make_tally(rows, count: int, batches: int) -> Tally:
     """Counters at 0. ``count``: rows."""
-    sizes = (count * batches, count * batches, batches, batches, batches)
+    # One row at least, where the scene has no objects.
+    many = max(count, 1) * batches
+    sizes = (many, many, batches, batches, batches)
     return Tally(rows, *(dr.zeros(mi.Float, size) for size in sizes), batches)
 
 

@@ -304,7 +304,8 @@ class Witness:
         def batches(array) -> np.ndarray:
             return np.array(array, dtype=np.float64).reshape(-1, BATCHES).T * BATCHES
 
-        incident, absorbed = batches(tally.incident), batches(tally.absorbed)
+        known = len(self.objects)
+        incident, absorbed = (batches(a)[:, :known] for a in (tally.incident, tally.absorbed))
         emitted = given.sum(axis=0) * BATCHES
         taken, left, cut = (batches(a)[:, 0] for a in (tally.lost, tally.left, tally.cut))
         parts = (emitted, taken, left, cut, emitted - taken - left - cut)

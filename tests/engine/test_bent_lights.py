@@ -133,7 +133,7 @@ def test_a_mirror_ball_lights_sensors_from_a_point():
         (MIRROR, shiny, point([0, 0, lamp_height])),
         [(0.6 * r, 0.8 * r, ceiling) for r in places],
         (0, 0, -1),
-        StopRule(samples=1 << 19),
+        StopRule(samples=1 << 20),
     )
     made = replace(made, illuminance=made.illuminance - straight)
     assert_agrees(made, expected, 1e-2)

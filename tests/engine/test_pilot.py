@@ -109,7 +109,9 @@ def test_places_stand_for_all_valid_lumels_by_area():
         held = SimpleNamespace(
             positions=places.astype(float), normals=np.ones_like(places), start=start, count=count
         )
-        return SimpleNamespace(area=np.array(areas), valid=np.array(valid), receivers=held)
+        return SimpleNamespace(
+            area=np.array(areas), valid=np.array(valid), receivers=held, reached=None
+        )
 
     blocks = [block(0, [1.0, 3.0, 9.0], [True, True, False]), block(1, [0.5, 1.5], [True, True])]
     surveyor = Surveyor(len(blocks), 1)
