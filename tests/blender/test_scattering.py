@@ -653,9 +653,9 @@ def test_panel_shows_the_figures_of_the_file(write):
         assert told["Symmetry"] == "isotropic"
         assert told["Incidence"] == "0° to 60°, 3 angles"
         assert told["Wavelengths"] == "400 to 700 nm, 16 bands"
-        assert told["Front reflectance 8°"] == "40 %"
-        assert told["Front transmittance 8°"] == "25 %"
-        assert told["Resampling error"] == "none stated"
+        assert told["Front Reflectance 8°"] == "40 %"
+        assert told["Front Transmittance 8°"] == "25 %"
+        assert told["Resampling Error"] == "none stated"
         assert {"back", "is_turned", "rotation", "tolerance"} <= set(seen)
         assert "lumenray.pack_scattering_file" in seen
         files.pack(paint.lumenray.measured)
