@@ -399,7 +399,12 @@ class Bake:
         if known:
             sides = [(items[n].key, items[n].is_back, items[n].mesh.name) for n in known]
             own = [means[n] for n in known]
-            heard = hear(compiled, sides, own, self.order.seed, self.host.cancelled)
+            try:
+                heard = hear(compiled, sides, own, self.order.seed, self.host.cancelled)
+            except Cancelled:
+                # The passes are done, and need not be made again.
+                self._saver.write()
+                raise
             self.departures += heard.departures
             self._decisions.append(heard.decision)
             self._balance = heard.balance
