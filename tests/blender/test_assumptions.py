@@ -142,6 +142,7 @@ def test_a_lamp_whose_spectrum_holds_no_light_never_shines_in_its_colour(
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_an_error_that_was_not_reached_in_time_is_said(box, tmp_path, capsys):
     path = box()
     assert measure(path, tmp_path, "--error", "1e-9", "--time", "0.2") == assumptions.UNREACHED

@@ -915,6 +915,7 @@ def test_a_real_bake_is_shown_as_bright_as_it_was_computed(tmp_path, monkeypatch
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_cancelled_bake_goes_on_to_the_same_map(tmp_path):
     tiny.build_closed_box()
     depsgraph = bpy.context.evaluated_depsgraph_get()

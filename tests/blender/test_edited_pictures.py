@@ -44,6 +44,7 @@ def middle(scene):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.slow
 def test_five_hundred_random_edits_give_the_picture_of_a_fresh_start(seed, tmp_path):
     edits, done, lit = RandomEdits(seed, tmp_path), [], []
     # A lamp of the engine's own, which no edit of Blender's scene touches: some of them leave it dark.

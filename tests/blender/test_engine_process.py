@@ -98,6 +98,7 @@ def signal_later(number, seconds):
         thread.join()
 
 
+@pytest.mark.slow
 def test_kills_during_renders_and_bakes_cost_a_message(room, tmp_path):
     before = render(room, tmp_path / "before.exr")
     first = bake(tmp_path)
@@ -127,6 +128,7 @@ def test_a_stopped_engine_is_told_apart_from_a_busy_one(room, tmp_path):
     np.testing.assert_array_equal(render(room, tmp_path / "after.exr"), before)
 
 
+@pytest.mark.slow
 def test_a_bake_beyond_the_memory_ends_in_words(room, tmp_path, monkeypatch):
     before = bake(tmp_path)
     engine_process.close()
@@ -140,6 +142,7 @@ def test_a_bake_beyond_the_memory_ends_in_words(room, tmp_path, monkeypatch):
     assert bake(tmp_path) == before
 
 
+@pytest.mark.slow
 def test_a_render_goes_before_a_bake_and_both_come_right(room, tmp_path):
     from lumenray.blender_addon import bake as bake_module
     from lumenray.engine.accuracy.stopping import StopRule

@@ -201,6 +201,7 @@ def test_office_lets_no_light_in_but_through_the_window(office):
             assert -0.01 < at.z < 3.16, at
 
 
+@pytest.mark.slow
 def test_two_builds_of_the_office_are_alike(saved):
     prints = []
     for _ in range(2):

@@ -115,6 +115,7 @@ def assert_same(one, other):
     ],
     ids=["one", "layers"],
 )
+@pytest.mark.slow
 def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(
     tmp_path, groups, shares, monkeypatch
 ):
@@ -287,6 +288,7 @@ def test_exitance_is_what_a_grey_wall_sends_back(transport):
         np.testing.assert_allclose(ratio.mean(axis=0), reflectance, rtol=max(noise, 2e-3))
 
 
+@pytest.mark.slow
 def test_even_charts_shrink_and_uneven_ones_do_not():
     """All walls of a furnace are even; a floor under a near lamp is not."""
     glow = paint(0.5, emission=Emission(Constant(1.0), 50.0))
@@ -302,6 +304,7 @@ def test_even_charts_shrink_and_uneven_ones_do_not():
     assert sharp[0].maps[0].lumels == sharp[1].maps[0].lumels == 16**2
 
 
+@pytest.mark.slow
 def test_smoothed_maps_say_so_and_keep_the_errors_that_were_found():
     plain, smooth = (bake(GREY, OBJECTS, 16, smooth=flag, density=16.0) for flag in (False, True))
     assert [made.smoothed for made in (*plain.maps, *smooth.maps)] == [False, False, True, True]
@@ -353,6 +356,7 @@ def test_light_through_a_slab_is_baked_where_it_lands():
     assert dark.maps[0].largest.high == 0.0
 
 
+@pytest.mark.slow
 def test_light_of_a_plane_mirror_counts_once_beside_traced_light():
     """The image of the lamp behind the mirror is found from the lumels; glass elsewhere brings the tracing in."""
     mirror = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))

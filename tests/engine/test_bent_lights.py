@@ -181,19 +181,20 @@ def test_pictures_show_what_a_point_in_a_bulb_lights():
     camera = Camera(
         frame=frame,
         projection=Projection.PERSPECTIVE,
-        width=4,
-        height=4,
+        width=32,
+        height=32,
         extent_x=0.02,
         extent_y=0.02,
     )
     session = session_of(*items)
-    picture = session.render(camera, ViewSettings(StopRule(samples=1 << 13)))
+    picture = session.render(camera, ViewSettings(StopRule(samples=1 << 7)))
     luminance = picture.tristimulus[..., 1].mean()
     bare = session_of(*[item for item in items if item.id not in {"bulb", "glass"}])
     lux = bare.measure(np.array([[0.6, 0.7, 0.0]]), np.array([UP]), StopRule(samples=1 << 17))
     assert luminance == pytest.approx(0.5 / np.pi * lux.illuminance[0], rel=0.02)
 
 
+@pytest.mark.slow
 def test_edges_of_the_pilot_lose_no_light():
     """A lamp in front of a lens, off its axis: the sum over the floor is what traced paths bring there."""
     from lumenray.engine.transport.light_paths import LightTracer

@@ -346,6 +346,7 @@ def test_what_passes_a_coat_is_what_its_surface_does_not_mirror(roughness, ior, 
     assert (np.abs(base - 0.8 * passing) < error + 0.006).all()
 
 
+@pytest.mark.slow
 def test_a_room_behind_a_wall_that_stands_on_a_shared_floor_stays_dark():
     """Floor, ceiling and two walls are single polygons of both rooms; the wall stands across the cells anyhow."""
     rooms = box(4.0, 2.0, 2.0)

@@ -143,6 +143,7 @@ def test_what_all_values_have_in_common_widens_ranges():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_extremes_of_a_quick_bake_agree_with_those_of_a_long_one():
     # A block in the air: one that stands hides places that are dark exactly.
     room, block = furnished_room()

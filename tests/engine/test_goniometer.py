@@ -104,6 +104,7 @@ def test_a_grid_about_the_normal_is_resampled():
     assert off(table_of(about_normal(lobe, order=order)), lobe) < 0.04
 
 
+@pytest.mark.slow
 def test_directions_on_no_grid_are_joined():
     rng = np.random.default_rng(7)
     count = 6000

@@ -141,6 +141,7 @@ def test_no_leaf_holds_lights_of_two_houses():
 # ---- the choice ----
 
 
+@pytest.mark.slow
 def test_lights_are_drawn_with_the_stated_probabilities():
     import drjit as dr
     import mitsuba as mi

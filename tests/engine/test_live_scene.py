@@ -211,6 +211,7 @@ WALLS = (
 
 
 @pytest.mark.parametrize("seed", range(4))
+@pytest.mark.slow
 def test_edits_end_at_the_picture_of_a_fresh_start(seed):
     editor = Editor(seed)
     kept = Session(witness=False)

@@ -93,6 +93,7 @@ def test_klems_blinds_pass_light_one_way():
     assert made.illuminance[1] == pytest.approx(direct, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_grain_follows_the_coordinates():
     """Turning the coordinates by 90 degrees, or the sample, is the same."""
     table = resample(

@@ -299,6 +299,7 @@ def test_pictures_are_those_of_the_analytic_model(name):
     assert ours.mean() == pytest.approx(mean.mean(), rel=0.004)
 
 
+@pytest.mark.slow
 def test_pictures_by_an_rgl_file_are_those_of_mitsubas_own_reader(tmp_path):
     import mitsuba as mi
     from lumenray.engine.scattering.readers.reader import Wish, read_scattering

@@ -115,6 +115,7 @@ def test_saturated_and_dark_counts_are_no_data():
     assert np.isnan(calibrate(replace(raw, slices=(dimmed,)))[0].values).all()
 
 
+@pytest.mark.slow
 def test_light_along_the_normal_is_the_even_parabola_of_the_logarithm():
     """A surface of the BRDF exp(a + b s^2) is exact: (4 f(10) - f(20)) / 3 of the logarithms."""
 

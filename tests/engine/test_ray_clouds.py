@@ -188,6 +188,7 @@ def test_the_alias_table_has_exactly_the_chances_of_the_weights():
     np.testing.assert_allclose(chance / len(weight), weight / weight.sum(), atol=1e-9, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_flux_is_kept_and_rays_take_little_memory():
     cloud = cloud_of(disk)
     drawn = cloud.draw(5000, np.random.default_rng(1))
@@ -224,6 +225,7 @@ def test_widths_of_the_user_take_the_place_of_the_sets_own():
 
 
 @pytest.mark.parametrize("name", SOURCES)
+@pytest.mark.slow
 def test_light_of_few_even_rays_is_right_within_two_percent(name):
     """Illuminance on planes at two and five times the source's size, against the closed form."""
     source, exact = SOURCES[name]

@@ -77,6 +77,7 @@ def exact_disk(places, centre):
 # ---- preparation ----
 
 
+@pytest.mark.slow
 def test_a_file_becomes_a_light_with_its_flux_and_place():
     made = light_of(disk)
     assert made.luminous_flux == pytest.approx(FLUX, rel=1e-4)
@@ -216,6 +217,7 @@ def test_a_pane_between_takes_its_share_of_near_light():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_near_light_is_reflected_on():
     """A closed white box around the lamp: all of its flux ends in the walls, F rho / (1 - rho) of it after reflections."""
     room = box(0.6, 0.6, 0.6)

@@ -63,6 +63,7 @@ def test_info_of_rays_in_watts_tells_lumens_by_their_wavelengths(capsys, tmp_pat
     assert row["spectrum"]["wavelength_nm"] == [555.0]
 
 
+@pytest.mark.slow
 def test_a_plot_shows_four_panels(capsys, lamp, tmp_path):
     picture = tmp_path / "lamp.png"
     assert run(capsys, "plot", lamp, "-o", picture, "--size", 256)[0] == 0
@@ -74,6 +75,7 @@ def test_a_plot_shows_four_panels(capsys, lamp, tmp_path):
     assert run(capsys, "plot", lamp, "-o", picture, "--size", 5)[0] == 1
 
 
+@pytest.mark.slow
 def test_the_reduced_file_is_a_lambertian_luminaire_of_the_same_flux(capsys, lamp, tmp_path):
     target = tmp_path / "lamp.ies"
     code, out, _ = run(capsys, "reduce", lamp, target)
@@ -145,6 +147,7 @@ def test_texts_take_the_unit_that_is_given(capsys, tmp_path):
     assert row["luminous_flux_lm"] == pytest.approx(100.0)
 
 
+@pytest.mark.slow
 def test_prepared_files_tell_how_exact_they_are_and_are_kept(capsys, lamp, tmp_path):
     code, out, _ = run(capsys, "prepare", "--json", lamp)
     assert code == 0

@@ -263,6 +263,7 @@ def test_convert_refuses_what_a_format_cannot_hold(capsys, tmp_path):
     assert ".lumbsdf or .bsdf" in err
 
 
+@pytest.mark.slow
 def test_process_makes_a_table_of_counts(capsys, tmp_path):
     from instruments import measure, paint, text_of
 

@@ -208,6 +208,7 @@ def test_the_direct_part_counts_in_totals():
 # ---- before and after ----
 
 
+@pytest.mark.slow
 def test_dots_of_the_measurement_lie_about_the_lines_of_the_table():
     bands = np.array([450.0, 550.0, 650.0])
     made = process_measurement(measure(paint(bands), bands, noise=0.01, holes=0.0))

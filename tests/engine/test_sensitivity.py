@@ -59,6 +59,7 @@ def light_box(reflector, diffuser, lamp_place, size=(0.3, 0.2, 0.05)):
 
 
 @pytest.mark.parametrize("rho", [0.6, 0.985])
+@pytest.mark.slow
 def test_in_a_closed_matt_box_the_figure_is_that_of_the_furnace_series(rho):
     # A sphere-like closed box of one reflectance: all light together is 1 / (1 - rho) of the first arrival, so that of the
     # walls' mean illuminance d ln E / d ln rho = rho / (1 - rho). In a box it holds for the mean over all walls.

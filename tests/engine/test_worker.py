@@ -616,6 +616,7 @@ def test_answers_are_those_of_a_session_in_this_process(engine):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_view_a_render_and_a_bake_of_the_engine_go_on_together(engine, jobs):
     view_session, bake_session = engine.session("view"), engine.session("bake")
     for session in (view_session, bake_session):

@@ -102,6 +102,7 @@ def kill_at_random_moments(worker, jobs, times, longest, is_right):
     assert is_right(resync(worker))
 
 
+@pytest.mark.slow
 def test_killed_at_many_moments_of_a_session_that_computes_nothing():
     def is_right(session):
         picture = session.render(camera(), view(1, seed=4))

@@ -116,6 +116,7 @@ def try_all(data: bytes, damage, read, seed: int) -> int:
 
 
 @pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.slow
 def test_damaged_texts_are_read_or_refused(name):
     def read(data):
         is_goniometer(data)
@@ -186,6 +187,7 @@ def test_damaged_heads_of_merl_files_are_refused():
     assert peak() - before < MOST_MEMORY
 
 
+@pytest.mark.slow
 def test_merl_files_of_noise_are_read_or_refused():
     """Of the right size, with any bits as numbers: what is no data is filled, and nothing becomes infinite."""
     rng = np.random.default_rng(31)

@@ -106,6 +106,7 @@ def coarse(evaluate, wavelengths, *, incidences, rotations=(0.0,), **_):
 
 
 @pytest.mark.parametrize("name", FILES)
+@pytest.mark.slow
 def test_damaged_files_are_read_or_refused(name, monkeypatch):
     monkeypatch.setattr(slices, "resample", coarse)
     monkeypatch.setattr(mixtures, "resample", coarse)

@@ -217,6 +217,7 @@ print(light_up(4.0)[1].illuminance[0] > 0.0)
 """
 
 
+@pytest.mark.slow
 def test_garbage_of_a_caller_does_not_end_the_process():
     # Dr.Jit ends the process when emitters are freed while a kernel is made, so this one is another.
     made = subprocess.run(
