@@ -18,11 +18,11 @@ def room(**more):
     return replace(box(3, 3, 3, **more), id="room", name="room")
 
 
-def assert_mean(made, expected, systematic=0.02):
+def assert_mean(made, expected, systematic=0.02, largest=0.05):
     told = made.maps[0]
     apart = abs(told.mean - expected)
     assert apart < 4.5 * told.mean_standard_error + systematic * expected, (told.mean, expected)
-    assert told.mean_standard_error < 0.1 * expected
+    assert told.mean_standard_error < largest * expected
 
 
 @pytest.mark.parametrize("radius", [0.0, 5e-5])
@@ -114,7 +114,8 @@ def test_what_was_traced_is_not_counted_twice_in_a_mirror(seed):
     mirror = quad("mirror", (1.5, 0, 0), (0, 0, 3), (0, 3, 0), "silver")
     near = lamp((1e-4, 1.4, 1.3), 500.0, 0.0)
     session = session_of(paint(0.5), silver, half_room(), mirror, near)
-    assert_mean(bake_in(session, ("room",), 64, seed=seed), 2000.0 / 54.0)
+    # The bright spot behind the mirror is found by chance, so this one is noisy.
+    assert_mean(bake_in(session, ("room",), 64, seed=seed), 2000.0 / 54.0, largest=0.1)
 
 
 @pytest.mark.parametrize("distance", [0.5, 1.2])

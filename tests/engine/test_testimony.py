@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake_in, furnished_room, lamp
-from bulbs import ball
+from glass_scenes import ball
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
 from lumenray.engine.scene.material import Cauchy, Dielectric, Material

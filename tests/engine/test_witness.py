@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from baking_rooms import lamp, moved
-from bulbs import ball
+from glass_scenes import ball
 from lumenray.benchmarks.ray_sources import RADIUS, disk, even_numbers
 from lumenray.engine.raysets.emission import prepare_light
 from lumenray.engine.scene.distribution import Opening
