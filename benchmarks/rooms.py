@@ -38,14 +38,13 @@ WORST = 10
 """Values that the document lists."""
 
 
-def run(count: int = COUNT, first: int = FIRST, say=lambda text: None, keep=None) -> dict:
+def run(count: int = COUNT, first: int = FIRST, say=lambda text: None) -> dict:
     """Compare rooms.
 
     Parameters
     ----------
     count, first : int    How many, and the number of the first.
     say : callable    Told of every room.
-    keep : callable or None    Gets the results so far after every room.
     """
     result = {"machine": describe_machine(), "rows": [], "first": first}
     for number in range(first, first + count):
@@ -55,8 +54,6 @@ def run(count: int = COUNT, first: int = FIRST, say=lambda text: None, keep=None
         result["count"] = number - first + 1
         worst = max((row["off"] for row in rows), default=0.0)
         say(f"room {number}: {worst:.2f} of what is allowed, {time.perf_counter() - begun:.0f} s")
-        if keep is not None:
-            keep(result)
     return result
 
 
