@@ -6,7 +6,7 @@ from .accuracy_runs import Lumenray
 from .accuracy_scenes import ExactScene
 from .accuracy_statistics import make_curve
 
-ROUNDS = 2
+ROUNDS = 6
 
 LENGTH = 2.0
 """Time of the jobs over that of the longest runs."""

@@ -4,10 +4,11 @@ import numpy as np
 
 from .atlas_race import RIVALS
 from .atlas_scale import MEMORY, growth
+from .atlas_summary import scene_ratios
 from .luminaire_bars import Bar
 
 CALIBRATION = (0.9, 1.1)
-"""Mean of true over stated error."""
+"""Mean of true over stated error, of all scenes and of each at every error that is asked for."""
 
 COVERAGE = (0.93, 0.97)
 """Share of lumels whose 95 % interval holds the truth."""
@@ -35,6 +36,7 @@ def check_bars(result: dict) -> list[Bar]:
     """Judge results of `atlas.measure`."""
     bars = [
         _between("true over stated error, mean", result["calibration"], *CALIBRATION, 1.0, ""),
+        _check_scenes(result["scenes"]),
         _between("95 % intervals that hold", result["coverage_95"], *COVERAGE, 100.0, " %"),
         _most("forecast, median error", result["forecast_median_error"], FORECAST),
     ]
@@ -55,6 +57,20 @@ def _between(demand: str, value, low: float, high: float, factor: float, unit: s
     if value is None:
         return Bar(demand, limit, "-", None)
     return Bar(demand, limit, f"{factor * value:.3g}{unit}", low <= value <= high)
+
+
+def _check_scenes(scenes: list[dict]) -> Bar:
+    """Judge the scene whose stated errors are farthest from the true ones."""
+    demand, limit = (
+        "true over stated error, every scene",
+        f"{CALIBRATION[0]:g} to {CALIBRATION[1]:g}",
+    )
+    ratios = scene_ratios(scenes)
+    if not ratios:
+        return Bar(demand, limit, "-", None)
+    (key, level), ratio = max(ratios.items(), key=lambda entry: abs(np.log(entry[1])))
+    passed = all(CALIBRATION[0] <= each <= CALIBRATION[1] for each in ratios.values())
+    return Bar(demand, limit, f"{ratio:.2f} at worst ({key}, {100 * level:g} %)", passed)
 
 
 def _most(demand: str, value, limit: float) -> Bar:

@@ -11,7 +11,7 @@ from .atlas_statistics import CONFIDENCE, student_quantile
 LEVELS = (0.02, 0.01)
 """Relative standard errors that are asked for. [-]"""
 
-SEEDS, QUICK_SEEDS = 2, 2
+SEEDS, QUICK_SEEDS = 4, 2
 """Bakes at every level."""
 
 FORECAST_SECONDS, QUICK_FORECAST_SECONDS = 60.0, 4.0

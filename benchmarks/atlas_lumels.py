@@ -10,7 +10,7 @@ from ..engine.scene.mesh import Mesh
 from ..engine.transport.illuminance import Receivers
 
 FINENESS = 8
-"""Places along the side of a lumel."""
+"""Places along the side of a lumel, of which no two lie in a row or column: edges of shadows run along lumels."""
 
 LEAST_SHARE = 0.25
 """Lumels of which less lies on a surface are left out: so few places say too little about them."""
@@ -130,7 +130,7 @@ def _of_map(made: LuxMap, page, mesh: Mesh, fineness: int) -> LumelPlaces:
     rows = np.flatnonzero(made.layout.page == page.number)
     size = np.array([page.width, page.height]) * fineness
     uv = made.layout.uv[rows].astype(np.float64) * size
-    triangle, cell, bary = _cover(uv, int(size[0]), int(size[1]))
+    triangle, cell, bary = _cover(uv, int(size[0]), int(size[1]), fineness)
     y, x = np.divmod(cell, size[0])
     lumel = (y // fineness) * page.width + x // fineness
     order = np.argsort(lumel, kind="stable")
@@ -171,19 +171,20 @@ def _of_map(made: LuxMap, page, mesh: Mesh, fineness: int) -> LumelPlaces:
     return places.take(np.flatnonzero(kept))
 
 
-def _cover(corners: np.ndarray, width: int, height: int):
-    """Cells whose centre lies in a triangle, every cell at most once.
+def _cover(corners: np.ndarray, width: int, height: int, fineness: int):
+    """Cells whose place lies in a triangle, every cell at most once.
 
     Parameters
     ----------
     corners : (t, 3, 2) float64 array    In cells.
+    fineness : int    Cells along the side of a lumel.
 
     Returns
     -------
     triangle (k,), flat cell (k,), barycentric coordinates (k, 3)
     """
-    low = np.clip(np.ceil(corners.min(axis=1) - 0.5), 0, [width, height]).astype(np.int64)
-    high = np.clip(np.floor(corners.max(axis=1) - 0.5) + 1, 0, [width, height]).astype(np.int64)
+    low = np.clip(np.floor(corners.min(axis=1)), 0, [width, height]).astype(np.int64)
+    high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, [width, height]).astype(np.int64)
     size = np.maximum(high - low, 0)
     counts = size[:, 0] * size[:, 1]
     ends = np.cumsum(counts)
@@ -193,12 +194,18 @@ def _cover(corners: np.ndarray, width: int, height: int):
         triangle = np.searchsorted(ends, number, side="right")
         dy, dx = np.divmod(number - (ends[triangle] - counts[triangle]), size[triangle, 0])
         x, y = low[triangle, 0] + dx, low[triangle, 1] + dy
-        bary = _barycentric(corners[triangle], np.stack([x + 0.5, y + 0.5], axis=1))
+        places = np.stack([x + _aside(y, fineness), y + _aside(x, fineness)], axis=1)
+        bary = _barycentric(corners[triangle], places)
         inside = (bary >= -1e-9).all(axis=1)
         found.append((triangle[inside], (y * width + x)[inside], bary[inside]))
     triangle, cell, bary = (np.concatenate(parts) for parts in zip(*found, strict=True))
     cell, first = np.unique(cell, return_index=True)
     return triangle[first], cell, np.clip(bary[first], 0.0, 1.0)
+
+
+def _aside(number: np.ndarray, fineness: int) -> np.ndarray:
+    """Where in its cell a place lies, by the number of the cell the other way. (k,)"""
+    return (number % fineness + 0.5) / fineness
 
 
 def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -17,6 +17,15 @@ def summarise(calibration: list[dict], races: list[dict]) -> dict:
     }
 
 
+def scene_ratios(calibration: list[dict]) -> dict[tuple[str, float], float]:
+    """Mean of true over stated error by scene and error that was asked for. [-]"""
+    found: dict[tuple[str, float], list[float]] = {}
+    for scene in calibration:
+        for run in scene["runs"]:
+            found.setdefault((scene["key"], run["level"]), []).append(run["ratio"])
+    return {key: float(np.mean(ratios)) for key, ratios in found.items()}
+
+
 def forecast_errors(calibration: list[dict]) -> list[float]:
     """Relative errors of the forecasts of all bakes, 1 where there was none. [-]"""
     return [

@@ -18,6 +18,7 @@ from ..engine.scene.material import (
 )
 from ..engine.scene.mesh import Mesh
 from ..engine.scene.spectrum import Constant, Rgb
+from .shapes import make_ball, make_box, make_mesh
 
 GLASS = Material("glass", "glass", Dielectric(Cauchy(1.5)))
 PANE = Material("pane", "pane", ThinGlass(1.52, Constant(0.95)))
@@ -49,7 +50,7 @@ def make_room(number: int) -> Room:
     words = [f"{size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} m"]
     has_keyhole = draw.random() < 0.2
     width = float(np.exp(draw.uniform(np.log(0.01), np.log(0.3))))
-    room = _shell(size, width if has_keyhole else 0.0)
+    room = make_box(size, width if has_keyhole else 0.0)
     items: list = [room, _paint(draw, words)]
     if has_keyhole:
         direction = np.array([*draw.uniform(-0.4, 0.4, 2), -1.0])
@@ -124,13 +125,13 @@ def _lamp(draw, size, k: int, words: list[str]) -> list:
         sides = np.exp(draw.uniform(np.log(0.005), np.log(0.5), 2))
         made = [AreaLight(name, name, flux, frame, float(sides[0]), float(sides[1]), "rectangle")]
     else:
-        mesh = _ball(name, radius, place, f"glow {k}", 12)
+        mesh = make_ball(name, radius, place, f"glow {k}", 12)
         area = float(mesh.areas().sum())
         glow = Emission(Constant(1.0), flux.value / (np.pi * area), None, False)
         made = [Material(f"glow {k}", f"glow {k}", Black(), glow), mesh]
     if bulb:
         clear = max(2.5 * radius, 0.02)
-        made += [GLASS, _ball(f"bulb {k}", clear, place, "glass", 48)]
+        made += [GLASS, make_ball(f"bulb {k}", clear, place, "glass", 48)]
     return made
 
 
@@ -138,63 +139,20 @@ def _mirror(draw, size, words: list[str]) -> list:
     if draw.random() < 0.5:
         words.append("a mirror ball")
         place = draw.uniform(0.25, 0.75, 3) * size
-        return [_ball("silver", 0.15, place, "mirror", 48)]
+        return [make_ball("silver", 0.15, place, "mirror", 48)]
     words.append("a mirror before a wall")
     y = size[1] - 0.01
     corners = np.array([[0.2, y, 0.2], [size[0] - 0.2, y, 0.2],
                         [size[0] - 0.2, y, size[2] - 0.2], [0.2, y, size[2] - 0.2]])  # fmt: skip
-    return [_mesh("silver", corners, [[0, 1, 2], [0, 2, 3]], "mirror")]
+    return [make_mesh("silver", corners, [[0, 1, 2], [0, 2, 3]], "mirror")]
 
 
 def _screen(x: float, size, gap: float) -> Mesh:
     """Partition that leaves a gap over the floor."""
     corners = [[x, 0, gap], [x, size[1], gap], [x, size[1], size[2]], [x, 0, size[2]]]
-    return _mesh("screen", np.array(corners), [[0, 1, 2], [0, 2, 3]], "screen")
+    return make_mesh("screen", np.array(corners), [[0, 1, 2], [0, 2, 3]], "screen")
 
 
 def _wall(name: str, x: float, size, material: str) -> Mesh:
     corners = [[x, 0, 0], [x, size[1], 0], [x, size[1], size[2]], [x, 0, size[2]]]
-    return _mesh(name, np.array(corners), [[0, 1, 2], [0, 2, 3]], material)
-
-
-def _shell(size, hole: float) -> Mesh:
-    """Room whose faces look inwards; its ceiling may have a square hole in the middle."""
-    x, y, z = size
-    vertices = [[a, b, c] for a in (0.0, x) for b in (0.0, y) for c in (0.0, z)]
-    quads = [(0, 2, 6, 4), (0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5)]
-    if not hole:
-        quads.append((1, 5, 7, 3))
-    triangles = [t[::-1] for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-    if hole:
-        low, high = 0.5 * (size[:2] - hole), 0.5 * (size[:2] + hole)
-        strips = [(0, 0, x, low[1]), (0, high[1], x, y),
-                  (0, low[1], low[0], high[1]), (high[0], low[1], x, high[1])]  # fmt: skip
-        for a, b, c, d in strips:
-            first = len(vertices)
-            vertices += [[a, b, z], [c, b, z], [c, d, z], [a, d, z]]
-            triangles += [(first, first + 2, first + 1), (first, first + 3, first + 2)]
-    return _mesh("room", np.array(vertices, float), triangles, "paint")
-
-
-def _ball(name: str, radius: float, centre, material: str, rings: int) -> Mesh:
-    """Sphere of triangles with the true sphere's normals."""
-    theta = np.linspace(0.0, np.pi, rings + 1)
-    phi = np.linspace(0.0, 2.0 * np.pi, 2 * rings, endpoint=False)
-    unit = np.stack(
-        [np.outer(np.sin(theta), np.cos(phi)), np.outer(np.sin(theta), np.sin(phi)),
-         np.outer(np.cos(theta), np.ones_like(phi))], axis=-1,
-    ).reshape(-1, 3)  # fmt: skip
-    row, column = (each.ravel() for each in np.mgrid[0:rings, 0 : 2 * rings])
-    a, b = row * 2 * rings + column, row * 2 * rings + (column + 1) % (2 * rings)
-    c, d = a + 2 * rings, b + 2 * rings
-    upper = np.stack([a, c, d], axis=1)[row < rings - 1]
-    triangles = np.concatenate([upper, np.stack([a, d, b], axis=1)[row > 0]])
-    made = _mesh(name, radius * unit + np.asarray(centre, float), triangles, material)
-    normals = unit[made.triangles].astype(np.float32)
-    return Mesh(name, name, made.vertices, made.triangles, (material,), made.material_index,
-                corner_normals=normals)  # fmt: skip
-
-
-def _mesh(name: str, vertices, triangles, material: str) -> Mesh:
-    faces = np.ascontiguousarray(triangles, dtype=np.int32)
-    return Mesh(name, name, vertices, faces, (material,), np.zeros(len(faces), np.int32))
+    return make_mesh(name, np.array(corners), [[0, 1, 2], [0, 2, 3]], material)

@@ -87,6 +87,7 @@ def _reference(session, room, number: int):
     """Flux on the room and its error [lm]; gathered values and errors of squares; those of paths; the room's area [m2]."""
     from ..engine.scene.sensor import SensorKind
     from ..engine.transport.bent_lights import bent_lights
+    from ..engine.transport.bright_spots import bright_spots
     from ..engine.transport.illuminance import compute
     from ..engine.transport.sensor_witness import hear_sensors
     from ..engine.transport.sheets import Sheets
@@ -100,7 +101,7 @@ def _reference(session, room, number: int):
         area = float(session.scene.mesh("room").areas().sum())
         values = np.zeros((2, 0))
         if len(sheets):
-            with bent_lights(scene):
+            with bent_lights(scene), bright_spots(scene):
                 rule = StopRule(samples=SENSOR_SAMPLES)
                 found = compute(scene, sheets.receivers(number), rule, number, 16)
                 heard = hear_sensors(

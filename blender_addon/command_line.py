@@ -41,7 +41,7 @@ CODES = {
 
 
 def _add_kinds(benchmark):
-    """Begin the list of benchmarks, with that of random rooms."""
+    """Begin the list of benchmarks, with those of random rooms and of light that is hard to find."""
     kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
     rooms = kinds.add_parser("rooms", help="random small rooms against paths from the lights")
     rooms.add_argument("--count", type=int, default=300, help="how many (default: 300)")
@@ -54,6 +54,25 @@ def _add_kinds(benchmark):
         default=Path("docs/benchmarks"),
         metavar="DIR",
         help="folder for rooms.md (default: docs/benchmarks)",
+    )
+    hidden = kinds.add_parser("hidden", help="light that is hard to find against closed forms")
+    hidden.add_argument(
+        "--seeds", type=_count, default=20, metavar="N", help="runs of each scene (default: 20)"
+    )
+    hidden.add_argument(
+        "--scene",
+        action="append",
+        metavar="NAME",
+        help="only this scene (may be repeated; default: all)",
+    )
+    hidden.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+    hidden.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("docs/benchmarks"),
+        metavar="DIR",
+        help="folder for hidden.md (default: docs/benchmarks)",
     )
     return kinds
 
@@ -410,6 +429,12 @@ def _numbers(text: str) -> tuple[int, ...]:
     if not words or not all(word.isdigit() and int(word) for word in words):
         raise argparse.ArgumentTypeError(f"expected numbers such as 100,1000, found '{text}'")
     return tuple(int(word) for word in words)
+
+
+def _count(text: str) -> int:
+    if not (text.isdigit() and int(text)):
+        raise argparse.ArgumentTypeError(f"expected a number from 1 on, found '{text}'")
+    return int(text)
 
 
 def main(arguments=None) -> int:
@@ -886,6 +911,13 @@ def _benchmark(options) -> int:
         rooms.write_results(made, options.output, options.json)
         print(f"written to {options.output / 'rooms.md'}")
         return int(any(row["off"] > 1.0 for row in made["rows"]))
+    if options.kind == "hidden":
+        from ..benchmarks import hidden_light
+
+        made = hidden_light.run(options.seeds, options.scene, say=hidden_light.report_progress)
+        hidden_light.write_results(made, options.output, options.json)
+        print(f"written to {options.output / 'hidden.md'}")
+        return int(not all(row["passed"] for row in hidden_light.summarise(made)))
     if options.kind == "raysets":
         from ..benchmarks import raysets
 

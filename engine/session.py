@@ -316,9 +316,10 @@ class Session:
         with self._engine(settings.transport) as compiled:
             from .transport import picture
             from .transport.bent_lights import bent_lights
+            from .transport.bright_spots import bright_spots
 
             start = time.perf_counter()
-            with bent_lights(compiled) as notes:
+            with bent_lights(compiled) as notes, bright_spots(compiled):
                 made, samples = picture.render(
                     compiled, camera, settings, progress=progress, cancelled=self._cancelled
                 )
@@ -365,12 +366,13 @@ class Session:
         """
         with self._engine(transport) as compiled:
             from .transport.bent_lights import bent_lights
+            from .transport.bright_spots import bright_spots
             from .transport.illuminance import Receivers, compute
 
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
             heard = None
-            with bent_lights(compiled) as notes:
+            with bent_lights(compiled) as notes, bright_spots(compiled):
                 estimate = compute(
                     compiled,
                     receivers,

@@ -4,6 +4,8 @@ import math
 import time
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..errors import SceneError
 from .history import History
 
@@ -138,8 +140,15 @@ SLOWEST, FASTEST = 0.4, 1.0
 """Bounds on the power of the samples by which an error is believed to fall: 1/2 for plain Monte Carlo, up to 1 where
 well-distributed samples meet a smooth integrand."""
 
-BASELINE = 4.0
-"""Ratio of samples over which that power is taken; nearer ones differ by noise."""
+BASELINE, WINDOW, STEP = 4.0, 256.0, 1.2
+"""Ratio of samples over which that power is taken, at least, as nearer ones differ by noise, and at most, as what was long
+ago says little; and ratio between passes of which note is taken."""
+
+LONGEST = 100.0
+"""Logarithm of most samples that are foretold."""
+
+ROUNDS = 50
+"""Times that the samples needed are improved; each leaves a fraction of what they lack."""
 
 
 class Clock:
@@ -159,9 +168,11 @@ class Clock:
         self.rule = rule
         self.stage = stage
         self._start = time.perf_counter()
-        # Samples and error over what is allowed, after passes that lie apart; the last one is the present state.
-        self._history: list[tuple[int, float]] = []
-        self._present: tuple[int, float] | None = None
+        # Samples, error of the whole and error over what is allowed, after passes that lie apart; and the present state.
+        self._history: list[tuple[int, float, float]] = []
+        self._present: tuple[int, float, float] | None = None
+        # Samples and seconds after such passes; the first one may have to make kernels.
+        self._times: list[tuple[int, float]] = []
 
     @property
     def seconds(self) -> float:
@@ -171,15 +182,19 @@ class Clock:
     def progress(self, samples: int, error: float) -> Progress:
         """Describe the state after so many samples; the error is that of the last finished pass."""
         seconds = self.seconds
-        shares = []
-        if self.rule.samples is not None:
-            shares.append(samples / self.rule.samples)
+        ends = []
         if self.rule.seconds is not None:
-            shares.append(seconds / self.rule.seconds)
+            ends.append(self.rule.seconds - seconds)
+        needed = [self.rule.samples] if self.rule.samples is not None else []
         if self._present is not None:
-            shares.append(samples / self._samples_needed())
-        done = min(max(shares, default=0.0), 1.0)
-        left = seconds * (1.0 - done) / done if done > 0.0 else None
+            needed.append(self._samples_needed())
+        if needed and samples > 0:
+            each = self._seconds_each(samples, seconds)
+            ends.append(max(min(needed) - samples, 0.0) * each)
+        left = max(min(ends), 0.0) if ends else None
+        done = 0.0
+        if left is not None:
+            done = seconds / (seconds + left) if seconds + left > 0.0 else 1.0
         return Progress(done, samples, error, seconds, left, self.stage)
 
     def is_done(self, samples: int, error: float, excess: float | None = None) -> bool:
@@ -196,9 +211,11 @@ class Clock:
         if rule.error is not None:
             excesses.append(error / rule.error)
         excess = min(excesses, default=math.inf)
+        if not self._times or samples >= STEP * self._times[-1][0]:
+            self._times.append((samples, self.seconds))
         if 0.0 < excess < math.inf:
-            self._present = (samples, excess)
-            if not self._history or samples >= 1.2 * self._history[-1][0]:
+            self._present = (samples, error if 0.0 < error < math.inf else excess, excess)
+            if not self._history or samples >= STEP * self._history[-1][0]:
                 self._history.append(self._present)
         return (
             (rule.samples is not None and samples >= rule.samples)
@@ -206,13 +223,31 @@ class Clock:
             or excess <= 1.0
         )
 
+    def _seconds_each(self, samples: int, seconds: float) -> float:
+        """What a sample takes, by the later half of them, as short passes at the beginning take long for theirs. [s]"""
+        before = [each for each in self._times if 2 * each[0] <= samples] or self._times[:1]
+        if before and samples > before[-1][0]:
+            return max(seconds - before[-1][1], 0.0) / (samples - before[-1][0])
+        return seconds / samples
+
     def _samples_needed(self) -> float:
-        """Samples at which the error will be what is allowed, if it goes on falling as it has."""
-        samples, excess = self._present
-        power = 0.5
-        earlier = [entry for entry in self._history if entry[0] * BASELINE <= samples]
-        if earlier:
-            first, before = earlier[-1]
-            power = math.log(before / excess) / math.log(samples / first)
+        """Samples at which the error will be what is allowed, if it goes on falling as it has.
+
+        The power is that of the error of the whole, which many values tell, by all passes. What the error of single
+        values is beside the power law, which a few groups tell, is by chance in part: the sum of N samples keeps the root
+        of N / M of it as a part of M samples.
+        """
+        entries = [each for each in self._history if each[0] * WINDOW >= self._present[0]]
+        if not entries or entries[-1] != self._present:
+            entries.append(self._present)
+        samples, whole, excess = (np.log([entry[k] for entry in entries]) for k in range(3))
+        power, apart = 0.5, samples - samples.mean()
+        if samples[-1] - samples[0] >= math.log(BASELINE):
+            power = -float(apart @ whole) / float(apart @ apart)
             power = min(max(power, SLOWEST), FASTEST)
-        return samples * max(excess, 1.0) ** (1.0 / power)
+        levels = excess + power * samples
+        level, chance = float(levels.mean()), float(levels[-1] - levels.mean())
+        end = now = float(samples[-1])
+        for _ in range(ROUNDS):
+            end = max((level + chance * math.exp(0.5 * (now - end))) / power, now)
+        return math.exp(min(end, LONGEST))

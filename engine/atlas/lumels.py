@@ -22,8 +22,18 @@ MOST_PLACES, FEWEST_PLACES = 16, 4
 BLOCK_PLACES = 1 << 21
 """Most places of a block, but for single rows that have more."""
 
-PLACE_BYTES = 24 + 12 + 12 + 4
-"""Memory of a place: position, normals, triangle. [byte]"""
+PLACE_BYTES = 24 + 12 + 12 + 4 + 1
+"""Memory of a place: position, normals, triangle, box. [byte]"""
+
+INSET = 1e-3
+"""Samples stay so far inside their lumel: what stands on its border is beside it. [lumel]"""
+
+SAME_STEPS = 1e-4
+"""Difference of steps on the surface, relative to them, up to which two triangles are one plane with one layout. [-]"""
+
+
+WHOLE = 1e-6
+"""Part of a lumel that may be missing where it counts as covered whole. [-]"""
 
 
 @dataclass(frozen=True)
@@ -56,17 +66,24 @@ class LumelBlock(LumelFacts):
     ----------
     receivers : Receivers    n rows, those that are not valid too.
     triangle : (k,) int32 array    Triangle of the mesh for every place of the receivers.
+    box : (k,) uint8 array
+        Number, from 1, of the part of the lumel that every place stands for, where it stands for all of that: samples may
+        lie anywhere in it. 0: only at the place itself. See `Boxes`.
+    steps : (n, 2, 3) float32 array    Steps on the surface for one lumel to the right and one upwards. [m]
     reached : (n,) array or None    Share of each lumel's places that light can reach; None: all. [-]
     """
 
     receivers: Receivers
     triangle: np.ndarray
+    box: np.ndarray
+    steps: np.ndarray
     reached: np.ndarray | None = None
 
     def size(self) -> int:
         """Memory that it takes. [byte]"""
         held = self.receivers
         arrays = [self.index, self.chart, self.area, self.valid, self.triangle, held.positions]
+        arrays += [self.box, self.steps]
         arrays += [held.geometric_normals, held.start, held.count]
         if held.normals is not held.geometric_normals:
             arrays.append(held.normals)
@@ -103,11 +120,38 @@ class Correction:
     dropped : uint8 array or None    Packed bits of places that are of no use; None: there are none.
     moved : (m,) int32 array    Places that are moved.
     shift : (m, 3) float32 array    How far. [m]
+    still : uint8 array    Packed bits of lumels whose samples lie at places only.
     """
 
     dropped: np.ndarray | None
     moved: np.ndarray
     shift: np.ndarray
+    still: np.ndarray
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Parts of a lumel, one around each point of the net of places, alike in size.
+
+    Parameters
+    ----------
+    points : (p, 2) array    The net, 0..1. [lumel]
+    corners : (p, 2) array    Lower left corners. [lumel]
+    size : (2,) array    [lumel]
+    ends : (float, float)    Between which samples stay along either side of the lumel. [lumel]
+    """
+
+    points: np.ndarray
+    corners: np.ndarray
+    size: np.ndarray
+    ends: tuple[float, float] = (INSET, 1.0 - INSET)
+
+    @classmethod
+    def around(cls, points: np.ndarray) -> "Boxes":
+        """Boxes around the points of `_net`, a power of two: each holds one (they are a (0, m, 2)-net in base 2)."""
+        bits = len(points).bit_length() - 1
+        sides = np.array([2 ** ((bits + 1) // 2), 2 ** (bits // 2)])
+        return cls(points, np.floor(points * sides) / sides, 1.0 / sides)
 
 
 class LumelTable:
@@ -141,7 +185,7 @@ class LumelTable:
         total = sum(int(counts.sum()) for _, _, _, counts in sheets)
         self.places = _places_of(total, memory)
         """Places in a lumel that is covered whole."""
-        self._pattern = _net(self.places)
+        self.boxes = Boxes.around(_net(self.places))
         self._bands: list[tuple[int, int, int, int]] = []
         counts: list[int] = []
         for number, page, first, rows in sheets:
@@ -226,24 +270,26 @@ class LumelTable:
 
     def _examine(self, examiner, group: list[tuple[int, LumelBlock]]):
         """Find the corrections of some blocks; yields these corrected."""
-        axes = [self._axes(block) for _, block in group]
+        steps = np.concatenate([block.steps for _, block in group]).astype(np.float64)
         receivers = _join([block.receivers for _, block in group])
-        dropped, moved, shift = examiner.examine(
-            receivers, *(np.concatenate(column) for column in zip(*axes, strict=True))
-        )
-        first = 0
+        rim = 0.5 / self.places - INSET
+        dropped, moved, shift, doubtful = examiner.examine(receivers, steps[:, 0], steps[:, 1], rim)
+        first = row = 0
         for number, block in group:
-            end = first + len(block.triangle)
+            end, next_row = first + len(block.triangle), row + len(block.index)
             low, high = np.searchsorted(moved, [first, end])
             own = dropped[first:end]
-            if own.any() or high > low:
+            still = np.zeros(len(block.index), dtype=bool)
+            still[doubtful[(doubtful >= row) & (doubtful < next_row)] - row] = True
+            if still.any():
                 self._corrections[number] = Correction(
                     np.packbits(own) if own.any() else None,
                     (moved[low:high] - first).astype(np.int32),
                     shift[low:high].astype(np.float32),
+                    np.packbits(still),
                 )
             yield number, self._corrected(number, block)
-            first = end
+            first, row = end, next_row
 
     def _corrected(self, number: int, block: LumelBlock) -> LumelBlock:
         """A block that was just made, corrected and kept."""
@@ -254,12 +300,6 @@ class LumelTable:
             self._kept[number] = block
             self._held += block.size()
         return block
-
-    def _axes(self, block: LumelBlock):
-        """Steps on the surface from lumel to lumel, in a row and from row to row. (n, 3), (n, 3) [m]"""
-        first = block.triangle[block.receivers.start]
-        layout = self._atlas.layouts[block.layout]
-        return _lumel_axes(self._meshes[block.layout], layout, first)
 
     def _make(self, number: int) -> LumelBlock:
         layout_number, page, low, high = self._bands[number]
@@ -272,7 +312,9 @@ class LumelTable:
         corners = coverage.snap(layout.uv[used].astype(np.float64))
         points = mesh.vertices[mesh.triangles[used]]
         facing, areas = _facings(points)
-        raster = _Raster(corners, areas, layout.chart[used], width, low, high, self._pattern)
+        u, v, is_usable = _lumel_axes(mesh, layout, used)
+        steps = np.where(is_usable[:, None, None], np.stack([u, v], axis=1), np.nan)
+        raster = _Raster(corners, areas, layout.chart[used], width, low, high, self.boxes, steps)
         triangle = used[raster.triangle]
         positions = np.einsum("kc,kcx->kx", raster.bary, points[raster.triangle])
         geometric = facing[raster.triangle]
@@ -293,7 +335,18 @@ class LumelTable:
             np.ones(len(raster.index), dtype=bool),
             receivers,
             triangle.astype(np.int32),
+            raster.box,
+            np.stack([u, v], axis=1)[raster.first].astype(np.float32),
         )
+
+
+def _agree(steps: np.ndarray, triangle: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Whether pairs of triangles have the same steps (t, 2, 3) on the surface, and these are known. (k,) bool"""
+    agree = np.isfinite(steps[triangle]).all(axis=(1, 2))
+    pairs = np.flatnonzero(agree & (triangle != other))
+    a, b = steps[triangle[pairs]], steps[other[pairs]]
+    agree[pairs] = np.abs(a - b).max(axis=(1, 2)) <= SAME_STEPS * np.abs(b).max(axis=(1, 2))
+    return agree
 
 
 def _join(parts: list[Receivers]) -> Receivers:
@@ -392,11 +445,13 @@ class _Raster:
     charts : (t,) array
     width : int    Of the page.
     low, high : int    Rows from ``low`` to before ``high``.
-    pattern : (p, 2) array    Where places are looked for in a lumel, 0..1.
+    boxes : Boxes    Around the points where places are looked for in a lumel.
+    steps : (t, 2, 3) array    On the surface for one lumel to the right and one upwards, NaN where they are not known. [m]
     """
 
-    def __init__(self, corners, areas, charts, width, low, high, pattern):
-        self._corners, self._width, self._pattern = corners, width, pattern
+    def __init__(self, corners, areas, charts, width, low, high, boxes, steps):
+        self._corners, self._width, self._steps = corners, width, steps
+        self._boxes, self._pattern = boxes, boxes.points
         spans = coverage.find_spans(corners, width, low, high)
         runs, lengths = coverage.merge_spans(spans, width)
         self._runs, self._before = runs, np.cumsum(lengths) - lengths
@@ -408,11 +463,16 @@ class _Raster:
         self.chart = np.full(len(self.index), -1, dtype=np.int32)
         parts = list(self._pairs(spans))
         self._choose_charts(charts, parts)
-        owner = np.full(len(self.index) * len(pattern), -1, dtype=np.int32)
-        for triangle, lumel, share in parts:
-            own = charts[triangle] == self.chart[lumel]
-            self._place(owner, triangle[own], lumel[own], share[own])
-        self._finish(owner, charts, parts)
+        owner = np.full(len(self.index) * len(self._pattern), -1, dtype=np.int32)
+        is_box = np.zeros(len(owner), dtype=bool)
+        own = [
+            tuple(column[charts[part[0]] == self.chart[part[1]]] for column in part)
+            for part in parts
+        ]
+        for part in own:
+            self._place(owner, is_box, *part)
+        self._join_planes(is_box, own)
+        self._finish(owner, is_box, charts, parts)
 
     def _pairs(self, spans):
         """Yield triangles, lumels and shared areas on the page, in pieces; adds up the areas on the surface."""
@@ -464,13 +524,18 @@ class _Raster:
         # The last of a lumel's entries stays: the largest area, and of equal ones the lowest number.
         self.chart[lumel[order]] = chart[order]
 
-    def _place(self, owner, triangle, lumel, share) -> None:
-        """Note which triangle holds which points of the pattern."""
+    def _place(self, owner, is_box, triangle, lumel, share) -> None:
+        """Note which triangle holds which points of the pattern, and whether it holds all of the boxes around them."""
         count = len(self._pattern)
         points = np.arange(count)
         whole = share >= 1.0 - 1e-12
         whole &= ~self._is_point[triangle]
         owner.reshape(-1, count)[lumel[whole]] = triangle[whole, None]
+        is_box.reshape(-1, count)[lumel[whole]] = True
+        ends = self._boxes.corners[:, None] + self._boxes.size * np.array(
+            [[0, 0], [1, 0], [0, 1], [1, 1]]
+        )
+        ends = np.clip(ends, *self._boxes.ends)
         rest = np.flatnonzero(~whole & ~self._is_point[triangle])
         for begin in range(0, len(rest), coverage.CHUNK // count):
             part = rest[begin : begin + coverage.CHUNK // count]
@@ -478,23 +543,39 @@ class _Raster:
             local = self._corners[triangle[part]] - cells[:, None]
             sought = np.broadcast_to(self._pattern, (len(part), count, 2))
             row, point = np.nonzero(coverage.holds(local, sought))
-            owner[lumel[part][row].astype(np.int64) * count + points[point]] = triangle[part][row]
+            place = lumel[part][row].astype(np.int64) * count + points[point]
+            owner[place] = triangle[part][row]
+            is_box[place] = coverage.holds(local[row], ends[point]).all(axis=1)
 
-    def _finish(self, owner, charts, parts) -> None:
+    def _join_planes(self, is_box, own) -> None:
+        """Note whose boxes are whole because all of the lumel is one plane, however it is divided."""
+        self.first = np.full(len(self.index), len(self._corners), dtype=np.int64)
+        for triangle, lumel, _ in own:
+            np.minimum.at(self.first, lumel, triangle)
+        covered = np.zeros(len(self.index))
+        for triangle, lumel, share in own:
+            agree = _agree(self._steps, triangle, self.first[lumel])
+            covered += np.bincount(lumel[agree], share[agree], len(covered))
+        is_box.reshape(len(covered), -1)[covered >= 1.0 - WHOLE] = True
+
+    def _finish(self, owner, is_box, charts, parts) -> None:
         """Lay the places out lumel by lumel."""
         count = len(self._pattern)
         found = np.flatnonzero(owner >= 0)
         lumel, triangle = found // count, owner[found]
         points = np.stack(self._cells(lumel), axis=1) + self._pattern[found % count]
+        is_box = is_box[found] & _agree(self._steps, triangle, self.first[lumel])
+        box = np.where(is_box, found % count + 1, 0).astype(np.uint8)
         empty = np.ones(len(self.index), dtype=bool)
         empty[lumel] = False
         if empty.any():
             more = self._thin(empty, charts, parts)
             lumel, triangle = np.concatenate([lumel, more[0]]), np.concatenate([triangle, more[1]])
             points = np.concatenate([points, more[2]])
+            box = np.concatenate([box, np.zeros(len(more[0]), dtype=np.uint8)])
             order = np.argsort(lumel, kind="stable")
-            lumel, triangle, points = lumel[order], triangle[order], points[order]
-        self.triangle = triangle
+            lumel, triangle, points, box = (e[order] for e in (lumel, triangle, points, box))
+        self.triangle, self.box = triangle, box
         self.bary = coverage.barycentric(self._corners[triangle], points)
         self.count = np.bincount(lumel, minlength=len(self.index))
         self.start = np.cumsum(self.count) - self.count
@@ -528,7 +609,12 @@ def _normals(mesh: Mesh, triangle, bary, geometric) -> np.ndarray:
 
 
 def _lumel_axes(mesh: Mesh, layout: SurfaceLayout, triangle: np.ndarray):
-    """Steps on the surface for one lumel to the right and one upwards, by the triangles there. (n, 3), (n, 3) [m]"""
+    """Steps on the surface for one lumel to the right and one upwards, by the triangles there.
+
+    Returns
+    -------
+    (n, 3), (n, 3), (n,) bool    Both [m], and whether they are the layout's: of slivers they are made up.
+    """
     points = mesh.vertices[mesh.triangles[triangle]]
     corners = layout.uv[triangle].astype(np.float64)
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -549,7 +635,7 @@ def _lumel_axes(mesh: Mesh, layout: SurfaceLayout, triangle: np.ndarray):
     other *= side / np.linalg.norm(other, axis=1, keepdims=True)
     u = np.where(usable[:, None], u, other)
     v = np.where(usable[:, None], v, np.cross(normal, other))
-    return u, v
+    return u, v, usable
 
 
 def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
@@ -557,6 +643,8 @@ def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
     held = block.receivers
     positions = held.positions.copy()
     positions[correction.moved] += correction.shift
+    still = np.unpackbits(correction.still, count=len(block.index)).astype(bool)
+    box = np.where(np.repeat(still, held.count), np.uint8(0), block.box)
     kept, count, valid = np.ones(len(positions), dtype=bool), held.count, block.valid
     reached = None
     if correction.dropped is not None:
@@ -585,5 +673,7 @@ def _correct(block: LumelBlock, correction: Correction) -> LumelBlock:
         valid,
         receivers,
         block.triangle[kept],
+        box[kept],
+        block.steps,
         reached,
     )

@@ -56,19 +56,21 @@ class Examiner:
         self._step = STEP * float(scene.radius)
         self._mark_solids()
 
-    def examine(self, receivers, u, v):
-        """Find places that are of no use, and those that have to be moved.
+    def examine(self, receivers, u, v, rim: float):
+        """Find places that are of no use, those that have to be moved, and those that have to stay where they are.
 
         Parameters
         ----------
         receivers : Receivers    Of n lumels with k places.
         u, v : (n, 3) float64 arrays    Steps on the surface for one lumel to the right and one upwards. [m]
+        rim : float    How far lumels go on beyond their outermost places. [lumel]
 
         Returns
         -------
         dropped : (k,) bool array
         moved : (m,) int array    Places to be moved.
         shift : (m, 3) float64 array    How far. [m]
+        doubtful : (d,) int array    Lumels of which places were looked at one by one; beside these it may be otherwise.
 
         Raises
         ------
@@ -76,8 +78,8 @@ class Examiner:
         """
         dropped = np.zeros(len(receivers.positions), dtype=bool)
         if len(receivers.start) == 0:
-            return dropped, np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        doubtful = self._doubtful(receivers, u, v)
+            return dropped, np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, np.int64)
+        doubtful = self._doubtful(receivers, u, v, rim)
         lumel = np.repeat(doubtful, receivers.count[doubtful])
         begin = np.cumsum(receivers.count[doubtful]) - receivers.count[doubtful]
         place = np.arange(len(lumel)) + np.repeat(
@@ -91,11 +93,11 @@ class Examiner:
         lost[~lost] = self._is_inside(positions[~lost], normal[~lost])
         dropped[place[lost]] = True
         moves = np.flatnonzero(shift.any(axis=1))
-        return dropped, place[moves], shift[moves]
+        return dropped, place[moves], shift[moves], doubtful
 
     # ---- lumels as a whole ----
 
-    def _doubtful(self, receivers, u, v) -> np.ndarray:
+    def _doubtful(self, receivers, u, v, rim: float) -> np.ndarray:
         """Lumels that something reaches into, or that lie in or under something."""
         start, count = receivers.start, receivers.count
         origin = receivers.positions[start]
@@ -103,7 +105,6 @@ class Examiner:
         size = np.sqrt(np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1))
         # Column by column: there may be millions of places.
         away = [receivers.positions[:, i] - np.repeat(origin[:, i], count) for i in range(3)]
-        rim = 0.02
         bounds = []
         for axis in (u, v):
             step = axis / np.maximum(np.einsum("nx,nx->n", axis, axis), 1e-300)[:, None]

@@ -96,7 +96,6 @@ class LayerState:
     bias_sums : (3, m) array    By object: number, sum and sum of squares of what the cells add. [-, lx, lx2]
     object_passes : (passes, 1 + m) array    Samples of every pass, and the mean that it gave each object. [-, lx]
     is_done : bool
-    sharing : int    Passes that share a sweep of the cells.
     """
 
     sums: ReplicateSums
@@ -107,7 +106,6 @@ class LayerState:
     bias_sums: np.ndarray
     object_passes: np.ndarray
     is_done: bool = False
-    sharing: int = 1
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays."""
@@ -116,9 +114,7 @@ class LayerState:
         made |= {f"cells.{name}": value for name, value in self.cells.items()}
         made |= {"levels": self.levels.columns}
         made |= {"bias": self.bias_sums, "objects": self.object_passes}
-        return made | {
-            "state": np.array([self.passes, int(self.is_done), self.sharing], dtype=np.int64)
-        }
+        return made | {"state": np.array([self.passes, int(self.is_done)], dtype=np.int64)}
 
     @classmethod
     def from_arrays(cls, rule: StopRule, arrays: dict[str, np.ndarray]) -> "LayerState":
@@ -128,7 +124,7 @@ class LayerState:
             head = f"{name}."
             return {key[len(head) :]: v for key, v in arrays.items() if key.startswith(head)}
 
-        passes, is_done, sharing = arrays["state"].tolist()
+        passes, is_done = arrays["state"].tolist()
         return cls(
             ReplicateSums.from_state(part("sums")),
             Levels(arrays["levels"]),
@@ -138,7 +134,6 @@ class LayerState:
             arrays["bias"],
             arrays["objects"],
             bool(is_done),
-            sharing,
         )
 
     def review(self) -> None:
@@ -184,8 +179,8 @@ class Layer:
     start: float = field(default_factory=time.perf_counter)
 
     def __post_init__(self):
-        # What work that is not done in every pass took last. [s]
-        self._upkeep: dict[str, float] = {}
+        # What the last check of the cells took. [s]
+        self._checking = 0.0
 
     def run(self, state: LayerState | None = None) -> LayerState:
         """Run to the end, from a state if there is one."""
@@ -196,8 +191,7 @@ class Layer:
             self.job.restore(state.cells)
             self._lengthen(state)
         while not state.is_done:
-            # Noise of the cells shows from sweep to sweep only.
-            self.ending.has_result = state.sums.passes >= FEWEST_PASSES * state.sharing
+            self.ending.has_result = state.sums.passes >= FEWEST_PASSES
             if self.ending.is_stopped:
                 break
             try:
@@ -288,8 +282,7 @@ class Layer:
         levels = plan()
         for number in range(MOST_TRIALS):
             tried = levels.total()
-            # Sweeps belong to even numbers where passes share them.
-            trial = pilot.try_pass(TRIALS + 3 + 2 * number, levels, TRIED, sweeps=True)
+            trial = pilot.try_pass(TRIALS + 2 + 2 * number, levels, TRIED, sweeps=True)
             levels = plan()
             if 1.0 / SETTLED < levels.total() / max(tried, 1e-9) < SETTLED:
                 break
@@ -316,16 +309,11 @@ class Layer:
             self.report(replace(done, history=forecaster.history))
 
         number = MAIN_PASSES + state.passes
-        times = [self._seconds]
         job.refresh(number, levels)
-        times.append(self._seconds)
         made = job.run_pass(number, levels, show)
-        times.append(self._seconds)
+        begin = self._seconds
         checked = job.compare(number, levels)
-        times.append(self._seconds)
-        sweeping, _, checking = np.diff(times)
-        extra = self._extra("sweep", sweeping, number, job.sharing(levels))
-        extra += self._extra("check", checking, number, CHECK_INTERVAL)
+        extra = self._extra(self._seconds - begin, number)
         # Nothing of the state changes before the pass is whole: a cancel leaves what a checkpoint can go on from.
         for part, values in made:
             state.sums.add(part.start, values, levels.samples(part))
@@ -334,7 +322,6 @@ class Layer:
         row = np.append(levels.total() / max(job.count, 1), means)
         state.object_passes = np.vstack([state.object_passes, row])
         self._note_checks(state, *checked)
-        state.sharing = job.sharing(levels)
         state.passes += 1
         state.cells = job.state()
         error = self._note(forecaster, state.sums, 1, extra=extra)
@@ -344,12 +331,12 @@ class Layer:
         state.is_done &= state.sums.passes >= 2
         self._show(state)
 
-    def _extra(self, name: str, seconds: float, number: int, period: int) -> float:
-        """Time that work which is not done in every pass took beyond its share of this one. [s]"""
-        if number % period == 0:
-            self._upkeep[name] = seconds
-            return seconds * (1.0 - 1.0 / period)
-        return -self._upkeep.get(name, 0.0) / period
+    def _extra(self, seconds: float, number: int) -> float:
+        """Time that a check of the cells, which is not made in every pass, took beyond its share of this one. [s]"""
+        if number % CHECK_INTERVAL == 0:
+            self._checking = seconds
+            return seconds * (1.0 - 1.0 / CHECK_INTERVAL)
+        return -self._checking / CHECK_INTERVAL
 
     def _steps_down(self, state: LayerState) -> int:
         """How often the samples of the next pass are halved, so that the last one does not go far beyond the rule."""

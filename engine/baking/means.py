@@ -9,8 +9,8 @@ from ..atlas.lumels import LumelTable
 from .layer import LayerState
 from .pages import Estimates
 
-SHARED = 4.0
-"""Passes that count for one where sweeps of the cells remember, for every pass that shares a sweep."""
+LEAST_FREEDOM = 0.5
+"""Of what passes tell beyond the degrees of freedom at which the variance of Student's distribution ends."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +78,9 @@ def _find_mean(number: int, parts, survey, estimates, states) -> ObjectMean:
 def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: np.ndarray) -> float:
     """Standard error of an object's mean. [lx]
 
-    The scatter of the passes' means has two parts. That of the lumels themselves is known from their own variances and
-    differs from pass to pass. The rest comes from the cells, which all lumels share, and which passes that follow each other
-    share in part; so it counts for fewer passes.
+    The scatter of the passes' means has two parts. That of the lumels themselves is known from their own variances, which
+    are many. The rest comes from the cells, which all lumels share. Only the few passes tell it, so it counts as much more
+    as the variance of Student's distribution is more than one.
     """
     total = max(float(area.sum()), 1e-300)
     square = 0.0
@@ -95,8 +95,8 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
         parts = np.where(np.isfinite(variance), variance, 0.0) * area**2
         own = float(parts.sum()) / total**2
         own *= float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts))) ** 2
-        shared = SHARED * state.sharing
-        square += own + max(whole - own, 0.0) * shared
+        surplus = 1.0 + 2.0 / max(len(means) - 3.0, LEAST_FREEDOM)
+        square += own + max(whole - own, 0.0) * surplus
     return float(np.sqrt(square))
 
 

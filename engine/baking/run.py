@@ -31,6 +31,7 @@ from ..transport.bands import interpolation_error
 from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
 from ..transport.tiles import tile_numbers
+from .facets import find_facet_loss, tell_facet_loss
 from .files import scale_top, write_page, write_report
 from .layer import CHUNK, SHORT, Ending, Layer, LayerState
 from .light_layers import split_lights
@@ -141,6 +142,7 @@ class Bake:
             means = find_means(len(items), table, estimates, states)
             floors = self._hear_witness(compiled, items, means)
             estimates = widen(estimates, means, floors)
+            floors = np.hypot(floors, self._find_facet_losses(items, means))
             samples = round(sum(s.sums.mean_samples for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
@@ -410,6 +412,17 @@ class Bake:
             self._balance = heard.balance
             floors[known] = heard.floors
         return floors
+
+    def _find_facet_losses(self, items, means: list[ObjectMean]) -> np.ndarray:
+        """What the mean of each map may be off by because facets are shaded smoothly. (n,) [lx]"""
+        losses = {}
+        for item in items:
+            if item.key not in losses:
+                losses[item.key] = find_facet_loss(item.mesh)
+                self.departures += tell_facet_loss(item.mesh.name, losses[item.key])
+        return np.array(
+            [losses[item.key] * own.mean for item, own in zip(items, means, strict=True)]
+        )
 
     def _summarise(
         self, items, atlas, means: list[ObjectMean], floors, estimates, states, provenance

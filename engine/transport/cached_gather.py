@@ -205,7 +205,7 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
     is_dark = scene.emitter(si, valid) == None  # noqa: E711 - element-wise
     readable, mirrored, value = mi.Bool(False), mi.Bool(False), mi.Spectrum(0.0)
     if reads:
-        row, coat, side, readable = _meet(cells, hit, si, rays.reference, valid)
+        row, coat, side, local, readable = _meet(cells, hit, si, rays.reference, valid)
         readable &= is_dark
         if cells.traced is not None:
             readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
@@ -213,7 +213,8 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
         matte = _matte(cells, bsdf, si, row, coat, readable)
         value = matte * cells.value(side, si.wavelengths, readable)
         if guide is not None:
-            value *= _against_guide(guide, rays, si, side, rays.scatter_pdf, readable)
+            rival = guide, rays.reference, rays.guided_ratio
+            value *= _against_guide(*rival, si, side, local, rays.scatter_pdf, readable)
         value = dr.select(readable, value, 0.0)
         if cells.matt.has_coat:
             share = dr.minimum(MIRRORED * coat, 1.0)
@@ -289,12 +290,12 @@ def _matte(cells, bsdf, si, row, coat, active):
     )
 
 
-def _against_guide(guide, rays: _Rays, si, side, pdf, active):
-    """Weight of what a ray from a receiver has read, beside points that the guide chooses. [-]"""
-    away = si.p - rays.reference
+def _against_guide(guide, reference, ratio, si, side, local, pdf, active):
+    """Weight of what a ray has found on a cell, beside so many points that the guide chooses for every ray. [-]"""
+    away = si.p - reference
     facing = dr.abs(dr.dot(dr.normalize(away), si.n))
-    found = guide.density(side, active) * dr.squared_norm(away)
-    found *= rays.guided_ratio / dr.maximum(facing, 1e-9)
+    found = guide.density(side, local, active) * dr.squared_norm(away)
+    found *= ratio / dr.maximum(facing, 1e-9)
     return dr.select(active, paths.power_heuristic(pdf, found), 1.0)
 
 
@@ -303,7 +304,9 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
     spectral = is_spectral()
     context = mi.BSDFContext()
     traced = cells is not None and bool(cells) and cells.traced is not None
+    spots = cells.spots if traced else None
     has_mirrors = scene.mirrors is not None
+    rival = guide, rays.reference, rays.guided_ratio
     state = {
         "ray": rays.ray,
         "stream": mi.PCG32(rays.stream),
@@ -319,6 +322,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         "polar": mi.Vector3f(0.0) if rays.polar is None else mi.Vector3f(rays.polar),
         "bent": mi.Bool(rays.bent),
         "is_read": mi.Bool(rays.is_read),
+        "asked": mi.Bool(False),
         # Traced light lands on receivers and matt surfaces only.
         "traceable": mi.Bool(True),
         "dispersed": mi.Bool(False),
@@ -341,6 +345,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         polar,
         bent,
         is_read,
+        asked,
         traceable,
         dispersed,
         eta,
@@ -392,13 +397,17 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         row = mi.UInt32(0)
         coat = mi.Float(0.0)
         if reads or traced:
-            row, coat, side, readable = _meet(cells, hit, si, reference, active)
+            row, coat, side, local, readable = _meet(cells, hit, si, reference, active)
             is_matt = row > 0
             matte = _matte(cells, bsdf, si, row, coat, is_matt)
             if traced:
-                value = cells.traced_value(side, si.wavelengths, is_matt)
+                value = cells.traced_value(side, local, si.wavelengths, is_matt)
                 if guide is not None:
-                    value *= _against_guide(guide, rays, si, side, pdf, is_matt & (depth == 1))
+                    first = is_matt & (depth == 1)
+                    value *= _against_guide(*rival, si, side, local, pdf, first)
+                if spots is not None:
+                    first = is_matt & asked
+                    value *= _against_guide(spots, reference, 1.0, si, side, local, pdf, first)
                 radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
             # What was read before is so, whatever rounding says here.
             readable = (readable & reads) | is_read
@@ -406,7 +415,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             if guide is not None:
                 # Only what a straight line from the receiver meets could have been chosen.
                 first = readable & (depth == 1)
-                value *= _against_guide(guide, rays, si, side, pdf, first)
+                value *= _against_guide(*rival, si, side, local, pdf, first)
             read = dr.select(readable & ~is_read, read + throughput * matte * value, read)
         if reads:
             # Only coats mirror what has not been read.
@@ -457,6 +466,14 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
                 mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
                 amount = paths.mirrored_light(scene, si, mirror_sample, stream, respond, smooth)
                 radiance = dr.select(smooth, radiance + throughput * amount / share, radiance)
+        if spots is not None:
+            # Rays would meet light on a small spot by chance only, once in thousands of paths.
+            which, where = (
+                stream.next_float32(),
+                mi.Point2f(stream.next_float32(), stream.next_float32()),
+            )
+            amount = spots.traced_light(scene, si, which, where, respond, smooth)
+            radiance = dr.select(smooth, radiance + throughput * amount / share, radiance)
 
         # ---- scattering ----
         bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
@@ -505,6 +522,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
         ratio = dr.select(anew, 1.0, ratio)
+        asked = dr.select(turned, ~delta, asked)
         eta = dr.select(turned, eta * bs.eta, eta)
         depth = dr.select(turned, depth + 1, depth)
         steps += 1
@@ -518,7 +536,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         active &= alive & goes_on
         return (
             ray, stream, throughput, radiance, read, pdf, reference, ratio, depth, steps, chain, polar, bent, mi.Bool(False),
-            traceable, dispersed, eta, active,
+            asked, traceable, dispersed, eta, active,
         )  # fmt: skip
 
     result = dr.while_loop(
@@ -531,15 +549,15 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
 
 
 def _meet(cells, hit, si, reference, active):
-    """Row of the matt table (0: not matt), reflectance of the coat, side of the cell, and whether it may be read."""
+    """Row of the matt table (0: not matt), reflectance of the coat, side of the cell, where in it, whether it is read."""
     row = dr.select(active, cells.matt.row(si.shape, active), 0)
     is_matt = row > 0
     cosine = mi.Frame3f.cos_theta(si.wi)
     coat = mi.Float(cells.matt.coat(row, cosine, is_matt))
-    side = cells.side(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, is_matt)
+    side, local = cells.locate(si.shape, hit.prim_index, hit.prim_uv, cosine < 0.0, is_matt)
     readable = is_matt & (dr.norm(si.p - reference) > NEAR * cells.near(si.shape, is_matt))
     readable &= ~dr.gather(mi.Bool, cells.uneven, side, readable)
-    return row, coat, side, readable
+    return row, coat, side, local, readable
 
 
 def _hit(scene, ray, active):

@@ -35,6 +35,10 @@ _HALF = [
 EVEN_SHARE = 0.1
 """Share of the cells that is spread over all surfaces by area."""
 
+FEWEST_DEPOSITS, LEAST_BOX, MOST_BOX = 16, 1.0 / 256.0, 0.5
+"""Traced paths in a cell from which on they tell where in it their light lies; least side of that box, and the share of the
+cell from which on it is the whole cell. [-]"""
+
 LARGEST_GRID = 2048
 """Most cells along an edge of a triangle."""
 
@@ -58,7 +62,11 @@ class _Elements:
     shape, prim : (c, PLACES) uint32; uv : (c, PLACES, 2) float32    Points of every cell.
     area : (c,) float64    0 for cells outside their triangle. [m2]
     centre, normal : (c, 3) float32    Mean of the points [m], and the direction of the front.
-    whole : (c,) float64    Area of a cell of the grid, the part outside the triangle included; 0 for grouped ones. [m2]
+    whole : (c,) float64    Area over which points are chosen: that of a cell of the grid, the part outside the triangle
+        included; of grouped triangles their own. [m2]
+    members, ends : (m,) uint32, (m,) float32    Grouped triangles, group after group, and the share of their group's area up
+        to the end of each.
+    first_member : (c,) uint32    Of every cell; as many as up to that of the next belong to it, none to cells of a grid.
     """
 
     first: np.ndarray
@@ -70,6 +78,9 @@ class _Elements:
     centre: np.ndarray
     normal: np.ndarray
     whole: np.ndarray
+    members: np.ndarray
+    ends: np.ndarray
+    first_member: np.ndarray
 
 
 class CellSet:
@@ -127,19 +138,52 @@ class CellSet:
         self.sides = np.flatnonzero(np.repeat(self.area > 0.0, 2)).astype(np.uint32)
         self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
         self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
+        self._put_members(made)
         self._near = upload(mi.Float, near)
         self.neighbours = _find_neighbours(made, sizes)
         # Light traced from the lights, see `put_traced`.
         self.traced = None
+        self._boxes = None
+        # Guide to that light for points that paths come to, see `guide.choose_spots`.
+        self.spots = None
         self._host_table = (
             offsets,
             _join([m.first for m in made]).astype(np.int64),
             _join([m.grid for m in made]).astype(np.int64),
         )
+        self._corner = self._find_corners()
         dr.eval(
             self._offsets, self._first, self._grid, self._shape, self._prim, self._uv, self.values
         )
         dr.eval(self.uneven, self._near)
+
+    def _find_corners(self) -> np.ndarray:
+        """Cells along both edges of every cell's triangle, and the first cell there. (c, 3)"""
+        _, first, grid = self._host_table
+        made = np.ones((self.count, 3))
+        across, up, _ = unpack_grid(grid)
+        if self.count:
+            # Triangles come in the order of their cells; of those that share one any will do.
+            made[first[: len(grid)]] = np.column_stack([across, up, first])
+            is_begun = np.zeros(self.count, dtype=bool)
+            is_begun[first] = True
+            made = made[np.maximum.accumulate(np.where(is_begun, np.arange(self.count), 0))]
+        return made
+
+    def _put_members(self, made: list[_Elements]) -> None:
+        """Upload which triangles share cells."""
+        counts = np.array([len(m.members) for m in made], dtype=np.int64)
+        begins = np.cumsum(counts) - counts
+        firsts = [m.first_member + begin for m, begin in zip(made, begins, strict=True)]
+        firsts = np.concatenate([*firsts, [counts.sum()]]).astype(np.uint32)
+        # Halvings that find one of them; 0: no cell is shared.
+        self._halvings = int(np.diff(firsts.astype(np.int64)).max(initial=0)).bit_length()
+        self._shared = np.diff(firsts.astype(np.int64)) > 0
+        self._first_member = upload(mi.UInt32, firsts)
+        none = [np.zeros(1)]
+        self._members = upload(mi.UInt32, _join([m.members for m in made] + none))
+        self._member_ends = upload(mi.Float, _join([m.ends for m in made] + none))
+        dr.eval(self._first_member, self._members, self._member_ends)
 
     def __bool__(self) -> bool:
         """Whether there is anything to read."""
@@ -147,16 +191,22 @@ class CellSet:
 
     def put_traced(self, deposits) -> None:
         """Take the light that traced paths brought, as irradiance that passes the coat (`light_paths.Deposits`)."""
-        side, passing = self.sides_of(deposits)
+        side, passing, local = self._find_deposits(deposits)
         flux = np.bincount(side, deposits.flux * passing, 2 * self.count)
         area = np.repeat(self.area, 2)
         light = np.where(area > 0.0, flux / np.where(area > 0.0, area, 1.0), 0.0)
         # One number for all wavelengths: as if its spectrum were the mean light's.
         self.traced = upload(mi.Float, light / self.bands.illuminance())
-        dr.eval(self.traced)
+        boxes = self._find_boxes(side[passing > 0.0], local[passing > 0.0])
+        self._boxes = upload(mi.Float, boxes)
+        dr.eval(self.traced, self._boxes)
 
     def sides_of(self, deposits) -> tuple[np.ndarray, np.ndarray]:
         """Sides of cells on which light landed, and how much of it passes the coat: 0 without cells. (m,), (m,)"""
+        return self._find_deposits(deposits)[:2]
+
+    def _find_deposits(self, deposits):
+        """As `sides_of`, and where in their cells, in sides of these (m, 2)."""
         offsets, first, grid = self._host_table
         shape = deposits.shape.astype(np.int64)
         passing = self.matt.passing(shape, deposits.cosine)
@@ -166,12 +216,48 @@ class CellSet:
         i = np.minimum((u * across).astype(np.int64), across - 1)
         j = np.minimum((v * up).astype(np.int64), up - 1)
         side = 2 * (first[triangle] + j * across + i) + deposits.back
-        return np.where(passing > 0.0, side, 0), passing
+        local = np.stack([u * across - i, v * up - j], axis=1)
+        return np.where(passing > 0.0, side, 0), passing, local
+
+    def _find_boxes(self, side: np.ndarray, local: np.ndarray) -> np.ndarray:
+        """Boxes around what landed on each side. (2 c, 5)
+
+        Low and high corner in sides of the cell, and how much more light there is in the box than on the mean.
+        """
+        boxes = np.tile([0.0, 0.0, 1.0, 1.0, 1.0], (2 * max(self.count, 1), 1))
+        order = np.argsort(side, kind="stable")
+        found, begins, many = np.unique(side[order], return_index=True, return_counts=True)
+        if not len(found):
+            return boxes
+        low = np.minimum.reduceat(local[order], begins, axis=0)
+        high = np.maximum.reduceat(local[order], begins, axis=0)
+        # The outermost of n even points lie so far within.
+        margin = (high - low) / np.maximum(many - 1, 1)[:, None]
+        margin = np.maximum(margin, 0.5 * (LEAST_BOX - (high - low)))
+        low, high = np.clip(low - margin, 0.0, 1.0), np.clip(high + margin, 0.0, 1.0)
+        width = high - low
+        is_small = (many >= FEWEST_DEPOSITS) & (width.prod(axis=1) < MOST_BOX)
+        # Triangles that share a cell have no sides to count by.
+        is_small &= ~self._shared[found // 2]
+        found, low, high, width = (each[is_small] for each in (found, low, high, width))
+        cell = found // 2
+        across, up, begin = self._corner[cell].T
+        place = (found // 2 - begin) % across, (found // 2 - begin) // across
+        u, v = (place[0] + low[:, 0]) / across, (place[1] + low[:, 1]) / up
+        part = _share_inside(u, v, across / width[:, 0], up / width[:, 1])
+        lit = part * width.prod(axis=1) * self.whole[cell]
+        factor = np.divide(self.area[cell], lit, out=np.ones(len(lit)), where=lit > 0.0)
+        boxes[found] = np.column_stack([low, high, factor])
+        return boxes
 
     # ---- inside kernels ----
 
     def side(self, shape, prim, uv, is_back, active):
         """Number of the cell's side at a hit. ``uv``: barycentric."""
+        return self.locate(shape, prim, uv, is_back, active)[0]
+
+    def locate(self, shape, prim, uv, is_back, active):
+        """Number of the cell's side at a hit, and where in it: Point2f in sides of a cell. ``uv``: barycentric."""
         number = dr.reinterpret_array(mi.UInt32, shape)
         triangle = dr.gather(mi.UInt32, self._offsets, number, active) + prim
         grid = dr.gather(mi.UInt32, self._grid, triangle, active)
@@ -179,10 +265,11 @@ class CellSet:
         w = 1.0 - uv.x - uv.y
         u = dr.select(corner == 0, uv.x, dr.select(corner == 1, uv.y, w))
         v = dr.select(corner == 0, uv.y, dr.select(corner == 1, w, uv.x))
-        i = dr.minimum(mi.UInt32(dr.maximum(u, 0.0) * mi.Float(across)), across - 1)
-        j = dr.minimum(mi.UInt32(dr.maximum(v, 0.0) * mi.Float(up)), up - 1)
+        x, y = dr.maximum(u, 0.0) * mi.Float(across), dr.maximum(v, 0.0) * mi.Float(up)
+        i, j = dr.minimum(mi.UInt32(x), across - 1), dr.minimum(mi.UInt32(y), up - 1)
         cell = dr.gather(mi.UInt32, self._first, triangle, active) + j * across + i
-        return 2 * cell + dr.select(is_back, mi.UInt32(BACK), mi.UInt32(FRONT))
+        side = 2 * cell + dr.select(is_back, mi.UInt32(BACK), mi.UInt32(FRONT))
+        return side, mi.Point2f(x - mi.Float(i), y - mi.Float(j))
 
     def near(self, shape, active):
         """Size of the cells of a shape. [m]"""
@@ -192,14 +279,28 @@ class CellSet:
         """Spectral irradiance that passes the coat."""
         return self.bands.read(self.values, side, wavelengths, active)
 
-    def traced_value(self, side, wavelengths, active):
-        """Spectral irradiance that traced paths bring and that passes the coat."""
-        return self.bands.grey(dr.gather(mi.Float, self.traced, side, active), wavelengths)
+    def traced_value(self, side, local, wavelengths, active):
+        """Spectral irradiance that traced paths bring and that passes the coat. ``local``: as of `locate`."""
+        light = dr.gather(mi.Float, self.traced, side, active)
+        return self.bands.grey(light * self.concentration(side, local, active), wavelengths)
+
+    def concentration(self, side, local, active):
+        """Traced light at a point of a cell, relative to its mean. [-]"""
+        low, high, factor = self.box(side, active)
+        is_in = (local.x >= low.x) & (local.y >= low.y) & (local.x <= high.x) & (local.y <= high.y)
+        return dr.select(is_in, factor, 0.0)
+
+    def box(self, side, active):
+        """Box in which traced light lies, in sides of the cell, and its `concentration` there. (Point2f, Point2f, Float)"""
+        a, b, c, d, factor = (
+            dr.gather(mi.Float, self._boxes, side * 5 + k, active) for k in range(5)
+        )
+        return mi.Point2f(a, b), mi.Point2f(c, d), factor
 
     def point(self, side, sample):
-        """Surface at a point of a cell of a grid, seen from that side; its row; and whether it lies in the triangle.
+        """Surface at a point of a cell, seen from that side; its row; and whether it lies in the triangle.
 
-        Points are even over the whole cell of the grid. ``sample``: Point2f.
+        Points are even over the whole cell of a grid, or over all triangles that share a cell. ``sample``: Point2f.
         """
         cell = side // 2
         shape = dr.gather(mi.UInt32, self._shape, cell * PLACES)
@@ -217,8 +318,31 @@ class CellSet:
             dr.select(corner == 0, u, dr.select(corner == 1, w, v)),
             dr.select(corner == 0, v, dr.select(corner == 1, u, w)),
         )
+        inside = w > 0.0
+        if self._halvings:
+            shared, member, point = self._member(cell, sample)
+            prim = dr.select(shared, member, prim)
+            place, inside = dr.select(shared, point, place), inside | shared
         si = self._turned(self.scene.interaction_at(shape, prim, place), side)
-        return si, self.matt.row(si.shape, True), w > 0.0
+        return si, self.matt.row(si.shape, True), inside
+
+    def _member(self, cell, sample):
+        """Whether triangles share a cell; one of these, drawn by area; and an even point on it."""
+        low = dr.gather(mi.UInt32, self._first_member, cell)
+        end = dr.gather(mi.UInt32, self._first_member, cell + 1)
+        shared, begin = end > low, mi.UInt32(low)
+        high = dr.select(shared, end - 1, low)
+        for _ in range(self._halvings):
+            middle = (low + high) // 2
+            beyond = dr.gather(mi.Float, self._member_ends, middle, shared) <= sample.x
+            low = dr.select(beyond & (low < high), middle + 1, low)
+            high = dr.select(beyond, high, dr.maximum(middle, low))
+        left = dr.gather(mi.Float, self._member_ends, low - 1, shared & (low > begin))
+        right = dr.gather(mi.Float, self._member_ends, low, shared)
+        rest = dr.clip((sample.x - left) / dr.maximum(right - left, 1e-12), 0.0, 1.0)
+        root = dr.sqrt(rest)
+        member = dr.gather(mi.UInt32, self._members, low, shared)
+        return shared, member, mi.Point2f(root * (1.0 - sample.y), root * sample.y)
 
     def place(self, side, number, active=True):
         """Surface at a point of a cell's side, seen from that side, and what the matt table knows it as.
@@ -312,7 +436,7 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
     divided = _divide_large(large, across[large], up[large], areas, corner[large])
     groups, group_of, place_of = _group_small(triangles, small, size)
     starts[small] = counts.sum() + group_of
-    grouped = _points_of_groups(small, group_of, place_of, groups, areas)
+    *grouped, members = _points_of_groups(small, group_of, place_of, groups, areas)
     prim, uv, area = (np.concatenate(pair) for pair in zip(divided, grouped, strict=True))
     corners = triangles[prim]
     weights = np.stack([1.0 - uv.sum(axis=2), uv[..., 0], uv[..., 1]], axis=2)
@@ -320,7 +444,7 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
     edges = corners[:, 0, 1:] - corners[:, 0, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-    alone = np.zeros(groups)
+    none = np.zeros(int(counts.sum()), dtype=np.int64)
     return _Elements(
         (starts + first).astype(np.uint32),
         grid.astype(np.uint32),
@@ -330,7 +454,10 @@ def divide(triangles: np.ndarray, number: int, size: float, first: int) -> _Elem
         area,
         centre.astype(np.float32),
         normal.astype(np.float32),
-        np.concatenate([np.repeat(2.0 * areas[large] / counts, counts), alone]),
+        np.concatenate([np.repeat(2.0 * areas[large] / counts, counts), grouped[2]]),
+        members[0].astype(np.uint32),
+        members[1].astype(np.float32),
+        np.concatenate([none, members[2]]).astype(np.uint32),
     )
 
 
@@ -462,7 +589,10 @@ def _group_small(triangles, small, size):
 
 
 def _points_of_groups(small, group, place_of, count, areas):
-    """Points and areas of grouped cells: points fall on the triangles by their areas."""
+    """Points and areas of grouped cells: points fall on the triangles by their areas.
+
+    Last, the triangles of the groups in order, the share of their group's area up to each, and the first of every group.
+    """
     own = areas[small]
     order = np.lexsort((place_of, group))
     ends = np.cumsum(own[order])
@@ -481,4 +611,5 @@ def _points_of_groups(small, group, place_of, count, areas):
     over = u + v > 1.0
     u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
     uv = np.broadcast_to(np.stack([u, v], axis=1), (count, PLACES, 2))
-    return prim, uv, total
+    shares = (ends - begin[group[order]]) / np.maximum(total, 1e-300)[group[order]]
+    return prim, uv, total, (small[order], shares, low)

@@ -131,6 +131,8 @@ class CompiledScene:
         self.notes: list[str] = []
         # Light over bends for the paths of a job, see `bent_lights`.
         self.bent = None
+        # Small bright spots towards which paths are scattered, see `bright_spots`.
+        self.spots = None
         # Straight light that a job traces, see `straight_lights`.
         self.near = None
         self._bodies: dict[str, Body] = {}

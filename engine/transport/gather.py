@@ -109,6 +109,14 @@ def spectral_illuminance(
 
         total += scene.bent.light(si, stream, respond_alone, active, limit=limit)
 
+    if scene.spots is not None and scene.lights.count:
+        asked = active if limit is None else active & (limit > 0)
+
+        def respond_to_spot(direction, asked):
+            return dr.select(asked, respond(direction), 0.0), density(direction)
+
+        total += paths.spotted_light(scene, si, stream, respond_to_spot, asked)
+
     if is_planar:
         local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
         pdf = mi.warp.square_to_cosine_hemisphere_pdf(local)

@@ -29,6 +29,10 @@ SNAP_DISTANCE = 1e-4
 """Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
 is a share of the radius. [m]"""
 
+FIRST_SHARE, FIRST_SAMPLES = 64, 64
+"""Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
+the error falls, so that a forecast can be made soon."""
+
 FEWEST_SAMPLES = 1 << 14
 """Samples per receiver before the errors of single receivers are believed."""
 
@@ -143,11 +147,13 @@ def compute(
     if total == 0:
         return _finish(sums.estimate(), colour)
     job = _Job(scene, receivers, groups, seed, reflections, colour)
-    batch = _batch(total * groups, rule, groups)
-    per_launch = max(LANES // (groups * batch), 1)
+    whole = _batch(total * groups, rule, groups)
     clock = Clock(rule, "illuminance")
     error = float("inf")
     while True:
+        # Twice as many in all, up to whole passes.
+        batch = min(max(sums.samples, whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+        per_launch = max(LANES // (groups * batch), 1)
         new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
         for first in range(0, total, per_launch):
             if cancelled():
@@ -164,7 +170,9 @@ def compute(
         error = brightness.relative_error(receivers.weights)
         samples = sums.samples * groups
         excess = _excess(rule, brightness) if samples >= FEWEST_SAMPLES else None
-        if clock.is_done(samples, error, excess):
+        is_done = clock.is_done(samples, error, excess)
+        # So few samples may have seen nothing of what matters.
+        if is_done and sums.samples >= whole:
             return _finish(made, colour)
 
 
@@ -243,10 +251,11 @@ class _Job:
         first = dr.opaque(mi.UInt32, int(first))
         start_index = dr.opaque(mi.UInt32, int(index))
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
+        many = dr.opaque(mi.UInt32, int(batch))
         lane = dr.arange(mi.UInt32, count * groups * batch)
-        sample = start_index + lane % batch
-        group = (lane // batch) % groups
-        who = first + lane // (batch * groups)
+        sample = start_index + lane % many
+        group = (lane // many) % groups
+        who = first + lane // (many * groups)
         own_seed = hash_words(who, hash_words(group, seed))
 
         wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
@@ -276,15 +285,17 @@ class _Job:
             self.kind,
             self.limit,
         )
+        kept = [
+            dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
+            for channel in self._channels(value, wavelengths)
+        ]
+        # Squares of huge samples would not fit; the scale makes no difference.
+        square = dr.square(kept[1 if self.colour else 0] * 1e-6)
+        # Sums are made apart, since their length would be a part of the kernel.
+        dr.eval(kept, square)
         block = min(batch, LARGEST_SUM)
-        sums = []
-        for number, channel in enumerate(self._channels(value, wavelengths)):
-            kept = dr.select(dr.isfinite(channel), channel, 0.0)
-            sums.append(dr.block_reduce(dr.ReduceOp.Add, kept, block))
-            if number == (1 if self.colour else 0):
-                # Squares of huge samples would not fit; the scale makes no difference.
-                square = dr.square(kept * 1e-6)
-                tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]  # fmt: skip
+        sums = [dr.block_reduce(dr.ReduceOp.Add, channel, block) for channel in kept]
+        tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]
         dr.eval(sums, tails)
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)

@@ -21,7 +21,7 @@ from . import gather
 from .aims import BINS, SIDE, Aims, Cosine, find_densities
 from .cached_gather import NEAR
 from .cells import CellSet
-from .guide import Guide
+from .guide import Guide, choose_spots
 from .lights import learn
 from .receiving import Receiver, direct, gathered
 from .sampler import hash_words, random_stream, sobol_pair
@@ -54,9 +54,6 @@ CELLS_PER_LUMEL = 1.0 / 8.0
 FEWEST_CELLS, MOST_CELLS = 8_000, 300_000
 """How many cells there are: as many as serve the lumels, within bounds."""
 
-MOST_SHARING = 2
-"""Most passes that share a sweep."""
-
 NEAR_SHARE, MOST_FINER = 0.1, 4.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
@@ -71,6 +68,9 @@ CHECK_INTERVAL = 4
 
 SWEEP_SHARE = 0.1
 """Work of the sweep before a pass, relative to that of the pass: noise of cells is a few hundredths of all. [-]"""
+
+FEWEST_SWEPT = 1 << 15
+"""Paths of such a sweep at least. What lumels share does not average out over a map, least of all in bright rooms."""
 
 CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 14, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
@@ -213,14 +213,17 @@ class LuxJob:
         self._learn(known)
         self.cells = self.sweeper = None
         if options.cells or tracer is not None:
-            wanted = np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS)
-            wanted = int(min(wanted * options.fineness, MOST_CELLS))
-            sight = self._look(known, LOOKS * wanted)
+            wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
+            most = max(MOST_CELLS / wanted, 1.0)
+            sight = self._look(
+                known, LOOKS * int(wanted * min(MOST_FINER * options.fineness, most))
+            )
 
             def refine(sizes: np.ndarray) -> float:
-                # Where much is near at hand, such as seats in rows, finer cells can be read more often.
+                # Where much is near at hand, such as seats in rows, finer cells can be read more often. On top of that: what
+                # cells add falls with their number, however many of them nearness asks for.
                 finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
-                return min(max(finer, 1.0), MOST_FINER, max(MOST_CELLS / wanted, 1.0))
+                return min(min(max(finer, 1.0), MOST_FINER) * options.fineness, most)
 
             self.cells = CellSet(scene, wanted, sight.shares, refine)
             if self.cells and options.cells:
@@ -449,22 +452,12 @@ class LuxJob:
     def refresh(self, number: int, levels: Levels) -> None:
         """Trace from the lights and sweep the cells anew, for a pass."""
         self.trace(number, levels)
-        if self.sweeper is None or number % self.sharing(levels):
+        if self.sweeper is None:
             return
         # In whole powers of two.
-        work = self._sweep_work(levels)
+        work = max(SWEEP_SHARE * levels.total(), FEWEST_SWEPT)
+        work /= max(self.sweeper.lanes_per_sample, 1)
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
-
-    def sharing(self, levels: Levels) -> int:
-        """Passes that share a sweep, where cells are many for the lumels; what noise it has adds little."""
-        if self.sweeper is None:
-            return 1
-        work = self._sweep_work(levels)
-        return 1 if work >= 1.0 else min(int(np.ceil(1.0 / max(work, 1e-6))), MOST_SHARING)
-
-    def _sweep_work(self, levels: Levels) -> float:
-        """Samples of every cell and turn that a sweep may take."""
-        return SWEEP_SHARE * levels.total() / max(self.sweeper.lanes_per_sample, 1)
 
     def _trace(self, number: int, paths: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
@@ -481,19 +474,26 @@ class LuxJob:
         self.traced = np.where(known, flux / np.where(self.area > 0.0, self.area, 1.0), 0.0)
         if self.cells:
             self.cells.put_traced(found)
+            self.cells.spots = choose_spots(self.cells, self._sides, self.cells.spots)
 
     def _places(self, span: slice) -> dict:
         """Places of a span on the device; those of a few spans are kept."""
         if span.start not in self._uploaded:
             if len(self._uploaded) >= KEPT_SPANS:
                 self._uploaded.pop(next(iter(self._uploaded)))
-            arrays = self._collected(span)
+            arrays, boxes = self._collected(span), self.table.boxes
             self._uploaded[span.start] = {
                 "p": [upload(mi.Float, arrays["p"][:, i]) for i in range(3)],
                 "n": [upload(mi.Float, arrays["n"][:, i]) for i in range(3)],
                 "g": [upload(mi.Float, arrays["g"][:, i]) for i in range(3)],
                 "start": upload(mi.UInt32, arrays["start"]),
                 "count": upload(mi.UInt32, arrays["count"]),
+                "box": upload(mi.UInt32, arrays["box"]),
+                "right": [upload(mi.Float, arrays["steps"][:, 0, i]) for i in range(3)],
+                "up": [upload(mi.Float, arrays["steps"][:, 1, i]) for i in range(3)],
+                "corners": [upload(mi.Float, boxes.corners[:, i]) for i in range(2)],
+                "points": [upload(mi.Float, boxes.points[:, i]) for i in range(2)],
+                "size": [dr.opaque(mi.Float, float(side)) for side in boxes.size],
             }
             if self.aims:
                 self._uploaded[span.start] |= {
@@ -514,7 +514,8 @@ class LuxJob:
 
     def _collect(self, span: slice) -> dict[str, np.ndarray]:
         inside = (self.first[:-1] >= span.start) & (self.first[:-1] < span.stop)
-        parts = [self.table.block(int(i)).receivers for i in np.flatnonzero(inside)]
+        blocks = [self.table.block(int(i)) for i in np.flatnonzero(inside)]
+        parts = [block.receivers for block in blocks]
         begins = np.cumsum([0, *(len(part.positions) for part in parts)])
         starts = [part.start + begin for part, begin in zip(parts, begins, strict=False)]
         return {
@@ -523,6 +524,8 @@ class LuxJob:
             "g": np.concatenate([part.geometric_normals for part in parts]),
             "start": np.concatenate(starts),
             "count": np.concatenate([part.count for part in parts]),
+            "box": np.concatenate([block.box for block in blocks]),
+            "steps": np.concatenate([block.steps for block in blocks]),
         }
 
     def _launch(
@@ -633,18 +636,28 @@ class LuxJob:
         return place, direction, stream.next_float32()
 
     def _place(self, places: dict, lumel, sample, wavelengths):
-        """One of the places of a lumel."""
+        """A place of a lumel, or any other in the part of the lumel that it stands for."""
         mine = dr.gather(mi.UInt32, places["count"], lumel)
-        chosen = dr.minimum(mi.UInt32(sample.x * mi.Float(mine)), mine - 1)
-        chosen += dr.gather(mi.UInt32, places["start"], lumel)
+        scaled = sample.x * mi.Float(mine)
+        number = dr.minimum(mi.UInt32(scaled), mine - 1)
+        chosen = dr.gather(mi.UInt32, places["start"], lumel) + number
 
-        def fetch(made, name):
-            return made(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
+        def fetch(made, name, row):
+            return made(*(dr.gather(mi.Float, column, row) for column in places[name]))
 
+        # Fixed places would miss the same edges of shadows in all passes, whose scatter would not show it.
+        box = dr.gather(mi.UInt32, places["box"], chosen)
+        is_box, box = box > 0, dr.maximum(box, 1) - 1
+        inside = mi.Vector2f(scaled - mi.Float(number), sample.y) * mi.Vector2f(*places["size"])
+        aside = dr.clip(fetch(mi.Vector2f, "corners", box) + inside, *self.table.boxes.ends)
+        aside -= fetch(mi.Vector2f, "points", box)
+        shift = (
+            fetch(mi.Vector3f, "right", lumel) * aside.x + fetch(mi.Vector3f, "up", lumel) * aside.y
+        )
         return gather.receiver(
-            fetch(mi.Point3f, "p"),
-            fetch(mi.Normal3f, "n"),
-            fetch(mi.Normal3f, "g"),
+            fetch(mi.Point3f, "p", chosen) + dr.select(is_box, shift, 0.0),
+            fetch(mi.Normal3f, "n", chosen),
+            fetch(mi.Normal3f, "g", chosen),
             wavelengths,
             self.scene.extent,
         )

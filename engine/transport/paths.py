@@ -148,6 +148,100 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     return dr.select(met, amount * reflectance * passed, 0.0)
 
 
+def spotted_light(scene: CompiledScene, si, stream, respond, active):
+    """One-sample estimate of the light of lamps that bright spots send on (see `bright_spots`).
+
+    Next event and scattered rays that meet a lamp at once both count there: close to a lamp neither is good alone.
+
+    Parameters
+    ----------
+    respond : callable    As of `mirrored_light`.
+
+    Returns
+    -------
+    Spectrum    Response times radiance, weighed against the next event of scattered rays.
+    """
+    choice = stream.next_float32()
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    direction = scene.spots.sample(si.p, choice, sample)
+    density = scene.spots.density(si.p, direction)
+    asked = active & (density > 0.0)
+    response, response_pdf = respond(direction, asked)
+    amount = response * (power_heuristic(density, response_pdf) / dr.maximum(density, 1e-30))
+    asked &= dr.any(amount != 0.0)
+    there = _go_on(scene, si, direction, asked)
+    asked &= there.is_valid()
+    bsdf = scene.bsdf(there, asked)
+    asked &= mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+    light = next_event(scene, there, bsdf, light_sample, asked)
+    choice = stream.next_float32()
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    bs, scattered = bsdf.sample(mi.BSDFContext(), there, choice, sample, asked)
+    meets = asked & ~_is_single(bs) & dr.any(scattered != 0.0)
+    lamp = closest_hit(scene, spawn_ray(scene, there, there.to_world(bs.wo)), meets)
+    lamp.wavelengths = si.wavelengths
+    emitter = scene.emitter(lamp, meets & lamp.is_valid())
+    meets &= lamp.is_valid() & (emitter != None)  # noqa: E711 - element-wise
+    found = emitter_density(scene, mi.Interaction3f(there), lamp, emitter, meets)
+    value = emitter.eval(lamp, meets) * power_heuristic(bs.pdf, found)
+    light += dr.select(meets, scattered * value, 0.0)
+    return dr.select(asked, amount * light, 0.0)
+
+
+def _go_on(scene: CompiledScene, si, direction, active):
+    """First surface in a direction that is not nothing to light, as bodies of lights are."""
+    ray = spawn_ray(scene, si, direction)
+    there = closest_hit(scene, ray, active)
+    passes = active & there.is_valid() & _is_open(scene.bsdf(there, active))
+
+    def step(there, passes, steps):
+        onwards = closest_hit(scene, spawn_ray(scene, there, direction), passes)
+        there = dr.select(passes, onwards, there)
+        passes &= there.is_valid()
+        passes &= _is_open(scene.bsdf(there, passes))
+        steps += 1
+        return there, passes & (steps < 1000), steps
+
+    there, _, _ = dr.while_loop(
+        state=(there, mi.Bool(passes), mi.UInt32(0)),
+        cond=lambda there, passes, steps: passes,
+        body=step,
+        labels=("there", "passes", "steps"),
+    )
+    there.wavelengths = si.wavelengths
+    return there
+
+
+def _is_open(bsdf):
+    """Whether a surface does nothing but let pass."""
+    return bsdf.flags() == mi.UInt32(
+        int(mi.BSDFFlags.Null) | int(mi.BSDFFlags.FrontSide) | int(mi.BSDFFlags.BackSide)
+    )
+
+
+def _is_single(bs):
+    """Whether a direction was told by itself, without a density."""
+    kinds = mi.BSDFFlags.Delta, mi.BSDFFlags.Null
+    return mi.has_flag(bs.sampled_type, kinds[0]) | mi.has_flag(bs.sampled_type, kinds[1])
+
+
+def next_event(scene: CompiledScene, si, bsdf, sample, active):
+    """One-sample estimate of the light that a surface sends on from lamps in straight view.
+
+    Returns
+    -------
+    Spectrum    Response times radiance, weighed against scattered rays that meet the lamp.
+    """
+    ds, value = sample_emitter(scene, si, sample, active)
+    lit = active & (ds.pdf > 0.0) & dr.any(value != 0.0)
+    response, response_pdf = bsdf.eval_pdf(mi.BSDFContext(), si, si.to_local(ds.d), lit)
+    weight = dr.select(ds.delta, 1.0, power_heuristic(ds.pdf, response_pdf))
+    amount = response * value * weight
+    lit &= dr.any(amount != 0.0)
+    return dr.select(lit, amount * transmittance(scene, si, ds, lit), 0.0)
+
+
 def emitter_density(scene: CompiledScene, reference, si, emitter, active):
     """Solid-angle density with which next-event from ``reference`` would have found this emitting point."""
     ds = dr.zeros(mi.DirectionSample3f)
@@ -236,6 +330,13 @@ def trace(
     }
 
     has_mirrors = scene.mirrors is not None
+    has_spots = scene.spots is not None
+    if has_spots:
+        # Whether the ray goes in one line from the reference, as those to spots do.
+        state["is_clear"] = mi.Bool(scatter_pdf > 0.0)
+        # Share of the lamps' light at the reference that the way there counts for; the rest is counted by rays to spots.
+        state["share"] = mi.Float(1.0)
+        state["active"] = state.pop("active")
     # Light over bends has its own estimator at vertices that spread it out, receivers among them.
     has_bent = scene.bent is not None
     if has_bent:
@@ -260,7 +361,8 @@ def trace(
         eta,
         *more,
     ):
-        *bending, active = more
+        *more, active = more
+        is_clear, share, *bending = more if has_spots else (None, None, *more)
         si = closest_hit(scene, ray, active, looks=depth == 0 if is_camera else None)
         if spectral:
             si.wavelengths = ray.wavelengths
@@ -287,6 +389,8 @@ def trace(
             spread, bent = bending
             left_out = scene.bent.left_out
             glows &= ~(bent & spread & left_out.has(emitter, glows))
+        if has_spots:
+            weight *= share
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
 
         if scene.surroundings is not None:
@@ -318,16 +422,21 @@ def trace(
             scatter_sample = dr.select(steps == 0, first[1], scatter_sample)
         choice = stream.next_float32()
 
+        if has_spots:
+            share = mi.Float(1.0)
         if scene.lights.count:
-            ds, value = sample_emitter(scene, si, light_sample, smooth)
-            lit = smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
-            wo = si.to_local(ds.d)
-            response, response_pdf = bsdf.eval_pdf(context, si, wo, lit)
-            weight = dr.select(ds.delta, 1.0, power_heuristic(ds.pdf, response_pdf))
-            amount = throughput * response * value * weight
-            lit &= dr.any(amount != 0.0)
-            amount *= transmittance(scene, si, ds, lit)
-            radiance = dr.select(lit, radiance + amount, radiance)
+            amount = throughput * next_event(scene, si, bsdf, light_sample, smooth)
+            if has_spots:
+                rival = scene.spots.density(reference, ray.d)
+                share = dr.select(is_clear, power_heuristic(pdf, rival), 1.0)
+                amount *= share
+
+                def respond_to_spot(direction, asked, si=si, bsdf=bsdf):
+                    return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
+
+                asks = smooth if last is None else smooth & (depth < last)
+                amount += throughput * spotted_light(scene, si, stream, respond_to_spot, asks)
+            radiance = radiance + amount
             if has_mirrors:
 
                 def respond(direction, asked, si=si, bsdf=bsdf):
@@ -379,6 +488,9 @@ def trace(
             spreads = turned & ~delta
             spread |= spreads
             bent = dr.select(spreads, False, bent | (anew & delta))
+        if has_spots:
+            is_clear = (anew & ~delta & smooth) | (is_clear & straight & ~hidden & _is_open(bsdf))
+            share = dr.select(anew & ~delta, share, 1.0)
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
         eta = dr.select(turned, eta * bs.eta, eta)
@@ -394,9 +506,9 @@ def trace(
         active &= alive & goes_on
         if last is not None:
             active &= depth <= last + 1
-        bending = (spread, bent) if has_bent else ()
+        more = (*((is_clear, share) if has_spots else ()), *((spread, bent) if has_bent else ()))
         return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, *bending,
+            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, *more,
             active,
         )  # fmt: skip
 

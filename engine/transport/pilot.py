@@ -256,7 +256,7 @@ class Pilot:
         measured = self._learn(levels, chosen, found[0] - found[1])
         if sweeps:
             self._tried = levels, chosen, measured
-        return Trial(sweeping / job.sharing(levels), sampling, few.total())
+        return Trial(sweeping, sampling, few.total())
 
     def _choose(self, part: float, fewest: int) -> np.ndarray:
         """So many random lumels that they hold such a share of the surface, at least. (n,) bool"""

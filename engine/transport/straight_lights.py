@@ -138,6 +138,18 @@ class StraightLights:
             made.append(self._launch(width, (seed + SALT) & 0xFFFFFFFF, index + first, True)[0])
         return made
 
+    def find_places(self, count: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where what is traced lands.
+
+        Returns
+        -------
+        light (m,) int, position (m, 3) [m], weight (m,)
+            Place among ``lights``, in the scene's frame; and flux times illuminance, as spots count for scatter.
+        """
+        made, told = self._launch(count, (seed + SALT) & 0xFFFFFFFF, 0, True)
+        lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
+        return told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), made.flux * lux
+
     # ---- private ----
 
     def _learn(self, most: float) -> None:
@@ -249,8 +261,9 @@ class StraightLights:
 
         Returns
         -------
-        (Deposits, (m, 4) array)    Of each also its light, its distance from the light's centre [m], the factor from its
-            flux to the illuminance of a plane that faces it [m-2], and its cell of the histogram.
+        (Deposits, (m, 7) array)    Of each also its light, its distance from the light's centre [m], the factor from its
+            flux to the illuminance of a plane that faces it [m-2], its cell of the histogram, and where it landed, in the
+            scene's frame [m].
         """
         lane = dr.arange(mi.UInt32, width) + dr.opaque(mi.UInt32, int(index) & 0xFFFFFFFF)
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
@@ -283,7 +296,8 @@ class StraightLights:
         # Close to a luminous surface it fills half the sky, and its light is bundled no more.
         square = dr.square(end["length"]) + dr.square(extent)
         bundling = own * density / dr.select(is_sun, 1.0, dr.maximum(square, 1e-20))
-        told = [mi.Float(light), way, bundling, mi.Float(cell)]
+        place = ray.o + towards * end["length"]
+        told = [mi.Float(light), way, bundling, mi.Float(cell), place.x, place.y, place.z]
         made, told = gather_deposits(
             end, self._sampler, end["throughput"] * flux, wavelengths, told
         )

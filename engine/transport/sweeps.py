@@ -20,7 +20,7 @@ FIRST_SWEEPS = 1 << 30
 FEWEST = 2
 """Samples of a cell in the first sweeps, over all turns."""
 
-CAREFUL, CAREFUL_PATHS = 32, 1 << 19
+CAREFUL, CAREFUL_PATHS = 32, 1 << 21
 """Samples by which the quarters of a cell are compared, likewise, eight of each turn at least; and paths of a sweep, where
 cells are few."""
 
@@ -51,13 +51,10 @@ SHADE, SHADE_SAMPLES = 0.02, 8
 EMPTY, STEADY = 1e-4, 0.98
 """Such sweeps end where dark sides have less light than this, relative to the mean, or keep this share of it. [-]"""
 
-MEMORY = 0.5
-"""Share of what a cell held before that it keeps at a sweep: noise of cells is noise of all that reads them. [-]"""
-
 SIGNIFICANT = 3.5
 """Difference between quarters of a cell, in standard errors, that is not taken for chance."""
 
-UNEVEN = 1.6
+UNEVEN = 1.25
 """Ratio between the brightest and the darkest quarter of a cell from which it is not read."""
 
 EDGE = 10.0
@@ -146,12 +143,13 @@ class Sweeper:
         self._set_sides(self._sides[lit])
 
     def refresh(self, number: int, samples: int) -> None:
-        """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two."""
+        """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two.
+
+        Nothing of what cells held is kept. On the average over passes that would lower no noise; it would only be the
+        same in passes that follow each other, whose scatter would not show it.
+        """
         if len(self._sides):
-            held = self._held()
-            self._store(
-                MEMORY * held + (1.0 - MEMORY) * self._balanced(self._sweep(number, samples))
-            )
+            self._store(self._balanced(self._sweep(number, samples)))
 
     def _held(self) -> np.ndarray:
         """Ratios (sides, nodes) of the sides at work, as they are."""

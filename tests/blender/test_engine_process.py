@@ -116,6 +116,7 @@ def test_kills_during_renders_and_bakes_cost_a_message(room, tmp_path):
     assert bake(tmp_path) == first
 
 
+@pytest.mark.slow
 def test_a_stopped_engine_is_told_apart_from_a_busy_one(room, tmp_path):
     before = render(room, tmp_path / "before.exr")
     start = time.monotonic()

@@ -59,11 +59,54 @@ def test_the_forecast_learns_how_the_error_falls(monkeypatch, power):
     clock = Clock(StopRule(each=0.001))
     for samples in (100, 200, 400, 800):
         now[0] = samples / 100.0
-        assert not clock.is_done(samples, 1.0, 0.1 * (100 / samples) ** power / 0.001)
+        error = (100 / samples) ** power
+        assert not clock.is_done(samples, error, 0.1 * error / 0.001)
     needed = 100.0 * 100.0 ** (1.0 / power) / 100.0
     # In the middle of the next pass the error is still that of the last one.
     now[0] = 10.0
     assert clock.progress(1000, 1.0).seconds_left == pytest.approx(needed - 10.0)
+
+
+def test_kernels_that_the_first_pass_makes_do_not_count_for_all_others(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(each=0.01))
+    # Eight seconds for kernels, then 100 samples a second.
+    for samples in (100, 200, 300, 400):
+        now[0] = 8.0 + samples / 100.0
+        error = 0.1 * (100 / samples) ** 0.5
+        assert not clock.is_done(samples, error, error / 0.01)
+    # A hundred times the samples of the first pass, whatever that took.
+    assert clock.progress(400, error).seconds_left == pytest.approx(96.0)
+
+
+@pytest.mark.parametrize("power, most", [(0.5, 0.38), (0.75, 0.26)])
+def test_the_forecast_of_the_worst_of_many_sensors_is_not_thrown_off_by_chance(
+    monkeypatch, power, most
+):
+    """Fifty sensors of known errors, whose worst one ends the job after 150 passes: forecast after three tenths."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    rng = np.random.default_rng(4)
+    groups, sensors, batch, passes = 16, 50, 256, 150
+    off = []
+    for _ in range(60):
+        now[0] = 0.0
+        scale = np.exp(0.4 * rng.normal(size=sensors))
+        allowed = scale.max() * (batch * passes) ** -power / np.sqrt(groups)
+        clock, walk, forecasts, samples = Clock(StopRule(each=1.0)), 0.0, [], 0
+        while True:
+            samples += batch
+            now[0] += 1.0
+            walk = walk + rng.normal(size=(groups, sensors)) * np.sqrt(batch)
+            means = scale * walk / samples * samples ** (0.5 - power)
+            error = Estimate.from_groups(means, samples).standard_error
+            if clock.is_done(samples, np.sqrt(np.mean(error**2)), error.max() / allowed):
+                break
+            forecasts.append(now[0] + clock.progress(samples, 1.0).seconds_left)
+        off.append(np.log(forecasts[int(0.3 * len(forecasts))] / now[0]))
+    assert np.sqrt(np.mean(np.square(off))) < most
+    assert abs(np.median(off)) < 0.12
 
 
 @pytest.mark.mitsuba
@@ -153,3 +196,31 @@ def test_a_picture_does_not_end_by_an_error_that_two_samples_tell():
     session, camera = lit_room(40, 30)
     picture = session.render(camera, ViewSettings(StopRule(error=0.99)))
     assert picture.provenance.samples == 8
+
+
+@pytest.mark.mitsuba
+def test_sensor_jobs_begin_with_short_passes_and_give_the_same_values():
+    """So a forecast can be made soon; that samples come in other portions changes nothing but rounding."""
+    from lumenray.engine.scene.light import UniformWorld
+    from lumenray.engine.transport import illuminance
+    from lumenray.engine.transport.illuminance import Receivers, compute
+    from small_scenes import box, paint, quad, session_of
+
+    lid = quad("lid", (-1, -1, 1), (2, 0, 0), (0, 2, 0), "paint")
+    with session_of(paint(0.5), box(1, 1, 1, inwards=False), lid, UniformWorld(10.0))._engine(
+        "mono"
+    ) as scene:
+        seen = []
+        at = Receivers.at_points([[1.5, 0.5, 0.2], [-0.5, 0.3, 0.4]], [[0, 0, 1], [0, 1, 0]])
+        made = compute(scene, at, StopRule(samples=1 << 16), 3, 16, progress=seen.append)
+        assert made.samples == 1 << 16
+        samples = [each.samples for each in seen]
+        assert samples[:4] == [1024, 2048, 4096, 8192]
+        whole = compute(scene, at, StopRule(samples=1 << 16), 3, 16)
+        assert (made.mean == whole.mean).all()
+        illuminance.FIRST_SHARE, share = 1, illuminance.FIRST_SHARE
+        try:
+            at_once = compute(scene, at, StopRule(samples=1 << 16), 3, 16)
+        finally:
+            illuminance.FIRST_SHARE = share
+        assert made.mean == pytest.approx(at_once.mean, rel=1e-6)

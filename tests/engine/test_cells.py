@@ -245,6 +245,99 @@ def test_small_triangles_that_lie_together_and_face_alike_share_a_cell():
     assert np.ptp(points[whole], axis=1)[:, :2].min() > 0.12
 
 
+def test_points_are_even_over_all_triangles_that_share_a_cell():
+    """Also of two objects beside divided triangles, and where triangles differ in size."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.cells import CellSet
+
+    def bent(name, power, height):
+        mesh = grid(40, name=name)
+        vertices = 2.0 * (mesh.vertices / 2.0) ** [power, 1.0, 1.0] + [0.0, 0.0, height]
+        return replace(mesh, vertices=vertices)
+
+    meshes = (
+        bent("low", 1.5, 0.0),
+        bent("high", 2.0, 1.0),
+        moved(box(1.0, 1.0, 1.0), "box", (5, 0, 0)),
+    )
+    _session, compiled = prepare(*meshes, paint(0.5), UniformWorld(1.0))
+    cells = CellSet(compiled, 700, alike)
+    offsets, first, grids = cells._host_table
+    count, checked = 1 << 12, 0
+    for _, part, _ in compiled.parts():
+        triangles = compiled.triangles(part).astype(float)
+        own = slice(offsets[part.number], offsets[part.number] + len(triangles))
+        for cell in np.unique(first[own][grids[own] == 1 + (1 << 16)])[:12]:
+            members = triangles[first[own] == cell]
+            area = areas_of(members)
+            assert cells.whole[cell] == pytest.approx(area.sum(), rel=1e-5)
+            sample = np.random.default_rng(int(cell)).random((2, count)).astype("f4")
+            si, _, inside = cells.point(
+                dr.full(mi.UInt32, 2 * int(cell), count), mi.Point2f(sample)
+            )
+            assert np.array(inside).all()
+            points = np.array(si.p).T
+            # Mean and spread over a triangle: of its corners, with weights of one twelfth and the whole.
+            mean = area @ members.mean(axis=1) / area.sum()
+            square = (
+                area @ ((members**2).sum(axis=1) + members.sum(axis=1) ** 2) / 12.0 / area.sum()
+            )
+            spread = np.sqrt(np.maximum(square - mean**2, 0.0))
+            error = spread / np.sqrt(count) + 1e-6
+            assert (np.abs(points.mean(axis=0) - mean) < 4.5 * error).all()
+            np.testing.assert_allclose(points.std(axis=0), spread, rtol=0.06, atol=1e-5)
+            checked += len(members) > 4
+    assert checked >= 20
+
+
+@pytest.mark.parametrize(
+    ("middle", "radius"),
+    [((0.513, 0.31), 0.01), ((0.8, 0.803), 0.02), ((1.21, 0.79), 0.03), ((1.0, 1.0), 1.0)],
+)
+def test_traced_light_lies_where_it_landed_and_keeps_its_flux(middle, radius):
+    """Within a cell, across its borders, at the edge that parts two triangles, and spread over all cells."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.cells import CellSet
+
+    floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")
+    _session, compiled = prepare(floor, paint(0.5), UniformWorld(1.0))
+    cells = CellSet(compiled, 200, alike)
+    ((_, part, _),) = compiled.parts()
+    triangles = compiled.triangles(part).astype(float)
+    draw = np.random.default_rng(3)
+
+    def scatter(count, reach):
+        """Even places around the middle: triangle and barycentric coordinates."""
+        places = middle + reach * (2.0 * draw.random((count, 2)) - 1.0)
+        # Scenes lie around their own origin.
+        places += triangles.min(axis=(0, 1))[:2]
+        prim, uv = np.zeros(count, np.int64), np.full((count, 2), np.nan)
+        for number, (a, b, c) in enumerate(triangles):
+            edges = np.stack([b - a, c - a], axis=1)[:2]
+            found = np.linalg.solve(edges, (places - a[:2]).T).T
+            here = (found >= 0.0).all(axis=1) & (found.sum(axis=1) <= 1.0)
+            prim[here], uv[here] = number, found[here]
+        assert np.isfinite(uv).all()
+        return prim, uv
+
+    prim, uv = scatter(1 << 14, radius)
+    each = np.ones(len(prim))
+    cells.put_traced(
+        SimpleNamespace(shape=np.full(len(prim), part.number), prim=prim, uv=uv, flux=3.0 * each / len(prim),
+                        cosine=each, back=np.zeros(len(prim), np.int64))
+    )  # fmt: skip
+    reach = min(1.5 * radius, 1.0)
+    prim, uv = scatter(1 << 17, reach)
+    shape = dr.reinterpret_array(mi.ShapePtr, dr.full(mi.UInt32, part.number, len(prim)))
+    point = mi.Point2f(uv.T.astype("f4"))
+    side, local = cells.locate(shape, mi.UInt32(prim), point, mi.Bool(False), True)
+    light = np.array(dr.gather(mi.Float, cells.traced, side), dtype=float)
+    light *= np.array(cells.concentration(side, local, mi.Bool(True))) * cells.bands.illuminance()
+    assert light.mean() * (2.0 * reach) ** 2 == pytest.approx(3.0, rel=0.02)
+
+
 # ---- light ----
 
 
@@ -283,6 +376,30 @@ def test_cells_of_a_furnace_hold_its_closed_form(transport, reflectance):
     # Single cells: 32 samples, of which few leave something to chance.
     assert np.sqrt(np.mean((inside[known] / expected - 1.0) ** 2)) < 0.03
     assert outside.max() == 0.0
+
+
+def test_sweeps_of_passes_that_follow_each_other_share_no_noise():
+    """Else all lumels that read them err together in all passes, and the scatter of passes states too little."""
+    from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.sweeps import Sweeper
+
+    items = (box(3.0, 2.0, 2.5), lamp((1.0, 0.7, 1.9)), paint(0.7))
+    _session, compiled = prepare(*items)
+    cells = CellSet(compiled, 600, alike)
+    sweeper = Sweeper(compiled, cells, cells.sides, 3)
+    sweeper.find()
+    found = []
+    for number in range(40):
+        sweeper.refresh(number, 1)
+        ratios = sweeper.state()["values"].reshape(-1, cells.bands.count).astype(float)
+        found.append(ratios @ cells.bands.luminous())
+    noise = np.array(found) - np.mean(found, axis=0)
+    square = (noise**2).mean()
+    assert square > 0.0
+    for lag in (1, 2):
+        # Forty values less their mean go together by -1/40 where they are independent.
+        alike_by = (noise[lag:] * noise[:-lag]).mean() / square + 1.0 / 40.0
+        assert abs(alike_by) < 0.05
 
 
 def test_a_bright_plain_outside_does_not_hide_that_the_light_of_a_room_still_grows():

@@ -215,9 +215,7 @@ def test_over_the_passes_that_share_it_work_counts_once():
     from lumenray.engine.baking.layer import Layer
 
     layer = Layer(None, StopRule(samples=1), None, None, None, 1, None)
-    extra = [
-        layer._extra("check", seconds, number, 4) for number, seconds in enumerate([8, 0, 0, 0])
-    ]
+    extra = [layer._extra(seconds, number) for number, seconds in enumerate([8, 0, 0, 0])]
     assert extra == [6.0, -2.0, -2.0, -2.0]
 
 

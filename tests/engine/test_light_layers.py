@@ -56,6 +56,7 @@ def test_groups_that_make_no_sense_are_refused(groups, text):
         split_lights(scene_of(*ROOM, *LAMPS), groups)
 
 
+@pytest.mark.slow
 @pytest.mark.mitsuba
 def test_layers_add_up_and_each_is_the_light_of_its_lamps_alone():
     objects, (one, other) = ("room", "block"), LAMPS

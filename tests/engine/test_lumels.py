@@ -508,3 +508,93 @@ def test_facts_that_are_kept_in_little_memory_are_those_of_the_lumels():
     np.testing.assert_array_equal(facts.chart, block.chart)
     np.testing.assert_array_equal(facts.valid, valid)
     np.testing.assert_allclose(facts.area, block.area, rtol=1e-6)
+
+
+# ---- samples between places ----
+
+
+def test_boxes_part_a_lumel_and_each_holds_its_place():
+    for count in (4, 8, 16):
+        boxes = lumels.Boxes.around(lumels._net(count))
+        assert len(np.unique(boxes.corners, axis=0)) == count
+        assert boxes.size.prod() * count == 1.0
+        within = (boxes.points - boxes.corners) / boxes.size
+        assert (within > 0.0).all() and (within < 1.0).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_samples_anywhere_in_a_box_lie_in_the_triangle_of_its_place(seed):
+    vertices, triangles = square_of_random_triangles(seed)
+    flat = mesh_of(vertices, triangles)
+    atlas = flat_atlas(flat, 40.0, 256)
+    # However one plane is divided, all of it is boxes.
+    assert (LumelTable([flat], atlas).block(0).box > 0).mean() > 0.99
+    # Triangles that lean apart have their own.
+    vertices[:, 2] = np.random.default_rng(seed).normal(0.0, 0.1, len(vertices))
+    mesh = mesh_of(vertices, triangles)
+    table = LumelTable([mesh], atlas)
+    block = table.block(0)
+    used = np.flatnonzero(block.box)
+    assert 0.3 < len(used) / len(block.box) < 1.0
+    boxes, draw = table.boxes, np.random.default_rng(seed)
+    number = block.box[used] - 1
+    at = boxes.corners[number] + boxes.size * draw.random((len(used), 2))
+    aside = np.clip(at, *boxes.ends) - boxes.points[number]
+    lumel = np.repeat(np.arange(len(block.index)), block.receivers.count)[used]
+    shift = np.einsum("ka,kax->kx", aside, block.steps[lumel].astype(float))
+    moved = replace(
+        block,
+        triangle=block.triangle[used],
+        receivers=replace(block.receivers, positions=block.receivers.positions[used] + shift),
+    )
+    bary, uv = place_uv(mesh, atlas, moved)
+    sound = mesh.areas()[moved.triangle] > 1e-6
+    assert bary[sound].min() > -1e-3
+    y, x = np.divmod(block.index[lumel], 256)
+    within = uv - np.stack([x, y], axis=1)
+    assert np.abs(within - np.clip(at, *boxes.ends))[sound].max() < 1e-3
+
+
+@pytest.mark.mitsuba
+def test_shadows_that_end_anywhere_in_a_lumel_are_taken_in_full():
+    """Sixteen places would see the same part of a lumel in all passes, and state no error."""
+    from baking_rooms import bake_in
+    from lumenray.engine.scene.light import SunLight
+
+    floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), np.array([0, 0, -1.0]), 0.0)
+    off = []
+    for edge in np.linspace(0.9, 1.05, 7):
+        lid = quad("lid", (-1, -1, 1), (1 + edge, 0, 0), (0, 4, 0), "paint")
+        session = session_of(paint(0.0), floor, lid, sun)
+        made = bake_in(session, ("floor",), 256, witness=False).maps[0]
+        true = 1000.0 * (2.0 - edge) / 2.0
+        assert abs(made.mean - true) < 4.0 * made.mean_standard_error + 1e-4 * true
+        off.append(made.mean / true - 1.0)
+    assert np.abs(off).max() < 5e-4
+
+
+@pytest.mark.mitsuba
+def test_samples_stay_off_what_stands_on_a_lumel():
+    """A wall that cuts lumels takes their hidden part away, and no sample of the rest lies in it."""
+    from lumenray.engine.scene.light import UniformWorld
+
+    floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")
+    wall = box(0.31, 3.0, 2.0, inwards=False)
+    wall = replace(
+        wall, id="wall", name="wall", vertices=wall.vertices + np.array([0.9, -0.5, -0.1])
+    )
+    session = session_of(paint(0.0), floor, wall, UniformWorld(100.0))
+    with session._engine("auto") as compiled:
+        table = LumelTable([floor], flat_atlas(floor, 6.0))
+        table.validate(compiled)
+        block = table.block(0)
+        lumel = np.repeat(np.arange(len(block.index)), block.receivers.count)
+        x = block.receivers.positions[:, 0]
+        low = np.full(len(block.index), np.inf)
+        high = -low
+        np.minimum.at(low, lumel, x)
+        np.maximum.at(high, lumel, x)
+        cut = ((low < 1.22) & (high > 0.89))[lumel]
+        assert not block.box[cut].any()
+        assert block.box[~cut].all()

@@ -182,14 +182,20 @@ def test_what_coats_mirror_is_added_to_what_cells_under_them_hold(roughness, spe
         for seed, method in enumerate(("cells", "paths"))
     ]
     assert_alike(*made)
-    # Alike to half a per cent on the whole: the coat has some 5 % of the light.
+    # Alike on the whole, known to 2 %: the coat has some 5 % of the light. What cells add is told of all maps together.
     means = [sum(m.area * (m.mean - m.bias) for m in each.maps) for each in made]
-    assert means[0] == pytest.approx(means[1], rel=0.006)
+    errors = [
+        np.hypot(sum(m.area * m.mean_standard_error for m in each.maps), sum(m.area * m.bias_error for m in each.maps))
+        for each in made
+    ]  # fmt: skip
+    assert max(errors) < 0.025 * means[1]
+    assert abs(means[0] - means[1]) < 3.0 * np.hypot(*errors)
 
 
 # ---- errors ----
 
 
+@pytest.mark.slow
 def test_stated_errors_are_the_distances_from_a_long_reference():
     items = (*ROOM, paint(0.5), LAMP)
     reference = whole(bake(items, OBJECTS, 1280, method="paths", seed=99))
@@ -204,6 +210,7 @@ def test_stated_errors_are_the_distances_from_a_long_reference():
     assert 0.93 < np.mean(covered) < 0.97
 
 
+@pytest.mark.slow
 def test_means_of_other_seeds_scatter_as_their_errors_say():
     """The light of the cells is common to all lumels, so what it is wrong by shows in means first of all."""
     made = [

@@ -51,6 +51,7 @@ def noisy():
     return process_measurement(measure(paint(BANDS), BANDS))
 
 
+@pytest.mark.slow
 def test_a_paint_is_recovered_within_two_per_cent(noisy):
     rng = np.random.default_rng(2)
     check_table(noisy.table)
@@ -79,6 +80,7 @@ def test_what_is_stated_about_errors_is_true(noisy):
     assert noisy.reciprocity < 0.02
 
 
+@pytest.mark.slow
 def test_no_more_light_leaves_than_comes(noisy):
     for angle in np.radians([0, 10, 35, 60, 75, 85, 89.9]):
         assert albedo_of(noisy.table, angle).max() <= 1.0

@@ -233,6 +233,7 @@ def test_light_of_few_even_rays_is_right_within_two_percent(name):
     assert np.sqrt(errors.mean()) < 0.02
 
 
+@pytest.mark.slow
 def test_light_of_few_random_rays_is_smooth():
     """Some 1000 of 10 000 random rays of the filament meet the plane, so its flux alone is uncertain by three percent."""
     errors = _plane_errors(*SOURCES["helix"], numbers, (1,))
@@ -279,6 +280,7 @@ def test_twice_the_rays_have_half_the_variance_beyond_those_of_the_file():
     np.testing.assert_allclose(variances[1:], variances[0], rtol=0.15)
 
 
+@pytest.mark.slow
 def test_the_stated_error_is_that_of_other_sets_of_the_same_source():
     """Intensities of clouds of independent sets scatter as much as each cloud says of itself, within a factor."""
     stated, made = [], []

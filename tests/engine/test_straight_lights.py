@@ -1,10 +1,11 @@
-"""Lamps close to walls and suns through keyholes in lux maps: closed rooms take in all the light that enters."""
+"""Lamps close to walls and suns through keyholes: closed rooms take in all the light that enters."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from baking_rooms import bake, bake_in, lamp
+from baking_rooms import bake, bake_in, lamp, lumel_places
+from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity, SpotLight, SunLight
 from lumenray.engine.scene.material import Glossy, Material
 from lumenray.engine.scene.mesh import Mesh
@@ -60,6 +61,73 @@ def test_no_part_of_a_narrow_beam_is_lost_or_too_much(degrees, towards):
                      towards, np.radians(degrees), 0.5)  # fmt: skip
     made = bake((paint(0.0), room(), spot), ("room",), 16, density=4.0)
     assert_mean(made, 1000.0 / 54.0, 1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("degrees", "density"), [(0.5, 4.0), (0.5, 12.0), (5.0, 4.0)])
+def test_a_bright_room_has_all_that_its_small_spot_sends_on(degrees, density):
+    """Paths that go on near corners find one cell of thousands, which holds all light, by asking it and not by chance."""
+    spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 2.0]),
+                     np.array([0.1, 0.2, -1.0]), np.radians(degrees), 0.5)  # fmt: skip
+    expected, means, errors = 5000.0 / 54.0, [], []
+    for seed in (1, 2, 3):
+        told = bake((paint(0.8), room(), spot), ("room",), 64, density=density, seed=seed).maps[0]
+        assert abs(told.mean - expected) < 4.0 * told.mean_standard_error + 1e-3 * expected
+        means.append(told.mean)
+        errors.append(told.mean_standard_error)
+    # So short a bake leaves half a percent; by chance alone it was five, or two where none was met.
+    assert max(errors) < 0.012 * expected, errors
+    assert abs(np.mean(means) - expected) < 0.006 * expected, means
+
+
+@pytest.mark.parametrize("distance", [0.05, 0.15])
+def test_a_wall_gets_the_light_of_a_small_spot_from_where_it_lies(distance):
+    """From a point on the floor first, in closed form, and a few percent more over further reflections."""
+    spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([distance, 1.53, 2.0]),
+                     np.array([0.0, 0.0, -1.0]), np.radians(0.5), 0.5)  # fmt: skip
+    inside = room()
+    made = bake((paint(0.5), inside, spot), ("room",), 128, density=12.0)
+    places, normals = lumel_places(made, made.maps[0], inside)
+    wall = (np.abs(normals[:, 0]) > 0.9) & (places[:, 0] < 0.01)
+    steps = ((np.arange(16) + 0.5) / 16.0 - 0.5) / 12.0
+    y = places[wall, 1, None, None] + steps[:, None] - 1.53
+    z = places[wall, 2, None, None] + steps
+    first = (500.0 / np.pi * z * distance / (distance**2 + y**2 + z**2) ** 2).mean(axis=(1, 2))
+    told = made.lumels(made.maps[0].number)
+    light, error = told.illuminance[wall], told.standard_error[wall]
+    bright = np.argsort(-first)[:30]
+    apart = light[bright] - first[bright]
+    assert (apart > -4.5 * error[bright]).all()
+    assert (apart < 4.5 * error[bright] + 20.0 + 0.1 * first[bright]).all()
+    # Spread over its cell, the light of the spot was off by a third here.
+    assert np.median(error[bright] / first[bright]) < 0.2
+
+
+def room_with_fine_floor(steps):
+    """The room, its floor of triangles so small that many share a cell."""
+    whole = room()
+    kept = whole.triangles[~(whole.vertices[whole.triangles][:, :, 2] == 0).all(axis=1)]
+    x, y = (each.ravel() for each in np.meshgrid(*2 * [np.linspace(0.0, 3.0, steps + 1)]))
+    number = np.arange(len(x)).reshape(steps + 1, steps + 1) + len(whole.vertices)
+    a, b, c, d = (
+        each.ravel()
+        for each in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])
+    )
+    triangles = np.concatenate([kept, np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    return replace(
+        whole,
+        vertices=np.concatenate([whole.vertices, np.stack([x, y, 0.0 * x], axis=1)]),
+        triangles=triangles.astype(np.int32),
+        material_index=np.zeros(len(triangles), np.int32),
+    )
+
+
+def test_a_spot_on_small_triangles_lights_the_room_too():
+    """Points are drawn on cells that triangles share as on others; by chance alone the error was a tenth."""
+    spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 2.0]),
+                     np.array([0.1, 0.2, -1.0]), np.radians(0.5), 0.5)  # fmt: skip
+    made = bake((paint(0.8), room_with_fine_floor(150), spot), ("room",), 64, density=4.0)
+    assert_mean(made, 5000.0 / 54.0, 1e-3, largest=0.012)
 
 
 @pytest.mark.parametrize("height", [1e-4, 1e-3])
@@ -159,3 +227,73 @@ def test_an_ordinary_room_needs_no_such_tracing():
     finally:
         straight_lights.StraightLights._learn = original
     assert asked == [False]
+
+
+# ---- sensors ----
+
+
+def first_reflection(lamp_at, flux, reflectance, side, places, paths=1_000_000):
+    """Illuminance of the floor of a box by a point lamp, straight and over one wall, by rays from the lamp. (n,) [lx]"""
+    draw = np.random.default_rng(1)
+    z, phi = draw.uniform(-1.0, 1.0, paths), draw.uniform(0.0, 2.0 * np.pi, paths)
+    sine = np.sqrt(1.0 - z * z)
+    way = np.stack([sine * np.cos(phi), sine * np.sin(phi), z], axis=1)
+    to_walls = np.where(way > 0.0, (side - lamp_at) / way, -lamp_at / way)
+    wall = to_walls.argmin(axis=1)
+    rows = np.arange(paths)
+    met = lamp_at + way * to_walls[rows, wall][:, None]
+    made = []
+    for place in places:
+        straight = lamp_at - place
+        direct = flux / (4.0 * np.pi) * straight[2] / np.linalg.norm(straight) ** 3
+        back = place - met
+        square = np.einsum("kx,kx->k", back, back)
+        leaving = -back[rows, wall] * np.sign(way[rows, wall]) / np.sqrt(square)
+        arriving = np.maximum(-back[:, 2], 0.0) / np.sqrt(square)
+        lit = np.maximum(leaving, 0.0) * arriving / square
+        made.append(direct + flux * reflectance / np.pi * lit.mean())
+    return np.array(made)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.0012])
+@pytest.mark.parametrize("away", [0.0024, 0.02])
+def test_sensors_get_what_a_lamp_close_to_a_wall_makes_of_it(away, radius):
+    """Next-event alone leaves a third of it to chance, and states a tenth of that as error, or as much as there is."""
+    at = np.array([away, 2.2, 1.7])
+    places = np.array([[1.5, 1.5, 0.0], [0.5, 0.4, 0.0], [2.9, 0.2, 0.0]])
+    session = session_of(paint(0.5), box(3, 3, 3), lamp(at, 1000.0, radius))
+    made = session.measure(
+        places + np.array([0.0, 0.0, 1e-4]),
+        np.tile([0.0, 0.0, 1.0], (3, 1)),
+        StopRule(samples=1 << 16),
+        reflections=1,
+    )
+    true = first_reflection(at, 1000.0, 0.5, 3.0, places)
+    error = np.array(made.standard_error)
+    assert (error < 0.01 * true).all()
+    assert (np.abs(made.illuminance - true) < 4.0 * error + 0.004 * true).all()
+
+
+def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall():
+    """A sphere's inside is lit evenly by what it reflects, wherever the lamp is."""
+    from glass_scenes import ball
+
+    radius, reflectance, away = 2.0, 0.8, 0.005
+    shell = ball("room", radius, np.zeros(3), "paint", 96)
+    inside = replace(
+        shell,
+        triangles=np.ascontiguousarray(shell.triangles[:, ::-1]),
+        corner_normals=-shell.corner_normals[:, ::-1],
+    )
+    at = np.array([0.0, 0.0, radius - away])
+    session = session_of(paint(reflectance), inside, lamp(at, 1000.0, 0.0))
+    places = np.array([[0.0, 0.0, -0.998 * radius], [0.998 * radius, 0.0, 0.0]])
+    made = session.measure(places, -places / (0.998 * radius), StopRule(samples=1 << 16))
+    straight = np.array([1000.0 / (4.0 * np.pi * (2.0 * radius - away) ** 2), 0.0])
+    way = at - np.array([radius, 0.0, 0.0])
+    straight[1] = 1000.0 / (4.0 * np.pi) * radius / np.linalg.norm(way) ** 3
+    reflected = 1000.0 / (4.0 * np.pi * radius**2) * reflectance / (1.0 - reflectance)
+    true = straight + reflected
+    error = np.array(made.standard_error)
+    assert (error < 0.01 * true).all()
+    assert (np.abs(made.illuminance - true) < 4.0 * error + 0.006 * true).all()

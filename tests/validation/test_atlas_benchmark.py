@@ -426,6 +426,17 @@ def test_the_bars_tell_what_is_met_and_what_is_not():
     assert bars["dark side over lit side"] is True
     assert bars["hard geometry without a number that is none"] is False
     assert bars["exponent of time in lumels"] is True
+    # One scene that states too little is told, whatever the mean of all is.
+    (scene,) = result["scenes"]
+    poor = {**scene, "key": "poor", "runs": [{**run, "ratio": 1.2} for run in scene["runs"]]}
+    (bar,) = (
+        bar
+        for bar in check_bars({**result, "scenes": [scene] * 9 + [poor]})
+        if bar.demand == "true over stated error, every scene"
+    )
+    assert bar.passed is False
+    assert bar.measured.startswith("1.20 at worst (poor")
+    assert bars[bar.demand] is True
     other = {**result, "calibration": 1.2}
     assert [bar.passed for bar in compare_results(other, result)].count(False) == 1
 

@@ -46,6 +46,7 @@ def _camera_down():
     return camera, ViewSettings(StopRule(samples=256))
 
 
+@pytest.mark.slow
 def test_flux_is_conserved_in_a_closed_box_with_any_material():
     # Absorbed = emitted: the sum over all walls of E (1 - rho) A is the lamp's flux, whatever reflects how.
     flux = 1000.0

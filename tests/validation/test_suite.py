@@ -24,6 +24,10 @@ SEEDS = ("C05.cie53",)
 """Groups of the quick subset whose seeds are checked."""
 
 
+LONG = ("C33", "C39", "C40")
+"""Cases whose quick subset takes more than ten seconds."""
+
+
 @pytest.fixture(scope="module")
 def engine():
     """One engine for all cases, so that kernels stay compiled."""
@@ -44,7 +48,12 @@ def test_quick_groups_belong_to_their_case(case):
 @pytest.mark.mitsuba
 @pytest.mark.validation
 @pytest.mark.parametrize(
-    "case", [case for case in all_cases().values() if case.quick], ids=lambda case: case.id
+    "case",
+    [
+        pytest.param(case, marks=[pytest.mark.slow] if case.id in LONG else [], id=case.id)
+        for case in all_cases().values()
+        if case.quick
+    ],
 )
 def test_quick_groups_pass(case, engine):
     bench = Bench(engine, frozenset(case.quick))

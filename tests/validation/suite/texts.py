@@ -293,7 +293,7 @@ TEXTS = {
         "Conservation of flux, the mirror's image being the other half.",
     ),
     "C45": CaseText(
-        "A ball of 16 by 8 facets is shaded smoothly. An even world and a sun must give to its lux map what the facets "
+        "A ball of 32 by 16 facets is shaded smoothly. An even world and a sun must give to its lux map what the facets "
         "take in, not what the normals of a true ball would make of it.",
         "Area of the outline for the sun; a convex body under an even world receives the same everywhere.",
     ),

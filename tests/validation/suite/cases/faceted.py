@@ -9,7 +9,7 @@ from ..stage import matt, sphere
 from . import case
 from .means import mean_by_bake, reseeded
 
-RINGS = 8
+RINGS = 16
 """Parallels; there are twice as many meridians."""
 
 LUMINANCE, SUN_NORMAL = 100.0, 1000.0

@@ -1,0 +1,174 @@
+"""Small bright spots on surfaces, which paths of sensors and pictures ask for what they send on.
+
+What a lamp close to a wall or a sun through a keyhole lights is so small that scattered rays hardly ever meet it, though all
+the room may be lit by it. Where such spots lie is found as for lux maps (see `straight_lights`). Every vertex that is not
+specular sends one ray more to a spot, with a density that falls away from its middle as the light of a lamp at a wall does:
+
+    p(s) = (1 + s / s_0)^(-3/2) / (4 pi s_0 (1 - (1 + 1 / s_0)^(-1/2))),    0 <= s <= 1
+
+by s, one less the cosine of the angle to the middle, and s_0, that of the bright core's edge. The next event at the
+surface which that ray meets competes with the one at the surface that the scattered ray meets, by the power heuristic; so
+estimates stay without bias, whatever lies there.
+"""
+
+from contextlib import contextmanager
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import table_size, upload
+from .straight_lights import StraightLights
+from .textures import is_spectral
+from .wavelengths import WavelengthSampler
+
+PLACES = 1 << 16
+"""Places for which next-event is taken to cope with bundled light, see `straight_lights.FOUND`: what is less bundled than
+the light of a lamp 10 cm off a wall of a room of 3 m, many samples of a sensor meet."""
+
+PATHS, SEED = 1 << 16, 0x3F51
+"""Traced to find where spots lie."""
+
+MOST_SPOTS = 8
+"""Most spots; of more, the brightest."""
+
+CORE = 0.65
+"""Share of what a spot counts for within its core: a point lamp's is then as wide as its distance from the wall. [-]"""
+
+LARGEST = 0.05
+"""Radius of the core, relative to the scene's, from which a spot is none. [-]"""
+
+FARTHEST = 2.0
+"""Least distance from a spot's middle, in radii of its core, from which rays go to it."""
+
+COLUMNS = 5
+"""Of the table: centre, square of the core's radius, weight."""
+
+
+@contextmanager
+def bright_spots(scene):
+    """Let the paths of a `CompiledScene` ask its bright spots."""
+    spots = find_spots(scene)
+    scene.spots = BrightSpots(spots) if len(spots) else None
+    try:
+        yield
+    finally:
+        scene.spots = None
+
+
+class _OneCell:
+    """All surfaces as one, for `StraightLights`: whatever is lit is looked at."""
+
+    count = 1
+
+    def __init__(self, area: float):
+        self.area = np.array([0.5 * area])
+
+    def sides_of(self, deposits):
+        """Side and share of the light that passes, of every deposit."""
+        return np.zeros(len(deposits.flux), dtype=np.int64), np.ones(len(deposits.flux))
+
+
+def find_spots(scene) -> np.ndarray:
+    """Middles of bright spots, radii of their cores and weights, in the scene's frame. (n, 5) [m]"""
+    sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+    # As large as what a room of this size has for surfaces.
+    area = 4.0 * np.pi * float(scene.radius) ** 2
+    lights = StraightLights(scene, sampler, _OneCell(area), np.arange(2), PLACES)
+    try:
+        if not lights.is_needed:
+            return np.zeros((0, COLUMNS))
+        light, position, weight = lights.find_places(PATHS, SEED)
+    finally:
+        lights.close()
+    made = []
+    for number in range(len(lights.lights)):
+        own = light == number
+        worth = float(weight[own].sum())
+        if worth > 0.0:
+            made.append((*_find_core(position[own], weight[own]), np.sqrt(worth)))
+    made = np.array(made).reshape(-1, COLUMNS)
+    made = made[made[:, 3] < LARGEST * float(scene.radius)]
+    return made[np.argsort(-made[:, 4], kind="stable")][:MOST_SPOTS]
+
+
+def _find_core(position: np.ndarray, weight: np.ndarray):
+    """Middle and radius of what counts most among places."""
+    share = weight / weight.sum()
+    order = np.argsort(position, axis=0)
+    # Medians, so that a few far places do not move the middle.
+    ends = np.cumsum(share[order], axis=0)
+    rows = [min(int(np.searchsorted(ends[:, k], 0.5)), len(share) - 1) for k in range(3)]
+    centre = position[order[rows, range(3)], range(3)]
+    away = np.linalg.norm(position - centre, axis=1)
+    order = np.argsort(away)
+    at = min(int(np.searchsorted(np.cumsum(share[order]), CORE)), len(away) - 1)
+    return (*centre, max(float(away[order[at]]), 1e-9))
+
+
+class BrightSpots:
+    """Directions to spots.
+
+    Parameters
+    ----------
+    spots : (n, 5) array    Of `find_spots`.
+    """
+
+    def __init__(self, spots: np.ndarray):
+        self._count = len(spots)
+        rows = np.zeros((table_size(self._count), COLUMNS))
+        rows[: self._count] = spots
+        rows[:, 3] **= 2
+        self._rows = upload(mi.Float, rows)
+        dr.eval(self._rows)
+
+    def sample(self, point, choice, sample):
+        """Direction towards one of the spots; whichever, where `density` is 0."""
+        weights, total = self._weights(point)
+        left, chosen = choice * total, mi.UInt32(0)
+        for number in range(self._count - 1):
+            left -= weights[number]
+            chosen = dr.select(left >= 0.0, number + 1, chosen)
+        towards, apart, core, _ = self._look(chosen, point)
+        root = 1.0 - sample.x * _reach(core)
+        sunk = dr.minimum(core * (dr.rcp(dr.square(root)) - 1.0), 1.0)
+        sine = dr.safe_sqrt(sunk * (2.0 - sunk))
+        s, c = dr.sincos(2.0 * dr.pi * sample.y)
+        frame = mi.Frame3f(towards * dr.rsqrt(apart))
+        return frame.to_world(mi.Vector3f(sine * c, sine * s, 1.0 - sunk))
+
+    def density(self, point, direction):
+        """Density of a direction, 0 from points that are close to all spots. [sr-1]"""
+        weights, total = self._weights(point)
+        found = mi.Float(0.0)
+        for number, weight in enumerate(weights):
+            towards, apart, core, _ = self._look(mi.UInt32(number), point)
+            # By the sine, as cosines of small angles have no digits left.
+            square = dr.squared_norm(dr.cross(direction, towards)) / apart
+            sunk = square / (1.0 + dr.safe_sqrt(1.0 - square))
+            fall = dr.rcp(1.0 + sunk / core)
+            own = fall * dr.sqrt(fall) / (4.0 * dr.pi * core * _reach(core))
+            found += dr.select(dr.dot(direction, towards) > 0.0, weight * own, 0.0)
+        return dr.select(total > 0.0, found / dr.maximum(total, 1e-30), 0.0)
+
+    def _look(self, number, point):
+        """Way to a spot, its square, what the core sinks below the middle's direction, and the weight."""
+        x, y, z, square, weight = (
+            dr.gather(mi.Float, self._rows, number * COLUMNS + k) for k in range(COLUMNS)
+        )
+        towards = mi.Point3f(x, y, z) - point
+        apart = dr.maximum(dr.squared_norm(towards), 1e-30)
+        share = dr.minimum(square / apart, 1.0)
+        core = share / (1.0 + dr.safe_sqrt(1.0 - share))
+        far = dr.select(apart > FARTHEST**2 * square, weight / apart, 0.0)
+        return towards, apart, core, far
+
+    def _weights(self, point):
+        """Weights of the spots from a point, 0 of those that it is close to, and their sum."""
+        weights = [self._look(mi.UInt32(number), point)[3] for number in range(self._count)]
+        return weights, sum(weights[1:], weights[0])
+
+
+def _reach(core):
+    """Integral of the density by s up to 1, over 2 s_0."""
+    return 1.0 - dr.rsqrt(1.0 + dr.rcp(core))
