@@ -24,6 +24,14 @@ def upload(kind, values):
     return kind(aligned)
 
 
+def average(value):
+    """Mean over the components of a spectrum or vector, lane by lane.
+
+    Unlike `dr.mean`, which writes the number of lanes into its kernel, so that every other number needs a new one.
+    """
+    return dr.sum(value) * (1.0 / len(value))
+
+
 def table_size(count: int) -> int:
     """Entries of a table by number: a power of two that holds them."""
     return max(1 << max(count - 1, 0).bit_length(), SMALLEST_TABLE)

@@ -91,7 +91,7 @@ def coated_class():
     import drjit as dr
     import mitsuba as mi
 
-    from ..arrays import upload
+    from ..arrays import average, upload
 
     class Coated(mi.BSDF):
         """One row of parameters per material; ``reflectance`` is a texture that replaces the rows' own spectra."""
@@ -170,7 +170,7 @@ def coated_class():
             cos_i = dr.abs(mi.Frame3f.cos_theta(si.wi))
             reflectance = self._reflectance(si, row, active)
             coat = self._coat(row, cos_i, active)
-            base = (1.0 - coat) * dr.mean(reflectance)
+            base = (1.0 - coat) * average(reflectance)
             share = dr.select(coat + base > 0.0, coat / dr.maximum(coat + base, 1e-8), 0.0)
             return row, cos_i, reflectance, coat, share
 

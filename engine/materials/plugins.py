@@ -7,6 +7,7 @@ Directions are local, with the normal along +z; ``wi`` points to where the path 
 import drjit as dr
 import mitsuba as mi
 
+from ..arrays import average
 from .coated import coated_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
@@ -88,7 +89,7 @@ def _sheet_class():
             if self.transmittance is None:
                 return reflectance, mi.Spectrum(0.0), mi.Float(0.0)
             transmittance = self.transmittance.eval(si, active)
-            r, t = dr.mean(reflectance), dr.mean(transmittance)
+            r, t = average(reflectance), average(transmittance)
             return (
                 reflectance,
                 transmittance,

@@ -3,6 +3,8 @@
 import drjit as dr
 import mitsuba as mi
 
+from ..arrays import average
+
 
 def specular(cls):
     """Class decorator: nothing to evaluate for a given pair of directions (nanobind allows one base only)."""
@@ -31,7 +33,7 @@ def sample_pane(si, reflectance, transmittance, sample, active):
     -------
     (BSDFSample3f, Spectrum)    The sample and its weight.
     """
-    r, t = dr.mean(reflectance), dr.mean(transmittance)
+    r, t = average(reflectance), average(transmittance)
     p_reflect = r / dr.maximum(r + t, 1e-8)
     reflects = sample < p_reflect
     bs = dr.zeros(mi.BSDFSample3f)

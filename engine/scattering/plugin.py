@@ -9,6 +9,7 @@ from dataclasses import replace
 import drjit as dr
 import mitsuba as mi
 
+from ..arrays import average
 from ..scene.material import Measured
 from ..scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .patch_lobe import PatchLobe
@@ -206,8 +207,8 @@ def _measured_class():
             shares = [
                 self.reflection.albedo(wi, is_front, active),
                 self.transmission.albedo(wi, is_front, active),
-                dr.mean(mirrored),
-                dr.mean(straight),
+                average(mirrored),
+                average(straight),
             ]
             total = dr.maximum(shares[0] + shares[1] + shares[2] + shares[3], 1e-12)
             return [share / total for share in shares], mirrored, straight

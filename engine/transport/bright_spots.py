@@ -115,20 +115,34 @@ class BrightSpots:
     """
 
     def __init__(self, spots: np.ndarray):
-        self._count = len(spots)
-        rows = np.zeros((table_size(self._count), COLUMNS))
-        rows[: self._count] = spots
+        rows = np.zeros((table_size(len(spots)), COLUMNS))
+        rows[: len(spots)] = spots
         rows[:, 3] **= 2
         self._rows = upload(mi.Float, rows)
+        # A kernel must not depend on how many spots there are, since edits of lights change that.
+        self._count = dr.opaque(mi.UInt32, len(spots))
         dr.eval(self._rows)
 
     def sample(self, point, choice, sample):
         """Direction towards one of the spots; whichever, where `density` is 0."""
-        weights, total = self._weights(point)
-        left, chosen = choice * total, mi.UInt32(0)
-        for number in range(self._count - 1):
-            left -= weights[number]
-            chosen = dr.select(left >= 0.0, number + 1, chosen)
+
+        def choose(number, chosen, total, choice):
+            weight = self._look(number, point)[3]
+            total += weight
+            # Each takes the place of those before with its share, and the number that decides is spread out again.
+            share = dr.select(total > 0.0, weight / dr.maximum(total, 1e-30), 0.0)
+            takes = choice < share
+            left = dr.select(takes, choice, choice - share)
+            width = dr.select(takes, share, 1.0 - share)
+            choice = dr.clip(left / dr.maximum(width, 1e-9), 0.0, 0.9999999)
+            return number + 1, dr.select(takes, number, chosen), total, choice
+
+        _, chosen, _, _ = dr.while_loop(
+            state=(mi.UInt32(0), mi.UInt32(0), mi.Float(0.0), mi.Float(choice)),
+            cond=lambda number, *_: number < self._count,
+            body=choose,
+            labels=("number", "chosen", "total", "choice"),
+        )
         towards, apart, core, _ = self._look(chosen, point)
         root = 1.0 - sample.x * _reach(core)
         sunk = dr.minimum(core * (dr.rcp(dr.square(root)) - 1.0), 1.0)
@@ -139,16 +153,23 @@ class BrightSpots:
 
     def density(self, point, direction):
         """Density of a direction, 0 from points that are close to all spots. [sr-1]"""
-        weights, total = self._weights(point)
-        found = mi.Float(0.0)
-        for number, weight in enumerate(weights):
-            towards, apart, core, _ = self._look(mi.UInt32(number), point)
+
+        def add(number, found, total):
+            towards, apart, core, weight = self._look(number, point)
             # By the sine, as cosines of small angles have no digits left.
             square = dr.squared_norm(dr.cross(direction, towards)) / apart
             sunk = square / (1.0 + dr.safe_sqrt(1.0 - square))
             fall = dr.rcp(1.0 + sunk / core)
             own = fall * dr.sqrt(fall) / (4.0 * dr.pi * core * _reach(core))
             found += dr.select(dr.dot(direction, towards) > 0.0, weight * own, 0.0)
+            return number + 1, found, total + weight
+
+        _, found, total = dr.while_loop(
+            state=(mi.UInt32(0), mi.Float(0.0), mi.Float(0.0)),
+            cond=lambda number, *_: number < self._count,
+            body=add,
+            labels=("number", "found", "total"),
+        )
         return dr.select(total > 0.0, found / dr.maximum(total, 1e-30), 0.0)
 
     def _look(self, number, point):
@@ -162,11 +183,6 @@ class BrightSpots:
         core = share / (1.0 + dr.safe_sqrt(1.0 - share))
         far = dr.select(apart > FARTHEST**2 * square, weight / apart, 0.0)
         return towards, apart, core, far
-
-    def _weights(self, point):
-        """Weights of the spots from a point, 0 of those that it is close to, and their sum."""
-        weights = [self._look(mi.UInt32(number), point)[3] for number in range(self._count)]
-        return weights, sum(weights[1:], weights[0])
 
 
 def _reach(core):

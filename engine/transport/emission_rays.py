@@ -13,7 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..arrays import table_size, upload
+from ..arrays import average, table_size, upload
 from ..luminaires.opening_sampling import POINT
 from .gather import typical_wavelengths
 from .light_targets import MAXIMUM_TARGETS, SphereTree
@@ -337,7 +337,7 @@ class EmissionRays:
         seed = dr.opaque(mi.UInt32, PROBE_SEED)
         places, spreads = sobol_pair(index, seed, 0), sobol_pair(index, seed, 1)
         _, direction, _, surface = self._aim(pair, places, spreads)
-        amount = dr.mean(self._amount(pair, direction, typical_wavelengths(), surface))
+        amount = average(self._amount(pair, direction, typical_wavelengths(), surface))
         centre, extent = self._row(self._rows, self._light(pair))
         sphere, radius = self._row(self._spheres, pair)
         _, cap = solid_cap(sphere - centre, radius + extent)

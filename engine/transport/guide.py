@@ -6,13 +6,14 @@ by the power heuristic for as many samples as each takes, so that neither counts
 traced to it counts at any distance; the rest where rays would read it.
 """
 
+import weakref
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..arrays import table_size, upload
+from ..arrays import average, table_size, upload
 from . import gather, paths
 from .cached_gather import NEAR
 from .cells import CellSet
@@ -215,7 +216,9 @@ class _Link:
 def choose_spots(cells: CellSet, sides, before: Guide | None = None) -> Guide | None:
     """Guide to traced light alone, for `CellSet.spots`; None: there is none. ``before``: the last one."""
     powers = powers_of(cells, False, sides)
-    made = Guide(cells, powers, slots=1 if before is None else before.slots)
+    # The cells hold this guide. Were it to hold them too, they and their scene would outlive the job, and a scene that lives
+    # on makes kernels of the next one anew.
+    made = Guide(weakref.proxy(cells), powers, slots=1 if before is None else before.slots)
     return made if made.is_useful else None
 
 
@@ -238,7 +241,7 @@ def powers_of(cells: CellSet, is_whole: bool = True, sides=None) -> np.ndarray:
         si.wavelengths = wavelengths
     active &= row > 0
     reflectance = cells.scene.bsdf(si, active).eval_diffuse_reflectance(si, active)
-    reflectance = np.array(dr.select(active, dr.mean(reflectance), 0.0), dtype=np.float64)
+    reflectance = np.array(dr.select(active, average(reflectance), 0.0), dtype=np.float64)
     light = np.zeros(count)
     if is_whole:
         light += (

@@ -22,7 +22,7 @@ from .wavelengths import WavelengthSampler
 LANES = 1 << 19
 """Paths per launch: a fraction of a second each, so that a cancel is heard soon."""
 
-LARGEST_SUM = 1024
+LARGEST_SUM = 64
 """Most samples that are summed in single precision."""
 
 SNAP_DISTANCE = 1e-4

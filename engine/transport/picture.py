@@ -6,6 +6,7 @@ import numpy as np
 
 from ..accuracy.estimate import Accumulator
 from ..accuracy.stopping import Clock
+from ..arrays import average
 from ..errors import Cancelled, SceneError
 from ..scene.camera import Camera, Projection
 from . import gather, paths
@@ -325,7 +326,7 @@ class PictureJob:
             if self.spectral:
                 away.wavelengths = wavelengths
             colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
-        return [*colour, dr.mean(passed)]
+        return [*colour, average(passed)]
 
     def _band_sums(self, radiance, wavelengths, row, rows):
         """Sum of spectral radiance by band, flat (rows * bands)."""

@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 from ..accuracy.estimate import Accumulator, Estimate
+from ..arrays import average
 from ..errors import Cancelled, SceneError
 from ..materials import plugins
 from ..photometry.spectra import GRID
@@ -127,7 +128,7 @@ def _launch(model, angle, batch: int, start: int, seed: int, wavelength: float) 
     si.wi = mi.Vector3f(sine, 0.0, cosine)
     direction = sobol_pair(index, own, PAIR_DIRECTION)
     sample, weight = model.sample(mi.BSDFContext(), si, lobe.x, direction, mi.Bool(True))
-    energy = dr.mean(weight) * dr.square(sample.eta)
+    energy = average(weight) * dr.square(sample.eta)
     goes_back = sample.wo.z * si.wi.z > 0.0
     shares = (dr.select(goes_back, energy, 0.0), dr.select(goes_back, 0.0, energy))
     return np.array(

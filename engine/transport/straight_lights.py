@@ -118,7 +118,7 @@ class StraightLights:
             if light.source.radius < LARGEST_SURFACE * scene.radius
         )
         self.lights: tuple[TracedLight, ...] = (*find_ideal_lights(scene), *small)
-        if self.lights and len(sides):
+        if self.lights and self._area > 0.0:
             self._learn(samples / FOUND)
         self.is_needed = bool(self._limits)
         if self.is_needed:

@@ -284,7 +284,6 @@ def test_ids_decide_nothing():
     np.testing.assert_array_equal(*results)
 
 
-@pytest.mark.xfail(reason="the look for bright spots makes kernels anew where lights come and go")
 def test_edits_meet_known_kernels():
     import drjit as dr
 

@@ -1,5 +1,7 @@
 """The estimator of lux maps: its values against closed forms and other estimators, and its errors against the truth."""
 
+import gc
+import weakref
 from dataclasses import replace
 from functools import partial
 
@@ -69,6 +71,30 @@ def test_bakes_with_other_points_make_no_new_large_kernels():
     after, launches = baked_kernels(2)
     assert launches > 2 * len(after) > 0
     assert after <= before
+
+
+def test_nothing_of_a_bake_lives_on(monkeypatch):
+    """Kernels know what lives: a scene that waits for the collector of cycles would have the next one compile them anew."""
+    # A bake of its own first: the engine chooses what it computes with.
+    bake([*ROOM, LAMP, paint(0.6)], OBJECTS, samples=4)
+    from lumenray.engine.transport.compile import CompiledScene
+
+    made, begin = [], CompiledScene.__init__
+
+    def remember(self, *values, **named):
+        made.append(weakref.ref(self))
+        begin(self, *values, **named)
+
+    monkeypatch.setattr(CompiledScene, "__init__", remember)
+    pane = quad("pane", (0.2, 0.2, 0.9), (0.4, 0.0, 0.0), (0.0, 0.4, 0.0), "pane")
+    glass = Material("pane", "pane", ThinGlass(1.5, Constant(0.9)))
+    gc.disable()
+    try:
+        bake([*ROOM, LAMP, paint(0.6), pane, glass], OBJECTS, samples=16)
+        assert made
+        assert not any(scene() for scene in made)
+    finally:
+        gc.enable()
 
 
 # ---- values ----

@@ -252,11 +252,11 @@ def points(count):
 @pytest.mark.parametrize(
     ("gibibytes", "job"),
     [
-        (0.7, lambda session: session.measure(*points(1_000_000), StopRule(samples=16))),
-        (0.7, lambda session: session.measure(*points(8_000_000), StopRule(samples=16))),
-        (0.7, lambda session: session.bake_objects(HUGE_BAKE)),
+        (0.85, lambda session: session.measure(*points(1_000_000), StopRule(samples=16))),
+        (0.85, lambda session: session.measure(*points(8_000_000), StopRule(samples=16))),
+        (0.85, lambda session: session.bake_objects(HUGE_BAKE)),
         # Native libraries crash here where others say that memory is short.
-        (0.7, lambda session: session.render(camera(6000, 4000), view(1))),
+        (0.85, lambda session: session.render(camera(6000, 4000), view(1))),
     ],
     ids=["measure", "transfer", "bake", "render"],
 )

@@ -80,7 +80,7 @@ def test_an_estimator_without_noise_does_not_drift(candela):
         for count in (1 << 4, 1 << 19, 1 << 24)
     ]
     np.testing.assert_allclose(found, candela / 9.0, rtol=3e-6)
-    np.testing.assert_allclose(found[1:], found[1], rtol=1e-8)
+    np.testing.assert_allclose(found[1:], found[1], rtol=1e-9)
 
 
 def test_samples_far_along_their_sequence_are_as_good_as_the_first():
