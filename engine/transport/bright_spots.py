@@ -2,13 +2,14 @@
 
 What a lamp close to a wall or a sun through a keyhole lights is so small that scattered rays hardly ever meet it, though all
 the room may be lit by it. Where such spots lie is found as for lux maps (see `straight_lights`). Every vertex that is not
-specular sends one ray more to a spot, with a density that falls away from its middle as the light of a lamp at a wall does:
+specular sends one ray more to a spot, or to its image in a plane mirror or pane, with a density that falls away from its
+middle as the light of a lamp at a wall does:
 
     p(s) = (1 + s / s_0)^(-3/2) / (4 pi s_0 (1 - (1 + 1 / s_0)^(-1/2))),    0 <= s <= 1
 
 by s, one less the cosine of the angle to the middle, and s_0, that of the bright core's edge. The next event at the
-surface which that ray meets competes with the one at the surface that the scattered ray meets, by the power heuristic; so
-estimates stay without bias, whatever lies there.
+surface which that ray meets, over mirrors and through panes, competes with the one at the surface that the scattered ray
+meets, by the power heuristic; so estimates stay without bias, whatever lies there.
 """
 
 from contextlib import contextmanager
@@ -18,6 +19,8 @@ import mitsuba as mi
 import numpy as np
 
 from ..arrays import table_size, upload
+from .mirrors import ROUNDING
+from .rays import STEP
 from .straight_lights import StraightLights
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
@@ -29,8 +32,11 @@ the light of a lamp 10 cm off a wall of a room of 3 m, many samples of a sensor 
 PATHS, SEED = 1 << 16, 0x3F51
 """Traced to find where spots lie."""
 
-MOST_SPOTS = 8
-"""Most spots; of more, the brightest."""
+MOST_SPOTS, MOST_IMAGES = 8, 8
+"""Most spots, and most images of them in mirrors and panes; of more, the brightest."""
+
+PANE_SHARE = 0.1
+"""What a pane shows of a spot. [-]"""
 
 CORE = 0.65
 """Share of what a spot counts for within its core: a point lamp's is then as wide as its distance from the wall. [-]"""
@@ -41,15 +47,16 @@ LARGEST = 0.05
 FARTHEST = 2.0
 """Least distance from a spot's middle, in radii of its core, from which rays go to it."""
 
-COLUMNS = 5
-"""Of the table: centre, square of the core's radius, weight."""
+COLUMNS = 6
+"""Of the table: centre, square of the core's radius, weight, and the plane that shows an image, plus 1."""
 
 
 @contextmanager
 def bright_spots(scene):
     """Let the paths of a `CompiledScene` ask its bright spots."""
     spots = find_spots(scene)
-    scene.spots = BrightSpots(spots) if len(spots) else None
+    slack = ROUNDING * STEP * scene.extent
+    scene.spots = BrightSpots(spots, scene.mirrors, slack) if len(spots) else None
     try:
         yield
     finally:
@@ -70,7 +77,7 @@ class _OneCell:
 
 
 def find_spots(scene) -> np.ndarray:
-    """Middles of bright spots, radii of their cores and weights, in the scene's frame. (n, 5) [m]"""
+    """Bright spots and their images, as in the table: in the scene's frame, but with the core's radius itself. (n, 6) [m]"""
     sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
     # As large as what a room of this size has for surfaces.
     area = 4.0 * np.pi * float(scene.radius) ** 2
@@ -86,10 +93,28 @@ def find_spots(scene) -> np.ndarray:
         own = light == number
         worth = float(weight[own].sum())
         if worth > 0.0:
-            made.append((*_find_core(position[own], weight[own]), np.sqrt(worth)))
+            made.append((*_find_core(position[own], weight[own]), np.sqrt(worth), 0.0))
     made = np.array(made).reshape(-1, COLUMNS)
-    made = made[made[:, 3] < LARGEST * float(scene.radius)]
-    return made[np.argsort(-made[:, 4], kind="stable")][:MOST_SPOTS]
+    made = _brightest(made[made[:, 3] < LARGEST * float(scene.radius)], MOST_SPOTS)
+    images = np.zeros((0, COLUMNS)) if scene.mirrors is None else _mirrored(made, scene.mirrors)
+    return np.concatenate([made, _brightest(images, MOST_IMAGES)])
+
+
+def _brightest(spots: np.ndarray, count: int) -> np.ndarray:
+    return spots[np.argsort(-spots[:, 4], kind="stable")][:count]
+
+
+def _mirrored(spots: np.ndarray, mirrors) -> np.ndarray:
+    """Images of spots in every plane, rows as of `find_spots`."""
+    made = []
+    for number, plane in enumerate(mirrors.planes):
+        away = plane.distance - plane.normal @ mirrors.origin - spots[:, :3] @ plane.normal
+        images = spots.copy()
+        images[:, :3] += 2.0 * away[:, None] * plane.normal
+        images[:, 4] *= PANE_SHARE if plane.is_pane else 1.0
+        images[:, 5] = number + 1
+        made.append(images[np.abs(away) > spots[:, 3]])
+    return np.concatenate(made)
 
 
 def _find_core(position: np.ndarray, weight: np.ndarray):
@@ -111,10 +136,13 @@ class BrightSpots:
 
     Parameters
     ----------
-    spots : (n, 5) array    Of `find_spots`.
+    spots : (n, 6) array    Of `find_spots`.
+    mirrors : MirrorSet or None    Of the scene.
+    slack : Float    Of the bounds of mirrors. [m]
     """
 
-    def __init__(self, spots: np.ndarray):
+    def __init__(self, spots: np.ndarray, mirrors, slack):
+        self._mirrors, self._slack = mirrors, slack
         rows = np.zeros((table_size(len(spots)), COLUMNS))
         rows[: len(spots)] = spots
         rows[:, 3] **= 2
@@ -174,14 +202,20 @@ class BrightSpots:
 
     def _look(self, number, point):
         """Way to a spot, its square, what the core sinks below the middle's direction, and the weight."""
-        x, y, z, square, weight = (
+        x, y, z, square, weight, plane = (
             dr.gather(mi.Float, self._rows, number * COLUMNS + k) for k in range(COLUMNS)
         )
-        towards = mi.Point3f(x, y, z) - point
+        middle = mi.Point3f(x, y, z)
+        towards = middle - point
         apart = dr.maximum(dr.squared_norm(towards), 1e-30)
         share = dr.minimum(square / apart, 1.0)
         core = share / (1.0 + dr.safe_sqrt(1.0 - share))
-        far = dr.select(apart > FARTHEST**2 * square, weight / apart, 0.0)
+        counts = apart > FARTHEST**2 * square
+        if self._mirrors is not None:
+            is_image = plane > 0.0
+            index = mi.UInt32(dr.maximum(plane, 1.0)) - 1
+            counts &= ~is_image | self._mirrors.shows(index, point, middle, self._slack, is_image)
+        far = dr.select(counts, weight / apart, 0.0)
         return towards, apart, core, far
 
 

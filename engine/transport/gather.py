@@ -115,7 +115,8 @@ def spectral_illuminance(
         def respond_to_spot(direction, asked):
             return dr.select(asked, respond(direction), 0.0), density(direction)
 
-        total += paths.spotted_light(scene, si, stream, respond_to_spot, asked)
+        rest = None if limit is None else mi.UInt32(dr.maximum(limit, 1) - 1)
+        total += paths.spotted_light(scene, si, stream, respond_to_spot, asked, rest)
 
     if is_planar:
         local = mi.warp.square_to_cosine_hemisphere(scatter_sample)

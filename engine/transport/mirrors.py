@@ -202,11 +202,14 @@ class MirrorSet:
 
     Attributes
     ----------
+    planes : list of Plane
+    origin : (3,) array    As given.
     are_panes : bool    Whether there is no true mirror. Scattered rays find the sky in panes well enough, so light from
         infinity is sampled from suns alone.
     """
 
     def __init__(self, planes: list[Plane], origin: np.ndarray):
+        self.planes, self.origin = planes, origin
         self.are_panes = all(plane.is_pane for plane in planes)
         rows = np.zeros((table_size(len(planes)), COLUMNS))
         for row, plane in zip(rows, planes, strict=False):
@@ -237,6 +240,14 @@ class MirrorSet:
         )
         is_inside = dr.all((place >= low - reach) & (place <= high + reach))
         return active & is_inside & (way > -slack)
+
+    def shows(self, index, point, image, slack, active):
+        """Whether an image is seen from a point within the bounds of the mirrors in a plane. ``slack``: of bounds [m]."""
+        way = mi.Vector3f(image - point)
+        ray = mi.Ray3f(mi.Point3f(point), way)
+        normal, distance = self.plane(index, active)
+        ends = (distance - dr.dot(normal, point), distance - dr.dot(normal, image))
+        return self.may_meet(index, ray, slack, active & (ends[0] * ends[1] < 0.0))
 
     def _entry(self, index, column, active):
         return dr.gather(mi.Float, self._rows, index * COLUMNS + column, active)

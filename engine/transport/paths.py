@@ -26,6 +26,9 @@ largest reflectance, or the variance of a closed room is infinite."""
 ROULETTE_START = 3
 """Number of scatterings before roulette begins."""
 
+LONGEST_WAY = 16
+"""Most mirrors and panes between a vertex and the bright spot that it asks."""
+
 MAXIMUM_STEPS = 100_000
 """Stops a path that numerical trouble would keep alive for ever; reached by no valid scene."""
 
@@ -148,7 +151,7 @@ def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, li
     return dr.select(met, amount * reflectance * passed, 0.0)
 
 
-def spotted_light(scene: CompiledScene, si, stream, respond, active):
+def spotted_light(scene: CompiledScene, si, stream, respond, active, rest=None):
     """One-sample estimate of the light of lamps that bright spots send on (see `bright_spots`).
 
     Next event and scattered rays that meet a lamp at once both count there: close to a lamp neither is good alone.
@@ -156,28 +159,29 @@ def spotted_light(scene: CompiledScene, si, stream, respond, active):
     Parameters
     ----------
     respond : callable    As of `mirrored_light`.
+    rest : UInt32 or None    Most reflections between the surface and the spot.
 
     Returns
     -------
     Spectrum    Response times radiance, weighed against the next event of scattered rays.
     """
-    choice = stream.next_float32()
-    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    aim = stream.next_float32()
+    aim_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
     light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    direction = scene.spots.sample(si.p, choice, sample)
+    choice = stream.next_float32()
+    scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    direction = scene.spots.sample(si.p, aim, aim_sample)
     density = scene.spots.density(si.p, direction)
     asked = active & (density > 0.0)
     response, response_pdf = respond(direction, asked)
     amount = response * (power_heuristic(density, response_pdf) / dr.maximum(density, 1e-30))
     asked &= dr.any(amount != 0.0)
-    there = _go_on(scene, si, direction, asked)
-    asked &= there.is_valid()
+    there, passed = _go_on(scene, si, direction, stream, asked, rest)
+    amount = amount * passed
+    asked &= dr.any(amount != 0.0)
     bsdf = scene.bsdf(there, asked)
-    asked &= mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
     light = next_event(scene, there, bsdf, light_sample, asked)
-    choice = stream.next_float32()
-    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    bs, scattered = bsdf.sample(mi.BSDFContext(), there, choice, sample, asked)
+    bs, scattered = bsdf.sample(mi.BSDFContext(), there, choice, scatter_sample, asked)
     meets = asked & ~_is_single(bs) & dr.any(scattered != 0.0)
     lamp = closest_hit(scene, spawn_ray(scene, there, there.to_world(bs.wo)), meets)
     lamp.wavelengths = si.wavelengths
@@ -189,35 +193,68 @@ def spotted_light(scene: CompiledScene, si, stream, respond, active):
     return dr.select(asked, amount * light, 0.0)
 
 
-def _go_on(scene: CompiledScene, si, direction, active):
-    """First surface in a direction that is not nothing to light, as bodies of lights are."""
+def _go_on(scene: CompiledScene, si, direction, stream, active, rest=None):
+    """First surface that scatters in a direction, over mirrors and through panes and bodies of glass.
+
+    Paths do the same by the same chances, so that densities compare where both leave the first surface.
+
+    Returns
+    -------
+    (SurfaceInteraction3f, Spectrum)    And the share of its light that comes back; 0 where there is no such surface.
+    """
     ray = spawn_ray(scene, si, direction)
+    ray.wavelengths = si.wavelengths
     there = closest_hit(scene, ray, active)
-    passes = active & there.is_valid() & _is_open(scene.bsdf(there, active))
-
-    def step(there, passes, steps):
-        onwards = closest_hit(scene, spawn_ray(scene, there, direction), passes)
-        there = dr.select(passes, onwards, there)
-        passes &= there.is_valid()
-        passes &= _is_open(scene.bsdf(there, passes))
-        steps += 1
-        return there, passes & (steps < 1000), steps
-
-    there, _, _ = dr.while_loop(
-        state=(there, mi.Bool(passes), mi.UInt32(0)),
-        cond=lambda there, passes, steps: passes,
-        body=step,
-        labels=("there", "passes", "steps"),
-    )
     there.wavelengths = si.wavelengths
-    return there
+    on_way = active & there.is_valid()
+    state = {
+        "there": there,
+        "ray": ray,
+        "numbers": mi.PCG32(stream),
+        "value": dr.select(on_way, mi.Spectrum(1.0), 0.0),
+        "polar": mi.Vector3f(0.0),
+        "turns": mi.UInt32(0),
+        "steps": mi.UInt32(0),
+        "passes": on_way & ~scatters(scene.bsdf(there, on_way)),
+    }
 
+    def step(there, ray, numbers, value, polar, turns, steps, passes):
+        bsdf = scene.bsdf(there, passes)
+        choice = numbers.next_float32()
+        sample = mi.Point2f(numbers.next_float32(), numbers.next_float32())
+        bs, weight = bsdf.sample(mi.BSDFContext(), there, choice, sample, passes)
+        is_turned = passes & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+        onwards = there.to_world(bs.wo)
+        factor, polar = polarise(scene, there, ray.d, onwards, polar, is_turned, passes)
+        value = dr.select(passes, value * weight * factor, value)
+        turns = dr.select(is_turned, turns + 1, turns)
+        steps += 1
+        goes_on = passes & (steps <= LONGEST_WAY) & (bs.sampled_component != DISPERSED_COMPONENT)
+        if rest is not None:
+            goes_on &= turns <= rest
+        following = spawn_ray(scene, there, onwards)
+        following.wavelengths = ray.wavelengths
+        ray = dr.select(passes, following, ray)
+        hit = closest_hit(scene, ray, goes_on)
+        hit.wavelengths = ray.wavelengths
+        goes_on &= hit.is_valid() & dr.any(value != 0.0)
+        value = dr.select(passes & ~goes_on, 0.0, value)
+        there = dr.select(goes_on, hit, there)
+        passes = goes_on & ~scatters(scene.bsdf(there, goes_on))
+        return there, ray, numbers, value, polar, turns, steps, passes
 
-def _is_open(bsdf):
-    """Whether a surface does nothing but let pass."""
-    return bsdf.flags() == mi.UInt32(
-        int(mi.BSDFFlags.Null) | int(mi.BSDFFlags.FrontSide) | int(mi.BSDFFlags.BackSide)
+    result = dr.while_loop(
+        state=tuple(state.values()),
+        cond=lambda *values: values[-1],
+        body=step,
+        labels=tuple(state),
     )
+    return result[0], result[3]
+
+
+def scatters(bsdf):
+    """Whether a surface sends light into more than single directions."""
+    return mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
 
 
 def _is_single(bs):
@@ -332,9 +369,13 @@ def trace(
     has_mirrors = scene.mirrors is not None
     has_spots = scene.spots is not None
     if has_spots:
-        # Whether the ray goes in one line from the reference, as those to spots do.
-        state["is_clear"] = mi.Bool(scatter_pdf > 0.0)
-        # Share of the lamps' light at the reference that the way there counts for; the rest is counted by rays to spots.
+        # Mirrors and panes since the last vertex; more than `LONGEST_WAY` where rays to spots could not go the same way.
+        state["way"] = dr.select(scatter_pdf > 0.0, mi.UInt32(0), LONGEST_WAY + 1)
+        # Share of the lamps' light at the next vertex that the way there counts for; the rest is counted by rays to spots.
+        state["next_share"] = power_heuristic(
+            mi.Float(scatter_pdf), scene.spots.density(mi.Point3f(reference), ray.d)
+        )
+        # The same at the last vertex, for a lamp that is met at once.
         state["share"] = mi.Float(1.0)
         state["active"] = state.pop("active")
     # Light over bends has its own estimator at vertices that spread it out, receivers among them.
@@ -362,7 +403,7 @@ def trace(
         *more,
     ):
         *more, active = more
-        is_clear, share, *bending = more if has_spots else (None, None, *more)
+        way, next_share, share, *bending = more if has_spots else (None, None, None, *more)
         si = closest_hit(scene, ray, active, looks=depth == 0 if is_camera else None)
         if spectral:
             si.wavelengths = ray.wavelengths
@@ -427,15 +468,16 @@ def trace(
         if scene.lights.count:
             amount = throughput * next_event(scene, si, bsdf, light_sample, smooth)
             if has_spots:
-                rival = scene.spots.density(reference, ray.d)
-                share = dr.select(is_clear, power_heuristic(pdf, rival), 1.0)
+                share = dr.select(way <= LONGEST_WAY, next_share, 1.0)
                 amount *= share
 
                 def respond_to_spot(direction, asked, si=si, bsdf=bsdf):
                     return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
 
                 asks = smooth if last is None else smooth & (depth < last)
-                amount += throughput * spotted_light(scene, si, stream, respond_to_spot, asks)
+                rest = None if last is None else mi.UInt32(last - dr.minimum(depth + 1, last))
+                spotted = spotted_light(scene, si, stream, respond_to_spot, asks, rest)
+                amount += throughput * spotted
             radiance = radiance + amount
             if has_mirrors:
 
@@ -489,8 +531,14 @@ def trace(
             spread |= spreads
             bent = dr.select(spreads, False, bent | (anew & delta))
         if has_spots:
-            is_clear = (anew & ~delta & smooth) | (is_clear & straight & ~hidden & _is_open(bsdf))
-            share = dr.select(anew & ~delta, share, 1.0)
+            leaves_anew = turned & ~delta & smooth
+            passes = active & ~hidden & ~scatters(bsdf)
+            passes &= bs.sampled_component != DISPERSED_COMPONENT
+            way = dr.select(passes, dr.minimum(way, LONGEST_WAY) + 1, LONGEST_WAY + 1)
+            way = dr.select(leaves_anew, 0, way)
+            rival = scene.spots.density(si.p, direction)
+            next_share = dr.select(leaves_anew, power_heuristic(bs.pdf, rival), next_share)
+            share = dr.select(turned & ~delta, share, 1.0)
         pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
         reference = dr.select(anew, si.p, reference)
         eta = dr.select(turned, eta * bs.eta, eta)
@@ -506,7 +554,8 @@ def trace(
         active &= alive & goes_on
         if last is not None:
             active &= depth <= last + 1
-        more = (*((is_clear, share) if has_spots else ()), *((spread, bent) if has_bent else ()))
+        spotted = (way, next_share, share) if has_spots else ()
+        more = (*spotted, *((spread, bent) if has_bent else ()))
         return (
             ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, *more,
             active,

@@ -7,7 +7,7 @@ import pytest
 from baking_rooms import bake, bake_in, lamp, lumel_places
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity, SpotLight, SunLight
-from lumenray.engine.scene.material import Glossy, Material
+from lumenray.engine.scene.material import Glossy, Material, ThinGlass
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
 from small_scenes import box, paint, quad, session_of
@@ -274,26 +274,46 @@ def test_sensors_get_what_a_lamp_close_to_a_wall_makes_of_it(away, radius):
     assert (np.abs(made.illuminance - true) < 4.0 * error + 0.004 * true).all()
 
 
-def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall():
-    """A sphere's inside is lit evenly by what it reflects, wherever the lamp is."""
+ACROSS = {
+    "nothing": None,
+    "a pane that does nothing": ThinGlass(1.0, Constant(1.0)),
+    "a mirror": Glossy(Constant(1.0), 0.0),
+}
+"""What stands in the middle of a sphere and leaves its light even: a mirror makes a whole one of a half."""
+
+
+@pytest.mark.parametrize("name", ACROSS)
+def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall(name):
+    """A sphere's inside is lit evenly by what it reflects, wherever the lamp is, also where spots lie behind mirrors."""
     from glass_scenes import ball
 
     radius, reflectance, away = 2.0, 0.8, 0.005
     shell = ball("room", radius, np.zeros(3), "paint", 96)
-    inside = replace(
-        shell,
-        triangles=np.ascontiguousarray(shell.triangles[:, ::-1]),
-        corner_normals=-shell.corner_normals[:, ::-1],
-    )
+    triangles = np.ascontiguousarray(shell.triangles[:, ::-1])
+    is_half = name == "a mirror"
+    if is_half:
+        triangles = triangles[shell.vertices[triangles][:, :, 2].mean(axis=1) > 0.0]
+    # Flat faces: what smooth shading makes of grazing light is not even.
+    inside = replace(shell, triangles=triangles, corner_normals=None,
+                     material_index=np.zeros(len(triangles), np.int32))  # fmt: skip
     at = np.array([0.0, 0.0, radius - away])
-    session = session_of(paint(reflectance), inside, lamp(at, 1000.0, 0.0))
-    places = np.array([[0.0, 0.0, -0.998 * radius], [0.998 * radius, 0.0, 0.0]])
-    made = session.measure(places, -places / (0.998 * radius), StopRule(samples=1 << 16))
-    straight = np.array([1000.0 / (4.0 * np.pi * (2.0 * radius - away) ** 2), 0.0])
-    way = at - np.array([radius, 0.0, 0.0])
-    straight[1] = 1000.0 / (4.0 * np.pi) * radius / np.linalg.norm(way) ** 3
-    reflected = 1000.0 / (4.0 * np.pi * radius**2) * reflectance / (1.0 - reflectance)
-    true = straight + reflected
+    items = [paint(reflectance), inside, lamp(at, 1000.0, 0.0)]
+    if ACROSS[name] is not None:
+        items += [
+            quad("across", (-2.2, -2.2, 0.0), (4.4, 0.0, 0.0), (0.0, 4.4, 0.0), "across"),
+            Material("across", "across", ACROSS[name]),
+        ]
+    away = 0.998 * radius
+    places = away * np.array([[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 0.0, -1.0]])
+    if is_half:
+        places = places[:1]
+    made = session_of(*items).measure(places, -places / away, StopRule(samples=1 << 16))
+    lamps = np.array([at, -at] if is_half else [at])
+    ways = lamps - places[:, None]
+    cosines = np.maximum(np.einsum("kli,ki->kl", ways, -places / away), 0.0)
+    straight = (cosines / np.linalg.norm(ways, axis=2) ** 3).sum(axis=1) / (4.0 * np.pi)
+    reflected = len(lamps) / (4.0 * np.pi * radius**2) * reflectance / (1.0 - reflectance)
+    true = 1000.0 * (straight + reflected)
     error = np.array(made.standard_error)
-    assert (error < 0.01 * true).all()
-    assert (np.abs(made.illuminance - true) < 4.0 * error + 0.006 * true).all()
+    assert (error < 0.005 * true).all()
+    assert (np.abs(made.illuminance - true) < 4.0 * error + 0.001 * true).all()
