@@ -1,7 +1,6 @@
 """Error over time: how long Lumenray and other programs take to come near exact values, in one run."""
 
 import json
-import sys
 import time
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from .accuracy_runs import Lumenray, find_peers, measure_scene
 from .accuracy_scenes import QUICK, TITLES, load_scene
 from .accuracy_views import measure_views
 from .machine import OtherLoad, describe_machine
+from .output import write_numbers
 
 ROUNDS, QUICK_ROUNDS = 5, 4
 """How often every run is made, with other random numbers each time."""
@@ -93,15 +93,8 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     from .accuracy_chart import draw_scenes, draw_views
     from .accuracy_document import write_document
 
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_numbers(result, path)
     folder.mkdir(parents=True, exist_ok=True)
     draw_scenes(result["scenes"], folder / "accuracy.png")
     draw_views(result["views"], folder / "accuracy_views.png")
     write_document(result, folder / "accuracy.md")
-
-
-def report_progress(line: str) -> None:
-    """Tell whoever watches what was done."""
-    print(line, file=sys.stderr, flush=True)

@@ -1,12 +1,12 @@
 """Lux maps beside references and other programs: stated errors, forecasts, speed, leaks, scale; in one run."""
 
 import json
-import sys
 import time
 from pathlib import Path
 
 from ..engine.errors import LumenrayError
 from .machine import OtherLoad, describe_machine, measure_unsteadiness
+from .output import report_progress, write_numbers
 
 
 def run(options) -> int:
@@ -125,9 +125,7 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     from .atlas_chart import draw_calibration, draw_races, draw_scale
     from .atlas_document import write_document
 
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_numbers(result, path)
     folder.mkdir(parents=True, exist_ok=True)
     if result["races"]:
         draw_races(result["races"], folder / "atlas_races.png")
@@ -136,8 +134,3 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     if result["scale"] is not None:
         draw_scale(result["scale"], folder / "atlas_scale.png")
     write_document(result, folder / "atlas.md")
-
-
-def report_progress(line: str) -> None:
-    """Tell whoever watches what was done."""
-    print(line, file=sys.stderr, flush=True)

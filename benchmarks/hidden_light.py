@@ -5,7 +5,6 @@ the witness that errors are widened by. A row passes where no seed is farther of
 `MARGIN` of the value, and the mean of all seeds is within `BIAS` of what is true.
 """
 
-import json
 import time
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from ..engine.scene.scene import SceneDelta
 from ..engine.session import Session, ViewSettings
 from .hidden_scenes import Map, Scene, Sensors, make_scenes
 from .machine import describe_machine
+from .output import write_numbers
 
 SEEDS = 20
 
@@ -158,13 +158,11 @@ def _summarise(rows: list[dict]) -> dict:
     }  # fmt: skip
 
 
-def write_results(result: dict, folder: Path, data: Path | None) -> None:
-    """Write the document, and all numbers where they are wanted."""
+def write_results(result: dict, folder: Path, path: Path | None) -> None:
+    """Write the document to a folder, and all numbers to a JSON file if one is named."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "hidden.md").write_text(describe(result), encoding="utf-8")
-    if data is not None:
-        data.parent.mkdir(parents=True, exist_ok=True)
-        data.write_text(json.dumps(result, indent=1), encoding="utf-8")
+    write_numbers(result, path)
 
 
 def describe(result: dict) -> str:
@@ -212,8 +210,3 @@ def _tell_row(row: dict, words: str) -> str:
         f"| {words} | {row['what']} | {row['true']:.5g} {row['unit']} | {row['mean']:.5g}{spread} | {row['stated']:.2g} | "
         f"{row['percent']:.2f} % | {largest} | {rms} | {row['seconds']:.1f} s | {'pass' if row['passed'] else 'FAIL'} |"
     )
-
-
-def report_progress(text: str) -> None:
-    """Print a line at once."""
-    print(text, flush=True)

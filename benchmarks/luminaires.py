@@ -1,11 +1,10 @@
 """Luminaires: agreement with Radiance, speed of look-up, and noise of a next event, in one run."""
 
-import json
-import sys
 from pathlib import Path
 
 from . import luminaire_agreement, luminaire_speed, luminaire_variance
 from .machine import OtherLoad, describe_machine
+from .output import write_numbers
 
 
 def run(folder: Path | None = None, say=None) -> dict:
@@ -46,15 +45,8 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     from .luminaire_chart import draw_agreement, draw_speed
     from .luminaire_document import write_document
 
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_numbers(result, path)
     folder.mkdir(parents=True, exist_ok=True)
     draw_agreement(result["agreement"], folder / "luminaires_agreement.png")
     draw_speed(result["speed"], folder / "luminaires_speed.png")
     write_document(result, folder / "luminaires.md")
-
-
-def report_progress(line: str) -> None:
-    """Tell whoever watches what was done."""
-    print(line, file=sys.stderr, flush=True)

@@ -1,7 +1,5 @@
 """Ray sets: error over the size of the file, convergence beyond it, lux maps close by, speed and memory, in one run."""
 
-import json
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -13,6 +11,7 @@ from ..engine.raysets.emission import make_emission, prepare_light
 from ..engine.raysets.record import LUMINOUS, Rays
 from ..engine.raysets.writers import write_tm25
 from .machine import OtherLoad, describe_machine
+from .output import write_numbers
 from .ray_sources import RADIUS, SOURCES, disk, even_numbers, landing, numbers
 
 SIZE = 2.0 * RADIUS
@@ -290,15 +289,8 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     from .raysets_chart import draw_convergence, draw_errors
     from .raysets_document import write_document
 
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_numbers(result, path)
     folder.mkdir(parents=True, exist_ok=True)
     draw_errors(result["errors"], folder / "raysets_errors.png")
     draw_convergence(result["convergence"], folder / "raysets_convergence.png")
     write_document(result, folder / "raysets.md")
-
-
-def report_progress(line: str) -> None:
-    """Tell whoever watches what was done."""
-    print(line, file=sys.stderr, flush=True)

@@ -6,7 +6,6 @@ squares about four places on which sensors gather, with the errors that the seco
 so many stated errors: of its own and of the reference, joined, and one per cent more.
 """
 
-import json
 import time
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from ..engine.baking.order import BakeOrder
 from ..engine.scene.scene import SceneDelta
 from ..engine.session import Session
 from .machine import describe_machine
+from .output import write_numbers
 from .random_rooms import make_room
 
 COUNT, FIRST = 300, 0
@@ -119,13 +119,11 @@ def _row(number, words, what, value, stated, true, true_error) -> dict:
             "reference": float(true), "reference_error": float(true_error), "off": float(off)}  # fmt: skip
 
 
-def write_results(result: dict, folder: Path, data: Path | None) -> None:
-    """Write the document, and all numbers where they are wanted."""
+def write_results(result: dict, folder: Path, path: Path | None) -> None:
+    """Write the document to a folder, and all numbers to a JSON file if one is named."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "rooms.md").write_text(describe(result), encoding="utf-8")
-    if data is not None:
-        data.parent.mkdir(parents=True, exist_ok=True)
-        data.write_text(json.dumps(result, indent=1), encoding="utf-8")
+    write_numbers(result, path)
 
 
 def describe(result: dict) -> str:
@@ -166,8 +164,3 @@ def _uncertain(rows: list[dict]) -> float:
     """Share of the maps whose stated error is above a twentieth."""
     maps = [row for row in rows if row["what"] == "map"]
     return float(np.mean([row["error"] > 0.05 * row["value"] for row in maps])) if maps else 0.0
-
-
-def report_progress(text: str) -> None:
-    """Print a line at once."""
-    print(text, flush=True)

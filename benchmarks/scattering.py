@@ -1,10 +1,8 @@
 """Measured materials: storage over error, sampling, speed against others, pictures, and a back-light, in one run."""
 
 import ctypes
-import json
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -19,6 +17,7 @@ from ..engine.scattering.resampling import resample
 from ..engine.scattering.store import pack
 from ..engine.scattering.table import direction_of, evaluate_table, place_on
 from .machine import OtherLoad, describe_machine
+from .output import write_numbers
 from .scattering_models import MATERIALS, RED, WAVELENGTHS, mirror, paint
 
 TOLERANCES = (0.05, 0.02, 0.01)
@@ -527,17 +526,5 @@ def write_results(result: dict, folder: Path, json_path: Path | None) -> None:
     draw_storage(result["storage"]).save(folder / "scattering_storage.png")
     draw_pictures(result["pictures"]).save(folder / "scattering_pictures.png")
     write_document(result, folder / "scattering.md")
-    if json_path is not None:
-        json_path.parent.mkdir(parents=True, exist_ok=True)
-        plain = result | {
-            "pictures": [
-                {k: v for k, v in row.items() if k != "pictures"} for row in result["pictures"]
-            ]
-        }
-        json_path.write_text(json.dumps(plain, indent=1), encoding="utf-8")
-
-
-def report_progress(line: str) -> None:
-    """Tell what was done."""
-    sys.stderr.write(line + "\n")
-    sys.stderr.flush()
+    plain = [{k: v for k, v in row.items() if k != "pictures"} for row in result["pictures"]]
+    write_numbers(result | {"pictures": plain}, json_path)

@@ -5,9 +5,7 @@ Blender's module and the engine's worker process run as they do behind the viewp
 
 import gc
 import itertools
-import json
 import random
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +21,7 @@ from ..engine.worker.client import Worker
 from .edits import GROUPS, Answer, Desk, turned
 from .grid_scene import build_scene, count_triangles
 from .machine import OtherLoad, describe_machine
+from .output import write_numbers
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -243,14 +242,7 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     from .chart import draw_chart
     from .document import write_document
 
-    if path is not None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    write_numbers(result, path)
     folder.mkdir(parents=True, exist_ok=True)
     draw_chart(result, folder / "sync.png")
     write_document(result, folder / "sync.md")
-
-
-def report_progress(line: str) -> None:
-    """Tell whoever watches what was done."""
-    print(line, file=sys.stderr, flush=True)

@@ -46,15 +46,6 @@ def _add_kinds(benchmark):
     rooms = kinds.add_parser("rooms", help="random small rooms against paths from the lights")
     rooms.add_argument("--count", type=int, default=300, help="how many (default: 300)")
     rooms.add_argument("--first", type=int, default=0, help="number of the first (default: 0)")
-    rooms.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    rooms.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("docs/benchmarks"),
-        metavar="DIR",
-        help="folder for rooms.md (default: docs/benchmarks)",
-    )
     hidden = kinds.add_parser("hidden", help="light that is hard to find against closed forms")
     hidden.add_argument(
         "--seeds", type=_count, default=20, metavar="N", help="runs of each scene (default: 20)"
@@ -65,15 +56,16 @@ def _add_kinds(benchmark):
         metavar="NAME",
         help="only this scene (may be repeated; default: all)",
     )
-    hidden.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    hidden.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("docs/benchmarks"),
-        metavar="DIR",
-        help="folder for hidden.md (default: docs/benchmarks)",
-    )
+    for name, kind in (("rooms", rooms), ("hidden", hidden)):
+        kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
+        kind.add_argument(
+            "-o",
+            "--output",
+            type=Path,
+            default=Path("docs/benchmarks"),
+            metavar="DIR",
+            help=f"folder for {name}.md (default: docs/benchmarks)",
+        )
     return kinds
 
 
@@ -891,7 +883,7 @@ def _benchmark(options) -> int:
     from ..engine.errors import LumenrayError
 
     try:
-        from .. import benchmarks  # noqa: F401
+        from ..benchmarks.output import report_progress
     except ImportError:
         raise LumenrayError(
             "this installation has no benchmarks; they come with Lumenray's source code"
@@ -899,31 +891,27 @@ def _benchmark(options) -> int:
     if options.kind == "scattering":
         from ..benchmarks import scattering
 
-        scattering.write_results(
-            scattering.run(say=scattering.report_progress), options.output, options.json
-        )
+        scattering.write_results(scattering.run(say=report_progress), options.output, options.json)
         print(f"written to {options.output / 'scattering.md'}")
         return 0
     if options.kind == "rooms":
         from ..benchmarks import rooms
 
-        made = rooms.run(options.count, options.first, say=rooms.report_progress)
+        made = rooms.run(options.count, options.first, say=report_progress)
         rooms.write_results(made, options.output, options.json)
         print(f"written to {options.output / 'rooms.md'}")
         return int(any(row["off"] > 1.0 for row in made["rows"]))
     if options.kind == "hidden":
         from ..benchmarks import hidden_light
 
-        made = hidden_light.run(options.seeds, options.scene, say=hidden_light.report_progress)
+        made = hidden_light.run(options.seeds, options.scene, say=report_progress)
         hidden_light.write_results(made, options.output, options.json)
         print(f"written to {options.output / 'hidden.md'}")
         return int(not all(row["passed"] for row in hidden_light.summarise(made)))
     if options.kind == "raysets":
         from ..benchmarks import raysets
 
-        raysets.write_results(
-            raysets.run(say=raysets.report_progress), options.output, options.json
-        )
+        raysets.write_results(raysets.run(say=report_progress), options.output, options.json)
         print(f"written to {options.output / 'raysets.md'}")
         return 0
     if options.kind == "luminaires":
@@ -950,7 +938,7 @@ def _benchmark(options) -> int:
             f"there is no scene {', '.join(unknown)}; choose from {', '.join(sync.SCENES)}"
         )
     with _quiet():
-        result = sync.run(scenes, objects, say=sync.report_progress)
+        result = sync.run(scenes, objects, say=report_progress)
     sync.write_results(result, options.output, options.json)
     print(tell_bars(check_bars(result)))
     print(f"written to {options.output / 'sync.md'}")
@@ -964,9 +952,10 @@ def _benchmark_luminaires(options) -> int:
     backend.start(spectral=False)
     from ..benchmarks import luminaires
     from ..benchmarks.luminaire_bars import check_bars, tell_bars
+    from ..benchmarks.output import report_progress
 
     folder = options.output or Path("out" if options.files else "docs/benchmarks")
-    result = luminaires.run(options.files, say=luminaires.report_progress)
+    result = luminaires.run(options.files, say=report_progress)
     luminaires.write_results(result, folder, options.json)
     print(tell_bars(check_bars(result)))
     print(f"written to {folder / 'luminaires.md'}")
@@ -1038,11 +1027,12 @@ def _benchmark_accuracy(options) -> int:
     from ..benchmarks.accuracy_document import tell_comparison
     from ..benchmarks.accuracy_statistics import compare_results
     from ..benchmarks.luminaire_bars import tell_bars
+    from ..benchmarks.output import report_progress
 
     # The file may be the one that is written.
     earlier = accuracy.read_results(options.check) if options.check else None
     folder = options.output or Path("out" if options.quick else "docs/benchmarks")
-    result = accuracy.run(options.quick, options.peers, say=accuracy.report_progress)
+    result = accuracy.run(options.quick, options.peers, say=report_progress)
     accuracy.write_results(result, folder, options.json)
     print(tell_bars(check_bars(result)))
     print(f"written to {folder / 'accuracy.md'}")
