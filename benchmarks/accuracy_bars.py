@@ -19,6 +19,9 @@ FORECAST = 2.0
 TYPICAL = 0.2
 """Largest median error of the whole time that is foretold. [-]"""
 
+LATE = 0.5
+"""Share of the whole time after which a first forecast is none. [-]"""
+
 TARGET = 0.003
 """Relative error that others must not reach sooner."""
 
@@ -75,17 +78,19 @@ def _check_forecasts(result: dict) -> Bar:
 
 def _check_typical_forecast(result: dict) -> Bar:
     """Judge the whole time as it was foretold, of which a part had passed already."""
-    errors = [
-        abs((row["seconds"] - row["left"] + row["forecast"]) / row["seconds"] - 1.0)
-        for scene in result["scenes"]
-        for row in scene["forecasts"]
-        if row["forecast"] is not None
-    ]
+    errors = [_miss(row) for scene in result["scenes"] for row in scene["forecasts"]]
     demand, limit = "forecast of the whole time, median error", f"{100 * TYPICAL:g} %"
     if not errors:
         return Bar(demand, limit, "-", None)
     typical = statistics.median(errors)
     return Bar(demand, limit, f"{100 * typical:.2g} %", typical <= TYPICAL)
+
+
+def _miss(row: dict) -> float:
+    """Error of a forecast, relative to the whole time; 1 where it came too late to be of use, or never."""
+    if row["forecast"] is None or row["seconds"] - row["left"] > LATE * row["seconds"]:
+        return 1.0
+    return abs(row["forecast"] - row["left"]) / row["seconds"]
 
 
 def _check_peer(result: dict, name: str) -> Bar:

@@ -68,9 +68,10 @@ def _check_scenes(scenes: list[dict]) -> Bar:
     ratios = scene_ratios(scenes)
     if not ratios:
         return Bar(demand, limit, "-", None)
-    (key, level), ratio = max(ratios.items(), key=lambda entry: abs(np.log(entry[1])))
-    passed = all(CALIBRATION[0] <= each <= CALIBRATION[1] for each in ratios.values())
-    return Bar(demand, limit, f"{ratio:.2f} at worst ({key}, {100 * level:g} %)", passed)
+    low, high = CALIBRATION
+    (key, level), ratio = max(ratios.items(), key=lambda row: max(row[1] - high, low - row[1]))
+    told = f"{ratio:.2f} at worst ({key}, {100 * level:g} %)"
+    return Bar(demand, limit, told, low <= ratio <= high)
 
 
 def _most(demand: str, value, limit: float) -> Bar:

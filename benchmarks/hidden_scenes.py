@@ -40,6 +40,9 @@ PLACE = (0.5, 0.2, 0.6)
 RESTING = 1e-4
 """Height of sensors over a wall of facets. [m]"""
 
+FACETED = 2e-3
+"""Share that facets of balls and shells may change. [-]"""
+
 PIXELS = 16
 """Along the sides of pictures."""
 
@@ -105,11 +108,13 @@ class Scene:
     words : str    For people.
     items : tuple    Of the scene.
     asked : tuple of Sensors, Map or View
+    margin : float    Share of a true value that its closed form and the facets of the scene leave open. [-]
     """
 
     words: str
     items: tuple
     asked: tuple
+    margin: float = 2e-4
 
 
 def make_scenes() -> dict[str, Callable[[], Scene]]:
@@ -127,6 +132,7 @@ def make_scenes() -> dict[str, Callable[[], Scene]]:
     for millimetres in (5, 30):
         made[f"keyhole-{millimetres}mm"] = lambda mm=millimetres: _keyhole(1e-3 * mm)
     made["lamp-at-wall"] = _lamp_at_wall
+    made["lamp-at-shell"] = _lamp_at_shell
     made["white-room"] = _white_room
     made["facets-sun"] = lambda: _facets(True)
     made["facets-world"] = lambda: _facets(False)
@@ -185,6 +191,7 @@ def _bulb_in_box(radius: float, is_mesh: bool) -> Scene:
         f"{_name_lamp(radius, is_mesh)} in a ball of glass, box of 3 m",
         (_paint(0.5), room, *items),
         (Map(true, 128),),
+        FACETED,
     )
 
 
@@ -200,6 +207,7 @@ def _bulb_in_sphere(radius: float, is_mesh: bool) -> Scene:
         f"{_name_lamp(radius, is_mesh)} in a ball of glass, sphere of 2 m",
         (_paint(0.5), shell, *_bulb(PLACE, 1000.0, radius, is_mesh)),
         (Sensors(("far", "near"), places, -aims, true, 1 << 16), view),
+        FACETED,
     )
 
 
@@ -240,6 +248,7 @@ def _keyhole(width: float) -> Scene:
         f"sun through a hole of {1000.0 * width:.0f} mm into a box of 1 m",
         (_paint(0.7), room, sun),
         (Map(true, 1 << 14, area=float(room.areas().sum())),),
+        1e-3,
     )
 
 
@@ -248,6 +257,23 @@ def _lamp_at_wall() -> Scene:
         "point lamp at 0.1 mm from a wall, room of 3 m",
         (_paint(0.5), make_box((3.0, 3.0, 3.0)), _lamp((1e-4, 1.4, 1.3), 1000.0)),
         (Map(truths.closed_room(1000.0, 0.5, 54.0), 1024),),
+    )
+
+
+def _lamp_at_shell() -> Scene:
+    """Lamp so close to a sphere's wall that what it lights there is found by asking for it alone."""
+    lamp = np.array([0.0, 0.0, SHELL - 0.005])
+    shell = make_ball("room", SHELL, (0.0, 0.0, 0.0), "paint", 256, inwards=True, smooth=False)
+    aims = np.array([[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 0.0, -1.0]])
+    places = (SHELL - RESTING) * aims
+    true = truths.in_sphere(places, lamp, 1000.0, 0.5, SHELL)
+    seen = truths.in_sphere(SHELL * aims[:1], lamp, 1000.0, 0.5, SHELL)[0]
+    view = View(look((-0.4, 0.3, -0.5), SHELL * aims[0], 0.02), 0.5 * seen / np.pi, 128)
+    return Scene(
+        "point lamp at 5 mm from the wall of a sphere of 2 m",
+        (_paint(0.5), shell, _lamp(lamp, 1000.0)),
+        (Sensors(("side", "foot"), places, -aims, true, 1 << 16), view),
+        FACETED,
     )
 
 

@@ -18,7 +18,7 @@ from ..engine.scene.material import (
 )
 from ..engine.scene.mesh import Mesh
 from ..engine.scene.spectrum import Constant, Rgb
-from .shapes import make_ball, make_box, make_mesh
+from .shapes import make_ball, make_box, make_rectangle
 
 GLASS = Material("glass", "glass", Dielectric(Cauchy(1.5)))
 PANE = Material("pane", "pane", ThinGlass(1.52, Constant(0.95)))
@@ -141,18 +141,15 @@ def _mirror(draw, size, words: list[str]) -> list:
         place = draw.uniform(0.25, 0.75, 3) * size
         return [make_ball("silver", 0.15, place, "mirror", 48)]
     words.append("a mirror before a wall")
-    y = size[1] - 0.01
-    corners = np.array([[0.2, y, 0.2], [size[0] - 0.2, y, 0.2],
-                        [size[0] - 0.2, y, size[2] - 0.2], [0.2, y, size[2] - 0.2]])  # fmt: skip
-    return [make_mesh("silver", corners, [[0, 1, 2], [0, 2, 3]], "mirror")]
+    corner, width, height = (0.2, size[1] - 0.01, 0.2), size[0] - 0.4, size[2] - 0.4
+    return [make_rectangle("silver", corner, (width, 0.0, 0.0), (0.0, 0.0, height), "mirror")]
 
 
 def _screen(x: float, size, gap: float) -> Mesh:
     """Partition that leaves a gap over the floor."""
-    corners = [[x, 0, gap], [x, size[1], gap], [x, size[1], size[2]], [x, 0, size[2]]]
-    return make_mesh("screen", np.array(corners), [[0, 1, 2], [0, 2, 3]], "screen")
+    edges = (0.0, size[1], 0.0), (0.0, 0.0, size[2] - gap)
+    return make_rectangle("screen", (x, 0.0, gap), *edges, "screen")
 
 
 def _wall(name: str, x: float, size, material: str) -> Mesh:
-    corners = [[x, 0, 0], [x, size[1], 0], [x, size[1], size[2]], [x, 0, size[2]]]
-    return make_mesh(name, np.array(corners), [[0, 1, 2], [0, 2, 3]], material)
+    return make_rectangle(name, (x, 0.0, 0.0), (0.0, size[1], 0.0), (0.0, 0.0, size[2]), material)

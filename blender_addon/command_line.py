@@ -44,7 +44,7 @@ def _add_kinds(benchmark):
     """Begin the list of benchmarks, with those of random rooms and of light that is hard to find."""
     kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
     rooms = kinds.add_parser("rooms", help="random small rooms against paths from the lights")
-    rooms.add_argument("--count", type=int, default=300, help="how many (default: 300)")
+    rooms.add_argument("--count", type=_count, default=300, help="how many (default: 300)")
     rooms.add_argument("--first", type=int, default=0, help="number of the first (default: 0)")
     hidden = kinds.add_parser("hidden", help="light that is hard to find against closed forms")
     hidden.add_argument(
@@ -62,9 +62,8 @@ def _add_kinds(benchmark):
             "-o",
             "--output",
             type=Path,
-            default=Path("docs/benchmarks"),
             metavar="DIR",
-            help=f"folder for {name}.md (default: docs/benchmarks)",
+            help=f"folder for {name}.md (default: docs/benchmarks, of a part out)",
         )
     return kinds
 
@@ -897,16 +896,20 @@ def _benchmark(options) -> int:
     if options.kind == "rooms":
         from ..benchmarks import rooms
 
+        is_part = options.count < rooms.COUNT or options.first != rooms.FIRST
+        folder = options.output or Path("out" if is_part else "docs/benchmarks")
         made = rooms.run(options.count, options.first, say=report_progress)
-        rooms.write_results(made, options.output, options.json)
-        print(f"written to {options.output / 'rooms.md'}")
+        rooms.write_results(made, folder, options.json)
+        print(f"written to {folder / 'rooms.md'}")
         return int(any(row["off"] > 1.0 for row in made["rows"]))
     if options.kind == "hidden":
         from ..benchmarks import hidden_light
 
+        is_part = options.scene is not None or options.seeds < hidden_light.SEEDS
+        folder = options.output or Path("out" if is_part else "docs/benchmarks")
         made = hidden_light.run(options.seeds, options.scene, say=report_progress)
-        hidden_light.write_results(made, options.output, options.json)
-        print(f"written to {options.output / 'hidden.md'}")
+        hidden_light.write_results(made, folder, options.json)
+        print(f"written to {folder / 'hidden.md'}")
         return int(not all(row["passed"] for row in hidden_light.summarise(made)))
     if options.kind == "raysets":
         from ..benchmarks import raysets

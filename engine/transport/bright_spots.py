@@ -38,7 +38,7 @@ MOST_SPOTS, MOST_IMAGES = 8, 8
 PANE_SHARE = 0.1
 """What a pane shows of a spot. [-]"""
 
-CORE = 0.65
+CORE = 0.75
 """Share of what a spot counts for within its core: a point lamp's is then as wide as its distance from the wall. [-]"""
 
 LARGEST = 0.05

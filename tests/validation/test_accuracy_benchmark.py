@@ -83,15 +83,18 @@ def test_the_forecast_is_compared_with_what_it_took(result):
 def test_forecasts_are_judged_by_the_typical_one():
     from lumenray.benchmarks.accuracy_bars import _check_typical_forecast
 
-    def judge(*forecasts):
+    def judge(*forecasts, left=8.0):
         # Two seconds of ten have passed; the rest is foretold.
-        rows = [{"seconds": 10.0, "left": 8.0, "forecast": each} for each in forecasts]
+        rows = [{"seconds": 10.0, "left": left, "forecast": each} for each in forecasts]
         return _check_typical_forecast({"scenes": [{"forecasts": rows}]})
 
     assert judge(8.0, 7.0, 80.0).passed is True
     assert judge(8.0, 7.0, 80.0).measured == "10 %"
     assert judge(4.0, 12.0, 8.0).passed is False
-    assert judge(None).passed is None
+    assert judge().passed is None
+    # No forecast, or one when most of the time has passed, helps nobody.
+    assert judge(8.0, None, None).passed is False
+    assert judge(2.0, 2.0, left=2.0).passed is False
 
 
 def test_pixels_state_their_error(result):
