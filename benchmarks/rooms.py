@@ -101,9 +101,11 @@ def _reference(session, room, number: int):
         area = float(session.scene.mesh("room").areas().sum())
         values = np.zeros((2, 0))
         if len(sheets):
-            with bent_lights(scene), bright_spots(scene):
+            receivers = sheets.receivers(number)
+            seen = scene.local(receivers.positions), receivers.normals
+            with bent_lights(scene), bright_spots(scene, *seen):
                 rule = StopRule(samples=SENSOR_SAMPLES)
-                found = compute(scene, sheets.receivers(number), rule, number, 16)
+                found = compute(scene, receivers, rule, number, 16)
                 heard = hear_sensors(
                     scene, room.places, room.normals, SensorKind.PLANAR, found, number
                 )

@@ -319,7 +319,8 @@ class Session:
             from .transport.bright_spots import bright_spots
 
             start = time.perf_counter()
-            with bent_lights(compiled) as notes, bright_spots(compiled):
+            seen = picture.look(compiled, picture.Film(camera, compiled.origin))
+            with bent_lights(compiled) as notes, bright_spots(compiled, *seen):
                 made, samples = picture.render(
                     compiled, camera, settings, progress=progress, cancelled=self._cancelled
                 )
@@ -372,7 +373,8 @@ class Session:
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
             heard = None
-            with bent_lights(compiled) as notes, bright_spots(compiled):
+            seen = compiled.local(receivers.positions), receivers.normals
+            with bent_lights(compiled) as notes, bright_spots(compiled, *seen):
                 estimate = compute(
                     compiled,
                     receivers,

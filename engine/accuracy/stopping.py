@@ -148,7 +148,7 @@ LONGEST = 100.0
 """Logarithm of most samples that are foretold."""
 
 ROUNDS = 50
-"""Times that the samples needed are improved; each leaves a fraction of what they lack."""
+"""Times that the interval which holds the samples needed is halved."""
 
 
 class Clock:
@@ -213,8 +213,8 @@ class Clock:
         excess = min(excesses, default=math.inf)
         if not self._times or samples >= STEP * self._times[-1][0]:
             self._times.append((samples, self.seconds))
-        if 0.0 < excess < math.inf:
-            self._present = (samples, error if 0.0 < error < math.inf else excess, excess)
+        if 0.0 < excess < math.inf and 0.0 < error < math.inf:
+            self._present = (samples, error, excess)
             if not self._history or samples >= STEP * self._history[-1][0]:
                 self._history.append(self._present)
         return (
@@ -247,7 +247,10 @@ class Clock:
             power = min(max(power, SLOWEST), FASTEST)
         levels = excess + power * samples
         level, chance = float(levels.mean()), float(levels[-1] - levels.mean())
-        end = now = float(samples[-1])
+        low = now = float(samples[-1])
+        high = max((level + max(chance, 0.0)) / power, now)
         for _ in range(ROUNDS):
-            end = max((level + chance * math.exp(0.5 * (now - end))) / power, now)
-        return math.exp(min(end, LONGEST))
+            end = 0.5 * (low + high)
+            falls_short = level + chance * math.exp(0.5 * (now - end)) > power * end
+            low, high = (end, high) if falls_short else (low, end)
+        return math.exp(min(high, LONGEST))

@@ -272,7 +272,12 @@ class LumelTable:
         """Find the corrections of some blocks; yields these corrected."""
         steps = np.concatenate([block.steps for _, block in group]).astype(np.float64)
         receivers = _join([block.receivers for _, block in group])
-        rim = 0.5 / self.places - INSET
+        # Boxes of lumels without some of their places reach farther beyond the outermost of the others.
+        boxes = self.boxes
+        reach = max(
+            (boxes.corners + boxes.size - boxes.points).max(), (boxes.points - boxes.corners).max()
+        )
+        rim = np.where(receivers.count == self.places, 0.5 / self.places, reach) - INSET
         dropped, moved, shift, doubtful = examiner.examine(receivers, steps[:, 0], steps[:, 1], rim)
         first = row = 0
         for number, block in group:
@@ -471,7 +476,7 @@ class _Raster:
         ]
         for part in own:
             self._place(owner, is_box, *part)
-        self._join_planes(is_box, own)
+        self._join_planes(owner, is_box, own)
         self._finish(owner, is_box, charts, parts)
 
     def _pairs(self, spans):
@@ -547,11 +552,12 @@ class _Raster:
             owner[place] = triangle[part][row]
             is_box[place] = coverage.holds(local[row], ends[point]).all(axis=1)
 
-    def _join_planes(self, is_box, own) -> None:
+    def _join_planes(self, owner, is_box, own) -> None:
         """Note whose boxes are whole because all of the lumel is one plane, however it is divided."""
-        self.first = np.full(len(self.index), len(self._corners), dtype=np.int64)
-        for triangle, lumel, _ in own:
-            np.minimum.at(self.first, lumel, triangle)
+        # The triangle of the first place, by which the lumel is looked at.
+        table = owner.reshape(len(self.index), -1)
+        at = (table >= 0).argmax(axis=1)
+        self.first = np.maximum(table[np.arange(len(table)), at], 0)
         covered = np.zeros(len(self.index))
         for triangle, lumel, share in own:
             agree = _agree(self._steps, triangle, self.first[lumel])
@@ -579,6 +585,7 @@ class _Raster:
         self.bary = coverage.barycentric(self._corners[triangle], points)
         self.count = np.bincount(lumel, minlength=len(self.index))
         self.start = np.cumsum(self.count) - self.count
+        self.first = self.triangle[self.start]
 
     def _thin(self, empty, charts, parts):
         """One place for each lumel that meets no point of the pattern: inside its largest overlap."""

@@ -56,14 +56,14 @@ class Examiner:
         self._step = STEP * float(scene.radius)
         self._mark_solids()
 
-    def examine(self, receivers, u, v, rim: float):
+    def examine(self, receivers, u, v, rim):
         """Find places that are of no use, those that have to be moved, and those that have to stay where they are.
 
         Parameters
         ----------
         receivers : Receivers    Of n lumels with k places.
         u, v : (n, 3) float64 arrays    Steps on the surface for one lumel to the right and one upwards. [m]
-        rim : float    How far lumels go on beyond their outermost places. [lumel]
+        rim : (n,) array or float    How far lumels go on beyond their outermost places. [lumel]
 
         Returns
         -------
@@ -97,7 +97,7 @@ class Examiner:
 
     # ---- lumels as a whole ----
 
-    def _doubtful(self, receivers, u, v, rim: float) -> np.ndarray:
+    def _doubtful(self, receivers, u, v, rim) -> np.ndarray:
         """Lumels that something reaches into, or that lie in or under something."""
         start, count = receivers.start, receivers.count
         origin = receivers.positions[start]

@@ -142,13 +142,13 @@ class Bake:
             means = find_means(len(items), table, estimates, states)
             floors = self._hear_witness(compiled, items, means)
             estimates = widen(estimates, means, floors)
-            floors = np.hypot(floors, self._find_facet_losses(items, means))
+            losses = self._find_facet_losses(items, means)
             samples = round(sum(s.sums.mean_samples for s in states))
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
             provenance = replace(provenance, decisions=decisions)
         self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
-        maps = self._summarise(items, atlas, means, floors, estimates, states, provenance)
+        maps = self._summarise(items, atlas, means, floors, losses, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
         return self._finish(maps, pages, seams, table, estimates, states, atlas)
 
@@ -425,10 +425,11 @@ class Bake:
         )
 
     def _summarise(
-        self, items, atlas, means: list[ObjectMean], floors, estimates, states, provenance
+        self, items, atlas, means: list[ObjectMean], floors, losses, estimates, states, provenance
     ) -> list[LuxMap]:
         made = []
-        for number, (item, own, floor) in enumerate(zip(items, means, floors, strict=True)):
+        each = zip(items, means, floors, losses, strict=True)
+        for number, (item, own, floor, loss) in enumerate(each):
             layout, rows = atlas.layouts[number], own.rows
             light, error = estimates.illuminance[rows], estimates.standard_error[rows]
             parts = own.areas * error.astype(np.float64) ** 2
@@ -448,7 +449,8 @@ class Bake:
                     least=least,
                     largest=largest,
                     relative_standard_error=heavy * relative_error(light, error, own.areas),
-                    mean_standard_error=spread,
+                    # Lumels know nothing of what facets lose, see `facets`.
+                    mean_standard_error=float(np.hypot(spread, loss)),
                     bias=own.bias,
                     bias_error=own.bias_error,
                     samples=_mean_samples(states, rows) if len(rows) else 0.0,

@@ -21,19 +21,32 @@ import numpy as np
 from ..arrays import table_size, upload
 from .mirrors import ROUNDING
 from .rays import STEP
+from .sight import Sight
 from .straight_lights import StraightLights
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
 
-PLACES = 1 << 16
+PLACES = 1 << 13
 """Places for which next-event is taken to cope with bundled light, see `straight_lights.FOUND`: what is less bundled than
-the light of a lamp 10 cm off a wall of a room of 3 m, many samples of a sensor meet."""
+the light of a lamp 14 cm off a wall of a room of 3 m costs less than rays to spots do."""
+
+LOOKS = 1 << 12
+"""Rays that find what paths see."""
+
+VOXELS = 32
+"""Of the scene's radius; triangles of a part in one of them are taken to be seen together, as few rays miss most of many."""
 
 PATHS, SEED = 1 << 16, 0x3F51
 """Traced to find where spots lie."""
 
-MOST_SPOTS, MOST_IMAGES = 8, 8
+MOST_SPOTS, MOST_IMAGES = 32, 16
 """Most spots, and most images of them in mirrors and panes; of more, the brightest."""
+
+FEWEST_PLACES = 32
+"""Places where a light was seen to land from which its spot is known."""
+
+NARROWEST = 1e-5
+"""Least radius of a core over its distance: directions have no more digits. [-]"""
 
 PANE_SHARE = 0.1
 """What a pane shows of a spot. [-]"""
@@ -44,7 +57,7 @@ CORE = 0.75
 LARGEST = 0.05
 """Radius of the core, relative to the scene's, from which a spot is none. [-]"""
 
-FARTHEST = 2.0
+NEAREST = 2.0
 """Least distance from a spot's middle, in radii of its core, from which rays go to it."""
 
 COLUMNS = 6
@@ -52,9 +65,9 @@ COLUMNS = 6
 
 
 @contextmanager
-def bright_spots(scene):
-    """Let the paths of a `CompiledScene` ask its bright spots."""
-    spots = find_spots(scene)
+def bright_spots(scene, places: np.ndarray, normals: np.ndarray):
+    """Let the paths of a `CompiledScene` ask its bright spots, as far as they matter at places (n, 3) [m] in its frame."""
+    spots = find_spots(scene, places, normals)
     slack = ROUNDING * STEP * scene.extent
     scene.spots = BrightSpots(spots, scene.mirrors, slack) if len(spots) else None
     try:
@@ -63,25 +76,56 @@ def bright_spots(scene):
         scene.spots = None
 
 
-class _OneCell:
-    """All surfaces as one, for `StraightLights`: whatever is lit is looked at."""
+class _Triangles:
+    """All triangles of a scene by their sides, for `StraightLights`."""
 
-    count = 1
+    def __init__(self, scene):
+        numbers, corners = [], [np.zeros((0, 3, 3))]
+        self._first = np.full(scene.shape_count, -1)
+        for _, part, _ in scene.parts():
+            self._first[part.number] = sum(len(each) for each in corners)
+            corners.append(scene.triangles(part).astype(np.float64))
+            numbers.append(np.full(len(corners[-1]), part.number))
+        whole = np.concatenate(corners)
+        a, b, c = np.moveaxis(whole, 1, 0)
+        self.count = len(whole)
+        self.area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        voxel = np.floor(whole.mean(axis=1) * (VOXELS / max(float(scene.radius), 1e-9)))
+        number = np.concatenate([*numbers, np.zeros(0)])
+        # Triangles of a part that lie together have one key.
+        self._key = np.unique(np.column_stack([number, voxel]), axis=0, return_inverse=True)[1]
 
-    def __init__(self, area: float):
-        self.area = np.array([0.5 * area])
+    def sides(self, shape, triangle, back) -> np.ndarray:
+        """Sides by the numbers of shapes and triangles and whether from behind, -1: none. (n,)"""
+        first = self._first[shape]
+        return np.where(first < 0, -1, 2 * (first + triangle.astype(np.int64)) + back)
 
-    def sides_of(self, deposits):
+    def sides_of(self, deposits) -> tuple[np.ndarray, np.ndarray]:
         """Side and share of the light that passes, of every deposit."""
-        return np.zeros(len(deposits.flux), dtype=np.int64), np.ones(len(deposits.flux))
+        side = self.sides(deposits.shape, deposits.prim, deposits.back)
+        return np.maximum(side, 0), (side >= 0).astype(float)
+
+    def spread(self, sides: np.ndarray) -> np.ndarray:
+        """Sides that lie together with some."""
+        keys = 2 * self._key.ravel()
+        return np.concatenate(
+            [
+                2 * np.flatnonzero(np.isin(keys, keys[own // 2])) + back
+                for back, own in ((0, sides[sides % 2 == 0]), (1, sides[sides % 2 == 1]))
+            ]
+        )
 
 
-def find_spots(scene) -> np.ndarray:
+def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Bright spots and their images, as in the table: in the scene's frame, but with the core's radius itself. (n, 6) [m]"""
+    if not len(places) or not scene.lights.count:
+        return np.zeros((0, COLUMNS))
     sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
-    # As large as what a room of this size has for surfaces.
-    area = 4.0 * np.pi * float(scene.radius) ** 2
-    lights = StraightLights(scene, sampler, _OneCell(area), np.arange(2), PLACES)
+    triangles = _Triangles(scene)
+    rows = np.random.default_rng(SEED).integers(0, len(places), LOOKS)
+    seen = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())
+    seen = triangles.spread(np.unique(seen[seen >= 0]))
+    lights = StraightLights(scene, sampler, triangles, seen, PLACES)
     try:
         if not lights.is_needed:
             return np.zeros((0, COLUMNS))
@@ -92,7 +136,7 @@ def find_spots(scene) -> np.ndarray:
     for number in range(len(lights.lights)):
         own = light == number
         worth = float(weight[own].sum())
-        if worth > 0.0:
+        if own.sum() >= FEWEST_PLACES and worth > 0.0:
             made.append((*_find_core(position[own], weight[own]), np.sqrt(worth), 0.0))
     made = np.array(made).reshape(-1, COLUMNS)
     made = _brightest(made[made[:, 3] < LARGEST * float(scene.radius)], MOST_SPOTS)
@@ -208,9 +252,9 @@ class BrightSpots:
         middle = mi.Point3f(x, y, z)
         towards = middle - point
         apart = dr.maximum(dr.squared_norm(towards), 1e-30)
-        share = dr.minimum(square / apart, 1.0)
+        share = dr.clip(square / apart, NARROWEST**2, 1.0)
         core = share / (1.0 + dr.safe_sqrt(1.0 - share))
-        counts = apart > FARTHEST**2 * square
+        counts = apart > NEAREST**2 * square
         if self._mirrors is not None:
             is_image = plane > 0.0
             index = mi.UInt32(dr.maximum(plane, 1.0)) - 1

@@ -34,15 +34,14 @@ class Guide:
     cells : CellSet    With their light found.
     powers : (2 c,) array or None    What every side sends, as `powers_of` gives it; None: find it.
     sides : (n,) array or None    Sides that count then; None: all.
-    slots : int    Fewest entries of its tables, so that no new kernel is needed where there were as many before.
 
     Attributes
     ----------
-    slots : int
+    powers : (2 c,) array
     is_useful : bool    Whether there is anything to choose.
     """
 
-    def __init__(self, cells: CellSet, powers: np.ndarray | None = None, sides=None, slots=1):
+    def __init__(self, cells: CellSet, powers: np.ndarray | None = None, sides=None):
         self.cells = cells
         self.powers = powers_of(cells, sides=sides) if powers is None else powers
         room = np.repeat(np.where(cells.whole > 0.0, cells.area, 0.0), 2)
@@ -56,11 +55,11 @@ class Guide:
         cdf /= cdf[-1]
         density = np.zeros(len(share))
         density[self._sides] = np.diff(cdf, prepend=0.0) / np.repeat(cells.whole, 2)[self._sides]
-        # Filled up to a power of two, so that a few cells more need no new kernel.
-        self.slots = max(table_size(len(self._sides)), slots)
-        choice = np.full(self.slots, self._sides[-1])
+        # As many entries for all guides to the same cells, so that all have one kernel.
+        self._slots = table_size(2 * cells.count)
+        choice = np.full(self._slots, self._sides[-1])
         choice[: len(self._sides)] = self._sides
-        padded = np.full(self.slots, 2.0)
+        padded = np.full(self._slots, 2.0)
         padded[: len(cdf) - 1] = cdf[:-1]
         self._choice = upload(mi.UInt32, choice)
         self._cdf = upload(mi.Float, padded)
@@ -140,7 +139,7 @@ class Guide:
     def _link(self, si, choice, place, active) -> "_Link":
         """Choose a point on a cell. ``choice``: which cell, ``place``: where on it."""
         index = dr.binary_search(
-            0, self.slots - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice
+            0, self._slots - 1, lambda i: dr.gather(mi.Float, self._cdf, i) <= choice
         )
         side = dr.gather(mi.UInt32, self._choice, index)
         local = self._aim(side, place)
@@ -213,12 +212,11 @@ class _Link:
     lit: object
 
 
-def choose_spots(cells: CellSet, sides, before: Guide | None = None) -> Guide | None:
-    """Guide to traced light alone, for `CellSet.spots`; None: there is none. ``before``: the last one."""
-    powers = powers_of(cells, False, sides)
+def choose_spots(cells: CellSet, sides) -> Guide | None:
+    """Guide to traced light alone, for `CellSet.spots`; None: there is none."""
     # The cells hold this guide. Were it to hold them too, they and their scene would outlive the job, and a scene that lives
     # on makes kernels of the next one anew.
-    made = Guide(weakref.proxy(cells), powers, slots=1 if before is None else before.slots)
+    made = Guide(weakref.proxy(cells), powers_of(cells, False, sides))
     return made if made.is_useful else None
 
 

@@ -474,7 +474,7 @@ class LuxJob:
         self.traced = np.where(known, flux / np.where(self.area > 0.0, self.area, 1.0), 0.0)
         if self.cells:
             self.cells.put_traced(found)
-            self.cells.spots = choose_spots(self.cells, self._sides, self.cells.spots)
+            self.cells.spots = choose_spots(self.cells, self._sides)
 
     def _places(self, span: slice) -> dict:
         """Places of a span on the device; those of a few spans are kept."""

@@ -166,6 +166,11 @@ def render(scene: CompiledScene, camera: Camera, settings, progress=None, cancel
 
 def learn_lights(scene: CompiledScene, film: Film, lanes: int = PILOT_LANES) -> None:
     """Compare the lights where the camera looks."""
+    learn(scene, *look(scene, film), gather.typical_wavelengths(), lanes)
+
+
+def look(scene: CompiledScene, film: Film) -> tuple[np.ndarray, np.ndarray]:
+    """Some of the places that the camera sees, in the scene's frame, and normals there. (n, 3) [m], (n, 3)"""
     stream = mi.PCG32(size=4 * PILOT_POINTS, initstate=3)
     ray = film.ray(
         stream.next_float32() * film.size.x,
@@ -177,7 +182,7 @@ def learn_lights(scene: CompiledScene, film: Film, lanes: int = PILOT_LANES) -> 
     seen = np.array(si.is_valid())
     points = np.stack([np.array(c) for c in si.p], axis=1)[seen]
     normals = np.stack([np.array(c) for c in normal], axis=1)[seen]
-    learn(scene, points, normals, gather.typical_wavelengths(), lanes)
+    return points, normals
 
 
 def _snapshot(camera: Camera, sums: np.ndarray, both: int):

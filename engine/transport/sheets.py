@@ -14,6 +14,7 @@ import numpy as np
 from ..arrays import upload
 from ..scene.sensor import SensorKind
 from .illuminance import SNAP_DISTANCE, Receivers
+from .sums import Sums
 
 SIDE = 16
 """Cells across a square."""
@@ -93,8 +94,8 @@ class Sheets:
     def __len__(self) -> int:
         return len(self.squares.half)
 
-    def prepare(self, batches: int) -> None:
-        """Put everything onto the device, with counters at 0."""
+    def prepare(self, batches: int, flux: float) -> None:
+        """Put everything onto the device, with counters at 0. ``flux``: about that of all lights [lm]."""
         q = self.squares
         inverse = 1.0 / q.half[:, None]
         rows = np.concatenate([q.centre, q.normal, q.along * inverse, q.across * inverse], axis=1)
@@ -102,8 +103,8 @@ class Sheets:
         self._open = upload(mi.Bool, q.is_open)
         self._many = dr.opaque(mi.UInt32, len(self))
         self._batches = batches
-        self.flux = dr.zeros(mi.Float, len(self) * batches)
-        dr.eval(self._rows, self._open, self.flux)
+        self.flux = Sums(len(self) * batches, flux)
+        dr.eval(self._rows, self._open)
 
     def count(self, ray, way, amount, batch, active, watcher, facts):
         """Count what crosses on its way; returns all that every path brought. ``way``: how far it goes [m]. [lm]"""
@@ -122,7 +123,7 @@ class Sheets:
             cell = mi.UInt32(dr.select(met, y, 0.0)) * SIDE + mi.UInt32(dr.select(met, x, 0.0))
             met &= dr.gather(mi.Bool, self._open, k * (SIDE * SIDE) + cell, met)
             place = k * mi.UInt32(self._batches) + batch
-            dr.scatter_reduce(dr.ReduceOp.Add, self.flux, amount, place, met)
+            self.flux.add(amount, place, met)
             if watcher is not None:
                 watcher.see_sheet(k, amount, *facts, met)
             return k + 1, dr.select(met, brought + amount, brought)

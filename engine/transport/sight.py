@@ -60,6 +60,21 @@ class Sight:
             dr.eval(hit, is_back, active, si, stream)
             self._hits.append((hit, is_back, mi.Bool(active)))
 
+    def met(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Everything that rays met: numbers of shapes, triangles in them, and whether from behind. (m,) each"""
+        found = [
+            np.stack(
+                [
+                    np.array(dr.reinterpret_array(mi.UInt32, hit.shape)),
+                    np.array(hit.prim_index),
+                    np.array(mi.UInt32(is_back)),
+                ]
+            )[:, np.array(active)]
+            for hit, is_back, active in self._hits
+        ]
+        shape, triangle, back = np.concatenate(found, axis=1)
+        return shape, triangle, back > 0
+
     def shares(self, shapes: list[int]) -> np.ndarray:
         """How often the rays, and those that go on from where they land, meet each of some shapes. (n,) of sum 1"""
         found = np.zeros(self._shape_count)

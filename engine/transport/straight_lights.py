@@ -14,7 +14,7 @@ no place has found is missing all the same. Rays are guided to where they land o
 each light.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -53,6 +53,10 @@ LEAST_SHARE = 1e-3
 MOST_LIGHTS = 64
 """Most lights that are traced; of more, those with the least bundled flux are left to next-event."""
 
+MOST_CANDIDATES = 128
+"""Most lights that the later rounds of the pilot look at, as every one has a histogram: those with the most bundled flux,
+then those whose light has not been seen to land."""
+
 GRID = 256
 """Cells along both sides of a light's histogram."""
 
@@ -86,6 +90,12 @@ class _Landed:
     distance: np.ndarray
     cell: np.ndarray
     is_matt: np.ndarray
+
+    def of(self, lights: list[int], kept=True) -> "_Landed":
+        """Light of some lights alone, which are numbered anew. ``lights``: ascending; ``kept``: what of it."""
+        own = np.isin(self.light, lights) & kept
+        few = {each.name: getattr(self, each.name)[own] for each in fields(self)}
+        return _Landed(**few | {"light": np.searchsorted(lights, few["light"])})
 
 
 class StraightLights:
@@ -139,7 +149,7 @@ class StraightLights:
         return made
 
     def find_places(self, count: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Where what is traced lands.
+        """Where what is traced lands on what is looked at.
 
         Returns
         -------
@@ -147,8 +157,11 @@ class StraightLights:
             Place among ``lights``, in the scene's frame; and flux times illuminance, as spots count for scatter.
         """
         made, told = self._launch(count, (seed + SALT) & 0xFFFFFFFF, 0, True)
+        side, passing = self._cells.sides_of(made)
+        seen = (passing > 0.0) & self._seen[side]
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
-        return told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), made.flux * lux
+        found = told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), made.flux * lux
+        return tuple(each[seen] for each in found)
 
     # ---- private ----
 
@@ -159,8 +172,10 @@ class StraightLights:
         for number, count in enumerate(PILOT):
             landed = self._look(number, count)
             chosen = [self._limit_of(landed, n, most) for n in range(len(self.lights))]
-            if number == 0 and not any(limit != 0.0 for limit in chosen):
-                return
+            if number == 0:
+                landed, chosen = self._choose_candidates(landed, chosen)
+                if not self.lights:
+                    return
             self._start(self.lights, self._histograms(landed))
         limits, worth = {}, {}
         for number, limit in enumerate(chosen):
@@ -179,15 +194,9 @@ class StraightLights:
         chosen = sorted(sorted(limits, key=lambda n: -worth[n])[:MOST_LIGHTS])
         if not chosen:
             return
-        kept = np.isin(landed.light, chosen) & landed.is_matt
-        kept &= (
-            landed.distance
-            < np.array([limits.get(n, 0.0) for n in range(len(self.lights))])[landed.light]
-        )
-        few = _Landed(
-            **{name: getattr(landed, name)[kept] for name in _Landed.__dataclass_fields__}
-        )
-        few = replace(few, light=np.searchsorted(chosen, few.light))
+        reach = np.array([limits.get(n, 0.0) for n in range(len(self.lights))])
+        kept = landed.is_matt & (landed.distance < reach[landed.light])
+        few = landed.of(chosen, kept)
         share = few.flux.sum() / max(landed.flux.sum(), 1e-300)
         self.lights = tuple(self.lights[n] for n in chosen)
         self._limits = {place: limits[n] for place, n in enumerate(chosen)}
@@ -201,6 +210,17 @@ class StraightLights:
             "lumels to find, and is traced from the lights"
         )
 
+    def _choose_candidates(self, landed: _Landed, chosen: list):
+        """Leave out lights that are not bundled; returns what the others gave, and their limits."""
+        worth = np.bincount(landed.light, landed.flux * landed.lux, len(self.lights))
+        # Nothing is known of those that were not seen to land but what they send.
+        sent = [0.0 if light.source is None else light.source.flux for light in self.lights]
+        left = [n for n, limit in enumerate(chosen) if limit != 0.0]
+        left.sort(key=lambda n: (chosen[n] is None, -worth[n], -sent[n]))
+        left = sorted(left[:MOST_CANDIDATES])
+        self.lights = tuple(self.lights[n] for n in left)
+        return landed.of(left), [chosen[n] for n in left]
+
     def _start(self, lights, histograms: np.ndarray | None) -> None:
         """Begin to send rays of some lights, guided by histograms (n, GRID^2), None: evenly."""
         radius = float(self._scene.radius)
@@ -208,12 +228,14 @@ class StraightLights:
             np.array([[0.0, 0.0, 0.0, radius]]), np.array([[-1, -1]]), np.array([radius**2])
         )
         self._rays = EmissionRays(self._scene, lights, everything)
-        density = np.ones((len(lights), GRID * GRID)) if histograms is None else histograms
-        share = density / density.sum(axis=1, keepdims=True)
-        ends = np.cumsum(share, axis=1)
-        ends[:, -1] = 1.0
-        self._ends = upload(mi.Float, ends)
-        self._densities = upload(mi.Float, np.diff(ends, prepend=0.0, axis=1) * GRID * GRID)
+        self._ends = self._densities = None
+        if histograms is not None:
+            share = histograms / histograms.sum(axis=1, keepdims=True)
+            ends = np.cumsum(share, axis=1)
+            ends[:, -1] = 1.0
+            self._ends = upload(mi.Float, ends)
+            self._densities = upload(mi.Float, np.diff(ends, prepend=0.0, axis=1) * GRID * GRID)
+            dr.eval(self._ends, self._densities)
         limits = np.zeros(table_size(len(lights)))
         limits[: len(lights)] = [self._limits.get(n, np.inf) for n in range(len(lights))]
         centres, extents = np.zeros((len(limits), 3)), np.zeros(len(limits))
@@ -222,7 +244,7 @@ class StraightLights:
                 centres[number], extents[number] = light.source.centre, light.source.radius
         self._limit_table, self._centres = upload(mi.Float, limits), upload(mi.Float, centres)
         self._extents = upload(mi.Float, extents)
-        dr.eval(self._ends, self._densities, self._limit_table, self._centres, self._extents)
+        dr.eval(self._limit_table, self._centres, self._extents)
 
     def _histograms(self, landed: _Landed) -> np.ndarray:
         """Densities by cell, up to a factor, by what landed. (n, GRID^2)"""
@@ -296,8 +318,9 @@ class StraightLights:
         # Close to a luminous surface it fills half the sky, and its light is bundled no more.
         square = dr.square(end["length"]) + dr.square(extent)
         bundling = own * density / dr.select(is_sun, 1.0, dr.maximum(square, 1e-20))
-        place = ray.o + towards * end["length"]
-        told = [mi.Float(light), way, bundling, mi.Float(cell), place.x, place.y, place.z]
+        # Not by the way, which mirrors may have turned.
+        at = self._scene.interaction_at(end["shape"], end["prim"], end["uv"], end["landed"]).p
+        told = [mi.Float(light), way, bundling, mi.Float(cell), at.x, at.y, at.z]
         made, told = gather_deposits(
             end, self._sampler, end["throughput"] * flux, wavelengths, told
         )
@@ -305,6 +328,11 @@ class StraightLights:
 
     def _guide(self, light, sample, stream):
         """Place in the unit square by a light's histogram, its cell, and the density."""
+        if self._ends is None:
+            below = GRID - 1
+            cell = dr.minimum(mi.UInt32(sample.x * GRID), below)
+            cell += dr.minimum(mi.UInt32(sample.y * GRID), below) * GRID
+            return sample, cell, mi.Float(1.0)
         base = light * (GRID * GRID)
         u = sample.x
         cell = dr.binary_search(

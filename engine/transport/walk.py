@@ -14,6 +14,7 @@ from ..materials.plugins import DISPERSED_COMPONENT
 from .landing import _bend, _meet
 from .polarisation import polarise
 from .rays import spawn_ray
+from .sums import Sums
 
 FADED = 0.1
 """Share of its first power below which a path plays roulette. What came before is counted as it fades, so that a path in a
@@ -44,26 +45,26 @@ class Tally:
     Parameters
     ----------
     rows : UInt32    Row of the front of every shape, then of its back; `NOBODY`: not counted.
-    incident, absorbed : Float    By row. [lm]
-    left, cut, lost : Float    One row each: light that leaves the scene, is cut off, is absorbed anywhere. [lm]
+    incident, absorbed : Sums    By row. [lm]
+    left, cut, lost : Sums    One row each: light that leaves the scene, is cut off, is absorbed anywhere. [lm]
     batches : int
     """
 
     rows: object
-    incident: object
-    absorbed: object
-    left: object
-    cut: object
-    lost: object
+    incident: Sums
+    absorbed: Sums
+    left: Sums
+    cut: Sums
+    lost: Sums
     batches: int
 
 
-def make_tally(rows, count: int, batches: int) -> Tally:
-    """Counters at 0. ``count``: rows."""
+def make_tally(rows, count: int, batches: int, flux: float) -> Tally:
+    """Counters at 0. ``count``: rows; ``flux``: about that of all lights [lm]."""
     # One row at least, where the scene has no objects.
     many = max(count, 1) * batches
     sizes = (many, many, batches, batches, batches)
-    return Tally(rows, *(dr.zeros(mi.Float, size) for size in sizes), batches)
+    return Tally(rows, *(Sums(size, flux) for size in sizes), batches)
 
 
 def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, watcher=None):
@@ -105,7 +106,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     many = mi.UInt32(tally.batches)
 
     def add(target, row, amount, active):
-        dr.scatter_reduce(dr.ReduceOp.Add, target, amount, row * many + batch, active)
+        target.add(amount, row * many + batch, active)
 
     def body(
         origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active
@@ -214,10 +215,11 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     end = dict(zip(state, result, strict=True))
     rest = rays.lumens(end["power"])
     dr.eval(
-        end["use"], end["steps"], end["lost"], end["trace"], rest, tally.incident, tally.absorbed
-    )
+        end["use"], end["steps"], end["lost"], end["trace"], rest,
+        tally.incident.counts, tally.absorbed.counts,
+    )  # fmt: skip
     add(tally.left, 0, rest, (end["trace"] & LEFT) > 0)
     add(tally.cut, 0, rest, (end["trace"] & CUT) > 0)
     add(tally.lost, 0, end["lost"], mi.Bool(True))
-    dr.eval(tally.left, tally.cut, tally.lost)
+    dr.eval(tally.left.counts, tally.cut.counts, tally.lost.counts)
     return end["use"], end["steps"]

@@ -16,6 +16,7 @@ from ..arrays import upload
 from ..errors import Cancelled
 from .all_lights import SUN, AllLights
 from .far_disks import Focus
+from .sums import Sums
 from .textures import is_spectral
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
 from .wavelengths import WavelengthSampler
@@ -170,6 +171,7 @@ class Witness:
             corners += list(sheets.squares.centre)
             margin = sheets.sight()
         self._lights = AllLights(scene, sampler, self._seed, _focus(corners, margin))
+        self._flux = float(sum(origin.flux for origin in self._lights.origins))
 
     def run(self, paths: int = PATHS, reflections: int | None = None) -> WitnessReport:
         """Trace.
@@ -190,9 +192,9 @@ class Witness:
         self._shares = self._learn()
         self._paths = paths = self._affordable(paths)
         which, chance = _spread(self._shares, paths, self._seed)
-        tally = make_tally(self._all_rows, len(self.objects), BATCHES)
+        tally = make_tally(self._all_rows, len(self.objects), BATCHES, self._flux)
         if self._sheets is not None:
-            self._sheets.prepare(BATCHES)
+            self._sheets.prepare(BATCHES, self._flux)
         given, heaviest = np.zeros((len(self._lights.origins), BATCHES)), 0.0
         for first in range(0, paths, LANES):
             rows = np.arange(first, min(first + LANES, paths))
@@ -204,11 +206,11 @@ class Witness:
 
     def explain(self, row: int | None = None, sheet: int | None = None) -> Cause:
         """Trace the same paths again and tell where the light of one row or sheet comes from."""
-        watcher = Watcher(self._scene, len(self._lights.origins), row, sheet)
+        watcher = Watcher(self._scene, len(self._lights.origins), self._flux, row, sheet)
         which, chance = _spread(self._shares, self._paths, self._seed)
-        tally = make_tally(self._all_rows, len(self.objects), BATCHES)
+        tally = make_tally(self._all_rows, len(self.objects), BATCHES, self._flux)
         if self._sheets is not None:
-            self._sheets.prepare(BATCHES)
+            self._sheets.prepare(BATCHES, self._flux)
         for first in range(0, self._paths, LANES):
             rows = np.arange(first, min(first + LANES, self._paths))
             self._launch(which[rows], chance, tally, rows, 2 + first // LANES, watcher)
@@ -235,15 +237,15 @@ class Witness:
         if watcher is not None:
             watcher.keep()
         if self._sheets is not None:
-            dr.eval(self._sheets.flux)
+            dr.eval(self._sheets.flux.counts)
         return rays, use, met
 
     def _affordable(self, paths: int) -> int:
         """So many paths, or fewer where they are long; a power of two of them then."""
         which, chance = _spread(self._shares, PROBE, self._seed)
-        tally = make_tally(self._all_rows, len(self.objects), 1)
+        tally = make_tally(self._all_rows, len(self.objects), 1, self._flux)
         if self._sheets is not None:
-            self._sheets.prepare(1)
+            self._sheets.prepare(1, self._flux)
         *_, met = self._launch(which, chance, tally, np.arange(PROBE), 900)
         many = max(float(np.array(met, dtype=np.float64).mean()), 1.0)
         wanted = 1 << int(np.log2(WORK / many))
@@ -293,16 +295,16 @@ class Witness:
         return float(found.mean())
 
     def _survey(self, which, chance, salt):
-        tally = make_tally(self._wanted_rows, len(self.objects), 1)
+        tally = make_tally(self._wanted_rows, len(self.objects), 1, self._flux)
         if self._sheets is not None:
-            self._sheets.prepare(1)
+            self._sheets.prepare(1, self._flux)
         rows = np.arange(len(which))
         rays, use, _ = self._launch(which, chance, tally, rows, 1000 + salt, steps=SURVEY_STEPS)
         return rays, np.array(use, dtype=np.float64)
 
     def _report(self, tally, given: np.ndarray, heaviest: float) -> WitnessReport:
-        def batches(array) -> np.ndarray:
-            return np.array(array, dtype=np.float64).reshape(-1, BATCHES).T * BATCHES
+        def batches(sums: Sums) -> np.ndarray:
+            return sums.values().reshape(-1, BATCHES).T * BATCHES
 
         known = len(self.objects)
         incident, absorbed = (batches(a)[:, :known] for a in (tally.incident, tally.absorbed))
@@ -340,13 +342,13 @@ class Watcher:
 
     CLASSES = 2 * REFLECTED
 
-    def __init__(self, scene, lights: int, row: int | None, sheet: int | None):
+    def __init__(self, scene, lights: int, flux: float, row: int | None, sheet: int | None):
         self._scene = scene
         self._row = dr.opaque(mi.UInt32, NOBODY if row is None else row)
         self._sheet = dr.opaque(mi.UInt32, NOBODY if sheet is None else sheet)
-        self._by_light = dr.zeros(mi.Float, lights)
-        self._by_way = dr.zeros(mi.Float, self.CLASSES)
-        self._by_bender = dr.zeros(mi.Float, scene.shape_count)
+        self._by_light, self._by_way, self._by_bender = (
+            Sums(size, flux) for size in (lights, self.CLASSES, scene.shape_count)
+        )
         self.light = mi.UInt32(0)
 
     def see_row(self, row, amount, scatterings, trace, bender, active) -> None:
@@ -361,20 +363,19 @@ class Watcher:
         way = (trace & (BENT | MIRRORED | PASSED | CLOSE)) + dr.select(
             scatterings > 0, REFLECTED, 0
         )
-        add = dr.ReduceOp.Add
-        dr.scatter_reduce(add, self._by_light, amount, self.light, active)
-        dr.scatter_reduce(add, self._by_way, amount, way, active)
-        dr.scatter_reduce(add, self._by_bender, amount, bender, active & (bender != NOBODY))
+        self._by_light.add(amount, self.light, active)
+        self._by_way.add(amount, way, active)
+        self._by_bender.add(amount, bender, active & (bender != NOBODY))
 
     def keep(self) -> None:
         """Finish a launch."""
-        dr.eval(self._by_light, self._by_way, self._by_bender)
+        dr.eval(self._by_light.counts, self._by_way.counts, self._by_bender.counts)
 
     def cause(self, names: list[str]) -> Cause:
         """Tell what was found. The ways that gathering finds hardest come first, if they carry a tenth of the light."""
-        lights = np.array(self._by_light)
+        lights = self._by_light.values()
         light = names[int(np.argmax(lights))]
-        ways = np.array(self._by_way, dtype=np.float64)
+        ways = self._by_way.values()
         total = max(ways.sum(), 1e-300)
         number = np.arange(self.CLASSES)
         shares = {bit: ways[number & bit > 0].sum() / total for bit in (BENT, MIRRORED, PASSED)}
@@ -389,7 +390,7 @@ class Watcher:
         return Cause(light, "that other surfaces reflect, perhaps from a small bright spot")
 
     def _bender(self) -> str:
-        number = int(np.argmax(np.array(self._by_bender)))
+        number = int(np.argmax(self._by_bender.values()))
         for key, part, material in self._scene.parts():
             if part.number == number:
                 return f"'{self._scene.object_name(key)}' (material '{material.name}')"
