@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 import drjit as dr
 import mitsuba as mi
 
+from ..arrays import average
 from . import paths
 from .polarisation import polarise
 from .rays import spawn_ray
@@ -435,8 +436,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             # Of a surface whose base has been read the coat alone is sampled, which is what the least number chooses.
             choice = dr.select(readable, 0.0, choice)
             reflectance = bsdf.eval_diffuse_reflectance(si, readable)
-            # Summed by hand: `dr.mean` would make the number of rays a part of the kernel.
-            base = (1.0 - coat) * sum(reflectance) * (1.0 / len(reflectance))
+            base = (1.0 - coat) * average(reflectance)
             glossy = coat / dr.maximum(coat + base, 1e-8)
 
         def coat_only(wo, response, density):

@@ -70,7 +70,8 @@ SWEEP_SHARE = 0.1
 """Work of the sweep before a pass, relative to that of the pass: noise of cells is a few hundredths of all. [-]"""
 
 FEWEST_SWEPT = 1 << 15
-"""Paths of such a sweep at least. What lumels share does not average out over a map, least of all in bright rooms."""
+"""About how many paths such a sweep has at least. What lumels share does not average out over a map, least of all in bright
+rooms."""
 
 CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 14, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""

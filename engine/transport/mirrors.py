@@ -243,8 +243,7 @@ class MirrorSet:
 
     def shows(self, index, point, image, slack, active):
         """Whether an image is seen from a point within the bounds of the mirrors in a plane. ``slack``: of bounds [m]."""
-        way = mi.Vector3f(image - point)
-        ray = mi.Ray3f(mi.Point3f(point), way)
+        ray = mi.Ray3f(mi.Point3f(point), dr.normalize(mi.Vector3f(image - point)))
         normal, distance = self.plane(index, active)
         ends = (distance - dr.dot(normal, point), distance - dr.dot(normal, image))
         return self.may_meet(index, ray, slack, active & (ends[0] * ends[1] < 0.0))

@@ -463,6 +463,9 @@ def trace(
             scatter_sample = dr.select(steps == 0, first[1], scatter_sample)
         choice = stream.next_float32()
 
+        def respond(direction, asked, si=si, bsdf=bsdf):
+            return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
+
         if has_spots:
             share = mi.Float(1.0)
         if scene.lights.count:
@@ -471,19 +474,12 @@ def trace(
                 share = dr.select(way <= LONGEST_WAY, next_share, 1.0)
                 amount *= share
 
-                def respond_to_spot(direction, asked, si=si, bsdf=bsdf):
-                    return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
-
                 asks = smooth if last is None else smooth & (depth < last)
                 rest = None if last is None else mi.UInt32(last - dr.minimum(depth + 1, last))
-                spotted = spotted_light(scene, si, stream, respond_to_spot, asks, rest)
+                spotted = spotted_light(scene, si, stream, respond, asks, rest)
                 amount += throughput * spotted
             radiance = radiance + amount
             if has_mirrors:
-
-                def respond(direction, asked, si=si, bsdf=bsdf):
-                    return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
-
                 mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
                 rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
                 amount = mirrored_light(scene, si, mirror_sample, stream, respond, smooth, rest)
@@ -491,8 +487,8 @@ def trace(
 
         if has_bent:
 
-            def respond_alone(direction, asked, si=si, bsdf=bsdf):
-                return bsdf.eval_pdf(context, si, si.to_local(direction), asked)[0]
+            def respond_alone(direction, asked, respond=respond):
+                return respond(direction, asked)[0]
 
             rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
             amount = scene.bent.light(si, stream, respond_alone, smooth, dispersed, rest, ~spread)

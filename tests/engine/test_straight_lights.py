@@ -319,3 +319,24 @@ def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall(name):
     error = np.array(made.standard_error)
     assert (error < 0.005 * true).all()
     assert (np.abs(made.illuminance - true) < 4.0 * error + 0.001 * true).all()
+
+
+@pytest.mark.parametrize("width", [0.005, 0.03])
+def test_sensors_get_what_a_sunlit_spot_behind_a_keyhole_sends_on(width):
+    """The outside in the sun is as large as the box; what counts is what sensors see."""
+    towards, patch = np.array([0.2, 0.1, -1.0]), np.array([0.7, 0.6, 0.0])
+    normal = 1e5 * float(np.linalg.norm(towards))
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, normal),
+                   towards / np.linalg.norm(towards), np.radians(0.53))  # fmt: skip
+    places = np.array([[1e-4, 0.5, 0.5], [0.5, 1e-4, 0.3], [0.9, 0.9, 0.9999]])
+    facing = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
+    session = session_of(paint(0.7), pierced_box(width), sun)
+    made = session.measure(places, facing, StopRule(samples=1 << 16), reflections=1)
+    way = patch - places
+    square = (way**2).sum(axis=1)
+    cosines = (way * facing).sum(axis=1) * -way[:, 2]
+    expected = 0.7 * 1e5 * width**2 / np.pi * cosines / square**2
+    error = np.array(made.standard_error)
+    # The penumbra and the width of the patch change it by less than a hundredth.
+    assert (error < 0.02 * expected).all()
+    assert (np.abs(made.illuminance - expected) < 4.0 * error + 0.005 * expected).all()

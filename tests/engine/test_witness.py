@@ -60,6 +60,36 @@ def report_of(*items, paths=1 << 16, transport="mono", seed=1, **more):
     return made, witness
 
 
+def test_the_same_seed_gives_the_same_sums_whatever_the_threads_do():
+    """Sums of floating-point numbers differ in their last digits by the order in which rays come."""
+    light = PointLight("lamp", "lamp", LUMENS, np.array([1.0, 1.0, 1.5]))
+    one, other = (report_of(ROOM, paint(0.7, "black"), light)[0] for _ in range(2))
+    assert one.flux.max() > 0.0
+    np.testing.assert_array_equal(one.flux, other.flux)
+    np.testing.assert_array_equal(one.flux_error, other.flux_error)
+    assert one.balance() == other.balance()
+
+
+def test_sums_lose_nothing_and_need_no_order():
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.sums import Sums
+
+    report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
+    draw = np.random.default_rng(3)
+    amounts = (10.0 ** draw.uniform(-6.0, 0.0, 100_000)).astype(np.float32)
+    places = draw.integers(0, 3, len(amounts))
+    found = []
+    for order in (np.arange(len(amounts)), draw.permutation(len(amounts))):
+        sums = Sums(3, 100.0)
+        sums.add(mi.Float(amounts[order]), mi.UInt32(places[order]), mi.Bool(True))
+        dr.eval(sums.counts)
+        found.append(sums.values())
+    np.testing.assert_array_equal(*found)
+    expected = np.bincount(places, amounts.astype(np.float64))
+    np.testing.assert_allclose(found[0], expected, rtol=1e-9)
+
+
 def flux_of(report, key, is_back=False):
     row = report.objects.index((key, is_back))
     return report.flux[row], report.flux_error[row]
