@@ -55,7 +55,9 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
     second, second_error : (n,) array
     freedom : float    Degrees of freedom of the second's errors.
     weights : (n,) array    For the mean.
-    hidden : (n,) array or float    What the second may have missed altogether, whatever its error; it makes it smaller only.
+    hidden : (n,) array or float
+        What a single path of the second may bring, whatever its error; so many paths k may have missed by chance that all do
+        with the probability asked for, exp(-k). It makes the second smaller only.
 
     Returns
     -------
@@ -66,10 +68,13 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
     weights = np.asarray(weights, dtype=np.float64)
     difference = second - first
     hidden = np.broadcast_to(np.asarray(hidden, dtype=np.float64), difference.shape)
-    other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
     if len(difference) == 0:
         return Verdict(difference, np.zeros(0, dtype=bool), difference)
-    limit = t_quantile(1.0 - 0.5 * CHANCE / (len(difference) + 1), freedom)
+    chance = 0.5 * CHANCE / (len(difference) + 1)
+    limit = t_quantile(1.0 - chance, freedom)
+    # As an error, of which there are as many.
+    hidden = hidden * (-np.log(chance) / limit)
+    other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
     known = np.isfinite(own) & np.isfinite(other)
     differs = known & _exceeds(difference, own, other, limit)
     floor = np.where(differs, np.abs(difference), 0.0)

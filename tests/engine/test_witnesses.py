@@ -129,3 +129,13 @@ def test_an_error_of_a_map_that_a_single_lumel_makes_is_not_trusted():
     table = SimpleNamespace(survey=survey)
     assert _whole(even, table)[2] == pytest.approx(1e-3)
     assert _whole(spike, table)[2] == pytest.approx((1.0 + np.sqrt(1.75)) * 10.0 / np.sqrt(1000.0), rel=1e-3)  # fmt: skip
+
+
+@pytest.mark.parametrize(("paths", "blames"), [(6.0, False), (9.0, False), (13.0, True)])
+def test_a_few_heavy_paths_that_all_missed_blame_nobody(paths, blames):
+    """Six of them all miss once in 400 times, thirteen once in 400 000: less than what is asked for."""
+    made = compare([3000.0], [6.0], [0.0], [0.0], 31.0, [1.0], 3000.0 / paths)
+    assert made.differs.tolist() == [blames]
+    assert made.floor.tolist() == [3000.0 if blames else 0.0]
+    # Light that it has found itself, no path can have missed.
+    assert compare([0.0], [6.0], [3000.0], [1.0], 31.0, [1.0], 3000.0 / paths).differs.all()
