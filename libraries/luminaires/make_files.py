@@ -139,8 +139,8 @@ def write_ies(photometry: Photometry, name: str, title: str) -> bytes:
         "TILT=NONE",
         f"1 {lumens} 1 {len(photometry.vertical)} {len(horizontal)} {TYPES[photometry.kind]} 2 {sides}",
         f"1 1 {photometry.watts:g}",
-        *wrapped([f"{angle:g}" for angle in photometry.vertical]),
-        *wrapped([f"{angle:g}" for angle in horizontal]),
+        *wrapped([f"{angle + 0.0:g}" for angle in photometry.vertical]),
+        *wrapped([f"{angle + 0.0:g}" for angle in horizontal]),
     ]
     for row in rows:
         lines += wrapped([number(value) for value in row])

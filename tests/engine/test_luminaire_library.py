@@ -1,6 +1,7 @@
 """The library of luminaires: its files are what their formulas say, and folders of users are read with all faults told."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +78,11 @@ def test_a_spectrum_is_one_that_the_engine_knows(name):
 def test_the_files_are_those_that_the_generator_writes(tmp_path):
     for path in make_luminaires.write(tmp_path):
         shipped = luminaires.FOLDER / path.relative_to(tmp_path)
-        assert path.read_bytes() == shipped.read_bytes(), path.name
+        # A zero may come from below, by how the processor rounds.
+        made, kept = (
+            re.sub(rb"\s-0(?=\s)", b" 0", p.read_bytes()).split() for p in (path, shipped)
+        )
+        assert made == kept, path.name
     written = {path.name for path in tmp_path.glob("photometry/*")}
     assert written == {path.name for path in luminaires.FOLDER.glob("photometry/*")}
 
