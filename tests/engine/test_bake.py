@@ -141,6 +141,7 @@ def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(
     assert went_on > len(shares) // 2
 
 
+@pytest.mark.slow
 def test_a_state_of_another_bake_is_refused(tmp_path):
     path = tmp_path / "state"
     whole = Stopper(GREY)
@@ -180,6 +181,7 @@ def interrupted(path, **rule):
         ({"error": 0.01}, {"samples": 32}),
     ],
 )
+@pytest.mark.slow
 def test_an_interrupted_bake_goes_on_with_another_end(tmp_path, before, after):
     path = tmp_path / "state"
     interrupted(path, **before)
@@ -201,6 +203,7 @@ def test_an_interrupted_bake_goes_on_with_another_end(tmp_path, before, after):
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_a_rule_that_is_stricter_by_far_takes_longer_passes(tmp_path):
     path = tmp_path / "state"
     interrupted(path, samples=32)
@@ -214,6 +217,7 @@ def test_a_rule_that_is_stricter_by_far_takes_longer_passes(tmp_path):
 
 
 @pytest.mark.parametrize("groups", [(), (LightGroup("sky", ("world",)),)], ids=["one", "layers"])
+@pytest.mark.slow
 def test_a_bake_that_is_stopped_keeps_what_it_has_and_goes_on_later(tmp_path, groups):
     items = (*GREY, UniformWorld(20.0))
     path = tmp_path / "state"

@@ -70,6 +70,7 @@ def test_a_lamp_in_the_middle_of_a_glass_ball_lights_sensors_as_without_it(radiu
     assert_agrees(measure(items, PLACES), expected, 4e-3)
 
 
+@pytest.mark.slow
 def test_a_glowing_mesh_in_a_glass_ball_lights_sensors():
     """A black lamp takes back the four hundredths that the glass reflects to it."""
     radius = 0.005
@@ -139,6 +140,7 @@ def test_a_mirror_ball_lights_sensors_from_a_point():
     assert_agrees(made, expected, 1e-2)
 
 
+@pytest.mark.slow
 def test_light_of_many_bulbs_adds_up():
     """Each of four lamps in its own ball gives what it gives alone."""
     centres = [(0.8, 0.8, 1.6), (2.2, 0.8, 1.7), (0.8, 2.2, 1.8), (2.2, 2.2, 1.5)]
@@ -173,6 +175,7 @@ def test_reflections_are_counted_over_bends_too():
     assert_agrees(made, 1000.0 * (1.0 - reflected) ** 2)
 
 
+@pytest.mark.slow
 def test_pictures_show_what_a_point_in_a_bulb_lights():
     """The floor's luminance is its illuminance times 0.5 / pi."""
     items = bulb_room(round_lamp(0.0))

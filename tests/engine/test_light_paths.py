@@ -181,6 +181,7 @@ def test_a_small_luminous_surface_in_a_glass_ball_sends_out_all_its_light(name, 
     assert tracer.left_out is not None and not tracer.left_out.suns
 
 
+@pytest.mark.slow
 def test_a_small_lamp_in_a_glass_ball_lights_a_room_as_its_lumens_say():
     """A closed room of reflectance 0.5 takes in twice the lumens, however its lamp is wrapped in clear glass."""
     room = replace(box(3, 3, 3), id="room", name="room")

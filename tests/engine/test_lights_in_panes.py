@@ -109,6 +109,7 @@ def test_a_sun_shines_by_a_pane_that_leans(transport):
 
 
 @pytest.mark.parametrize("metal", [Glossy(Constant(0.8), 0.0), Conductor("Al", 0.0)], ids=str)
+@pytest.mark.slow
 def test_a_window_is_seen_in_a_mirror(metal):
     """Sun through a pane onto a mirror, and from there to a sensor that the sun does not see."""
     window = quad("window", (-2, -1, 2), (2, 0, 0), (0, 2, 0), "glass")
@@ -172,6 +173,7 @@ def test_the_image_of_a_lamp_in_a_pane_is_in_a_lux_map(caustics):
     assert made.maps[0].mean == pytest.approx(expected.mean(), rel=0.004)
 
 
+@pytest.mark.slow
 def test_a_lamp_in_a_pane_lights_a_room_by_the_way_of_its_walls():
     """Maps of a room with a pane before a wall agree whether light is traced or not, cells or full paths."""
     room = box(2.0, 2.0, 2.0)
@@ -296,6 +298,7 @@ def test_true_mirrors_come_before_panes_where_there_are_too_many():
     assert id(panes[1]) not in known
 
 
+@pytest.mark.slow
 def test_edits_that_make_panes_matter_end_at_the_scene_compiled_at_once():
     """Panes become mirrors when a sun rises, and none when it sets; and by another material."""
     wide = candela([0.5, 0.0, 2.5], 0.5, amount=100.0)

@@ -556,6 +556,7 @@ def test_samples_anywhere_in_a_box_lie_in_the_triangle_of_its_place(seed):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_shadows_that_end_anywhere_in_a_lumel_are_taken_in_full():
     """Sixteen places would see the same part of a lumel in all passes, and state no error."""
     from baking_rooms import bake_in

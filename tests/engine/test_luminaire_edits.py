@@ -66,6 +66,7 @@ def edits():
 
 
 @pytest.mark.parametrize("name", edits())
+@pytest.mark.slow
 def test_an_edit_ends_where_a_fresh_start_does(name):
     lights = first_lights()
     session = session_of(*ROOM, *lights.values())
@@ -85,6 +86,7 @@ def test_an_edit_ends_where_a_fresh_start_does(name):
     assert (live.illuminance > 0.0).any()
 
 
+@pytest.mark.slow
 def test_a_live_view_ends_where_a_fresh_start_does():
     lights = first_lights()
     session = session_of(*ROOM, *lights.values())

@@ -27,7 +27,7 @@ def assert_mean(made, expected, systematic=0.02, largest=0.05):
 
 
 @pytest.mark.parametrize("radius", [0.0, 5e-5])
-@pytest.mark.parametrize("transport", ["mono", "spectral"])
+@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_a_lamp_close_to_a_wall_gives_all_its_light(radius, transport):
     """Half of it falls on a spot of a fraction of a millimetre, in one of 13 000 lumels."""
     near = lamp((1e-4, 1.4, 1.3), 1000.0, radius)
@@ -35,6 +35,7 @@ def test_a_lamp_close_to_a_wall_gives_all_its_light(radius, transport):
     assert_mean(made, 2000.0 / 54.0)
 
 
+@pytest.mark.slow
 def test_a_small_panel_that_faces_a_wall_from_close_by():
     frame = np.eye(4)
     frame[:3, :3] = np.array([[0, 0, 1.0], [0, 1, 0], [-1, 0, 0]])
@@ -81,6 +82,7 @@ def test_a_bright_room_has_all_that_its_small_spot_sends_on(degrees, density):
 
 
 @pytest.mark.parametrize("distance", [0.05, 0.15])
+@pytest.mark.slow
 def test_a_wall_gets_the_light_of_a_small_spot_from_where_it_lies(distance):
     """From a point on the floor first, in closed form, and a few percent more over further reflections."""
     spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([distance, 1.53, 2.0]),
@@ -124,6 +126,7 @@ def room_with_fine_floor(steps):
     )
 
 
+@pytest.mark.slow
 def test_a_spot_on_small_triangles_lights_the_room_too():
     """Points are drawn on cells that triangles share as on others; by chance alone the error was a tenth."""
     spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 2.0]),
@@ -178,6 +181,7 @@ def half_room():
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.slow
 def test_what_was_traced_is_not_counted_twice_in_a_mirror(seed):
     """The lamp's image in a mirror wall: the room's other half, with as much light again."""
     silver = Material("silver", "silver", Glossy(Constant(1.0), 0.0))

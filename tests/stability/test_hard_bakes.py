@@ -165,6 +165,7 @@ def test_a_smooth_cylinder_has_no_seams_beyond_the_noise():
 @pytest.mark.parametrize(
     ("scale", "offset"), [(1.0, (0, 0, 0)), (1.0, (1e4, -1e4, 1e4)), (1e-3, (0, 0, 0))]
 )
+@pytest.mark.slow
 def test_a_baked_box_inside_a_lit_box_is_dark(scale, offset):
     # The floor of the inner box is an object of its own, so that its lumels are all on the dark side.
     inner = without_floor(box(2.0, 2.0, 1.0, inwards=False))

@@ -129,6 +129,7 @@ def test_a_thin_line_of_ten_metres_from_a_centimetre(kind):
 
 
 @pytest.mark.parametrize("offset", [(1e5, -2e5, 3e4), (1e5 + 0.3, -1e5 - 0.7, 1e5 + 0.111)])
+@pytest.mark.slow
 def test_a_room_a_hundred_kilometres_away_is_the_same_room(offset):
     # Owed: direct light to 1e-4, since the same samples are drawn and only places differ by their rounding (1e-7 of the
     # room); what was reflected within the errors of both.

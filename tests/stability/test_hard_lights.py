@@ -36,6 +36,7 @@ BLACK = Material("black", "black", Black())
 # ---- many ----
 
 
+@pytest.mark.slow
 def test_a_thousand_lights_add_up():
     # Owed: the sum of all, within 5 of the stated errors at each of 32 places and 0.5 % on their mean, from 128
     # samples for each light: a light that were chosen too seldom or twice would show.

@@ -58,6 +58,7 @@ def test_scenes_and_exact_values_are_those_of_the_validation_cases():
         assert len(scene.positions) == len(scene.normals) == len(scene.exact)
 
 
+@pytest.mark.slow
 def test_the_error_falls_with_time(result):
     from lumenray.benchmarks.accuracy_runs import OURS
     from lumenray.benchmarks.accuracy_statistics import slope_of
@@ -67,12 +68,14 @@ def test_the_error_falls_with_time(result):
         assert slope_of(scene["programs"][name]).value < -0.3
 
 
+@pytest.mark.slow
 def test_the_stated_error_is_the_true_one(result):
     (scene,) = result["scenes"]
     for row in scene["honesty"]:
         assert 1.0 / 1.5 < row["share"] < 1.5
 
 
+@pytest.mark.slow
 def test_the_forecast_is_compared_with_what_it_took(result):
     (scene,) = result["scenes"]
     for row in scene["forecasts"]:
@@ -97,6 +100,7 @@ def test_forecasts_are_judged_by_the_typical_one():
     assert judge(2.0, 2.0, left=2.0).passed is False
 
 
+@pytest.mark.slow
 def test_pixels_state_their_error(result):
     from lumenray.benchmarks.accuracy_statistics import honesty_of
 
@@ -105,6 +109,7 @@ def test_pixels_state_their_error(result):
     assert 0.8 < honesty_of(result["views"]["sensors"]).value < 1.1
 
 
+@pytest.mark.slow
 def test_the_document_and_its_pictures_are_written(result, tmp_path):
     from lumenray.benchmarks import accuracy
 

@@ -148,6 +148,7 @@ def test_every_scene_can_be_made_and_every_value_has_its_true_one():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_run_gives_each_value_with_its_error_and_repeats_it():
     result = hidden_light.run(1, ["panes-65", "pane-lamp"], say=lambda text: None)
     rows = {(row["scene"], row["what"]): row for row in result["rows"]}

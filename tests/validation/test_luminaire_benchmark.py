@@ -55,6 +55,7 @@ def result(tmp_path_factory):
         return luminaires.run(folder)
 
 
+@pytest.mark.slow
 def test_a_file_that_radiance_turns_is_told_apart_from_one_that_agrees(result):
     rows = {row["file"]: row for row in result["agreement"]["files"]}
     assert rows["plain.ies"]["max"] < 0.005
@@ -64,12 +65,14 @@ def test_a_file_that_radiance_turns_is_told_apart_from_one_that_agrees(result):
     assert rows["half.ies"]["without_reason"] < 0.005
 
 
+@pytest.mark.slow
 def test_a_broken_file_is_named_and_the_others_are_compared(result):
     (refused,) = result["agreement"]["refused"]
     assert refused["file"] == "broken.ies"
     assert "line 3" in refused["message"]
 
 
+@pytest.mark.slow
 def test_an_opening_is_compared_with_its_sum_over_small_parts(result):
     (row,) = result["agreement"]["openings"]
     assert row["file"] == "plain.ies"
@@ -77,6 +80,7 @@ def test_an_opening_is_compared_with_its_sum_over_small_parts(result):
     assert row["point"] > 0.02, "too far away to tell an opening from a point"
 
 
+@pytest.mark.slow
 def test_all_ways_of_looking_up_are_timed_and_right(result):
     for row in result["speed"]:
         rates = {way: rate for way, rate in row["rates"].items() if way != "one lane"}
@@ -84,12 +88,14 @@ def test_all_ways_of_looking_up_are_timed_and_right(result):
         assert row["deviation"] < 1e-5
 
 
+@pytest.mark.slow
 def test_a_point_adds_no_noise(result):
     ratio = {row["opening"]: row["ratio"] for row in result["noise"]}
     assert ratio["point"] == pytest.approx(1.0, abs=1e-4)
     assert ratio["disk 0.1 m"] > 1.0
 
 
+@pytest.mark.slow
 def test_the_document_says_what_falls_short(result, tmp_path):
     from lumenray.benchmarks import luminaires
 

@@ -326,6 +326,7 @@ def test_only_proportions_of_the_intensities_count():
     np.testing.assert_allclose(second.illuminance, first.illuminance, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_tint_keeps_the_lumens():
     rule = StopRule(samples=1 << 13)
     plain = session_of(*TRIO).measure(PLACES, NORMALS, rule, transport="mono")
@@ -347,6 +348,7 @@ def looking(frame, width, height, size):
     return Camera(frame, Projection.ORTHOGRAPHIC, width, height, size, size * height / width)
 
 
+@pytest.mark.slow
 def test_a_camera_sees_intensity_over_shown_area():
     # All kinds in a row, each turned and with a distribution of its own; the last is hidden.
     kinds = list(
@@ -386,6 +388,7 @@ def test_a_camera_sees_intensity_over_shown_area():
 
 
 @pytest.mark.parametrize("roughness", [0.1, 0.35])
+@pytest.mark.slow
 def test_a_rough_mirror_shows_a_luminaire_as_it_shows_an_area_light(roughness):
     size_x, size_y = 0.6, 0.4
     place = frame_of((0.0, 0.0, 1.0), turn(2) if roughness < 0.2 else None)
