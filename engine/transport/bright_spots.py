@@ -54,8 +54,8 @@ PANE_SHARE = 0.1
 CORE = 0.75
 """Share of what a spot counts for within its core: a point lamp's is then as wide as its distance from the wall. [-]"""
 
-LARGEST = 0.05
-"""Radius of the core, relative to the scene's, from which a spot is none. [-]"""
+LARGEST = 0.03
+"""Radius of the core, relative to the root of the area that paths see, from which a spot is none. [-]"""
 
 NEAREST = 2.0
 """Least distance from a spot's middle, in radii of its core, from which rays go to it."""
@@ -139,7 +139,8 @@ def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
         if own.sum() >= FEWEST_PLACES and worth > 0.0:
             made.append((*_find_core(position[own], weight[own]), np.sqrt(worth), 0.0))
     made = np.array(made).reshape(-1, COLUMNS)
-    made = _brightest(made[made[:, 3] < LARGEST * float(scene.radius)], MOST_SPOTS)
+    largest = LARGEST * np.sqrt(np.repeat(triangles.area, 2)[seen].sum())
+    made = _brightest(made[made[:, 3] < largest], MOST_SPOTS)
     images = np.zeros((0, COLUMNS)) if scene.mirrors is None else _mirrored(made, scene.mirrors)
     return np.concatenate([made, _brightest(images, MOST_IMAGES)])
 
