@@ -22,7 +22,7 @@ from ..arrays import table_size, upload
 from .mirrors import ROUNDING
 from .rays import STEP
 from .sight import Sight
-from .straight_lights import StraightLights
+from .straight_lights import FOUND, StraightLights
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
 
@@ -53,9 +53,6 @@ PANE_SHARE = 0.1
 
 CORE = 0.75
 """Share of what a spot counts for within its core: a point lamp's is then as wide as its distance from the wall. [-]"""
-
-LARGEST = 0.03
-"""Radius of the core, relative to the root of the area that paths see, from which a spot is none. [-]"""
 
 NEAREST = 2.0
 """Least distance from a spot's middle, in radii of its core, from which rays go to it."""
@@ -106,14 +103,13 @@ class _Triangles:
         return np.maximum(side, 0), (side >= 0).astype(float)
 
     def spread(self, sides: np.ndarray) -> np.ndarray:
-        """Sides that lie together with some."""
-        keys = 2 * self._key.ravel()
-        return np.concatenate(
-            [
-                2 * np.flatnonzero(np.isin(keys, keys[own // 2])) + back
-                for back, own in ((0, sides[sides % 2 == 0]), (1, sides[sides % 2 == 1]))
-            ]
-        )
+        """How often sides are met, over their area and of sum 1; triangles that lie together are met together. (2 c,) [m-2]"""
+        keys = 2 * np.repeat(self._key.ravel(), 2) + np.tile([0, 1], self.count)
+        size = 2 * (int(self._key.max(initial=-1)) + 1)
+        area = np.bincount(keys, np.repeat(self.area, 2), size)
+        met = np.bincount(keys[sides], minlength=size)
+        density = np.divide(met, area, out=np.zeros(size), where=area > 0.0)
+        return density[keys] / max(len(sides), 1)
 
 
 def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
@@ -123,24 +119,26 @@ def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
     triangles = _Triangles(scene)
     rows = np.random.default_rng(SEED).integers(0, len(places), LOOKS)
-    seen = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())
-    seen = triangles.spread(np.unique(seen[seen >= 0]))
-    lights = StraightLights(scene, sampler, triangles, seen, PLACES)
+    met = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())
+    looks = triangles.spread(met[met >= 0])
+    lights = StraightLights(scene, sampler, triangles, np.flatnonzero(looks), PLACES, looks)
     try:
         if not lights.is_needed:
             return np.zeros((0, COLUMNS))
         light, position, weight = lights.find_places(PATHS, SEED)
     finally:
         lights.close()
+    # Of all the light that paths see, a light may have little, and scatter little however bundled it is.
+    worth = np.bincount(light, weight, len(lights.lights)) / lights.seen**2
+    order = np.argsort(-worth, kind="stable")
+    left = worth.sum() - np.cumsum(worth[order]) + worth[order]
     made = []
-    for number in range(len(lights.lights)):
+    for number in order[left > PLACES / FOUND][:MOST_SPOTS]:
         own = light == number
-        worth = float(weight[own].sum())
-        if own.sum() >= FEWEST_PLACES and worth > 0.0:
-            made.append((*_find_core(position[own], weight[own]), np.sqrt(worth), 0.0))
+        if own.sum() >= FEWEST_PLACES and worth[number] > 0.0:
+            core = _find_core(position[own], weight[own])
+            made.append((*core, np.sqrt(worth[number]), 0.0))
     made = np.array(made).reshape(-1, COLUMNS)
-    largest = LARGEST * np.sqrt(np.repeat(triangles.area, 2)[seen].sum())
-    made = _brightest(made[made[:, 3] < largest], MOST_SPOTS)
     images = np.zeros((0, COLUMNS)) if scene.mirrors is None else _mirrored(made, scene.mirrors)
     return np.concatenate([made, _brightest(images, MOST_IMAGES)])
 

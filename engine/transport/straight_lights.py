@@ -108,18 +108,23 @@ class StraightLights:
     cells : CellSet
     sides : (n,) array    Sides of cells that a job looks at.
     samples : float    Places at which the first passes ask for light.
+    looks : (2 c,) array or None
+        How often each side is looked at, over its area and of sum 1 over all [m-2]; None: all of ``sides`` alike.
 
     Attributes
     ----------
     is_needed : bool    Whether anything is traced.
+    seen : float    Illuminance by all these lights of what is looked at, in the mean of the looks. [lx]
     reason : str    Why, for people.
     """
 
-    def __init__(self, scene, sampler, cells, sides: np.ndarray, samples: float):
+    def __init__(self, scene, sampler, cells, sides: np.ndarray, samples: float, looks=None):
         self._scene, self._sampler, self._cells = scene, sampler, cells
         self._seen = np.zeros(2 * max(cells.count, 1), dtype=bool)
         self._seen[sides] = True
-        self._area = float(np.repeat(cells.area, 2)[sides].sum())
+        self._looks, self.seen = looks, 0.0
+        # Flux counts by how often it is looked at, as if all were an area of 1.
+        self._area = float(np.repeat(cells.area, 2)[sides].sum()) if looks is None else 1.0
         self._limits: dict[int, float] = {}
         self.reason = ""
         small = (
@@ -128,7 +133,7 @@ class StraightLights:
             if light.source.radius < LARGEST_SURFACE * scene.radius
         )
         self.lights: tuple[TracedLight, ...] = (*find_ideal_lights(scene), *small)
-        if self.lights and self._area > 0.0:
+        if self.lights and len(sides) and self._area > 0.0:
             self._learn(samples / FOUND)
         self.is_needed = bool(self._limits)
         if self.is_needed:
@@ -154,13 +159,15 @@ class StraightLights:
         Returns
         -------
         light (m,) int, position (m, 3) [m], weight (m,)
-            Place among ``lights``, in the scene's frame; and flux times illuminance, as spots count for scatter.
+            Place among ``lights``, in the scene's frame; and flux times illuminance, as spots count for scatter: the sum is
+            the mean square of the illuminance, by the looks. [lx2]
         """
         made, told = self._launch(count, (seed + SALT) & 0xFFFFFFFF, 0, True)
         side, passing = self._cells.sides_of(made)
         seen = (passing > 0.0) & self._seen[side]
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
-        found = told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), made.flux * lux
+        flux = made.flux / count * (1.0 / self._area if self._looks is None else self._looks[side])
+        found = told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), flux * lux
         return tuple(each[seen] for each in found)
 
     # ---- private ----
@@ -173,10 +180,14 @@ class StraightLights:
             landed = self._look(number, count)
             chosen = [self._limit_of(landed, n, most) for n in range(len(self.lights))]
             if number == 0:
+                whole = landed.flux.sum()
                 landed, chosen = self._choose_candidates(landed, chosen)
+                left = whole - landed.flux.sum()
                 if not self.lights:
                     return
             self._start(self.lights, self._histograms(landed))
+        # What is bundled is known by the last round alone.
+        self.seen = float(left + landed.flux.sum()) / self._area
         limits, worth = {}, {}
         for number, limit in enumerate(chosen):
             if not limit:
@@ -275,7 +286,8 @@ class StraightLights:
         # Of what has no cells, all may be looked at.
         seen = ~is_matt | self._seen[side]
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
-        values = (light, made.flux / count, lux, told[:, 1].astype(np.float64))
+        flux = made.flux / count * (1.0 if self._looks is None else self._looks[side])
+        values = (light, flux, lux, told[:, 1].astype(np.float64))
         return _Landed(*(each[seen] for each in (*values, cell, is_matt)))
 
     def _launch(self, width, seed, index, is_limited: bool) -> tuple[Deposits, np.ndarray]:
