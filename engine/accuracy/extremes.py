@@ -92,6 +92,22 @@ def find_least(halves: Halves, common: float = 0.0) -> Extreme:
     return Extreme(max(-found.value, 0.0), max(-found.high, 0.0), max(-found.low, 0.0))
 
 
+def part_by_mean(
+    least: Extreme, largest: Extreme, mean: float, mean_error: float, freedom: float = math.inf
+) -> tuple[Extreme, Extreme]:
+    """Bound extremes by the mean of the map, which lies between them and is known far better than any single value.
+
+    Parameters
+    ----------
+    mean, mean_error : float    Mean of the map and its standard error.
+    """
+    reach = t_quantile(0.5 * (1.0 + PROBABILITY), max(freedom, 1.0)) * mean_error
+    highest, lowest = mean + reach, mean - reach
+    below = (min(least.value, mean), min(least.low, highest), min(least.high, highest))
+    above = (max(largest.value, mean), max(largest.low, lowest), max(largest.high, lowest))
+    return Extreme(*below), Extreme(*above)
+
+
 def divide(extreme: Extreme, mean: float, mean_error: float, freedom: float = math.inf) -> Extreme:
     """Relate an extreme to the mean, such as for uniformity; ``mean_error``: standard error of the mean."""
     if not mean > 0.0:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..accuracy.extremes import Extreme, Halves, find_largest, find_least
+from ..accuracy.extremes import Extreme, Halves, find_largest, find_least, part_by_mean
 from ..accuracy.history import History
 from ..accuracy.replicates import relative_error
 from ..accuracy.stopping import Progress, StopRule, format_seconds
@@ -435,9 +435,7 @@ class Bake:
             parts = own.areas * error.astype(np.float64) ** 2
             heavy = float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts)))
             spread = float(np.hypot(own.error, floor))
-            least, largest = _extremes(
-                estimates, states, rows, spread / own.mean if own.mean > 0.0 else 0.0
-            )
+            least, largest = _extremes(estimates, states, rows, own.mean, spread)
             made.append(
                 LuxMap(
                     id=item.key,
@@ -625,9 +623,9 @@ def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:
 
 
 def _extremes(
-    estimates: Estimates, states: list[LayerState], rows: np.ndarray, common: float
+    estimates: Estimates, states: list[LayerState], rows: np.ndarray, mean: float, error: float
 ) -> tuple[Extreme, Extreme]:
-    """Least and largest illuminance of an object. ``common``: relative standard error of its mean. [lx]"""
+    """Least and largest illuminance of an object of a mean illuminance with a standard error. [lx]"""
     if not len(rows):
         return Extreme(0.0, 0.0, 0.0), Extreme(0.0, 0.0, 0.0)
     sums = [state.sums for state in states]
@@ -639,7 +637,9 @@ def _extremes(
         np.mean([each.even_share(rows) for each in sums], axis=0),
         estimates.freedom,
     )
-    return find_least(halves, common), find_largest(halves, common)
+    common = error / mean if mean > 0.0 else 0.0
+    found = find_least(halves, common), find_largest(halves, common)
+    return part_by_mean(*found, mean, error, estimates.freedom)
 
 
 def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float]:

@@ -103,7 +103,7 @@ class _Triangles:
         return np.maximum(side, 0), (side >= 0).astype(float)
 
     def spread(self, sides: np.ndarray) -> np.ndarray:
-        """How often sides are met, over their area and of sum 1; triangles that lie together are met together. (2 c,) [m-2]"""
+        """How often sides are met, over area and of sum 1; triangles that lie together are met together. (2 c,) [m-2]"""
         keys = 2 * np.repeat(self._key.ravel(), 2) + np.tile([0, 1], self.count)
         size = 2 * (int(self._key.max(initial=-1)) + 1)
         area = np.bincount(keys, np.repeat(self.area, 2), size)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from baking_rooms import bake, furnished_room, lamp, moved
-from lumenray.engine.accuracy.extremes import Halves, divide, find_largest, find_least
+from lumenray.engine.accuracy.extremes import Halves, divide, find_largest, find_least, part_by_mean
 from lumenray.engine.accuracy.replicates import ReplicateSums
 from small_scenes import paint
 
@@ -57,6 +57,11 @@ def halves_of(truth, error, noise, seed, passes=PASSES, pooled=12.0):
     )  # fmt: skip
 
 
+def extremes_of(halves):
+    mean, error = halves.mean.mean(), np.sqrt(np.square(halves.error).sum()) / halves.mean.size
+    return part_by_mean(find_least(halves), find_largest(halves), mean, error, halves.freedom)
+
+
 @pytest.mark.parametrize("noise", [normal, rare])
 @pytest.mark.parametrize("name", list(true_maps()))
 def test_ranges_hold_the_true_extremes(name, noise):
@@ -66,7 +71,7 @@ def test_ranges_hold_the_true_extremes(name, noise):
     for error in (0.005, 0.02, 0.05):
         for seed in range(60):
             halves = halves_of(truth, error, noise, seed)
-            least, largest = find_least(halves), find_largest(halves)
+            least, largest = extremes_of(halves)
             held["least"] += least.low <= truth.min() <= least.high
             held["largest"] += largest.low <= truth.max() <= largest.high
             trials += 1
@@ -98,6 +103,20 @@ def test_a_single_bright_place_is_stated_as_it_was_found():
     halves = halves_of(truth, 0.01, normal, 3)
     assert find_largest(halves).value == pytest.approx(halves.mean.max())
     assert find_least(halves).value == pytest.approx(halves.mean.min())
+
+
+@pytest.mark.parametrize("name", list(true_maps()))
+def test_extremes_of_a_quick_look_are_in_order(name):
+    truth = true_maps()[name]
+    crossed = 0
+    for seed in range(40):
+        halves = halves_of(truth, 2.0, rare, seed, passes=2)
+        least, largest = extremes_of(halves)
+        assert least.low <= least.value <= halves.mean.mean() <= largest.value <= largest.high
+        assert least.value <= least.high and largest.low <= largest.value
+        crossed += find_least(halves).value > find_largest(halves).value
+    # What each half chooses by itself need not be.
+    assert crossed > 0 or name != "flat"
 
 
 def test_halves_of_unlike_size_are_read_with_their_own_errors():
