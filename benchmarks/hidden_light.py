@@ -7,6 +7,7 @@ is above `LARGEST`, and beyond the margin the seeds scatter as they say.
 """
 
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..engine.session import Session, ViewSettings
 from .hidden_scenes import Map, Scene, Sensors, make_scenes
 from .machine import describe_machine
 from .output import write_numbers
+from .processes import spread
 
 SEEDS = 20
 
@@ -43,13 +45,14 @@ BIAS = 0.02
 """By which the mean of all seeds may be off. [-]"""
 
 
-def run(seeds: int = SEEDS, scenes=None, say=lambda text: None) -> dict:
+def run(seeds: int = SEEDS, scenes=None, jobs: int = 1, say=lambda text: None) -> dict:
     """Ask about scenes.
 
     Parameters
     ----------
     seeds : int    How many.
     scenes : sequence of str or None    Their names; None: all.
+    jobs : int    Processes that share the scenes.
     say : callable    Told of every scene and seed.
 
     Raises
@@ -62,19 +65,28 @@ def run(seeds: int = SEEDS, scenes=None, say=lambda text: None) -> dict:
         raise LumenrayError(
             f"there is no scene {', '.join(unknown)}; choose from {', '.join(known)}"
         )
-    result = {"machine": describe_machine(), "seeds": seeds, "scenes": {}, "rows": []}
-    for name in scenes or known:
-        scene = known[name]()
-        result["scenes"][name] = scene.words
-        session = Session()
-        session.apply(SceneDelta(changed=scene.items))
-        for seed in range(1, seeds + 1):
-            begun = time.perf_counter()
-            rows = ask(session, scene, seed + STRIDE * list(known).index(name))
-            result["rows"] += [{"scene": name, "seed": seed, **row} for row in rows]
-            told = ", ".join(f"{row['what']} {_tell_off(row)}" for row in rows)
-            say(f"{name}, seed {seed}: {told}; {time.perf_counter() - begun:.1f} s")
+    result = {"machine": describe_machine(), "seeds": seeds, "jobs": jobs}
+    result |= {"scenes": {}, "rows": []}
+    names = list(scenes or known)
+    for name, rows in zip(names, spread(partial(ask_scene, seeds), names, jobs), strict=True):
+        result["scenes"][name] = known[name]().words
+        result["rows"] += rows
+        for row in rows:
+            say(f"{name}, seed {row['seed']}: {row['what']} {_tell_off(row)}")
     return result
+
+
+def ask_scene(seeds: int, name: str) -> list[dict]:
+    """Rows of one scene, of so many seeds."""
+    known = make_scenes()
+    scene = known[name]()
+    session = Session()
+    session.apply(SceneDelta(changed=scene.items))
+    made = []
+    for seed in range(1, seeds + 1):
+        rows = ask(session, scene, seed + STRIDE * list(known).index(name))
+        made += [{"scene": name, "seed": seed, **row} for row in rows]
+    return made
 
 
 def ask(session: Session, scene: Scene, seed: int) -> list[dict]:
@@ -200,7 +212,8 @@ def describe(result: dict) -> str:
         f"**{len(summaries) - len(failed)} of {len(summaries)} rows pass**; {beyond} of {len(result['rows'])} values are "
         "farther off than their stated errors and the margin allow.",
         "",
-        f"{machine['cpu']}, {machine['cores']} cores; Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}.",
+        f"{machine['cpu']}, {machine['cores']} cores; Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}; times of "
+        f"{result['jobs']} at once.",
     ]
     if failed:
         lines += ["", "Not met:", ""]

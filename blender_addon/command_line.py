@@ -57,6 +57,7 @@ def _add_kinds(benchmark):
         help="only this scene (may be repeated; default: all)",
     )
     for name, kind in (("rooms", rooms), ("hidden", hidden)):
+        kind.add_argument("--jobs", type=_count, default=1, help="processes (default: 1)")
         kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
         kind.add_argument(
             "-o",
@@ -898,7 +899,7 @@ def _benchmark(options) -> int:
 
         is_part = options.count < rooms.COUNT or options.first != rooms.FIRST
         folder = options.output or Path("out" if is_part else "docs/benchmarks")
-        made = rooms.run(options.count, options.first, say=report_progress)
+        made = rooms.run(options.count, options.first, options.jobs, say=report_progress)
         rooms.write_results(made, folder, options.json)
         print(f"written to {folder / 'rooms.md'}")
         return int(any(row["off"] > 1.0 for row in made["rows"]))
@@ -907,7 +908,7 @@ def _benchmark(options) -> int:
 
         is_part = options.scene is not None or options.seeds < hidden_light.SEEDS
         folder = options.output or Path("out" if is_part else "docs/benchmarks")
-        made = hidden_light.run(options.seeds, options.scene, say=report_progress)
+        made = hidden_light.run(options.seeds, options.scene, options.jobs, say=report_progress)
         hidden_light.write_results(made, folder, options.json)
         print(f"written to {folder / 'hidden.md'}")
         return int(not all(row["passed"] for row in hidden_light.summarise(made)))
