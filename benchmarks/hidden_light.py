@@ -212,8 +212,8 @@ def describe(result: dict) -> str:
         f"**{len(summaries) - len(failed)} of {len(summaries)} rows pass**; {beyond} of {len(result['rows'])} values are "
         "farther off than their stated errors and the margin allow.",
         "",
-        f"{machine['cpu']}, {machine['cores']} cores; Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}; times of "
-        f"{result['jobs']} at once.",
+        f"{machine['cpu']}, {machine['cores']} cores; Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}; "
+        f"times of {result['jobs']} at once.",
     ]
     if failed:
         lines += ["", "Not met:", ""]
