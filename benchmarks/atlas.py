@@ -6,35 +6,7 @@ from pathlib import Path
 
 from ..engine.errors import LumenrayError
 from .machine import OtherLoad, describe_machine, measure_unsteadiness
-from .output import report_progress, write_numbers
-
-
-def run(options) -> int:
-    """Carry out ``lumenray benchmark atlas`` and return its exit code.
-
-    Parameters
-    ----------
-    options : argparse.Namespace    ``json``, ``check`` and ``output``: paths or None; ``quick``, ``peers`` and ``scale``.
-
-    Raises
-    ------
-    LumenrayError    A file cannot be read, or a part of the benchmark cannot run.
-    """
-    from .atlas_bars import check_bars, compare_results
-    from .luminaire_bars import tell_bars
-
-    # The file may be the one that is written.
-    earlier = read_results(options.check) if options.check else None
-    folder = options.output or Path("out" if options.quick else "docs/benchmarks")
-    result = measure(options.quick, options.peers, options.scale, say=report_progress)
-    write_results(result, folder, options.json)
-    print(tell_bars(check_bars(result)))
-    print(f"written to {folder / 'atlas.md'}")
-    if earlier is None:
-        return 0
-    compared = compare_results(earlier, result)
-    print(tell_bars(compared))
-    return int(not all(bar.passed for bar in compared))
+from .output import write_numbers
 
 
 def measure(

@@ -1,8 +1,6 @@
 """The command ``lumenray``: pictures, lux maps and sensor readings of a .blend file, and photometric files; no window."""
 
 import argparse
-import os
-import shutil
 import sys
 import time
 from pathlib import Path
@@ -11,6 +9,7 @@ from ..engine.reading.printable import printable
 from ..engine.scene.sensor import SensorKind
 from . import (
     assumptions,
+    benchmark_commands,
     explain_command,
     luminaire_commands,
     rayset_commands,
@@ -19,6 +18,7 @@ from . import (
     spectrum_commands,
     validate_command,
 )
+from .terminal import Bar, quiet
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
@@ -38,35 +38,6 @@ CODES = {
     "formatter_class": argparse.RawDescriptionHelpFormatter,
 }
 """What argparse is told of commands that compute a scene."""
-
-
-def _add_kinds(benchmark):
-    """Begin the list of benchmarks, with those of random rooms and of light that is hard to find."""
-    kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
-    rooms = kinds.add_parser("rooms", help="random small rooms against paths from the lights")
-    rooms.add_argument("--count", type=_count, default=300, help="how many (default: 300)")
-    rooms.add_argument("--first", type=int, default=0, help="number of the first (default: 0)")
-    hidden = kinds.add_parser("hidden", help="light that is hard to find against closed forms")
-    hidden.add_argument(
-        "--seeds", type=_count, default=20, metavar="N", help="runs of each scene (default: 20)"
-    )
-    hidden.add_argument(
-        "--scene",
-        action="append",
-        metavar="NAME",
-        help="only this scene (may be repeated; default: all)",
-    )
-    for name, kind in (("rooms", rooms), ("hidden", hidden)):
-        kind.add_argument("--jobs", type=_count, default=1, help="processes (default: 1)")
-        kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-        kind.add_argument(
-            "-o",
-            "--output",
-            type=Path,
-            metavar="DIR",
-            help=f"folder for {name}.md (default: docs/benchmarks, of a part out)",
-        )
-    return kinds
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -135,109 +106,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="folder for the results (default: out)",
     )
 
-    benchmark = commands.add_parser("benchmark", help="measure the speed of this machine")
-    kinds = _add_kinds(benchmark)
-    sync = kinds.add_parser("sync", help="what edits cost, compared with sending the whole scene")
-    sync.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    sync.add_argument(
-        "--scenes", type=_words, metavar="A,B", help="triangles (default: 10k,100k,1M,3M)"
-    )
-    sync.add_argument(
-        "--objects", type=_numbers, metavar="N,M", help="numbers of objects (default: 100,1000)"
-    )
-    sync.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("docs/benchmarks"),
-        metavar="DIR",
-        help="folder for sync.md and its picture (default: docs/benchmarks)",
-    )
-    for name, what in (
-        ("raysets", "error over the size of ray files, convergence, speed"),
-        ("scattering", "measured materials: storage over error, sampling, speed, pictures"),
-    ):
-        kind = kinds.add_parser(name, help=what)
-        kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-        kind.add_argument(
-            "-o",
-            "--output",
-            type=Path,
-            default=Path("docs/benchmarks"),
-            metavar="DIR",
-            help=f"folder for {name}.md and its pictures (default: docs/benchmarks)",
-        )
-    luminaires = kinds.add_parser(
-        "luminaires", help="agreement with Radiance, speed of look-up and noise of luminaires"
-    )
-    luminaires.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    luminaires.add_argument(
-        "--files",
-        type=Path,
-        metavar="FOLDER",
-        help="photometric files to compare (default: those of the library)",
-    )
-    luminaires.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for luminaires.md and its pictures (default: docs/benchmarks, with --files out)",
-    )
-    accuracy = kinds.add_parser(
-        "accuracy", help="error over time against exact values, beside Radiance and Cycles"
-    )
-    accuracy.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    accuracy.add_argument("--quick", action="store_true", help="few scenes and short runs")
-    accuracy.add_argument(
-        "--peers",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="run other programs too, where they are installed (default: yes)",
-    )
-    accuracy.add_argument(
-        "--check",
-        type=Path,
-        metavar="EARLIER.json",
-        help="compare with the numbers of an earlier run; exit code 1 where spreads do not explain a difference",
-    )
-    accuracy.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for accuracy.md and its pictures (default: docs/benchmarks, with --quick out)",
-    )
-    atlas = kinds.add_parser(
-        "atlas",
-        help="stated errors, forecasts, speed and leaks of lux maps, beside references and other programs",
-    )
-    atlas.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
-    atlas.add_argument("--quick", action="store_true", help="few scenes and short runs")
-    atlas.add_argument(
-        "--peers",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="run other programs too, where they are installed (default: yes)",
-    )
-    atlas.add_argument(
-        "--scale",
-        action="store_true",
-        help="also bake large buildings anew, up to 50 pages (about an hour)",
-    )
-    atlas.add_argument(
-        "--check",
-        type=Path,
-        metavar="EARLIER.json",
-        help="compare with the numbers of an earlier run; exit code 1 where they differ by more than chance",
-    )
-    atlas.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for atlas.md and its pictures (default: docs/benchmarks, with --quick out)",
-    )
+    benchmark_commands.add_commands(commands, _words, _numbers, _count)
     return parser
 
 
@@ -447,7 +316,7 @@ def main(arguments=None) -> int:
             "spectrum": spectrum_commands.run,
             "validate": validate_command.run,
             "demo": _demo,
-            "benchmark": _benchmark,
+            "benchmark": benchmark_commands.run,
         }[options.command](options)
     except LumenrayError as error:
         print(f"lumenray: {printable(str(error))}", file=sys.stderr)
@@ -475,57 +344,11 @@ def _open(path: Path):
         raise LumenrayError(f"{path}: no such file")
     registry.register()
     try:
-        with _quiet():
+        with quiet():
             bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         raise LumenrayError(f"{path}: Blender cannot open it ({str(error).strip()})") from None
     return bpy.context.evaluated_depsgraph_get()
-
-
-class _quiet:
-    """Keeps what Blender prints on its own off the terminal."""
-
-    def __enter__(self):
-        sys.stdout.flush()
-        self._kept = os.dup(1)
-        self._null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(self._null, 1)
-
-    def __exit__(self, *_):
-        os.dup2(self._kept, 1)
-        os.close(self._kept)
-        os.close(self._null)
-
-
-class _Bar:
-    """Progress on a terminal; silent when nobody watches."""
-
-    def __init__(self, title: str):
-        self.title = title
-        self.alive = sys.stderr.isatty() and not os.environ.get("CI")
-
-    def __call__(self, progress, _preview=None):
-        if not self.alive:
-            return
-        width = min(30, max(shutil.get_terminal_size().columns - 60, 5))
-        full = int(progress.done * width)
-        line = f"\r{self.title} [{'#' * full}{'.' * (width - full)}] {int(100 * progress.done):3d} %  {progress.text()}"
-        print(
-            line[: shutil.get_terminal_size().columns - 1].ljust(
-                shutil.get_terminal_size().columns - 1
-            ),
-            end="",
-            file=sys.stderr,
-        )
-
-    def close(self):
-        """Leave a clean line."""
-        if self.alive:
-            print(
-                "\r" + " " * (shutil.get_terminal_size().columns - 1) + "\r",
-                end="",
-                file=sys.stderr,
-            )
 
 
 def _rule(options, kind, samples, error, seconds):
@@ -583,7 +406,7 @@ def _render_open(options, depsgraph):
     )
     session = Session()
     session.apply(converted.delta)
-    bar = _Bar("render")
+    bar = Bar("render")
     picture = session.render(converted.camera, wanted, bar)
     bar.close()
     white = white_luminance(settings) or automatic_white(picture.tristimulus[..., 1])
@@ -676,7 +499,7 @@ def _bake(options) -> int:
         from . import bake
 
         bake.store(job, bpy.context.scene)
-        with _quiet():
+        with quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
     assumptions.tell(job.report, job.maps[0].provenance.notes)
     print_table(job.maps)
@@ -734,7 +557,7 @@ def _bake_open(options, depsgraph):
     )
     job = bake.prepare(depsgraph, objects, made)
     assumptions.refuse_missing(job.report, options.accept_missing)
-    bar = _Bar("bake")
+    bar = Bar("bake")
     try:
         with Interruption(job):
             job.run(Session(), bar)
@@ -795,7 +618,7 @@ def _measure(options) -> int:
     assumptions.refuse_missing(converted.report, options.accept_missing)
     session = Session()
     session.apply(converted.delta)
-    bar = _Bar("measure")
+    bar = Bar("measure")
     if options.each is not None:
         rule = StopRule(seconds=options.time, each=options.each)
     else:
@@ -879,93 +702,6 @@ def _demo(options) -> int:
     return 0
 
 
-def _benchmark(options) -> int:
-    from ..engine.errors import LumenrayError
-
-    try:
-        from ..benchmarks.output import report_progress
-    except ImportError:
-        raise LumenrayError(
-            "this installation has no benchmarks; they come with Lumenray's source code"
-        ) from None
-    if options.kind == "scattering":
-        from ..benchmarks import scattering
-
-        scattering.write_results(scattering.run(say=report_progress), options.output, options.json)
-        print(f"written to {options.output / 'scattering.md'}")
-        return 0
-    if options.kind == "rooms":
-        from ..benchmarks import rooms
-
-        is_part = options.count < rooms.COUNT or options.first != rooms.FIRST
-        folder = options.output or Path("out" if is_part else "docs/benchmarks")
-        made = rooms.run(options.count, options.first, options.jobs, say=report_progress)
-        rooms.write_results(made, folder, options.json)
-        print(f"written to {folder / 'rooms.md'}")
-        return int(any(row["off"] > 1.0 for row in made["rows"]))
-    if options.kind == "hidden":
-        from ..benchmarks import hidden_light
-
-        is_part = options.scene is not None or options.seeds < hidden_light.SEEDS
-        folder = options.output or Path("out" if is_part else "docs/benchmarks")
-        made = hidden_light.run(options.seeds, options.scene, options.jobs, say=report_progress)
-        hidden_light.write_results(made, folder, options.json)
-        print(f"written to {folder / 'hidden.md'}")
-        return int(not all(row["passed"] for row in hidden_light.summarise(made)))
-    if options.kind == "raysets":
-        from ..benchmarks import raysets
-
-        raysets.write_results(raysets.run(say=report_progress), options.output, options.json)
-        print(f"written to {options.output / 'raysets.md'}")
-        return 0
-    if options.kind == "luminaires":
-        return _benchmark_luminaires(options)
-    if options.kind == "atlas":
-        from ..benchmarks import atlas
-
-        return atlas.run(options)
-    if options.kind == "accuracy":
-        return _benchmark_accuracy(options)
-    try:
-        import bpy  # noqa: F401
-    except ImportError as error:
-        raise LumenrayError(
-            f"Blender's Python module cannot be loaded ({error}); run 'make setup'"
-        ) from None
-    from ..benchmarks import sync
-    from ..benchmarks.bars import check_bars, tell_bars
-
-    scenes, objects = options.scenes or tuple(sync.SCENES), options.objects or sync.OBJECTS
-    unknown = [name for name in scenes if name not in sync.SCENES]
-    if unknown:
-        raise LumenrayError(
-            f"there is no scene {', '.join(unknown)}; choose from {', '.join(sync.SCENES)}"
-        )
-    with _quiet():
-        result = sync.run(scenes, objects, say=report_progress)
-    sync.write_results(result, options.output, options.json)
-    print(tell_bars(check_bars(result)))
-    print(f"written to {options.output / 'sync.md'}")
-    return 0
-
-
-def _benchmark_luminaires(options) -> int:
-    from ..engine.transport import backend
-
-    # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
-    backend.start(spectral=False)
-    from ..benchmarks import luminaires
-    from ..benchmarks.luminaire_bars import check_bars, tell_bars
-    from ..benchmarks.output import report_progress
-
-    folder = options.output or Path("out" if options.files else "docs/benchmarks")
-    result = luminaires.run(options.files, say=report_progress)
-    luminaires.write_results(result, folder, options.json)
-    print(tell_bars(check_bars(result)))
-    print(f"written to {folder / 'luminaires.md'}")
-    return 0
-
-
 def print_table(maps) -> None:
     """Print mean, minimum and maximum illuminance per surface."""
     from .readout import format_range
@@ -1019,29 +755,3 @@ def print_bake(result) -> None:
 
 if __name__ == "__main__":
     sys.exit(main())
-
-
-def _benchmark_accuracy(options) -> int:
-    from ..engine.transport import backend
-
-    # As above.
-    backend.start(spectral=False)
-    from ..benchmarks import accuracy
-    from ..benchmarks.accuracy_bars import check_bars
-    from ..benchmarks.accuracy_document import tell_comparison
-    from ..benchmarks.accuracy_statistics import compare_results
-    from ..benchmarks.luminaire_bars import tell_bars
-    from ..benchmarks.output import report_progress
-
-    # The file may be the one that is written.
-    earlier = accuracy.read_results(options.check) if options.check else None
-    folder = options.output or Path("out" if options.quick else "docs/benchmarks")
-    result = accuracy.run(options.quick, options.peers, say=report_progress)
-    accuracy.write_results(result, folder, options.json)
-    print(tell_bars(check_bars(result)))
-    print(f"written to {folder / 'accuracy.md'}")
-    if earlier is None:
-        return 0
-    rows = compare_results(earlier, result)
-    print(tell_comparison(rows))
-    return int(not all(row.passes for row in rows))
