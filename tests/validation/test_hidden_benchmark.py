@@ -232,7 +232,7 @@ def test_the_command_ends_with_1_where_a_row_fails(tmp_path, monkeypatch, capsys
     asked = []
     good, bad = made_up((100.0, 101.0), (0.5, 0.5)), made_up((100.0, 110.0), (0.5, 0.5))
 
-    def run(seeds, scenes, say):
+    def run(seeds, scenes, jobs, say):
         asked.append((seeds, scenes))
         return result_of(good if len(asked) == 1 else bad)
 
