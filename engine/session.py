@@ -373,7 +373,7 @@ class Session:
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
             heard = None
-            seen = compiled.local(receivers.positions), receivers.normals
+            seen = receivers.outlooks(compiled)
             with bent_lights(compiled) as notes, bright_spots(compiled, *seen):
                 estimate = compute(
                     compiled,

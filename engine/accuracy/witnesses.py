@@ -42,7 +42,9 @@ def batch_error(values: np.ndarray) -> np.ndarray:
     return values.std(axis=0, ddof=1) / np.sqrt(count)
 
 
-def compare(first, first_error, second, second_error, freedom, weights, hidden=0.0) -> Verdict:
+def compare(
+    first, first_error, second, second_error, freedom, weights, hidden=0.0, batches=None
+) -> Verdict:
     """Compare two estimates of several quantities.
 
     A difference d counts where d^2 > (3 e_1)^2 + (t e_2)^2, with the errors e_1 of what is stated and e_2 of the witness. t
@@ -58,6 +60,8 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
     hidden : (n,) array or float
         What a single path of the second may bring, whatever its error; so many paths k may have missed by chance that all do
         with the probability asked for, exp(-k). It makes the second smaller only.
+    batches : (b, n) array or None
+        Independent estimates whose mean is the second: its errors may have much in common. None: they have nothing.
 
     Returns
     -------
@@ -84,6 +88,8 @@ def compare(first, first_error, second, second_error, freedom, weights, hidden=0
         part = weights[others] / weights[others].sum()
         mean = float(part @ difference[others])
         sums = [float(part**2 @ each[others]) for each in (own, other)]
+        if batches is not None:
+            sums[1] = float(batch_error(batches[:, others] @ part) ** 2)
         # What hides from one may hide from all.
         sums[1] += float(part @ hidden[others]) ** 2 if mean < 0.0 else 0.0
         if _exceeds(mean, *sums, limit):

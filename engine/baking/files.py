@@ -1,15 +1,17 @@
 """Files of a bake: every page as OpenEXR and in false colours, the graph of the error, the report."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from ..accuracy.stopping import StopRule
 from ..analysis.error_graph import draw_error_graph, to_rows
 from ..analysis.false_colour import nice_maximum, write_false_colour
 from ..formats import exr
 from ..formats.names import file_stem
-from ..formats.report import compose, quantity_of_map, write_json, write_table
+from ..formats.report import compose, find_remarks, quantity_of_map, write_json, write_table
 from .order import AtlasPage, BakeOrder, BakeResult
 
 FIRST_TILE, TILES_ACROSS = 1001, 10
@@ -62,6 +64,28 @@ def scale_top(illuminance: np.ndarray) -> float:
     return nice_maximum(illuminance) if len(illuminance) else 1.0
 
 
+def absolute_error(result: BakeResult) -> float:
+    """Standard error of everything: root mean square by area. Infinite where it is not known. [lx]"""
+    if result.mean > 0.0:
+        return result.mean * result.relative_standard_error
+    # An error in lx exists where nothing arrives, too, but the relative one does not lead to it.
+    area = variance = 0.0
+    for page in result.pages:
+        if page.standard_error is None:
+            return math.inf
+        own = page.area[page.covered].astype(np.float64)
+        area += float(own.sum())
+        variance += float((own * page.standard_error[page.covered].astype(np.float64) ** 2).sum())
+    return math.sqrt(variance / area) if area > 0.0 else math.inf
+
+
+def find_shortfall(rule: StopRule, result: BakeResult) -> str:
+    """Say what of its rule a bake has not met, because it was stopped or samples or time ended; empty if it has."""
+    if result.shortfall:
+        return result.shortfall
+    return rule.shortfall(result.relative_standard_error, absolute_error(result))
+
+
 def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion) -> list[Path]:
     """Write the graph of the error, the table of maps and the report.
 
@@ -77,9 +101,9 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         files.append(graph)
     first = result.maps[0].provenance
     quantities = [quantity_of_map(made) for made in result.maps]
-    files.append(write_table(folder / "report.csv", quantities))
-    error = result.relative_standard_error
-    shortfall = order.rule.shortfall(error, error * result.mean)
+    shortfall = find_shortfall(order.rule, result)
+    remarks = find_remarks(conversion, first.notes, shortfall)
+    files.append(write_table(folder / "report.csv", quantities, remarks))
     content = compose(order.file, first, first.seconds, quantities, conversion, shortfall)
     content["atlas"] = {
         "pages": [[page.width, page.height] for page in result.pages],

@@ -93,7 +93,9 @@ class LayerState:
     passes : int    Made so far.
     cells : dict of str to array
     forecaster : Forecaster
-    bias_sums : (3, m) array    By object: number, sum and sum of squares of what the cells add. [-, lx, lx2]
+    bias_sums : (5, m) array
+        By object, of what the cells add: number, sum, sum of squares, number of passes with some, and the sum over these
+        of the square of their sum over their number. [-, lx, lx2, -, lx2]
     object_passes : (passes, 1 + m) array    Samples of every pass, and the mean that it gave each object. [-, lx]
     is_done : bool
     """
@@ -224,7 +226,7 @@ class Layer:
         job, rule = self.job, self.rule
         setup = self._seconds
         forecaster = Forecaster(rule, setup, planned=PASSES)
-        bias = np.zeros((3, self.object_count))
+        bias = np.zeros((5, self.object_count))
         objects = np.zeros((0, 1 + self.object_count))
         self.report(Progress(0.0, 0, math.inf, self._seconds, None, "first samples"))
         is_short = rule.samples is not None and rule.samples <= SHORT
@@ -351,8 +353,11 @@ class Layer:
     def _note_checks(self, state: LayerState, lumels: np.ndarray, found: np.ndarray) -> None:
         """Take note of what comparing the cells with full paths has found, object by object."""
         which = self.objects[lumels]
-        for row, values in enumerate((np.ones(len(found)), found, found**2)):
-            state.bias_sums[row] += np.bincount(which, values, self.object_count)
+        count, total, square = (
+            np.bincount(which, values, self.object_count)
+            for values in (np.ones(len(found)), found, found**2)
+        )
+        state.bias_sums += [count, total, square, count > 0, total**2 / np.maximum(count, 1.0)]
 
     def _note(
         self,

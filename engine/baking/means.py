@@ -59,7 +59,7 @@ def _find_mean(number: int, parts, survey, estimates, states) -> ObjectMean:
     rows = every[survey.valid[every]]
     area, reached = (each[rows].astype(np.float64) for each in (survey.area, survey.reached))
     light = estimates.illuminance[rows]
-    shifts = [_bias(state.bias_sums[:, number]) for state in states]
+    shifts = [_bias(state.bias_sums, number) for state in states]
     return ObjectMean(
         number,
         len(every),
@@ -82,7 +82,7 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
     are many. The rest comes from the cells, which all lumels share. Only the few passes tell it, so it counts as much more
     as the variance of Student's distribution is more than one.
     """
-    total = max(float(area.sum()), 1e-300)
+    total = max(float(area.sum()), 1e-150)
     square = 0.0
     for state in states:
         weights, means = state.object_passes[:, 0], state.object_passes[:, 1 + number]
@@ -100,10 +100,17 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
     return float(np.sqrt(square))
 
 
-def _bias(sums: np.ndarray) -> tuple[float, float]:
-    """Mean of differences and its standard error, from their number, sum and sum of squares."""
-    count, total, square = (float(each) for each in sums)
+def _bias(sums: np.ndarray, number: int) -> tuple[float, float]:
+    """Mean of an object's differences and its standard error; not known where others were compared and it was not.
+
+    All of a pass read the same cells, so what these err by shows in the scatter between passes alone.
+    """
+    count, total, square, passes, of_passes = (float(each) for each in sums[:, number])
     if count < 2:
-        return 0.0, float("inf") if count else 0.0
+        return 0.0, float("inf") if sums[0].any() else 0.0
     mean = total / count
-    return mean, float(np.sqrt(max(square / count - mean**2, 0.0) / (count - 1)))
+    variance = max(square / count - mean**2, 0.0) / (count - 1)
+    if passes > 1:
+        between = max(of_passes - total**2 / count, 0.0) / (passes - 1)
+        variance = max(variance, between / count)
+    return mean, float(np.sqrt(variance))

@@ -30,6 +30,7 @@ from ..transport.bands import TOLERANCE as BAND_TOLERANCE
 from ..transport.bands import interpolation_error
 from ..transport.light_paths import LightTracer
 from ..transport.lux_job import LuxJob, Options
+from ..transport.surfaces import is_mirror, is_purely_specular
 from ..transport.tiles import tile_numbers
 from .facets import find_facet_loss, tell_facet_loss
 from .files import scale_top, write_page, write_report
@@ -58,6 +59,9 @@ MOST_MATCHED = 1 << 27
 
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
+
+OUTLYING = 1.96
+"""Standard deviations beyond which a lumel's variance is its own: chance lifts one of forty so far."""
 
 
 @dataclass(frozen=True)
@@ -295,10 +299,11 @@ class Bake:
                 fineness=self._saver.fineness,
             )
         tracer = None
+        missed = _find_missed(compiled, items, table)
         if self.order.caustics == "off":
             self._tell_missing(compiled)
         else:
-            tracer = LightTracer(compiled)
+            tracer = LightTracer(compiled, has_near=missed is None)
             if tracer.is_needed or tracer.rays.is_kept_point:
                 self._decisions.append(tracer.reason)
             elif self.order.caustics == "on":
@@ -317,7 +322,7 @@ class Bake:
         # Errors of layers add up as those of independent estimates.
         seed = self.order.seed + LAYER_SEEDS * layer
         try:
-            job = LuxJob(compiled, table, seed, options, ending, tracer, find_lumels)
+            job = LuxJob(compiled, table, seed, options, ending, tracer, find_lumels, missed)
         except BaseException:
             # What is traced of ray sets is missing from next-event until then.
             if tracer is not None:
@@ -325,6 +330,14 @@ class Bake:
             raise
         if job.straight is not None and job.straight.is_needed:
             self._decisions.append(job.straight.reason)
+        if missed is not None:
+            self._decisions.append(
+                "some maps lie on what takes no part in light or only mirrors: nothing is traced to small bright spots"
+            )
+        self.departures += [
+            Departure("caustics", note, "on maps that traced light does not reach")
+            for note in (job.bent.notes if job.bent else ())
+        ]
         return job
 
     def _tell_missing(self, compiled) -> None:
@@ -396,21 +409,35 @@ class Bake:
         self._report(Progress(1.0, 0, 0.0, self._seconds, None, "light paths from the lights"))
         floors = np.zeros(len(items))
         met = {key for key, _, _ in compiled.parts()}
-        # What takes no part in light, such as a measuring plane, no path meets.
         known = [number for number, item in enumerate(items) if item.key in met]
+        sides = [(items[n].key, items[n].is_back, items[n].mesh.name) for n in known]
+        own = [means[n] for n in known]
+        try:
+            heard = hear(compiled, sides, own, self.order.seed, self.host.cancelled)
+        except Cancelled:
+            # The passes are done, and need not be made again.
+            self._saver.write()
+            raise
+        self.departures += heard.departures
+        self._balance = heard.balance
+        floors[known] = heard.floors
         if known:
-            sides = [(items[n].key, items[n].is_back, items[n].mesh.name) for n in known]
-            own = [means[n] for n in known]
-            try:
-                heard = hear(compiled, sides, own, self.order.seed, self.host.cancelled)
-            except Cancelled:
-                # The passes are done, and need not be made again.
-                self._saver.write()
-                raise
-            self.departures += heard.departures
             self._decisions.append(heard.decision)
-            self._balance = heard.balance
-            floors[known] = heard.floors
+        # What takes no part in light, such as a measuring plane, no path meets. It may lack as much as the rest.
+        others = [number for number in range(len(items)) if number not in known]
+        if others:
+            shares = [floors[n] / means[n].mean for n in known if means[n].mean > 0.0]
+            share = max(shares, default=0.0)
+            floors[others] = [share * means[n].mean for n in others]
+            names = ", ".join(f"'{items[n].mesh.name}'" for n in others[:8])
+            self._decisions.append(
+                f"no light path meets {names}, so no second witness was heard; "
+                + (
+                    f"their errors hold the largest share that other maps may lack, {100.0 * share:.2g} %"
+                    if known
+                    else "bake what they lie before along with them to hear one"
+                )
+            )
         return floors
 
     def _find_facet_losses(self, items, means: list[ObjectMean]) -> np.ndarray:
@@ -579,6 +606,17 @@ def _owners(table: LumelTable) -> np.ndarray:
     )
 
 
+def _find_missed(compiled, items, table: LumelTable) -> np.ndarray | None:
+    """Lumels on which traced light never lands: no light meets them, or they only mirror. (n,) bool; None: none."""
+    met = {
+        key
+        for key, _, material in compiled.parts()
+        if not (is_purely_specular(material.surface) or is_mirror(material.surface))
+    }
+    missed = np.array([item.key not in met for item in items], dtype=bool)
+    return missed[_owners(table)] if missed.any() else None
+
+
 def _estimates(
     layers: list[tuple[str, LayerState]], order: BakeOrder, table: LumelTable
 ) -> Estimates:
@@ -607,7 +645,8 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
     """Variance of some lumels' means, from their own passes and those of their tiles. (n,) [lx2]
 
     Where rare bright paths make the error, the passes of most lumels have seen none of them, and would state too little
-    by themselves. So the mean over the tile counts as so many degrees of freedom; the mean over the map stays what it is.
+    by themselves. So the mean over the tile counts as so many degrees of freedom. Where the own passes scatter more than
+    those of such a tile do by chance, as at the edge of a shadow, they count alone.
     """
     variance = sums.variance(part)
     freedom = max(sums.passes - 1, 1)
@@ -615,7 +654,11 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
     total = np.bincount(tiles, own * valid)
     known = np.bincount(tiles, valid.astype(np.float64))
     mean = (total / np.maximum(known, 1.0))[tiles]
-    return (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
+    # Wilson and Hilferty's quantile of chi-square over its degrees of freedom.
+    spread = 2.0 / (9.0 * freedom)
+    largest = (1.0 - spread + OUTLYING * np.sqrt(spread)) ** 3
+    pooled = (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
+    return np.where(own > largest * mean, own, pooled)
 
 
 def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:

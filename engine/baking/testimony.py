@@ -69,6 +69,7 @@ def hear(scene, sides, found: list[ObjectMean], seed: int, cancelled) -> Testimo
         BATCHES - 1.0,
         area,
         report.heaviest / over,
+        report.flux_batches[:, rows] / over,
     )
     floors = np.maximum(verdict.floor, _biases(found))
     # Where nothing at all was found, that is known as well as the pilot can tell.

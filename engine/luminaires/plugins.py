@@ -276,10 +276,19 @@ def _surroundings_class():
             return dr.squared_norm(direction - towards) <= reach
 
         def sun_value(self, direction, wavelengths, active):
+            """Radiance of the suns that are not left out."""
+            return self._sum(self._shining(), direction, wavelengths, active)
+
+        def left_out_value(self, direction, wavelengths, active):
+            """Radiance of the suns that are."""
+            suns = [self.suns[k] for k in sorted(self._left_out)]
+            return self._sum(suns, direction, wavelengths, active)
+
+        def _sum(self, suns, direction, wavelengths, active):
             value = mi.Spectrum(0.0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = wavelengths
-            for radiance, towards, _, reach, _ in self._shining():
+            for radiance, towards, _, reach, _ in suns:
                 inside = self._inside(direction, towards, reach)
                 value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
             return value

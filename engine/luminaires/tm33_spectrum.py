@@ -8,6 +8,7 @@ from ..scene.spectrum import Tabulated
 from .distribution import azimuth_weights, polar_weights
 from .record import Remark
 from .safe_xml import XmlElement
+from .spectrum_checks import tell_oddities
 from .text import parse_number
 from .tm33_intensity import LONGEST_WAVELENGTH, read_table, to_grid
 from .tm33_values import attribute, number_in, optional_number, text_of
@@ -61,7 +62,8 @@ def _of_emitter(path, element: XmlElement, remarks) -> Spectrum | None:
             f"NumberWavelength says {text_of(element, 'NumberWavelength')}, but there are {len(data)} PwrData",
             stated.line,
         )
-    return _checked(path, wavelengths, values, element.line)
+    lines = np.array([item.line for item in data])
+    return _checked(path, wavelengths, values, element.line, remarks, lines)
 
 
 def _of_angles(path, element: XmlElement, photometric_type: str, remarks) -> Spectrum:
@@ -72,7 +74,7 @@ def _of_angles(path, element: XmlElement, photometric_type: str, remarks) -> Spe
     values = polar_weights(np.deg2rad(grid.polar)) @ rows
     text = "the spectrum depends on the direction; its mean over all directions is used"
     remarks.append(Remark(text, element.line))
-    return _checked(path, table.wavelengths, values, element.line)
+    return _checked(path, table.wavelengths, values, element.line, remarks)
 
 
 def _of_lists(path, element: XmlElement, remarks) -> Spectrum:
@@ -91,17 +93,18 @@ def _of_lists(path, element: XmlElement, remarks) -> Spectrum:
         )
     text = "SpectralDistribution, which the schema does not know, read as the spectrum"
     remarks.append(Remark(text, element.line))
-    return _checked(path, *lists, element.line)
+    return _checked(path, *lists, element.line, remarks)
 
 
-def _checked(path, wavelengths, values, line) -> Spectrum:
-    """Ascending wavelengths, each once, and powers of which none is negative."""
+def _checked(path, wavelengths, values, line, remarks, lines=None) -> Spectrum:
+    """Ascending wavelengths, each once, and powers of which none is negative; ``lines``: of each, None: all in one."""
 
     def fail(message):
         raise FileFormatError(path, message, line)
 
     if len(wavelengths) < 2:
         fail(f"a spectrum of {len(wavelengths)} values, expected at least two")
+    found, beside = wavelengths, values
     order = np.argsort(wavelengths, kind="stable")
     wavelengths, values = wavelengths[order], values[order]
     if wavelengths[0] <= 0.0 or wavelengths[-1] > LONGEST_WAVELENGTH or wavelengths[-1] < 20.0:
@@ -115,6 +118,9 @@ def _checked(path, wavelengths, values, line) -> Spectrum:
         fail(f"a negative spectral power ({values.min():g}), expected 0 or more")
     if not 0.0 < values.max() < 1e30:
         fail(f"a largest spectral power of {values.max():g}, expected more than 0")
+    lines = np.full(len(found), line) if lines is None else lines
+    told = tell_oddities(path, lines, found, beside, "the spectrum")
+    remarks += [Remark(text, line) for text in told]
     return wavelengths, values
 
 

@@ -19,6 +19,7 @@ from .far_disks import PORTAL_SHARE, FarDisks, Focus, aim_at_portals
 from .gather import photometric
 from .ray_source import RaySource
 from .rays import STEP, start_of
+from .sampler import hash_words, random_stream
 from .sun_maps import SunMap
 from .textures import is_spectral
 
@@ -389,8 +390,8 @@ class _Lanes:
         self.count = count
         lane = dr.arange(mi.UInt32, count) + dr.opaque(mi.UInt32, first)
         # Streams of their own for every salt.
-        sequence = mi.UInt64(lane) + mi.UInt64(dr.opaque(mi.UInt32, salt)) * (1 << 32)
-        self.stream = mi.PCG32(initstate=mi.UInt64(dr.opaque(mi.UInt32, seed)), initseq=sequence)
+        own = hash_words(dr.opaque(mi.UInt32, salt), dr.opaque(mi.UInt32, seed))
+        self.stream = random_stream(lane, own)
         self._sampler = sampler
         self.wavelengths = None
         if sampler is not None:

@@ -22,19 +22,22 @@ from ..arrays import table_size, upload
 from .mirrors import ROUNDING
 from .rays import STEP
 from .sight import Sight
-from .straight_lights import FOUND, StraightLights
+from .straight_lights import FOUND, StraightLights, find_candidates
 from .textures import is_spectral
 from .wavelengths import WavelengthSampler
 
 PLACES = 1 << 13
 """Places for which next-event is taken to cope with bundled light, see `straight_lights.FOUND`: what is less bundled than
-the light of a lamp 14 cm off a wall of a room of 3 m costs less than rays to spots do."""
+the light of a lamp 11 cm off a wall of a room of 3 m costs less than rays to spots do."""
 
 LOOKS = 1 << 12
 """Rays that find what paths see."""
 
 VOXELS = 32
 """Of the scene's radius; triangles of a part in one of them are taken to be seen together, as few rays miss most of many."""
+
+MOST_VOXELS = 1 << 8
+"""On either side of the scene's middle."""
 
 PATHS, SEED = 1 << 16, 0x3F51
 """Traced to find where spots lie."""
@@ -79,18 +82,22 @@ class _Triangles:
     def __init__(self, scene):
         numbers, corners = [], [np.zeros((0, 3, 3))]
         self._first = np.full(scene.shape_count, -1)
+        count = 0
         for _, part, _ in scene.parts():
-            self._first[part.number] = sum(len(each) for each in corners)
+            self._first[part.number] = count
             corners.append(scene.triangles(part).astype(np.float64))
             numbers.append(np.full(len(corners[-1]), part.number))
+            count += len(corners[-1])
         whole = np.concatenate(corners)
         a, b, c = np.moveaxis(whole, 1, 0)
         self.count = len(whole)
         self.area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
         voxel = np.floor(whole.mean(axis=1) * (VOXELS / max(float(scene.radius), 1e-9)))
-        number = np.concatenate([*numbers, np.zeros(0)])
+        key = np.concatenate([*numbers, np.zeros(0)]).astype(np.int64)
+        for along in np.clip(voxel, -MOST_VOXELS, MOST_VOXELS - 1).astype(np.int64).T:
+            key = key * (2 * MOST_VOXELS) + along + MOST_VOXELS
         # Triangles of a part that lie together have one key.
-        self._key = np.unique(np.column_stack([number, voxel]), axis=0, return_inverse=True)[1]
+        self._key = np.unique(key, return_inverse=True)[1]
 
     def sides(self, shape, triangle, back) -> np.ndarray:
         """Sides by the numbers of shapes and triangles and whether from behind, -1: none. (n,)"""
@@ -114,7 +121,7 @@ class _Triangles:
 
 def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Bright spots and their images, as in the table: in the scene's frame, but with the core's radius itself. (n, 6) [m]"""
-    if not len(places) or not scene.lights.count:
+    if not len(places) or not find_candidates(scene):
         return np.zeros((0, COLUMNS))
     sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
     triangles = _Triangles(scene)
@@ -122,12 +129,9 @@ def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     met = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())
     looks = triangles.spread(met[met >= 0])
     lights = StraightLights(scene, sampler, triangles, np.flatnonzero(looks), PLACES, looks)
-    try:
-        if not lights.is_needed:
-            return np.zeros((0, COLUMNS))
-        light, position, weight = lights.find_places(PATHS, SEED)
-    finally:
-        lights.close()
+    if not lights.is_needed:
+        return np.zeros((0, COLUMNS))
+    light, position, weight = lights.find_places(PATHS, SEED)
     # Of all the light that paths see, a light may have little, and scatter little however bundled it is.
     worth = np.bincount(light, weight, len(lights.lights)) / lights.seen**2
     order = np.argsort(-worth, kind="stable")

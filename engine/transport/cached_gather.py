@@ -371,7 +371,7 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
         value = emitter.eval(si, glows)
         if scene.near is not None:
             straight = glows & (pdf > 0.0)
-            glows &= ~scene.near.has_emitter(emitter, reference, straight)
+            glows &= ~scene.near.has_emitter(emitter, si.time, reference, straight)
         if left_out is not None:
             glows &= ~(bent & traceable & left_out.has(emitter, glows))
         radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
@@ -385,9 +385,14 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             found *= over
             weight = dr.select(pdf > 0.0, paths.power_heuristic(pdf, found), 1.0)
             value = scene.surroundings.eval(away, leaves)
+            # Suns that are traced straight are left out for rays that compete with next-event alone.
+            alone = leaves & (pdf <= 0.0)
             if left_out is not None and left_out.suns:
                 sun = scene.surroundings.sun_value(ray.d, away.wavelengths, leaves)
                 value -= dr.select(bent & traceable, sun, 0.0)
+                alone &= ~(bent & traceable)
+            hidden = scene.surroundings.left_out_value(ray.d, away.wavelengths, alone)
+            value += dr.select(alone, hidden, 0.0)
             radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
 
         # ---- what a matt surface sends ----

@@ -63,6 +63,15 @@ class Receivers:
     kind: SensorKind = SensorKind.PLANAR
     snaps: bool = False
 
+    def outlooks(self, scene) -> tuple[np.ndarray, np.ndarray]:
+        """Where receivers look from, surely not from below what they lie on, and whereto. (m, 3) in its frame [m], (m, 3)"""
+        places = scene.local(self.positions)
+        if self.kind is not SensorKind.PLANAR:
+            # To all sides.
+            return np.concatenate([places, places]), np.concatenate([self.normals, -self.normals])
+        lift = SNAP_DISTANCE * min(scene.radius, 1.0) if self.snaps else 0.0
+        return places + self.normals * lift, self.normals
+
     @classmethod
     def at_points(cls, positions, normals, kind: SensorKind = SensorKind.PLANAR) -> "Receivers":
         """One place each, which may lie on a surface. (n, 3), (n, 3)
@@ -213,12 +222,8 @@ class _Job:
         if is_spectral():
             response = "colour" if colour else "luminance"
             self.sampler = WavelengthSampler(scene.mean_light, response)
-        learn(
-            scene,
-            scene.local(receivers.positions),
-            receivers.normals.astype(np.float32),
-            gather.typical_wavelengths(),
-        )
+        places, normals = receivers.outlooks(scene)
+        learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
         self.places = _upload(scene, receivers)
         if receivers.snaps:
             self._snap()

@@ -68,6 +68,7 @@ class LightTracer:
     ----------
     scene : CompiledScene    Must stay as it is while this object is used. Until `close`, next-event leaves out what is
         traced of ray sets.
+    has_near : bool    As of `RayLights`.
 
     Attributes
     ----------
@@ -78,7 +79,7 @@ class LightTracer:
     reason : str    Why, for people.
     """
 
-    def __init__(self, scene: CompiledScene):
+    def __init__(self, scene: CompiledScene, has_near: bool = True):
         self.scene = scene
         targets = find_targets(scene)
         self.sampler = None
@@ -86,7 +87,7 @@ class LightTracer:
             self.sampler = WavelengthSampler(scene.mean_light, "luminance")
         self.lights = find_bent_lights(scene, targets.tree, self.sampler)
         self._bends = bool(self.lights) and targets.tree is not None
-        self.rays = RayLights(scene, self.sampler, len(self.lights))
+        self.rays = RayLights(scene, self.sampler, len(self.lights), has_near)
         try:
             self._prepare(targets)
         except BaseException:

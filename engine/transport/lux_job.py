@@ -19,6 +19,7 @@ from ..errors import Cancelled
 from ..photometry.spectra import observer
 from . import gather
 from .aims import BINS, SIDE, Aims, Cosine, find_densities
+from .bent_lights import BentLights
 from .cached_gather import NEAR
 from .cells import CellSet
 from .guide import Guide, choose_spots
@@ -185,6 +186,9 @@ class LuxJob:
     cancelled : callable    Asked before every launch.
     tracer : LightTracer or None    Traces from the lights what gathering cannot find over bends; None: nothing is traced.
     find_lumels : callable or None    Gives a `LumelFinder`, which knows the lumels on which traced light lands.
+    missed : (n,) bool array or None
+        Lumels on which it never lands, as on what takes no part in light: nothing is traced straight then, and these ask
+        for what comes over bends as sensors do. None: there are none.
     """
 
     def __init__(
@@ -196,6 +200,7 @@ class LuxJob:
         cancelled=lambda: False,
         tracer=None,
         find_lumels=None,
+        missed: np.ndarray | None = None,
     ):
         self.scene, self.table, self.options, self.cancelled = scene, table, options, cancelled
         self.seed, self.tracer, self.finder = seed, tracer, None
@@ -211,41 +216,28 @@ class LuxJob:
         known = table.survey
         self.area, self.valid = known.area, known.valid
         self._left_out = None if tracer is None else tracer.left_out
+        self._missed, self.bent = missed, None
+        if missed is not None and tracer is not None:
+            made = BentLights(scene)
+            self.bent = made if made.is_needed else None
         self._learn(known)
         self.cells = self.sweeper = None
-        if options.cells or tracer is not None:
-            wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
-            most = max(MOST_CELLS / wanted, 1.0)
-            sight = self._look(
-                known, LOOKS * int(wanted * min(MOST_FINER * options.fineness, most))
-            )
-
-            def refine(sizes: np.ndarray) -> float:
-                # Where much is near at hand, such as seats in rows, finer cells can be read more often. On top of that: what
-                # cells add falls with their number, however many of them nearness asks for.
-                finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
-                return min(min(max(finer, 1.0), MOST_FINER) * options.fineness, most)
-
-            self.cells = CellSet(scene, wanted, sight.shares, refine)
-            if self.cells and options.cells:
-                self._sides, looks = sight.sides(self.cells)
-                if tracer is not None:
-                    places = PILOT_SAMPLES * self.count
-                    sampler = None if self.sampler is None else tracer.sampler
-                    self.straight = StraightLights(scene, sampler, self.cells, self._sides, places)
-                self.sweeper = Sweeper(
-                    scene, self.cells, self._sides, seed, cancelled, self._left_out, looks
-                )
-        self._traces = tracer is not None and (
-            tracer.is_needed or (self.straight is not None and self.straight.is_needed)
-        )
-        if self._traces:
-            self.finder = find_lumels()
         self.traced: np.ndarray | None = None
         self.guide: Guide | None = None
         # Where rays go, by the first lumel of a span; empty while they go by the cosine law.
         self.aims: dict[int, np.ndarray] = {}
-        self.spans = self._find_spans(known.places)
+        try:
+            if options.cells or tracer is not None:
+                self._make_cells(known)
+            self._traces = tracer is not None and (
+                tracer.is_needed or (self.straight is not None and self.straight.is_needed)
+            )
+            if self._traces:
+                self.finder = find_lumels()
+            self.spans = self._find_spans(known.places)
+        except BaseException:
+            self.close()
+            raise
         self._uploaded: dict[int, dict] = {}
         self._collector = ThreadPoolExecutor(1)
         self._coming: tuple[int, Future | None] = (-1, None)
@@ -424,6 +416,31 @@ class LuxJob:
 
     # ---- private ----
 
+    def _make_cells(self, known: Survey) -> None:
+        """Cut what is seen into cells, and prepare what finds their light."""
+        options = self.options
+        wanted = int(np.clip(self.count * CELLS_PER_LUMEL, FEWEST_CELLS, MOST_CELLS))
+        most = max(MOST_CELLS / wanted, 1.0)
+        sight = self._look(known, LOOKS * int(wanted * min(MOST_FINER * options.fineness, most)))
+
+        def refine(sizes: np.ndarray) -> float:
+            # Where much is near at hand, such as seats in rows, finer cells can be read more often. On top of that: what
+            # cells add falls with their number, however many of them nearness asks for.
+            finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
+            return min(min(max(finer, 1.0), MOST_FINER) * options.fineness, most)
+
+        self.cells = CellSet(self.scene, wanted, sight.shares, refine)
+        if not (self.cells and options.cells):
+            return
+        self._sides, looks = sight.sides(self.cells)
+        if self.tracer is not None and self._missed is None:
+            places = PILOT_SAMPLES * self.count
+            sampler = None if self.sampler is None else self.tracer.sampler
+            self.straight = StraightLights(self.scene, sampler, self.cells, self._sides, places)
+        self.sweeper = Sweeper(
+            self.scene, self.cells, self._sides, self.seed, self.cancelled, self._left_out, looks
+        )
+
     def _look(self, known: Survey, rays: int) -> Sight:
         """What there is to be seen, by so many rays at least."""
         rows = known.draw(max(rays, FEWEST_LOOKS), self.seed)
@@ -501,6 +518,8 @@ class LuxJob:
                     "aims": Aims(self.aims[span.start]),
                     "tile": upload(mi.UInt32, self.tiles(span)),
                 }
+            if self.bent is not None:
+                self._uploaded[span.start]["missed"] = upload(mi.Bool, self._missed[span])
             dr.eval(self._uploaded[span.start])
         return self._uploaded[span.start]
 
@@ -565,6 +584,8 @@ class LuxJob:
         receiver = Receiver(si, wavelengths, stream, point, ratio, _facing(si), aim)
         if kind == DIRECT:
             value = direct(scene, receiver)
+            if self.bent is not None:
+                value += self._bent_light(places, lumel, receiver)
         elif kind == GUIDED:
             traced, read = self.guide.light(scene, receiver, stream)
             value = traced + read
@@ -587,6 +608,16 @@ class LuxJob:
         dr.eval(kept)
         sums = [dr.block_reduce(dr.ReduceOp.Add, each, units.samples) for each in kept]
         return np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+
+    def _bent_light(self, places, lumel, receiver: Receiver):
+        """What comes over bends to lumels on which traced light never lands."""
+        respond = receiver.respond
+
+        def respond_alone(direction, asked):
+            return dr.select(asked, respond(direction), 0.0)
+
+        asks = dr.gather(mi.Bool, places["missed"], lumel)
+        return self.bent.light(receiver.si, receiver.stream, respond_alone, asks)
 
     def _look_around(self, span, order, first, many, rays: int) -> np.ndarray:
         """Mean squares of what rays bring, through the bins of some tiles. (t, BINS)

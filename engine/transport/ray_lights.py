@@ -59,6 +59,7 @@ class RayLights:
     scene : CompiledScene    Its next-event leaves out what is traced here, until `close`.
     sampler : WavelengthSampler or None    None in photometric variants.
     first : int    Number of the first of these lights in `Deposits`.
+    has_near : bool    Whether straight light is traced near them; else they are points everywhere.
 
     Attributes
     ----------
@@ -70,8 +71,9 @@ class RayLights:
     reason : str    Why, for people.
     """
 
-    def __init__(self, scene, sampler, first: int = 0):
+    def __init__(self, scene, sampler, first: int = 0, has_near: bool = True):
         self._scene, self._sampler, self._first = scene, sampler, first
+        self._has_near = has_near
         found = [
             source
             for source in scene.lights.sources
@@ -107,7 +109,9 @@ class RayLights:
                 f"{'s' if more else ''} lands near them or bent, and is traced from there"
             )
         if self.is_kept_point:
-            text = "a ray set lights surfaces close by that are not matt, so it is taken for a point there"
+            text = (
+                "a ray set lights what is close by and not matt, so it is taken for a point there"
+            )
             self.reason = f"{self.reason}; {text}" if self.reason else text
 
     def limit_of(self, source) -> float:
@@ -155,7 +159,7 @@ class RayLights:
                 landed, way = made.flux[own] / lanes, distance[own]
                 near[i] = choose_limit(source.luminaire.rays, landed / source.flux, way)
                 lost = landed[shiny[own] & (way >= 0.0) & (way < near[i])].sum()
-                if lost > LEAST_SHARE * source.flux:
+                if lost > LEAST_SHARE * source.flux or (near[i] > 0.0 and not self._has_near):
                     # What a surface that is not matt makes of traced light, nothing would find.
                     near[i], self.is_kept_point = 0.0, True
                 # Bent light is traced in any case.

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..accuracy.estimate import Estimate
 from ..accuracy.stopping import StopRule
-from ..accuracy.witnesses import Verdict, compare
+from ..accuracy.witnesses import Verdict, batch_error, compare
 from ..scene.sensor import SensorKind
 from .illuminance import compute
 from .sheets import Sheets
@@ -17,6 +17,9 @@ SAMPLES = (1 << 8, 1 << 12)
 
 GROUPS = 16
 """Independent groups of them."""
+
+CHUNK = 1 << 12
+"""Sensors whose nearest ones are looked for at once."""
 
 
 @dataclass(frozen=True)
@@ -89,13 +92,17 @@ def hear_sensors(
         BATCHES - 1.0,
         np.ones(len(squares.sensor)),
         report.heaviest / squares.area,
+        report.sheet_batches,
     )
     lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
-    floors = np.maximum(floors, np.maximum(lacks, abs(verdict.rest)) * sheets.response)
+    near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
+    each = np.maximum(lacks[near], abs(verdict.rest) * sheets.faces)
+    floors = np.maximum(floors, each * sheets.response)
+    error = float(batch_error(report.sheet_batches.mean(axis=1)))
     decision = (
-        f"{report.paths} light paths from the lights bring {report.sheets.mean():.4g} ± "
-        f"{_mean_error(report.sheet_errors):.2g} lx to {len(squares.sensor)} squares about sensors, gathering "
-        f"{made.mean.mean():.4g} ± {_mean_error(made.standard_error):.2g} lx"
+        f"{report.paths} light paths from the lights bring {report.sheets.mean():.4g} ± {error:.2g} lx to "
+        f"{len(squares.sensor)} squares about sensors, gathering {made.mean.mean():.4g} ± "
+        f"{_mean_error(made.standard_error):.2g} lx"
     )
     notes = _tell(witness, sheets, verdict, made, report)
     return SensorTestimony(floors, notes, decision, report.balance())
@@ -103,6 +110,19 @@ def hear_sensors(
 
 def _mean_error(errors: np.ndarray) -> float:
     return float(np.sqrt((errors**2).sum()) / len(errors))
+
+
+def _find_nearest(scene, positions, normals, chosen: np.ndarray) -> np.ndarray:
+    """Of every sensor the one among those looked at that stands for it: near by, and turned alike. (n,) int"""
+    normals = np.asarray(normals, dtype=np.float64)
+    facing = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    place = np.concatenate([scene.local(positions) / scene.radius, facing], axis=1)
+    nearest = np.zeros(len(place), dtype=np.int64)
+    for first in range(0, len(place), CHUNK):
+        part = slice(first, first + CHUNK)
+        away = np.linalg.norm(place[part, None] - place[chosen], axis=2)
+        nearest[part] = chosen[away.argmin(axis=1)]
+    return nearest
 
 
 def _tell(witness, sheets, verdict: Verdict, made: Estimate, report) -> tuple[str, ...]:

@@ -72,6 +72,11 @@ class Sheets:
     scene : CompiledScene
     positions, normals : (n, 3) array    In the world. [m]
     kind : SensorKind
+
+    Attributes
+    ----------
+    response : float    Largest response of a sensor.
+    faces : int    Squares about each.
     """
 
     def __init__(self, scene, positions, normals, kind: SensorKind = SensorKind.PLANAR):
@@ -89,7 +94,7 @@ class Sheets:
         repeated = np.repeat(chosen, each)
         made = _lay(repeated, points[repeated], facing[chosen].reshape(-1, 3))
         self.squares = _fit(scene, made)
-        self.response = RESPONSES.get(kind, 1.0)
+        self.response, self.faces = RESPONSES.get(kind, 1.0), each
 
     def __len__(self) -> int:
         return len(self.squares.half)
@@ -106,8 +111,8 @@ class Sheets:
         self.flux = Sums(len(self) * batches, flux)
         dr.eval(self._rows, self._open)
 
-    def count(self, ray, way, amount, batch, active, watcher, facts):
-        """Count what crosses on its way; returns all that every path brought. ``way``: how far it goes [m]. [lm]"""
+    def count(self, ray, way, amount, batch, active, chance, watcher, facts):
+        """Count what crosses on its way [m]; returns all that every path brought. ``chance``: as of `Sums.add`. [lm]"""
 
         def step(k, brought):
             centre, normal, along, across = (
@@ -123,7 +128,7 @@ class Sheets:
             cell = mi.UInt32(dr.select(met, y, 0.0)) * SIDE + mi.UInt32(dr.select(met, x, 0.0))
             met &= dr.gather(mi.Bool, self._open, k * (SIDE * SIDE) + cell, met)
             place = k * mi.UInt32(self._batches) + batch
-            self.flux.add(amount, place, met)
+            self.flux.add(amount, place, met, chance)
             if watcher is not None:
                 watcher.see_sheet(k, amount, *facts, met)
             return k + 1, dr.select(met, brought + amount, brought)

@@ -76,7 +76,7 @@ class _Landed:
 
     Parameters
     ----------
-    light : (m,) int    Place among the lights.
+    light : (m,) int    Place among the lights, ascending.
     flux : (m,) array    Share of the estimate. [lm]
     lux : (m,) array    Illuminance there by this light. [lx]
     distance : (m,) array    From the light's centre. [m]
@@ -105,11 +105,12 @@ class StraightLights:
     ----------
     scene : CompiledScene    Its next-event leaves out what is traced here, until `close`.
     sampler : WavelengthSampler or None    None in photometric variants.
-    cells : CellSet
+    cells : CellSet or another that knows the sides of deposits
     sides : (n,) array    Sides of cells that a job looks at.
     samples : float    Places at which the first passes ask for light.
     looks : (2 c,) array or None
-        How often each side is looked at, over its area and of sum 1 over all [m-2]; None: all of ``sides`` alike.
+        How often each side is looked at, over its area and of sum 1 over all [m-2]; nothing is left out then, and light
+        is only looked for. None: all of ``sides`` alike.
 
     Attributes
     ----------
@@ -127,16 +128,11 @@ class StraightLights:
         self._area = float(np.repeat(cells.area, 2)[sides].sum()) if looks is None else 1.0
         self._limits: dict[int, float] = {}
         self.reason = ""
-        small = (
-            light
-            for light in find_surfaces(scene)
-            if light.source.radius < LARGEST_SURFACE * scene.radius
-        )
-        self.lights: tuple[TracedLight, ...] = (*find_ideal_lights(scene), *small)
+        self.lights: tuple[TracedLight, ...] = find_candidates(scene)
         if self.lights and len(sides) and self._area > 0.0:
             self._learn(samples / FOUND)
         self.is_needed = bool(self._limits)
-        if self.is_needed:
+        if self.is_needed and looks is None:
             self._leave_out()
 
     def close(self) -> None:
@@ -197,8 +193,9 @@ class StraightLights:
             for reach in (_widen_limit(landed, own, limit, self._area, most), limit):
                 inside = own & (landed.distance < reach)
                 spilled = landed.flux[inside & ~landed.is_matt].sum()
+                kept = landed.flux[inside & landed.is_matt].sum()
                 # What a surface that is not matt makes of traced light, nothing would find.
-                if spilled <= LEAST_SHARE * flux:
+                if spilled <= LEAST_SHARE * flux and kept > 0.0:
                     limits[number] = reach
                     worth[number] = float(landed.flux[inside] @ landed.lux[inside])
                     break
@@ -242,7 +239,8 @@ class StraightLights:
         self._ends = self._densities = None
         if histograms is not None:
             share = histograms / histograms.sum(axis=1, keepdims=True)
-            ends = np.cumsum(share, axis=1)
+            # To the digits of the random numbers, so that densities are those of what is drawn.
+            ends = np.round(np.cumsum(share, axis=1) * 2.0**24) / 2.0**24
             ends[:, -1] = 1.0
             self._ends = upload(mi.Float, ends)
             self._densities = upload(mi.Float, np.diff(ends, prepend=0.0, axis=1) * GRID * GRID)
@@ -272,7 +270,7 @@ class StraightLights:
 
     def _limit_of(self, landed: _Landed, number: int, most: float) -> float | None:
         """Distance from a light below which its light is traced, 0 for none of it; None: none was seen to land. [m]"""
-        own = landed.light == number
+        own = slice(*np.searchsorted(landed.light, [number, number + 1]))
         if landed.flux[own].sum() <= 0.0:
             return None
         return _choose_limit(landed, own, self.lights[number].start == SUN, self._area, most)
@@ -288,7 +286,9 @@ class StraightLights:
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
         flux = made.flux / count * (1.0 if self._looks is None else self._looks[side])
         values = (light, flux, lux, told[:, 1].astype(np.float64))
-        return _Landed(*(each[seen] for each in (*values, cell, is_matt)))
+        order = np.flatnonzero(seen)
+        order = order[np.argsort(light[order], kind="stable")]
+        return _Landed(*(each[order] for each in (*values, cell, is_matt)))
 
     def _launch(self, width, seed, index, is_limited: bool) -> tuple[Deposits, np.ndarray]:
         """Run one kernel; fluxes are those of single paths.
@@ -362,15 +362,15 @@ class StraightLights:
 
     def _leave_out(self) -> None:
         """Have next-event leave out what is traced."""
-        suns = [light.number for light in self.lights if light.start == SUN]
-        if suns:
-            self._scene.surroundings.leave_out(suns)
         finite = {
             light.number: (light.source, self._limits[place])
             for place, light in enumerate(self.lights)
             if light.start != SUN
         }
         self._scene.near = NearLimits(self._scene.lights, finite) if finite else None
+        suns = [light.number for light in self.lights if light.start == SUN]
+        if suns:
+            self._scene.surroundings.leave_out(suns)
 
 
 class NearLimits:
@@ -395,9 +395,19 @@ class NearLimits:
         x, y, z, square = (dr.gather(mi.Float, self._rows, index * 4 + k, active) for k in range(4))
         return active & (dr.squared_norm(point - mi.Point3f(x, y, z)) < square)
 
-    def has_emitter(self, emitter, point, active):
-        """As `has`, for a luminous surface that a ray has met."""
-        return self.has(self._lights.index(emitter, active), point, active)
+    def has_emitter(self, emitter, row, point, active):
+        """As `has`, for a luminous surface that a ray has met. ``row``: of a luminaire, see `LightTable.row`."""
+        return self.has(self._lights.index(emitter, active) + mi.UInt32(row), point, active)
+
+
+def find_candidates(scene) -> tuple[TracedLight, ...]:
+    """Lights whose straight light may be bundled: ideal ones, and luminous surfaces that are small in their scene."""
+    small = (
+        light
+        for light in find_surfaces(scene)
+        if light.source.radius < LARGEST_SURFACE * scene.radius
+    )
+    return (*find_ideal_lights(scene), *small)
 
 
 def _choose_limit(

@@ -1,7 +1,7 @@
 """Sums that many rays add to at once, the same in whatever order they come.
 
 Rays of all threads take turns as chance has it, and sums of floating-point numbers depend on the order. So amounts are
-counted in whole quanta, so small that rounding to them does not matter.
+counted in whole quanta. What is smaller than one counts as one with the probability of its share, so that nothing is lost.
 """
 
 import math
@@ -10,8 +10,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-FINENESS = 44
-"""Quanta in what is about the whole, as a power of two: a hundred thousand times as much still fits."""
+FINENESS = 48
+"""Quanta in what is about the whole, as a power of two: ten thousand times as much still fits."""
 
 
 class Sums:
@@ -32,9 +32,9 @@ class Sums:
         self._scale = dr.opaque(mi.Float, 1.0 / self._quantum)
         self.counts = dr.zeros(dr.int64_array_t(mi.Float), size)
 
-    def add(self, amount, index, active) -> None:
-        """Add amounts, numbers that are finite alone."""
-        whole = dr.round(dr.select(dr.isfinite(amount), amount, 0.0) * self._scale)
+    def add(self, amount, index, active, chance=0.5) -> None:
+        """Add amounts, numbers that are finite alone. ``chance``: random, in [0, 1), by which quanta are filled up."""
+        whole = dr.floor(dr.select(dr.isfinite(amount), amount, 0.0) * self._scale + chance)
         count = dr.int64_array_t(mi.Float)(whole)
         dr.scatter_reduce(dr.ReduceOp.Add, self.counts, count, index, active)
 

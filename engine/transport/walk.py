@@ -105,8 +105,8 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
     close = NEAR * scene.extent
     many = mi.UInt32(tally.batches)
 
-    def add(target, row, amount, active):
-        target.add(amount, row * many + batch, active)
+    def add(target, row, amount, active, chance):
+        target.add(amount, row * many + batch, active, chance)
 
     def body(
         origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active
@@ -115,10 +115,11 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         hit, si = _meet(scene, ray, active)
         amount = rays.lumens(power)
         counts = active & (scatterings <= limit)
+        chance = stream.next_float32()
         if sheets is not None:
             found = sheets.count(
-                ray, dr.select(si.is_valid(), hit.t, dr.inf), amount, batch, counts, watcher,
-                (scatterings, trace, bender),
+                ray, dr.select(si.is_valid(), hit.t, dr.inf), amount, batch, counts, chance,
+                watcher, (scatterings, trace, bender),
             )  # fmt: skip
             use = use + found
         leaves = active & ~si.is_valid()
@@ -133,7 +134,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         side = dr.select(facing > 0.0, mi.UInt32(1), mi.UInt32(0))
         row = dr.gather(mi.UInt32, tally.rows, number * 2 + side, active)
         counts &= row != NOBODY
-        add(tally.incident, row, amount, counts)
+        add(tally.incident, row, amount, counts, chance)
         use = dr.select(counts, use + amount, use)
         if watcher is not None:
             watcher.see_row(row, amount, scatterings, trace, bender, counts)
@@ -161,7 +162,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
             dispersed |= splits
         loss = amount - rays.lumens(after)
         counts = active & (row != NOBODY)
-        add(tally.absorbed, row, loss, counts)
+        add(tally.absorbed, row, loss, counts, chance)
         lost = dr.select(active, lost + loss, lost)
 
         turned = active & ~straight
@@ -218,8 +219,9 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         end["use"], end["steps"], end["lost"], end["trace"], rest,
         tally.incident.counts, tally.absorbed.counts,
     )  # fmt: skip
-    add(tally.left, 0, rest, (end["trace"] & LEFT) > 0)
-    add(tally.cut, 0, rest, (end["trace"] & CUT) > 0)
-    add(tally.lost, 0, end["lost"], mi.Bool(True))
+    chance = end["stream"].next_float32()
+    add(tally.left, 0, rest, (end["trace"] & LEFT) > 0, chance)
+    add(tally.cut, 0, rest, (end["trace"] & CUT) > 0, chance)
+    add(tally.lost, 0, end["lost"], mi.Bool(True), chance)
     dr.eval(tally.left.counts, tally.cut.counts, tally.lost.counts)
     return end["use"], end["steps"]

@@ -16,6 +16,7 @@ from ..arrays import upload
 from ..errors import Cancelled
 from .all_lights import SUN, AllLights
 from .far_disks import Focus
+from .sampler import hash_words, random_stream
 from .sums import Sums
 from .textures import is_spectral
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
@@ -100,9 +101,9 @@ class WitnessReport:
     Parameters
     ----------
     objects : tuple of (str, bool)    Ids of objects, and whether their back is meant.
-    flux, flux_error : (n,) array    Light that these sides receive, all reflections included. [lm]
+    flux_batches : (b, n) array    Light that these sides receive, all reflections included, of independent batches. [lm]
     absorbed : (n,) array    What of it they keep. [lm]
-    sheets, sheet_errors : (k,) array    Illuminance of the squares about sensors. [lx]
+    sheet_batches : (b, k) array    Illuminance of the squares about sensors. [lx]
     emitted, taken, left, cut, rest : Amount    Light of all lights, what of it is absorbed, leaves the scene, is not
         followed any further, and what these differ by: roulette, by chance.
     lights : dict of str to float    What each light emits. [lm]
@@ -111,11 +112,9 @@ class WitnessReport:
     """
 
     objects: tuple[tuple[str, bool], ...]
-    flux: np.ndarray
-    flux_error: np.ndarray
+    flux_batches: np.ndarray
     absorbed: np.ndarray
-    sheets: np.ndarray
-    sheet_errors: np.ndarray
+    sheet_batches: np.ndarray
     emitted: Amount
     taken: Amount
     left: Amount
@@ -124,6 +123,26 @@ class WitnessReport:
     lights: dict[str, float] = field(default_factory=dict)
     heaviest: float = 0.0
     paths: int = 0
+
+    @property
+    def flux(self) -> np.ndarray:
+        """Mean of the batches. (n,) [lm]"""
+        return self.flux_batches.mean(axis=0)
+
+    @property
+    def flux_error(self) -> np.ndarray:
+        """Its standard error. (n,) [lm]"""
+        return batch_error(self.flux_batches)
+
+    @property
+    def sheets(self) -> np.ndarray:
+        """Mean of the batches. (k,) [lx]"""
+        return self.sheet_batches.mean(axis=0)
+
+    @property
+    def sheet_errors(self) -> np.ndarray:
+        """Its standard error. (k,) [lx]"""
+        return batch_error(self.sheet_batches)
 
     def balance(self) -> dict:
         """Energy of the whole, for reports. [lm]"""
@@ -226,10 +245,11 @@ class Witness:
         batch = upload(mi.UInt32, rows % tally.batches)
         if watcher is not None:
             watcher.light = upload(mi.UInt32, which)
-        sequence = mi.UInt64(upload(mi.UInt32, rows)) + (
-            mi.UInt64(dr.opaque(mi.UInt32, salt)) << 32
+        # Of another seed than the drawing, whose numbers must not be tied to those of the walk.
+        seed = dr.opaque(mi.UInt32, self._seed ^ 0x5A5A)
+        stream = random_stream(
+            upload(mi.UInt32, rows), hash_words(dr.opaque(mi.UInt32, salt), seed)
         )
-        stream = mi.PCG32(initstate=mi.UInt64(dr.opaque(mi.UInt32, self._seed ^ 0x5A5A)), initseq=sequence)  # fmt: skip
         use, met = walk(
             self._scene, rays, tally, batch, stream, dr.opaque(mi.UInt32, self._limit),
             dr.opaque(mi.UInt32, steps or MAXIMUM_STEPS), self._sheets, watcher,
@@ -320,11 +340,9 @@ class Witness:
             names[origin.name] = names.get(origin.name, 0.0) + float(flux)
         return WitnessReport(
             self.objects,
-            incident.mean(axis=0),
-            batch_error(incident),
+            incident,
             absorbed.mean(axis=0),
-            sheets.mean(axis=0),
-            batch_error(sheets),
+            sheets,
             *amounts,
             names,
             heaviest,
@@ -332,9 +350,9 @@ class Witness:
         )
 
     def _empty(self) -> WitnessReport:
-        none, nothing = np.zeros(len(self.objects)), Amount(0.0, 0.0)
-        sheets = np.zeros(0 if self._sheets is None else len(self._sheets))
-        return WitnessReport(self.objects, none, none, none, sheets, sheets, *[nothing] * 5)
+        none, nothing = np.zeros((BATCHES, len(self.objects))), Amount(0.0, 0.0)
+        sheets = np.zeros((BATCHES, 0 if self._sheets is None else len(self._sheets)))
+        return WitnessReport(self.objects, none, none[0], sheets, *[nothing] * 5)
 
 
 class Watcher:

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from baking_rooms import bake, bake_in, lamp, lumel_places
+from baking_rooms import bake, bake_in, lamp, lumel_places, pierced_box
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity, SpotLight, SunLight
 from lumenray.engine.scene.material import Glossy, Material, ThinGlass
-from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
 from small_scenes import box, paint, quad, session_of
 
@@ -140,22 +139,6 @@ def test_what_falls_around_the_spot_of_a_close_lamp_is_found(height):
     near = lamp((height, 1.4, 1.3), 1000.0, 0.0)
     made = bake((paint(0.0), room(), near), ("room",), 64, density=4.0)
     assert_mean(made, 1000.0 / 54.0, 1e-3)
-
-
-def pierced_box(width, material="paint"):
-    """Box of 1 m whose lid has a square hole in its middle; faces look inwards."""
-    whole = box(1, 1, 1)
-    kept = [t for t in whole.triangles if not (whole.vertices[t][:, 2] == 1).all()]
-    low, high = 0.5 - 0.5 * width, 0.5 + 0.5 * width
-    strips = [(0, 0, 1, low), (0, high, 1, 1), (0, low, low, high), (high, low, 1, high)]
-    vertices, triangles = list(whole.vertices), [list(t) for t in kept]
-    for a, b, c, d in strips:
-        first = len(vertices)
-        vertices += [(a, b, 1), (c, b, 1), (c, d, 1), (a, d, 1)]
-        triangles += [[first, first + 2, first + 1], [first, first + 3, first + 2]]
-    triangles = np.array(triangles, np.int32)
-    return Mesh("room", "room", np.array(vertices, float), triangles, (material,),
-                np.zeros(len(triangles), np.int32))  # fmt: skip
 
 
 @pytest.mark.parametrize("width", [0.005, 0.03])

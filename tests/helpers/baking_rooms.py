@@ -6,6 +6,7 @@ import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, PointLight, Quantity
+from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session
 from small_scenes import box
@@ -27,6 +28,22 @@ def furnished_room(material="paint"):
     """Room of 2 m by 2 m by 2 m with a block on its floor."""
     room = moved(box(2.0, 2.0, 2.0, material), "room", (0, 0, 0))
     return room, moved(box(0.5, 0.5, 0.8, material, inwards=False), "block", (1.2, 1.1, 0.0))
+
+
+def pierced_box(width, material="paint"):
+    """Box of 1 m whose lid has a square hole in its middle; faces look inwards."""
+    whole = box(1, 1, 1)
+    kept = [t for t in whole.triangles if not (whole.vertices[t][:, 2] == 1).all()]
+    low, high = 0.5 - 0.5 * width, 0.5 + 0.5 * width
+    strips = [(0, 0, 1, low), (0, high, 1, 1), (0, low, low, high), (high, low, 1, high)]
+    vertices, triangles = list(whole.vertices), [list(t) for t in kept]
+    for a, b, c, d in strips:
+        first = len(vertices)
+        vertices += [(a, b, 1), (c, b, 1), (c, d, 1), (a, d, 1)]
+        triangles += [[first, first + 2, first + 1], [first, first + 3, first + 2]]
+    triangles = np.array(triangles, np.int32)
+    return Mesh("room", "room", np.array(vertices, float), triangles, (material,),
+                np.zeros(len(triangles), np.int32))  # fmt: skip
 
 
 def bake(items, objects, samples=None, progress=None, density=6.0, **more):
