@@ -3,20 +3,24 @@
 import sys
 
 from ..engine.errors import SceneError
+from ..engine.formats.report import find_remarks
+from ..engine.reading.printable import printable
 from .report import ConversionReport, Severity
 
 UNREACHED = 3
-"""Exit code where samples or time ended before the wanted error was reached."""
+"""Exit code where samples or time ended, or a bake was stopped, before what was wanted was reached."""
 
 ASSUMED = 4
 """Exit code where something of the scene was left out, so that the numbers are those of another scene."""
 
 CODES = f"""exit codes:
   0  done, as it was asked for
-  1  failed or refused; one line on standard error says why, and nothing is written
+  1  failed, refused or cancelled; one line on standard error says why, and no results are written
   2  the command line is not understood
-  {UNREACHED}  the results are written, but time or samples ended before the wanted error was reached
-  {ASSUMED}  the results are written, but the conversion report holds errors: something of the scene was left out
+  {UNREACHED}  the results are written, but time or samples ended before the wanted error was reached, or Ctrl-C stopped a
+     bake before its end
+  {ASSUMED}  the results are written, but the conversion report holds errors: something of the scene was left out; this
+     code stands where {UNREACHED} would hold as well
 """
 
 SHOWN = 8
@@ -51,23 +55,18 @@ def refuse_missing(report: ConversionReport, is_accepted: bool) -> None:
 
 def lines_of(report: ConversionReport, notes=(), shortfall: str = "") -> list[str]:
     """Say in lines all that a reader of the numbers has to know, the worst first; notes that change little are left out."""
-    lines = [f"goal: {shortfall}"] if shortfall else []
-    lines += [
-        row.text() + (f" ({count} times)" if count > 1 else "")
-        for row, count in report.by_weight
-        if row.severity is not Severity.INFO
-    ]
-    return lines + [f"note: {note}" for note in notes]
+    return find_remarks(report.to_dicts(), notes, shortfall)
 
 
 def tell(report: ConversionReport, notes=(), shortfall: str = "", stream=None) -> None:
     """Print what was assumed, on standard error if no other stream is given: all errors, and some of the rest."""
     stream = sys.stderr if stream is None else stream
     if shortfall:
-        stream.write(f"goal: {shortfall}\n")
+        stream.write(f"goal: {printable(shortfall)}\n")
     for note in notes:
-        stream.write(f"note: {note}\n")
-    rows = report.by_weight
+        stream.write(f"note: {printable(note)}\n")
+    # Bakes note it in their report as well.
+    rows = [(row, count) for row, count in report.by_weight if row.message != shortfall]
     if not rows:
         return
     errors = sum(row.severity is Severity.ERROR for row, _ in rows)

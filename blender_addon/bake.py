@@ -12,6 +12,7 @@ import numpy as np
 
 from ..engine.accuracy.stopping import StopRule
 from ..engine.analysis.false_colour import nice_maximum
+from ..engine.baking.files import find_shortfall
 from ..engine.baking.order import BakeOrder, BakeResult, LuxMap
 from ..engine.errors import Cancelled, LumenrayError, SceneError
 from ..engine.scene.scene import Scene
@@ -100,6 +101,16 @@ class BakeJob:
     def maps(self) -> tuple[LuxMap, ...]:
         """Lux maps of the finished bake."""
         return () if self.result is None else self.result.maps
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the engine notes of the finished bake, for people."""
+        return self.maps[0].provenance.notes if self.maps else ()
+
+    @property
+    def shortfall(self) -> str:
+        """Say what of its rule the finished bake has not met; empty if it has."""
+        return "" if self.result is None else find_shortfall(self.order.rule, self.result)
 
     def cancel(self) -> None:
         """Ask the job to end."""

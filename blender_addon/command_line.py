@@ -1,6 +1,7 @@
 """The command ``lumenray``: pictures, lux maps and sensor readings of a .blend file, and photometric files; no window."""
 
 import argparse
+import math
 import sys
 import time
 from pathlib import Path
@@ -18,6 +19,7 @@ from . import (
     spectrum_commands,
     validate_command,
 )
+from .luminaire_commands import say
 from .terminal import Bar, quiet
 
 EPILOG = """examples:
@@ -38,6 +40,12 @@ CODES = {
     "formatter_class": argparse.RawDescriptionHelpFormatter,
 }
 """What argparse is told of commands that compute a scene."""
+
+MOST_DIGITS = 6
+"""After the point, where the range of an extreme is very narrow."""
+
+SMALL = 1e-3
+"""Extremes below it are written with a power of ten. [lx, -]"""
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -501,21 +509,16 @@ def _bake(options) -> int:
         bake.store(job, bpy.context.scene)
         with quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(options.save.resolve()), copy=True)
-    assumptions.tell(job.report, job.maps[0].provenance.notes)
+    assumptions.tell(job.report, job.notes, job.shortfall)
     print_table(job.maps)
     print_bake(job.result)
     print(f"written to {options.output}")
     if options.gltf in job.files:
         print(f"written to {options.gltf}")
     if job.result.shortfall:
-        print(
-            f"lumenray: the bake was {job.result.shortfall}; --resume goes on with it",
-            file=sys.stderr,
-        )
-        return 1
-    error = job.result.relative_standard_error
-    shortfall = job.order.rule.shortfall(error, error * job.result.mean)
-    return assumptions.exit_code(job.report, options.accept_missing, shortfall)
+        more = "; --resume goes on with it" if job.order.checkpoint is not None else ""
+        print(f"lumenray: the bake was stopped before its end{more}", file=sys.stderr)
+    return assumptions.exit_code(job.report, options.accept_missing, job.shortfall)
 
 
 def _bake_open(options, depsgraph):
@@ -657,7 +660,6 @@ def _measure(options) -> int:
 
 
 def _demo(options) -> int:
-    from ..engine.formats.report import compose, quantity_of_map, write_json
     from ..libraries import scenes
 
     start = time.perf_counter()
@@ -686,16 +688,9 @@ def _demo(options) -> int:
     rule = ["--error", "0.05", "--time", "60"]
     lux = build_parser().parse_args(["bake", str(path), "-o", str(options.output), *rule])
     job = _bake_open(lux, depsgraph)
+    assumptions.tell(job.report, job.notes, job.shortfall)
     print_table(job.maps)
     seconds = time.perf_counter() - start
-    content = compose(
-        path.name,
-        job.maps[0].provenance,
-        seconds,
-        [quantity_of_map(m) for m in job.maps],
-        job.report.to_dicts(),
-    )
-    write_json(options.output / "report.json", content)
     print(
         f"{seconds:.0f} s. Look at {options.output}/office.png and {options.output}/illuminance.1001.png"
     )
@@ -704,30 +699,83 @@ def _demo(options) -> int:
 
 def print_table(maps) -> None:
     """Print mean, minimum and maximum illuminance per surface."""
-    from .readout import format_range
-
-    width = max(len("surface"), *(len(made.name) for made in maps))
-    print(
-        f"{'surface':<{width}}  {'mean lx':>16}  {'min lx (95 %)':>22}  {'max lx (95 %)':>24}  "
-        f"{'uniformity (95 %)':>19}  {'map error':>9}  {'lumels':>8}"
-    )
-    for made in maps:
-        mean = f"{made.mean:.1f} ± {made.mean_standard_error:.2f}"
-        print(
-            f"{made.name:<{width}}  {mean:>16}  {format_range(made.least, 1):>22}  "
-            f"{format_range(made.largest, 1):>24}  {format_range(made.uniformity, 2):>19}  "
-            f"{100 * made.relative_standard_error:8.2f}%  {made.lumels:8d}"
+    rows = [
+        ("surface", "mean lx", "min lx (95 %)", "max lx (95 %)", "uniformity (95 %)", "map error", "lumels")
+    ]  # fmt: skip
+    rows += [
+        (
+            _cell(made.name),
+            _format_mean(made.mean, made.mean_standard_error),
+            _format_range(made.least),
+            _format_range(made.largest),
+            _format_range(made.uniformity),
+            _format_error(made.relative_standard_error),
+            f"{made.lumels}",
         )
+        for made in maps
+    ]
+    first, *widths = (max(map(len, column)) for column in zip(*rows, strict=True))
+    for name, *cells in rows:
+        right = (f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+        say("  ".join([f"{name:<{first}}", *right]))
+
+
+def _cell(name: str) -> str:
+    """Return a name of the scene as it may stand in a line of a table."""
+    return " ".join(printable(name).expandtabs(1).splitlines())
+
+
+def _format_mean(value: float, error: float) -> str:
+    """Return a mean with its standard error by the size of the error."""
+    from .readout import format_estimate, format_number
+
+    if not math.isfinite(error):
+        return _plain(f"{format_number(value)} (error not known)")
+    return _plain(format_estimate(value, error))
+
+
+def _format_error(error: float) -> str:
+    """Return a relative standard error in per cent; as in the panel, but for very large ones."""
+    from .readout import format_error
+
+    return f"{100.0 * error:.0f} %" if 1.0 <= error < math.inf else format_error(error)
+
+
+def _format_range(extreme) -> str:
+    """Return an `Extreme` with its range, all with as many digits as the width of the range and the value's size need."""
+    from .readout import format_number
+
+    # Without the sign that a zero may have.
+    numbers = (extreme.value + 0.0, extreme.low + 0.0, extreme.high + 0.0)
+    if not math.isfinite(extreme.high):
+        return _plain(f"{format_number(extreme.value)} (range not known)")
+    size, half = abs(extreme.value), 0.5 * (extreme.high - extreme.low)
+    if 0.0 < size < SMALL:
+        value, low, high = (_plain(format_number(number)) for number in numbers)
+    else:
+        # The second digit of half the range, the third one of the value.
+        needed = [1 - math.floor(math.log10(half))] if half > 0.0 else []
+        needed += [2 - math.floor(math.log10(size))] if size > 0.0 else []
+        digits = min(max(0, *needed), MOST_DIGITS) if needed else 0
+        value, low, high = (f"{number:.{digits}f}" for number in numbers)
+    return f"{value} ({low} to {high})"
+
+
+def _plain(text: str) -> str:
+    """Take the thin spaces out of numbers: not every terminal has them, and other programs read the table."""
+    return text.replace("\u2009", "")
 
 
 def print_bake(result) -> None:
     """Print what holds for a bake as a whole: error, forecast, seams, bias, and what had to shrink."""
     from ..engine.accuracy.stopping import format_seconds
+    from ..engine.baking.files import absolute_error
 
-    error, mean = result.relative_standard_error, result.mean
+    absolute = absolute_error(result)
+    lux = f" ({absolute:.3g} lx)" if math.isfinite(absolute) else ""
     print(
-        f"all maps: mean {mean:.4g} lx, error {100 * error:.2f} % ({error * mean:.3g} lx), "
-        f"{100 * result.quadratic_relative_error:.2f} % of the root mean square"
+        f"all maps: mean {result.mean:.4g} lx, error {_format_error(result.relative_standard_error)}{lux}, "
+        f"{_format_error(result.quadratic_relative_error)} of the root mean square"
     )
     marks = result.history.marks
     made = [mark for mark in marks if mark.forecast is not None]
@@ -746,8 +794,8 @@ def print_bake(result) -> None:
     known = [made for made in result.maps if 0.0 < made.bias_error < float("inf")]
     if known:
         worst = max(known, key=lambda made: abs(made.bias))
-        print(
-            f"bias of a mean by the cells: {worst.bias:.3g} ± {worst.bias_error:.2g} lx at most ({worst.name})"
+        say(
+            f"bias of a mean by the cells: {worst.bias:.3g} ± {worst.bias_error:.2g} lx at most ({_cell(worst.name)})"
         )
     if result.shrink < 0.999:
         print(f"density lowered to {100 * result.shrink:.0f} % to fit the pages")

@@ -171,11 +171,12 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             if name in wanted and name in OWN_PASSES:
                 self.add_pass(name, len(channels), channels, layer=depsgraph.view_layer_eval.name)
         result = self.begin_result(*place, layer=depsgraph.view_layer_eval.name)
+        asked = view_settings(scene, _spectral_path(scene))
         finished = False
         try:
             picture = session.render(
                 camera,
-                view_settings(scene, _spectral_path(scene)),
+                asked,
                 self._follow(session, result, white),
                 preview_interval=PREVIEW_INTERVAL,
                 idle=lambda: self.test_break() and session.cancel(),
@@ -189,9 +190,11 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         text = describe_picture(picture, report)
         # Into the file's metadata, beside the pixels.
         self.get_result().stamp_data_add_field("Lumenray", text)
-        self._write_beside(scene, picture, report)
+        shortfall = asked.rule.shortfall(picture.relative_error)
+        self._write_beside(scene, picture, report, shortfall)
         if bpy.app.background:
-            assumptions.tell(ConversionReport(), picture.provenance.notes, stream=sys.stdout)
+            notes = picture.provenance.notes
+            assumptions.tell(ConversionReport(), notes, shortfall, stream=sys.stdout)
         self.update_stats("", text)
         _on_main_thread(lambda manager: show_render(manager, text))
 
@@ -226,11 +229,11 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
                 _fill(target, layers[name])
         self.end_result(result)
 
-    def _write_beside(self, scene, picture, report):
-        """Write the conversion report, which the picture file itself cannot hold."""
+    def _write_beside(self, scene, picture, report, shortfall):
+        """Write the conversion report and a missed goal, which the picture file itself cannot hold."""
         path = Path(scene.render.frame_path(frame=scene.frame_current)).with_suffix("")
         to_disk = bpy.app.background or self.is_animation
-        if to_disk and report.rows:
+        if to_disk and (report.rows or shortfall):
             from ..engine.formats.report import compose, write_json
 
             content = compose(
@@ -239,6 +242,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
                 picture.provenance.seconds,
                 [],
                 report.to_dicts(),
+                shortfall,
             )
             write_json(path.with_name(path.name + "_report.json"), content)
 

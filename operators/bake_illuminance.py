@@ -1,11 +1,13 @@
 """Bake illuminance: selected objects to lux maps, without blocking the window."""
 
+import sys
 from dataclasses import replace
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..blender_addon import (
+    assumptions,
     bake,
     bake_folders,
     baked_look,
@@ -37,7 +39,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         options=ONCE,
     )
     density: FloatProperty(
-        name="Lumels per metre",
+        name="Lumels per Metre",
         description="0 takes the scene's",
         default=0.0,
         min=0.0,
@@ -48,7 +50,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         name="Samples", description="0 takes the scene's rule", default=0, min=0, options=ONCE
     )
     error: FloatProperty(
-        name="Relative error",
+        name="Relative Error",
         description="0 takes the scene's rule",
         default=0.0,
         min=0.0,
@@ -56,7 +58,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         options=ONCE,
     )
     absolute: FloatProperty(
-        name="Absolute error",
+        name="Absolute Error",
         description="In lx; 0 takes the scene's rule",
         default=0.0,
         min=0.0,
@@ -207,11 +209,15 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         text = (
             f"{len(job.maps)} lux maps in {len(images)} images, error {error}, written to {folder}"
         )
+        if bpy.app.background:
+            assumptions.tell(job.report, job.notes, job.shortfall, stream=sys.stdout)
         if job.result.shortfall:
             text = f"Bake {job.result.shortfall}. {text}"
+        elif job.shortfall:
+            text = f"{job.shortfall[0].upper()}{job.shortfall[1:]}. {text}"
         if bake_folders.is_temporary(folder):
             text += ", which goes when Blender ends: save the file to give its bakes a place"
-        is_short = job.result.shortfall or bake_folders.is_temporary(folder)
+        is_short = job.shortfall or bake_folders.is_temporary(folder)
         self.report({"WARNING" if is_short else "INFO"}, text)
         return {"FINISHED"}
 
@@ -236,7 +242,7 @@ class LUMENRAY_OT_stop_bake(bpy.types.Operator):
 
 
 class LUMENRAY_OT_cancel_bake(bpy.types.Operator):
-    """End the bake without a result; with Keep What Is Done on, Resume can go on with it"""
+    """End the bake without a result; with Keep Progress on, Resume can go on with it"""
 
     bl_idname = "lumenray.cancel_bake"
     bl_label = "Cancel"

@@ -6,6 +6,10 @@ import math
 from pathlib import Path
 
 from ..errors import FileFormatError
+from ..reading.printable import printable
+
+TOLD = ("error", "warning")
+"""Severities of the conversion report that stand beside numbers, the worst first; the others change little."""
 
 
 def quantity_of_map(made) -> dict:
@@ -53,8 +57,31 @@ COLUMNS = (
 """Of the table of lux maps; ``_low`` and ``_high`` are the ends of ranges."""
 
 
-def write_table(path, quantities: list[dict]) -> Path:
+def find_remarks(conversion=(), notes=(), shortfall: str = "") -> list[str]:
+    """Say in lines all that a reader of numbers has to know, the worst first.
+
+    Parameters
+    ----------
+    conversion : iterable of dict    The conversion report's rows.
+    notes : iterable of str    Of a `session.Provenance`.
+    shortfall : str    As in `compose`; a row that says the same is not said again.
+    """
+    rows = [row for row in conversion if row["severity"] in TOLD and row["message"] != shortfall]
+    rows.sort(key=lambda row: TOLD.index(row["severity"]))
+    lines = [f"goal: {shortfall}"] if shortfall else []
+    for row in rows:
+        where = f"{row['object']} / {row['node']}" if row["node"] else row["object"]
+        times = f" ({row['count']} times)" if row["count"] > 1 else ""
+        lines.append(f"{row['severity']}: {where}: {row['message']}; {row['instead']}{times}")
+    lines += [f"note: {note}" for note in notes]
+    # A name may hold the end of a line, behind which no # would stand.
+    return [" ".join(printable(line).splitlines()) for line in lines]
+
+
+def write_table(path, quantities: list[dict], remarks=()) -> Path:
     """Write rows of `quantity_of_map` as comma-separated text; what is not known stays empty.
+
+    ``remarks`` are lines of text that a reader of the numbers has to know; they stand before them, each behind a ``#``.
 
     Raises
     ------
@@ -70,7 +97,8 @@ def write_table(path, quantities: list[dict]) -> Path:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, COLUMNS)
+            file.writelines(f"# {remark}\n" for remark in remarks)
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
     except OSError as error:
@@ -83,7 +111,8 @@ def compose(
 ) -> dict:
     """Put a report together from a `session.Provenance`, rows and the conversion report's rows.
 
-    ``shortfall``: what is said of a wanted error that was not reached (see `StopRule.shortfall`), empty if it was.
+    ``shortfall``: what is said of a wanted error that was not reached (see `StopRule.shortfall`, and of lux maps
+    `baking.files.find_shortfall`), empty if it was.
     """
     return {
         "engine": {"version": provenance.engine_version, "variant": provenance.variant},

@@ -2,11 +2,13 @@
 
 import csv
 import json
+import re
 
 import bpy
 import lumenray
 import pytest
 from lumenray.blender_addon import assumptions, command_line
+from lumenray.blender_addon.report import ConversionReport
 from lumenray.libraries.scenes import tiny
 
 
@@ -168,12 +170,79 @@ def test_an_error_that_was_not_reached_in_time_is_said(box, tmp_path, capsys):
     made = json.loads((tmp_path / "lux" / "report.json").read_text())
     assert words in made["goal"]["shortfall"]
     assert any(words in row["message"] for row in made["conversion"])
+    table = (tmp_path / "lux" / "report.csv").read_text()
+    assert words in table.splitlines()[0]
+    # What a bake notes in its report as well is not said twice.
+    assert table.count(words) == 1
 
 
 @pytest.mark.mitsuba
 def test_a_sensor_list_says_when_single_values_fall_short(box, tmp_path, capsys):
     assert measure(box(), tmp_path, "--each", "1e-9", "--time", "0.2") == assumptions.UNREACHED
     assert "error of every value" in capsys.readouterr().err
+
+
+def unlight_but(name):
+    """Let the lamp of the box light one object only, which the engine does not do."""
+    lamp = next(item for item in bpy.data.objects if item.type == "LIGHT")
+    chosen = bpy.data.collections.new("Lit")
+    chosen.objects.link(bpy.data.objects[name])
+    lamp.light_linking.receiver_collection = chosen
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("lose", [None, lose_environment])
+def test_what_was_left_out_of_the_scene_has_an_exit_code_of_its_own(box, lose, tmp_path, capsys):
+    unlight_but("Floor")
+    if lose is not None:
+        # That is agreed to, the linking is not.
+        lose(tmp_path)
+    path, lux = box(), tmp_path / "lux"
+    for command in (
+        ["measure", path, "--sensors", str(tmp_path / "in.csv"), "-o", str(tmp_path / "out.csv")],
+        ["render", path, "-o", str(tmp_path / "a.exr"), "--size", "8x8"],
+        ["bake", path, "-o", str(lux), "--objects", "Floor", "--density", "2", "--no-witness"],
+    ):
+        code = command_line.main([*command, "--samples", "4", "--accept-missing"])
+        assert code == assumptions.ASSUMED == 4, command[0]
+        assert "light linking" in capsys.readouterr().err
+    for table in (tmp_path / "out.csv", lux / "report.csv"):
+        heads = [line for line in table.read_text().splitlines() if line.startswith("#")]
+        assert any(line.startswith("# error: Point: light linking") for line in heads)
+        assert any("sky.png" in line for line in heads) is (lose is not None)
+    for report in (tmp_path / "a.json", lux / "report.json"):
+        rows = json.loads(report.read_text())["conversion"]
+        assert any("light linking" in row["message"] for row in rows)
+
+
+@pytest.mark.mitsuba
+def test_an_error_in_lux_is_reached_where_there_is_no_light(box, tmp_path, capsys):
+    # Outside of the closed box.
+    next(item for item in bpy.data.objects if item.type == "LIGHT").location.z = 5.0
+    lux = tmp_path / "lux"
+    command = ["bake", box(), "-o", str(lux), "--objects", "Floor", "--density", "2"]
+    assert command_line.main([*command, "--absolute", "1", "--samples", "64"]) == 0
+    made = json.loads((lux / "report.json").read_text())
+    assert made["atlas"]["mean"] == 0.0
+    assert made["goal"] == {"reached": True, "shortfall": ""}
+    said = capsys.readouterr()
+    assert "nan" not in said.out
+    assert "-0.0000 " not in said.out
+    assert re.search(r"mean 0 lx, error not known \(\S+ lx\)", said.out)
+
+
+def test_lines_beside_numbers_are_those_of_the_report(tmp_path):
+    report = ConversionReport()
+    report.warn("Lamp", "it is odd", "it is left as it is", "Emission")
+    report.error("Wall", "it is gone", "nothing is there")
+    report.error("Wall", "it is gone", "nothing is there")
+    report.info("Floor", "it is plain", "it stays so")
+    assert assumptions.lines_of(report, ["a line\nand another"], "fell short") == [
+        "goal: fell short",
+        "error: Wall: it is gone; nothing is there (2 times)",
+        "warning: Lamp / Emission: it is odd; it is left as it is",
+        "note: a line and another",
+    ]
 
 
 def test_help_documents_the_exit_codes(capsys):
@@ -183,25 +252,64 @@ def test_help_documents_the_exit_codes(capsys):
         said = capsys.readouterr().out
         assert f"{assumptions.UNREACHED}  the results are written" in said
         assert f"{assumptions.ASSUMED}  the results are written" in said
+        assert "or Ctrl-C stopped a" in said
 
 
-@pytest.mark.mitsuba
-def test_a_render_without_a_window_prints_the_conversion_report(box, tmp_path, capfd, monkeypatch):
+@pytest.fixture
+def frame(tmp_path, monkeypatch):
+    """Return a function that renders a frame as ``blender -b`` does, in this process."""
     from lumenray.blender_addon import engine_process
     from lumenray.engine.session import Session
 
-    session = Session()
-    monkeypatch.setattr(session, "close", lambda: None, raising=False)
-    monkeypatch.setattr(engine_process, "open_session", lambda _: session)
-    scene = bpy.context.scene
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    class Near(Session):
+        def render(self, camera, settings, *_, **__):
+            return super().render(camera, settings)
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(engine_process, "open_session", lambda _: Near())
+
+    def render():
+        scene = bpy.context.scene
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+        scene.render.engine = "LUMENRAY"
+        scene.render.resolution_x = scene.render.resolution_y = 8
+        scene.lumenray.samples = 4
+        scene.render.filepath = str(tmp_path / "frame")
+        bpy.ops.render.render(write_still=True)
+
+    return render
+
+
+@pytest.mark.mitsuba
+def test_a_render_without_a_window_prints_the_conversion_report(box, frame, capfd):
     hair = bpy.data.objects.new("Fur", bpy.data.hair_curves.new("Fur"))
-    scene.collection.objects.link(hair)
-    scene.render.engine = "LUMENRAY"
-    scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.lumenray.samples = 4
-    scene.render.filepath = str(tmp_path / "frame")
-    bpy.ops.render.render(write_still=True)
-    assert "Fur" in capfd.readouterr().out
+    bpy.context.scene.collection.objects.link(hair)
+    frame()
+    said = capfd.readouterr()
+    assert "Fur" in said.out
+    assert "Traceback" not in said.err
+
+
+@pytest.mark.mitsuba
+def test_a_render_without_a_window_tells_a_missed_goal(box, frame, tmp_path, capfd, monkeypatch):
+    from dataclasses import replace
+
+    from lumenray.blender_addon import render_engine
+    from lumenray.engine.accuracy.stopping import StopRule
+
+    real = render_engine.view_settings
+    rule = StopRule(error=1e-9, samples=4)
+    monkeypatch.setattr(
+        render_engine, "view_settings", lambda *scene: replace(real(*scene), rule=rule)
+    )
+    frame()
+    words = "wanted relative standard error of 1e-07 % was not reached"
+    assert words in capfd.readouterr().out
+    (report,) = tmp_path.glob("frame*_report.json")
+    goal = json.loads(report.read_text())["goal"]
+    assert not goal["reached"]
+    assert words in goal["shortfall"]
