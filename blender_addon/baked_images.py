@@ -3,6 +3,7 @@
 All images of one atlas carry the same number; the objects that it lies on point at the one with the whole illuminance.
 """
 
+import math
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -142,11 +143,14 @@ def _facts(result: BakeResult, content: Content) -> dict:
         "unit": content.unit,
         "group": content.group,
         "mean": result.mean,
-        "relative_standard_error": result.relative_standard_error,
         "pages": len(result.pages),
         "files": [file for page in result.pages for file in page.files],
     }
-    if content.quantity != ILLUMINANCE:
+    # The error is that of the whole light: a faint layer may be known less well.
+    is_whole = content.quantity == ILLUMINANCE
+    if is_whole and math.isfinite(result.relative_standard_error):
+        facts["relative_standard_error"] = result.relative_standard_error
+    if not is_whole:
         facts["mean"] = _mean(result.pages, content)
     for made in result.maps[:1]:
         facts |= {"scene_hash": made.provenance.scene_hash, "seed": made.provenance.seed}

@@ -158,13 +158,6 @@ def format_estimate(value: float, error: float) -> str:
     return f"{value:,.{digits}f} ± {error:,.{digits}f}".replace(",", "\u2009")
 
 
-def format_range(extreme, digits: int) -> str:
-    """Return an `Extreme` with the range that holds the true one; an unknown range is said so."""
-    if not np.isfinite(extreme.high):
-        return f"{extreme.value:.{digits}f} (range not known)"
-    return f"{extreme.value:.{digits}f} ({extreme.low:.{digits}f} to {extreme.high:.{digits}f})"
-
-
 def format_amount(value: float, unit: str) -> str:
     """Return a number with its unit."""
     return f"{format_number(value)} {unit}"

@@ -89,13 +89,14 @@ def find_least(halves: Halves, common: float = 0.0) -> Extreme:
     found = find_largest(turned, common)
     if not math.isfinite(found.high):
         return Extreme(-found.value, 0.0, math.inf)
-    return Extreme(max(-found.value, 0.0), max(-found.high, 0.0), max(-found.low, 0.0))
+    # The other way round, a negative zero would win.
+    return Extreme(max(0.0, -found.value), max(0.0, -found.high), max(0.0, -found.low))
 
 
 def part_by_mean(
     least: Extreme, largest: Extreme, mean: float, mean_error: float, freedom: float = math.inf
 ) -> tuple[Extreme, Extreme]:
-    """Bound extremes by the mean of the map, which lies between them and is known far better than any single value.
+    """Bound extremes by the mean, which lies between them and is known far better than any value; none is below 0.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def part_by_mean(
     reach = t_quantile(0.5 * (1.0 + PROBABILITY), max(freedom, 1.0)) * mean_error
     highest, lowest = mean + reach, mean - reach
     below = (min(least.value, mean), min(least.low, highest), min(least.high, highest))
-    above = (max(largest.value, mean), max(largest.low, lowest), max(largest.high, lowest))
+    above = (max(largest.value, mean), max(largest.low, lowest, 0.0), max(largest.high, lowest))
     return Extreme(*below), Extreme(*above)
 
 

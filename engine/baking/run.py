@@ -151,7 +151,7 @@ class Bake:
             provenance = self.host.provenance(compiled, order.seed, samples, self._start)
             decisions = (*provenance.decisions, *dict.fromkeys(self._decisions))
             provenance = replace(provenance, decisions=decisions)
-        self._report(Progress(1.0, samples, 0.0, self._seconds, None, "finishing pages"))
+        self._report(Progress(1.0, samples, float("inf"), self._seconds, None, "finishing pages"))
         maps = self._summarise(items, atlas, means, floors, losses, estimates, states, provenance)
         pages, seams = self._make_pages(items, atlas, table, estimates, provenance)
         return self._finish(maps, pages, seams, table, estimates, states, atlas)
@@ -406,7 +406,9 @@ class Bake:
         """What the error of each map must be at least by what light paths from the lights bring. (n,) [lx]"""
         if not self.order.witness:
             return np.zeros(len(items))
-        self._report(Progress(1.0, 0, 0.0, self._seconds, None, "light paths from the lights"))
+        self._report(
+            Progress(1.0, 0, float("inf"), self._seconds, None, "light paths from the lights")
+        )
         floors = np.zeros(len(items))
         met = {key for key, _, _ in compiled.parts()}
         known = [number for number, item in enumerate(items) if item.key in met]
@@ -534,7 +536,8 @@ class Bake:
     def _finish(self, maps, pages, seams, table, estimates, states, atlas) -> BakeResult:
         order = self.order
         mean, rms, error = _whole(estimates, table)
-        shortfall = order.rule.shortfall(error / mean if mean > 0.0 else float("inf"), error)
+        relative = error / mean if mean > 0.0 else float("inf")
+        shortfall = order.rule.shortfall(relative, error)
         if shortfall:
             self.departures.append(
                 Departure("all maps", shortfall, "they carry the error that was reached")
@@ -544,8 +547,10 @@ class Bake:
             pages=tuple(pages),
             departures=tuple(self.departures),
             files=tuple(file for page in pages for file in page.files),
-            history=_joined_history([state.forecaster.history for state in states]),
-            relative_standard_error=error / mean if mean > 0.0 else float("inf"),
+            history=_ended(
+                _joined_history([state.forecaster.history for state in states]), relative
+            ),
+            relative_standard_error=relative,
             quadratic_relative_error=error / rms if rms > 0.0 else float("inf"),
             mean=mean,
             shrink=atlas.shrink,
@@ -748,6 +753,14 @@ def _joined_history(histories: list[History]) -> History:
         ]
         offset = marks[-1].seconds if marks else offset
     return History(tuple(marks), histories[0].target, histories[0].setup_seconds)
+
+
+def _ended(history: History, error: float) -> History:
+    """With what is stated in the end, where that is more than passes knew of. ``error``: relative. [-]"""
+    last = history.marks[-1] if history.marks else None
+    if last is None or not last.error * (1.0 + 1e-3) < error < float("inf"):
+        return history
+    return replace(history, marks=(*history.marks, replace(last, error=error, forecast=None)))
 
 
 def _report_row(departure: Departure) -> dict:

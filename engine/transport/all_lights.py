@@ -19,12 +19,15 @@ from .far_disks import PORTAL_SHARE, FarDisks, Focus, aim_at_portals
 from .gather import photometric
 from .ray_source import RaySource
 from .rays import STEP, start_of
-from .sampler import hash_words, random_stream
+from .sampler import launch_stream
 from .sun_maps import SunMap
 from .textures import is_spectral
 
 POINT, LUMINAIRE, RAYS, BODY, MESH, SUN, WORLD = range(7)
 """Kinds of lights, in the order of their lanes."""
+
+DRAWING = 1
+"""Purpose of the random numbers that rays are drawn with."""
 
 MAP_SHARE, MAP_SIZE = 0.8, 1.5
 """Share of a sun's rays that follow its map, and the map's radius relative to what is asked about."""
@@ -390,8 +393,7 @@ class _Lanes:
         self.count = count
         lane = dr.arange(mi.UInt32, count) + dr.opaque(mi.UInt32, first)
         # Streams of their own for every salt.
-        own = hash_words(dr.opaque(mi.UInt32, salt), dr.opaque(mi.UInt32, seed))
-        self.stream = random_stream(lane, own)
+        self.stream = launch_stream(lane, salt, seed, DRAWING)
         self._sampler = sampler
         self.wavelengths = None
         if sampler is not None:

@@ -71,6 +71,12 @@ def sobol_pair(index, seed, pair: int):
     return mi.Point2f(_to_unit(first), _to_unit(second))
 
 
+def launch_stream(index, salt: int, seed: int, purpose: int):
+    """Return a generator for every lane of a launch; other salts, seeds and purposes give independent ones."""
+    salt, seed = dr.opaque(mi.UInt32, salt), dr.opaque(mi.UInt32, seed & 0xFFFFFFFF)
+    return random_stream(index, hash_words(hash_words(salt, seed), mi.UInt32(purpose)))
+
+
 def random_stream(index, seed):
     """Return a PCG32 generator of its own for every lane."""
     return mi.PCG32(

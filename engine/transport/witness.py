@@ -16,7 +16,7 @@ from ..arrays import upload
 from ..errors import Cancelled
 from .all_lights import SUN, AllLights
 from .far_disks import Focus
-from .sampler import hash_words, random_stream
+from .sampler import launch_stream
 from .sums import Sums
 from .textures import is_spectral
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
@@ -60,6 +60,9 @@ FLUX_SHARE = 0.3
 
 SALT = 0x7717
 """Sets these paths apart from others of the same seed."""
+
+WALKING = 2
+"""Purpose of the random numbers of walks, see `all_lights.DRAWING`."""
 
 UNLIMITED = 0x7FFFFFFF
 """Scatterings that no path has."""
@@ -245,11 +248,8 @@ class Witness:
         batch = upload(mi.UInt32, rows % tally.batches)
         if watcher is not None:
             watcher.light = upload(mi.UInt32, which)
-        # Of another seed than the drawing, whose numbers must not be tied to those of the walk.
-        seed = dr.opaque(mi.UInt32, self._seed ^ 0x5A5A)
-        stream = random_stream(
-            upload(mi.UInt32, rows), hash_words(dr.opaque(mi.UInt32, salt), seed)
-        )
+        # Numbers of the walk must not be tied to those that rays were drawn with.
+        stream = launch_stream(upload(mi.UInt32, rows), salt, self._seed, WALKING)
         use, met = walk(
             self._scene, rays, tally, batch, stream, dr.opaque(mi.UInt32, self._limit),
             dr.opaque(mi.UInt32, steps or MAXIMUM_STEPS), self._sheets, watcher,

@@ -91,3 +91,26 @@ def test_learned_choice_of_lights_does_not_change_the_mean():
     total = sum(m.illuminance for m in few)
     error = np.sqrt(many.standard_error**2 + sum(m.standard_error**2 for m in few))
     assert (np.abs(many.illuminance - total) < 3.5 * error).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_of_rays_and_of_their_walks_are_independent(seed):
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.all_lights import DRAWING
+    from lumenray.engine.transport.sampler import launch_stream
+    from lumenray.engine.transport.witness import WALKING
+
+    count, bins = 1 << 17, 8
+    lane = dr.arange(mi.UInt32, count)
+    rows = []
+    for purpose in (DRAWING, WALKING):
+        stream = launch_stream(lane, 2, seed, purpose)
+        rows.append([np.array(stream.next_float32()) for _ in range(3)])
+    expected = count / bins**2
+    for first in rows[0]:
+        for second in rows[1]:
+            found = np.histogram2d(first, second, bins=bins, range=[[0, 1], [0, 1]])[0]
+            chi = ((found - expected) ** 2 / expected).sum()
+            # 63 degrees of freedom: 1e-5 of trials are above 127.
+            assert chi < 127.0

@@ -90,6 +90,21 @@ def test_sums_lose_nothing_and_need_no_order():
     np.testing.assert_allclose(found[0], expected, rtol=1e-9)
 
 
+def test_sums_of_faint_light_beside_a_whole_that_is_far_brighter_are_right():
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.sums import Sums
+
+    report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
+    chance = np.random.default_rng(4).random(1 << 20).astype(np.float32)
+    for amount in (1e-4, 3e-3):
+        # As of a sun over kilometres of land: a quantum of 2 mlm.
+        sums = Sums(1, 1e12)
+        sums.add(mi.Float(amount), mi.UInt32(0), mi.Bool(True), mi.Float(chance))
+        dr.eval(sums.counts)
+        np.testing.assert_allclose(sums.values(), amount * len(chance), rtol=0.02)
+
+
 def flux_of(report, key, is_back=False):
     row = report.objects.index((key, is_back))
     return report.flux[row], report.flux_error[row]
