@@ -13,6 +13,8 @@ from lumenray.engine.scene.material import Cauchy, Dielectric, Material
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.session import Session
+from lumenray.engine.transport.illuminance import Receivers, compute
+from lumenray.engine.transport.sensor_witness import hear_sensors
 from small_scenes import box, paint, quad
 
 pytestmark = pytest.mark.mitsuba
@@ -167,6 +169,26 @@ def test_sensors_that_find_all_light_keep_their_errors(kind):
     np.testing.assert_array_equal(found[0].illuminance, found[1].illuminance)
     np.testing.assert_array_equal(found[0].standard_error, found[1].standard_error)
     assert found[1].balance is None
+
+
+@pytest.mark.parametrize("kind", [SensorKind.PLANAR, SensorKind.SPHERICAL])
+@pytest.mark.slow
+def test_sensors_that_were_not_looked_at_carry_what_those_beside_them_lack(kind):
+    """Gathering alone, without what is asked over bends, finds next to nothing of a small lamp in glass."""
+    session = session_with(GLASS, paint(0.5), ROOM, BULB, lamp((1, 1, 1), FLUX, 0.001))
+    x, y = np.meshgrid(np.linspace(0.2, 1.8, 12), np.linspace(0.2, 1.8, 10))
+    places = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 1e-4)])
+    facing = np.broadcast_to([0.0, 0.0, 1.0], places.shape)
+    whole = session.measure(places, facing, StopRule(samples=1 << 10), kind=kind, witness=False)
+    with session._engine("auto") as scene:
+        receivers = Receivers.at_points(places, facing, kind)
+        found = compute(scene, receivers, StopRule(samples=256), 1, 16)
+        heard = hear_sensors(scene, places, facing, kind, found, 1)
+    lacks = whole.illuminance - found.mean
+    # Between two that were looked at, the lack of the nearer one stands for it.
+    held = np.abs(lacks) <= 3.0 * np.hypot(heard.floors, found.standard_error)
+    assert held.all()
+    assert (heard.floors > 0.25 * lacks).all()
 
 
 def test_direct_light_alone_is_compared_with_direct_light():
