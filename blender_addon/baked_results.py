@@ -17,6 +17,7 @@ from ..engine.scene.scene import Scene
 from .baked_tables import UNKNOWN
 from .sync.meshes import MESH_TYPES
 from .sync.scene import convert_scene
+from .sync.visibility import LIGHT_RAYS
 
 MOST_NAMES = 3
 """Changed data-blocks that are named."""
@@ -24,6 +25,7 @@ MOST_NAMES = 3
 _SHAPES = {"MESH", "CURVE", "CURVES", "META", "LATTICE", "POINTCLOUD", "VOLUME"}
 _SHADING = {"LIGHT", "MATERIAL", "WORLD", "IMAGE", "TEXTURE"}
 _SHOWN = MESH_TYPES | {"LIGHT", "EMPTY"}
+_RAYS = (*LIGHT_RAYS, "visible_camera")
 
 
 class Watch:
@@ -31,6 +33,7 @@ class Watch:
 
     def __init__(self):
         self.names: dict[str, None] = {}
+        _remember()
         _tracker.watches.add(self)
 
     def end(self) -> dict[str, None]:
@@ -44,14 +47,18 @@ class _Tracker:
     """What is known of changes in the open file.
 
     ``outdated``: what has changed since bakes of this session, by serial; undo may take the flag in the file back, but not
-    what it undoes. ``settings``: settings of scenes that count, and ``sliders``: how baked light is shown, as they were seen
-    last, by session uid.
+    what it undoes. All others are what was seen last, by session uid: ``settings`` of scenes that count, ``sliders``, how
+    baked light is shown, ``rays`` that meet objects, and the objects that are ``shown`` in view layers, by uid of the scene
+    and name. Blender tells changes of the last two as it tells much that changes no light: with flags that come with every
+    relation that is built anew, or with none.
     """
 
     watches: WeakSet = field(default_factory=WeakSet)
     outdated: dict[str, str] = field(default_factory=dict)
     settings: dict[int, tuple] = field(default_factory=dict)
     sliders: dict[int, tuple] = field(default_factory=dict)
+    rays: dict[int, tuple] = field(default_factory=dict)
+    shown: dict[tuple[int, str], dict[int, bool]] = field(default_factory=dict)
     is_ignoring: bool = False
 
 
@@ -80,8 +87,8 @@ def store_results(scene, result: BakeResult, folder, changed=()) -> None:
     kept.seam_before, kept.seam_after = seams.before, seams.after
     kept.shortfall, kept.folder = result.shortfall, str(folder)
     kept.scene_hash = result.maps[0].provenance.scene_hash if result.maps else ""
+    _remember()
     kept.serial = uuid.uuid4().hex
-    _tracker.settings[scene.session_uid] = _settings_of(scene)
     _note(scene, changed)
 
 
@@ -160,6 +167,27 @@ def _note(scene, names) -> None:
     _tracker.outdated[kept.serial] = kept.changed
 
 
+def _kept_scenes() -> list:
+    """Scenes that have a bake."""
+    return [scene for scene in bpy.data.scenes if scene.lumenray.baked.serial]
+
+
+def _remember() -> None:
+    """Take what is there as seen, so that the first change is known as one."""
+    seen = _tracker.settings, _tracker.rays, _tracker.shown
+    if not (_kept_scenes() or _tracker.watches):
+        # Nobody has listened, so what was seen may be old.
+        for known in seen:
+            known.clear()
+    settings, rays, shown = seen
+    for item in bpy.data.objects:
+        rays.setdefault(item.session_uid, _rays_of(item))
+    for scene in bpy.data.scenes:
+        settings.setdefault(scene.session_uid, _settings_of(scene))
+        for layer in scene.view_layers:
+            shown.setdefault((scene.session_uid, layer.name), _shown_in(scene, layer))
+
+
 def _settings_of(scene) -> tuple:
     """Settings of a scene that change its light, and tag it as others do that do not."""
     unit, world = scene.unit_settings, scene.world
@@ -179,6 +207,40 @@ def _sliders_of(scene) -> tuple:
     return (own.baked_look, own.baked_low, own.baked_high, own.efficacy, exposure, layers)
 
 
+def _rays_of(item) -> tuple:
+    """Which rays meet an object."""
+    return tuple(getattr(item, name) for name in _RAYS)
+
+
+def _shown_in(scene, layer) -> dict[int, bool]:
+    """Session uids of the objects that are shown in a view layer, each with whether it is there for indirect light only."""
+    return {
+        item.session_uid: item.indirect_only_get(view_layer=layer)
+        for item in scene.objects
+        if item.visible_get(view_layer=layer)
+    }
+
+
+def _changed_rays(item) -> bool:
+    """Whether other rays meet an object than when it was seen last."""
+    now = _rays_of(item)
+    before = _tracker.rays.setdefault(item.session_uid, now)
+    _tracker.rays[item.session_uid] = now
+    return before != now
+
+
+def _changed_shown(scene, layer) -> list:
+    """Objects that came into view, went out of it or became indirect since they were seen last."""
+    now, key = _shown_in(scene, layer), (scene.session_uid, layer.name)
+    before = _tracker.shown.get(key, now)
+    _tracker.shown[key] = now
+    uids = {uid for uid, _ in before.items() ^ now.items()}
+    # What was removed is told with its collection.
+    if not uids:
+        return []
+    return [item for item in scene.objects if item.session_uid in uids and item.type in _SHOWN]
+
+
 def _is_light(update, is_look: bool) -> bool:
     """Whether what Blender reports may change the light of a scene. ``is_look``: whether the baked look has changed."""
     block = update.id.original
@@ -187,15 +249,19 @@ def _is_light(update, is_look: bool) -> bool:
         # Drivers of the look have run, which Blender does not tell from an edit of the material's nodes.
         return False
     if kind == "OBJECT":
-        return block.type in _SHOWN and (update.is_updated_transform or update.is_updated_geometry)
+        is_other = _changed_rays(block)
+        is_moved = update.is_updated_transform or update.is_updated_geometry
+        return block.type in _SHOWN and (is_moved or is_other)
     if kind in _SHAPES or kind == "COLLECTION":
         return update.is_updated_geometry
     return kind in _SHADING
 
 
-def _concerns(block, scene) -> bool:
+def _concerns(block, scene, told) -> bool:
+    """Whether a data-block is part of a scene; ``told``: the scene whose graph reports it."""
     if block.id_type == "OBJECT":
-        return scene.objects.get(block.name) == block
+        # Graphs hold what their scene needs: instanced objects of collections that are in no scene, too.
+        return scene == told or scene.objects.get(block.name) == block
     if block.id_type == "WORLD":
         return scene.world == block
     return True
@@ -203,7 +269,7 @@ def _concerns(block, scene) -> bool:
 
 @persistent
 def _after_update(scene, depsgraph):
-    kept = [each for each in bpy.data.scenes if each.lumenray.baked.serial]
+    kept = _kept_scenes()
     # The graph of a render is new and calls everything changed.
     if _tracker.is_ignoring or not (kept or _tracker.watches) or depsgraph.mode == "RENDER":
         return
@@ -217,10 +283,13 @@ def _after_update(scene, depsgraph):
         if _tracker.settings.setdefault(own.session_uid, now) != now:
             _tracker.settings[own.session_uid] = now
             blocks.append(own)
+        layer = own.view_layers.get(depsgraph.view_layer.name)
+        if layer is not None:
+            blocks += _changed_shown(own, layer)
     for watch in _tracker.watches:
         watch.names |= dict.fromkeys(block.name for block in blocks)
     for each in kept:
-        _note(each, [block.name for block in blocks if _concerns(block, each)])
+        _note(each, [block.name for block in blocks if _concerns(block, each, own)])
 
 
 @persistent
@@ -233,11 +302,16 @@ def _after_undo(*_):
 
 @persistent
 def _after_load(*_):
-    _tracker.outdated.clear()
-    _tracker.settings.clear()
-    _tracker.sliders.clear()
+    for known in (
+        _tracker.outdated,
+        _tracker.settings,
+        _tracker.sliders,
+        _tracker.rays,
+        _tracker.shown,
+    ):
+        known.clear()
+    _remember()
     for scene in bpy.data.scenes:
-        _tracker.settings[scene.session_uid] = _settings_of(scene)
         _tracker.sliders[scene.session_uid] = _sliders_of(scene)
 
 
@@ -252,6 +326,9 @@ _HANDLERS = {
 
 def attach():
     """Listen to Blender."""
+    # While Blender starts there is no data to look at.
+    if hasattr(bpy.data, "objects"):
+        _remember()
     for name, function in _HANDLERS.items():
         known = getattr(bpy.app.handlers, name)
         if function not in known:

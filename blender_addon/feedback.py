@@ -62,7 +62,7 @@ class LumenrayJob(PropertyGroup):
     stage: StringProperty(name="Stage", description="Part of the work that is being done")
     samples: IntProperty(name="Samples", description="Per point, so far", min=0)
     error: FloatProperty(name="Error", description="Relative standard error so far; 0 is unknown")
-    left: StringProperty(name="Time left", description="As forecast; empty while that is unknown")
+    left: StringProperty(name="Time Left", description="As forecast; empty while that is unknown")
 
 
 class LumenrayReportRow(PropertyGroup):
@@ -83,7 +83,7 @@ class LumenrayFeedback(PropertyGroup):
     job: PointerProperty(type=LumenrayJob)
     reported: BoolProperty(name="Reported", description="Whether a scene has been converted")
     rows: CollectionProperty(type=LumenrayReportRow)
-    row_index: IntProperty(name="Active row", description="Row whose details are shown", min=0)
+    row_index: IntProperty(name="Active Row", description="Row whose details are shown", min=0)
     render: StringProperty(
         name="Last Render", description="Samples, error and time of the last picture"
     )

@@ -36,7 +36,11 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
     )
     solid_radius: FloatProperty(
         name="Size of Distributions",
-        description="How far a luminaire's largest intensity reaches when its distribution is drawn in a 3D view, in m",
+        # Without a subtype of length: Blender would show it in the units of the scene that is open, by its scale too.
+        description=(
+            "How far a luminaire's largest intensity reaches when its distribution is drawn in a 3D view: in metres, "
+            "whatever the units of the scene, because preferences belong to all scenes"
+        ),
         default=SOLID_RADIUS,
         min=0.01,
         soft_max=10.0,
@@ -55,9 +59,9 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
     def draw(self, context):
         """Draw the settings."""
         self.layout.use_property_split = True
-        self.layout.prop(self, "memory_limit", text="Engine memory [GiB]")
+        self.layout.prop(self, "memory_limit", text="Engine Memory [GiB]")
         self.layout.prop(self, "solid_radius", text="Distributions [m]")
-        self.layout.prop(self, "luminaire_folder", text="Own assets")
+        self.layout.prop(self, "luminaire_folder", text="Own Assets")
 
 
 def _preferences() -> LumenrayPreferences | None:

@@ -360,7 +360,7 @@ class LumenrayObjectSettings(PropertyGroup):
     uid: _identity()
     density: FloatProperty(
         name="Lumels per Metre",
-        description="Density of this object's lux map; 0 takes the scene's",
+        description="Density of this object's lux map, per metre whatever the units of the scene; 0 takes the scene's",
         default=0.0,
         min=0.0,
         max=1000.0,
@@ -633,7 +633,9 @@ class LumenraySceneSettings(PropertyGroup):
 
     bake_density: FloatProperty(
         name="Lumels per Metre",
-        description="Resolution of lux maps on the surface; the one knob of the layout",
+        description=(
+            "Resolution of lux maps on the surface, per metre whatever the units of the scene; the one knob of the layout"
+        ),
         default=8.0,
         min=0.01,
         max=1000.0,

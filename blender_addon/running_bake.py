@@ -11,7 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..engine.accuracy.stopping import Progress
-from ..engine.errors import LumenrayError
+from ..engine.errors import Cancelled, LumenrayError
 from . import feedback
 from .error_graphs import graph
 
@@ -44,9 +44,9 @@ class RunningBake:
         return self._thread.is_alive()
 
     def show(self, window_manager) -> None:
-        """Show how far it is."""
+        """Show how far it is, until it is taken away."""
         progress = self._progress
-        if progress is None:
+        if progress is None or self not in _running:
             return
         feedback.show_progress(window_manager, progress)
         if self._timer is not None:
@@ -60,7 +60,10 @@ class RunningBake:
         self._timer = window_manager.event_timer_add(INTERVAL, window=window)
 
     def end(self, window_manager) -> None:
-        """Cancel it if it still works, wait for its end, and leave nothing behind."""
+        """Cancel it if it still works, wait for its end, and leave nothing behind; a second time nothing is left to do."""
+        if self not in _running:
+            return
+        _running.remove(self)
         if self.is_alive:
             self.job.cancel()
         self._thread.join()
@@ -69,8 +72,6 @@ class RunningBake:
             window_manager.progress_end()
             self._timer = None
         window_manager.lumenray.job.running = False
-        if self in _running:
-            _running.remove(self)
 
     def _work(self) -> None:
         try:
@@ -119,9 +120,11 @@ def cancel() -> None:
 
 
 def end() -> None:
-    """End the bake, whatever it is at."""
+    """End the bake, whatever it is at; what it has found by now has no place to go to any more."""
     for bake in list(_running):
         bake.end(bpy.context.window_manager)
+        # Its operator may hear of it later, when there is neither our scene nor our window left to write to.
+        bake.error = bake.error or Cancelled("the bake ended with its file or with the extension")
 
 
 @persistent

@@ -95,7 +95,7 @@ class LUMENRAY_OT_drop_luminaire(FileChoice, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
     on_surface: BoolProperty(
-        name="On a surface",
+        name="On a Surface",
         description="Stand on a surface at the place; else the 3D cursor is the place",
         default=False,
         options={"SKIP_SAVE"},

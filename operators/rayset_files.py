@@ -9,6 +9,7 @@ from ..blender_addon import rayset_readout
 from ..blender_addon.luminaires.files import stored_path
 from ..blender_addon.raysets import files
 from ..blender_addon.raysets.settings import active_rays, name_of, rays_of
+from ..blender_addon.readout import title_case
 from ..engine.errors import LumenrayError
 from ..libraries.raysets import PREFIX
 from ..libraries.raysets.catalogue import ENTRIES
@@ -103,9 +104,12 @@ class LUMENRAY_OT_add_rayset(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     entry: EnumProperty(
-        name="Ray set",
+        name="Ray Set",
         description="Which source",
-        items=[(e.name, e.title, e.description) for e in ENTRIES] + [("FILE", "File…", "A file")],
+        items=[
+            *((entry.name, title_case(entry.title), entry.description) for entry in ENTRIES),
+            ("FILE", "File…", "A file"),
+        ],
     )
     filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
     filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
@@ -171,7 +175,7 @@ class LUMENRAY_OT_parent_rayset_body(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     is_lit: BoolProperty(
-        name="Part of the light calculation",
+        name="Part of the Light Calculation",
         description=(
             "The body reflects and shades like any other mesh; right where the file's rays start outside of it. Else it "
             "only shows where the light is"

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..blender_addon.readout import title_case
 from ..libraries.raysets.catalogue import ENTRIES
 
 
@@ -23,7 +24,7 @@ class LUMENRAY_MT_add_rayset(bpy.types.Menu):
     def draw(self, context):
         """Draw an entry for every source."""
         for entry in ENTRIES:
-            made = self.layout.operator("lumenray.add_rayset", text=entry.title)
+            made = self.layout.operator("lumenray.add_rayset", text=title_case(entry.title))
             made.entry = entry.name
         self.layout.separator()
         made = self.layout.operator("lumenray.add_rayset", text="Ray File…", icon="FILEBROWSER")

@@ -21,6 +21,9 @@ ICON_UNIT, ICON_BORDER = 20.0, 6.0
 MARGIN = 40.0
 """What a panel's borders take of the region's width. [pixel]"""
 
+BOTH = "A ray set is on too and gives the light: switch one off"
+"""Said of a luminaire that a file from elsewhere holds together with a ray set."""
+
 LABELS = 0.42
 """Share of the width that the labels of a file's figures take."""
 
@@ -138,8 +141,11 @@ class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
         state = readout.state_of(settings)
         layout.active = settings.use_file or not state.name
         draw_file(layout, context, settings, state)
-        if not settings.use_file and is_rayset(context.object):
-            draw_text(layout, context, "Off: the ray set gives the light", "INFO")
+        if is_rayset(context.object):
+            if settings.use_file:
+                draw_text(layout, context, BOTH, "ERROR")
+            else:
+                draw_text(layout, context, "Off: the ray set gives the light", "INFO")
         if state.reading is None:
             return
         draw_picture(layout, context, state.reading)

@@ -12,6 +12,9 @@ from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
 from .parts import draw_choice, draw_description, draw_lines, draw_text, draw_wide
 from .rayset import draw_state
 
+UNITS = {"FALSE_LUMINANCE": "cd/m²", "FALSE_ILLUMINANCE": "lx"}
+"""Unit of the scale of false colours, by what the rendered view shows."""
+
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 """Icon of every severity."""
 
@@ -65,11 +68,12 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
         settings = context.scene.lumenray
         column = layout.column()
         column.prop(settings, "viewport_display", text="Show")
-        if settings.viewport_display.startswith("FALSE"):
+        unit = UNITS.get(settings.viewport_display)
+        if unit is not None:
             column.prop(settings, "viewport_automatic")
             if not settings.viewport_automatic:
-                column.prop(settings, "viewport_low")
-                column.prop(settings, "viewport_high")
+                column.prop(settings, "viewport_low", text=f"From [{unit}]")
+                column.prop(settings, "viewport_high", text=f"To [{unit}]")
             column.prop(settings, "viewport_logarithmic")
         column.prop(settings, "viewport_samples", text="Samples")
         if context.space_data.shading.type != "RENDERED":

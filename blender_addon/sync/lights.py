@@ -89,6 +89,13 @@ def _convert_from_file(source, place, report, images, is_patient):
         return _own_spectrum(source, name, report, images)
 
     if is_rayset(source):
+        if is_luminaire(source):
+            # The switches exclude each other, but files, scripts and animation can hold both.
+            report.error(
+                name,
+                "the light has both a photometric file and a ray set switched on",
+                "the ray set gives the light; switch one off",
+            )
         return convert_rays(source, rays_of(source), *place, report, own_spectrum, is_patient)
     return convert_luminaire(source, settings_of(source), *place, report, own_spectrum)
 

@@ -125,6 +125,34 @@ def test_a_file_that_cannot_be_read_leaves_the_light_out_and_says_why(tmp_path):
     assert isinstance(converted(lamp)[0], PointLight)
 
 
+def test_a_light_with_both_kinds_of_file_on_is_an_error_and_shines_by_its_rays(led, tmp_path):
+    """The switches exclude each other, but a file may hold both: as here, where no switch is pressed."""
+    lamp = add_lamp(led)
+    lamp.data.lumenray.luminaire["use_file"] = True
+    path = str(tmp_path / "both.blend")
+    bpy.context.view_layer.update()
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    lamp = bpy.data.objects["Lamp"]
+    own = lamp.data.lumenray
+    assert own.luminaire.use_file
+    assert own.rayset.use_file
+    light, report = converted(lamp)
+    assert light.rays is not None
+    (row,) = [row for row, _ in report.rows if row.severity is Severity.ERROR]
+    assert row.datablock == "Lamp"
+    assert "both a photometric file and a ray set" in row.message
+    assert "switch one off" in row.remedy
+    where = context(light=lamp.data, object=lamp)
+    with interface():
+        assert any("ray set is on too" in text for text in draw("LUMENRAY_PT_luminaire", where))
+        own.luminaire.use_file = False
+        assert not any("on too" in text for text in draw("LUMENRAY_PT_luminaire", where))
+    light, report = converted(lamp)
+    assert light.rays is not None
+    assert not [row for row, _ in report.rows if row.severity is Severity.ERROR]
+
+
 def test_the_live_view_does_not_wait_and_sends_no_rays(led):
     lamp = add_lamp(led)
     light, report = converted(lamp, is_patient=False)

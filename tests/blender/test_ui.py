@@ -1,13 +1,16 @@
 """Every panel is drawn onto a layout that checks what is put on it."""
 
+import ast
+import re
 import types
+from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 from fake_bakes import make_page, make_result
 from lumenray import operators, ui
-from lumenray.blender_addon import baked_results, feedback, probe, properties, readout
+from lumenray.blender_addon import baked_results, feedback, preferences, probe, properties, readout
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.blender_addon.sync.units import format_lengths
 from lumenray.engine.accuracy.extremes import Extreme
@@ -220,22 +223,155 @@ def test_lengths_follow_the_units_of_the_scene():
     assert format_lengths([3.048]) == "10 ft"
 
 
-SMALL = {"from", "with", "than", "that", "into", "mode"}
+def test_settings_that_do_not_follow_the_units_of_the_scene_say_so():
+    """Preferences are of no scene, and densities are compared between scenes, in files and on the command line."""
+    scene, item = properties.LumenraySceneSettings, properties.LumenrayObjectSettings
+    own = preferences.LumenrayPreferences
+    for group, name in ((own, "solid_radius"), (scene, "bake_density"), (item, "density")):
+        setting = group.bl_rna.properties[name]
+        assert "metre" in setting.description
+        assert "whatever the units of the scene" in setting.description
+        # Blender shows lengths by the units and the scale of the open scene.
+        assert setting.subtype == "NONE"
 
 
-@pytest.mark.parametrize("group", properties.CLASSES, ids=lambda group: group.__name__)
-def test_names_of_settings_are_written_as_blender_writes_its_own(group):
-    for entry in group.bl_rna.properties:
+@pytest.mark.parametrize("quantity", ["PICTURE", "FALSE_LUMINANCE", "FALSE_ILLUMINANCE"])
+def test_the_scale_of_false_colours_tells_its_unit(quantity):
+    settings = bpy.context.scene.lumenray
+    settings.viewport_display, settings.viewport_automatic = quantity, False
+    solid = types.SimpleNamespace(type="RENDERED")
+    shown = context(space_data=types.SimpleNamespace(shading=solid))
+    texts = labels("LUMENRAY_PT_view", shown)
+    unit = {"FALSE_LUMINANCE": "cd/m²", "FALSE_ILLUMINANCE": "lx"}.get(quantity)
+    assert texts.get("viewport_low") == (unit and f"From [{unit}]")
+    assert texts.get("viewport_high") == (unit and f"To [{unit}]")
+    settings.viewport_automatic = True
+    assert "viewport_low" not in labels("LUMENRAY_PT_view", shown)
+
+
+def labels(name, where):
+    """Draw a panel and return the texts that its settings are given."""
+    found = {}
+
+    class Labelled(Layout):
+        def _part(self, **_):
+            return self
+
+        row = column = box = split = _part
+
+        def prop(self, data, name, text=None, **options):
+            super().prop(data, name, text, **options)
+            found[name] = text
+
+    kind = getattr(bpy.types, name)
+    assert kind.poll(where)
+    kind.draw(Drawn(kind, Labelled()), where)
+    return found
+
+
+GROUPS = (*properties.CLASSES, *preferences.CLASSES, *feedback.CLASSES)
+OPERATORS = [kind for kind in operators.CLASSES if issubclass(kind, bpy.types.Operator)]
+SMALL = {"cm", "for"}
+"""What is small in names beside what labels of figures have."""
+
+
+def check_title(name, where):
+    words = " ".join(word for word in name.split(" ") if word not in SMALL)
+    assert readout.title_case(words) == words, f"{where}: '{name}'"
+
+
+def check_titles(entries):
+    """Check the names of settings, and of what they can be chosen to be."""
+    for entry in entries:
         is_group = entry.type in {"POINTER", "COLLECTION"}
-        if entry.identifier == "name" or is_group or entry.is_hidden:
+        # Blender calls what has no name by its identifier: files of operators, which its browser shows.
+        if entry.name == entry.identifier or is_group or entry.is_hidden:
             continue
-        names = [entry.name]
-        if entry.type == "ENUM":
-            names += [item.name for item in entry.enum_items]
-        for name in names:
-            words = [word for word in name.split(" ") if word.isalpha() and len(word) > 3]
-            small = [word for word in words if word.islower() and word not in SMALL]
-            assert not small, f"{entry.identifier}: '{name}'"
+        check_title(entry.name, entry.identifier)
+        for item in entry.enum_items if entry.type == "ENUM" else ():
+            check_title(item.name, entry.identifier)
+
+
+@pytest.mark.parametrize("group", GROUPS, ids=lambda group: group.__name__)
+def test_names_of_settings_are_written_as_blender_writes_its_own(group):
+    check_titles(entry for entry in group.bl_rna.properties if entry.identifier != "name")
+
+
+@pytest.mark.parametrize("kind", OPERATORS, ids=lambda kind: kind.bl_idname)
+def test_names_of_operators_and_their_settings_are_written_as_blender_writes_its_own(kind):
+    check_title(kind.bl_label, kind.bl_idname)
+    made = getattr(bpy.ops.lumenray, kind.bl_idname.partition(".")[2])
+    entries = made.get_rna_type().properties
+    assert {entry.identifier for entry in entries} >= set(kind.__annotations__)
+    check_titles(entries)
+
+
+ROOT = Path(__file__).parents[2]
+LABELS = {"prop": "text", "operator": "text", "row": "heading", "column": "heading"}
+
+
+def test_labels_in_panels_are_written_as_blender_writes_its_own():
+    """Texts that panels and preferences put in place of the names of settings and operators."""
+    count = 0
+    for path in (*(ROOT / "ui").glob("*.py"), ROOT / "blender_addon" / "preferences.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
+                continue
+            for word in node.keywords:
+                if word.arg == LABELS.get(node.func.attr) and isinstance(word.value, ast.Constant):
+                    check_title(word.value.value, f"{path.name}:{node.lineno}")
+                    count += 1
+    assert count > 50
+    for kind in ui.CLASSES:
+        check_title(getattr(kind, "bl_label", ""), kind.__name__)
+
+
+BLENDERS = {
+    "Add",
+    "Camera",
+    "Developer Extras",
+    "Environment Texture",
+    "Extensions",
+    "IES Texture",
+    "Interface",
+    "Mapping",
+    "Preferences",
+    "Ray Visibility",
+    "Render",
+    "Rendered",
+    "Sidebar",
+}
+"""Names in the guide that are Blender's own."""
+
+EMPHASIS = {
+    "Lux maps",
+    "The same at all",
+    "Uneven sides",
+    "information error",
+    "isotropic",
+    "orthotropic",
+    "pictures and sensors",
+    "second witness",
+}
+"""What the guide stresses, and what panels say of a file."""
+
+
+def test_names_in_the_guide_are_those_of_the_interface():
+    guide = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
+    plain = re.sub(r"```.*?```|`[^`]*`|\*\*|\\\*", "", guide, flags=re.DOTALL)
+    starred = [" ".join(name.split()) for name in re.findall(r"\*([^*]+)\*", plain)]
+    assert len(starred) > 100
+    names = {name for path in starred for name in path.split(" > ")}
+    known = {
+        node.value
+        for folder in ("ui", "operators", "blender_addon")
+        for path in (ROOT / folder).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    assert names - known - BLENDERS - EMPHASIS == set()
+    # The lists are short: what the guide does not say, or the source does, is not on them.
+    assert (BLENDERS | EMPHASIS) - names == set()
 
 
 def test_film_says_what_becomes_white():

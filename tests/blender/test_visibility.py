@@ -107,15 +107,60 @@ def test_what_light_does_not_meet_is_seen_by_the_camera_and_can_be_baked(box, tm
     assert made.mean == pytest.approx(found.illuminance.mean(), abs=4 * spread)
 
 
-def test_light_that_meets_an_object_in_part_is_an_error_that_names_it(box):
-    plane = add_plane()
-    switch_off(plane, LIGHT_RAYS[1:3])
-    made = convert()
-    (row,) = rows(made, "error")
-    assert row.datablock == "Plane"
-    assert "glossy and transmission" in row.message
+def plane_of(made):
     (placement,) = (item for item in made.delta.changed if getattr(item, "name", "") == "Plane")
-    assert placement.meets_light
+    return placement
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (LIGHT_RAYS[:1], "diffuse"),
+        (LIGHT_RAYS[3:], "shadow"),
+        (LIGHT_RAYS[1:3], "glossy and transmission"),
+        (LIGHT_RAYS[:3], "diffuse, glossy and transmission"),
+        (LIGHT_RAYS[1:], "glossy, transmission and shadow"),
+    ],
+)
+def test_light_that_meets_an_object_in_part_is_an_error_that_names_it(box, names, words):
+    plane = add_plane()
+    switch_off(plane, names)
+    made = convert()
+    (row,) = rows(made, "error", "warning")
+    assert row.severity.value == "error"
+    assert row.datablock == "Plane"
+    assert row.message == f"light meets the object but for {words} rays"
+    assert plane_of(made).meets_light
+
+
+def test_light_that_meets_an_object_not_at_all_is_no_error_but_a_note(box):
+    plane = add_plane()
+    switch_off(plane)
+    made = convert()
+    assert rows(made, "error", "warning") == []
+    (row,) = (row for row in rows(made, "info") if row.datablock == "Plane")
+    assert row.remedy == "the camera alone sees it; light passes it"
+    assert not plane_of(made).meets_light
+    assert plane_of(made).visible_to_camera
+    plane.visible_camera = False
+    (row,) = (row for row in rows(convert(), "info") if row.datablock == "Plane")
+    assert row.remedy == "it can only be measured and baked; light passes it"
+
+
+def test_rays_that_the_maker_of_instances_and_what_it_shows_are_off_for_count_together(box):
+    """Neither is out of the light by itself, the instance is."""
+    plane = add_plane()
+    group = bpy.data.collections.new("Group")
+    group.objects.link(plane)
+    maker = bpy.data.objects.new("Maker", None)
+    maker.instance_type, maker.instance_collection = "COLLECTION", group
+    bpy.context.scene.collection.objects.link(maker)
+    switch_off(maker, LIGHT_RAYS[:2])
+    switch_off(plane, LIGHT_RAYS[2:])
+    made = convert()
+    (copy,) = (item for item in made.delta.changed if "Maker" in getattr(item, "name", ""))
+    assert not copy.meets_light
+    assert plane_of(made).meets_light
 
 
 def test_instances_keep_the_visibility_of_what_makes_them(box):
