@@ -110,8 +110,8 @@ def add_commands(commands) -> None:
             "--tolerance",
             type=float,
             metavar="E",
-            help="error allowed where data have to be resampled; files that miss it are refused "
-            "(default: 0.02, and those that miss it tell by how much)",
+            help="error allowed where data have to be resampled, were before, or are written as RGL; what misses it is "
+            "refused (default: 0.02, and what misses it tells by how much)",
         )
 
 
@@ -476,7 +476,7 @@ def _convert(options) -> int:
     if options.limit:
         file = _limit(file)
     if ending == ".bsdf":
-        _write_rgl(options.output, file)
+        _write_rgl(options, file)
     else:
         write_store(options.output, file)
     say(f"written to {options.output} ({options.output.stat().st_size:,} bytes)")
@@ -491,21 +491,33 @@ def _limit(file):
     return replace(file, sides={side: getattr(used, side) for side in file.sides})
 
 
-def _write_rgl(path: Path, file) -> None:
-    import numpy as np
+def _write_rgl(options, file) -> None:
+    """Write the front's reflection as an RGL file, and tell its error; refuse one that is larger than was asked for."""
+    from ..engine.scattering.evaluation import is_isotropic
+    from ..engine.scattering.readers.reader import Wish
+    from ..engine.scattering.tensor_writer import make_tensor_file
 
-    from ..engine.scattering.evaluation import evaluate, is_isotropic
-    from ..engine.scattering.readers.tensor_file import write_tensor_file
-
-    scatter = file.sides.get("front_reflection")
+    path, scatter = options.output, file.sides.get("front_reflection")
     if scatter is None or not is_isotropic(scatter) or getattr(scatter, "direct", None) is not None:
         raise FileFormatError(
             path, "RGL files hold an isotropic reflection without a direct part; write .lumbsdf"
         )
-    angles = np.radians(np.concatenate([np.arange(0.0, 81.0, 5.0), [84.0, 87.0, 89.0]]))
-    write_tensor_file(
-        path, lambda wi, wo: evaluate(scatter, wi, wo), angles, scatter.wavelengths, 64
-    )
+    wish = Wish() if options.tolerance is None else Wish(options.tolerance, is_strict=True)
+    data, error = make_tensor_file(scatter, wish.tolerance)
+    if wish.is_strict and error > wish.tolerance:
+        raise FileFormatError(
+            path,
+            f"would have an error of {error:.3g} against {options.file}, more than the {wish.tolerance:.3g} that are "
+            "allowed, on the finest grid that RGL files are given; write .lumbsdf",
+        )
+    try:
+        path.write_bytes(data)
+    except OSError as failure:
+        raise FileFormatError(path, f"cannot be written ({failure.strerror})") from None
+    told = f"{path}: its error against {options.file} is {100 * error:.2g} %"
+    if error > wish.tolerance:
+        told += f", more than the {100 * wish.tolerance:.2g} % that are allowed"
+    say(told)
 
 
 def _process(options) -> int:

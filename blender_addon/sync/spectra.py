@@ -8,6 +8,9 @@ from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_wei
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
 from ..report import ConversionReport
 
+FIRST_COLUMN = 1
+"""Column of values that is read where none can be chosen."""
+
 DAYLIGHT_RANGE = (4000.0, 25000.0)
 """Correlated colour temperatures for which CIE 15 defines daylight. [K]"""
 
@@ -102,19 +105,22 @@ def _daylight(temperature, report, datablock):
     return Daylight(held)
 
 
+def _read_first_column(path) -> SpectrumFile:
+    return read_spectrum(path, FIRST_COLUMN)
+
+
 def read_file(
     settings,
     name,
     report,
     datablock,
     remedy,
-    read=read_spectrum,
+    read=_read_first_column,
     kind="spectrum file",
-    note=None,
 ):
     """Read the spectrum, or what else it is, whose path is in a property; None, and a row of the report, if it fails.
 
-    What is odd about a spectrum gets rows too.
+    What is odd about a spectrum gets rows too, and that it has other columns a warning: another one is another material.
 
     Parameters
     ----------
@@ -124,14 +130,20 @@ def read_file(
     remedy : str    What is used instead, for the report.
     read : callable    From the path to what is in the file.
     kind : str    What kind of file it is, for the report.
-    note : callable or None    Takes what is odd about a spectrum; None: `ConversionReport.info`.
     """
     try:
         made = _open_file(settings, name, read, kind)
     except LumenrayError as error:
         report.miss(datablock, str(error), remedy)
         return None
-    return _tell_remarks(made, note or report.info, datablock)
+    if isinstance(made, SpectrumFile) and made.columns > 1:
+        chosen = f" ('{made.names[0][:40]}')" if made.names else ""
+        report.warn(
+            datablock,
+            f"{made.path.name} has {made.columns} columns of values, of which the first one{chosen} is taken",
+            "no other one can be chosen here; if another is meant, put it into a file of its own",
+        )
+    return _tell_remarks(made, report.info, datablock)
 
 
 def _open_file(settings, name, read, kind):

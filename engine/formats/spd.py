@@ -8,9 +8,9 @@ import numpy as np
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
 from ..luminaires.safe_xml import parse_xml
+from ..luminaires.spectrum_checks import check_powers, check_wavelengths, tell_range
 from ..reading.content import read_bytes
 from ..scene.spectrum import Tabulated
-from .spectrum_checks import check_powers, check_wavelengths, tell_range
 from .text_table import MAXIMUM_BYTES, parse_table
 
 

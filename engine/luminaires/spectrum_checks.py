@@ -214,7 +214,7 @@ def tell_range(path, wavelengths: np.ndarray, values: np.ndarray) -> list[Remark
 
 
 def _find_cut(wavelengths: np.ndarray, values: np.ndarray) -> tuple[str, float]:
-    """Say where a table ends within the visible range while it is large, empty: nowhere; and what share of sight it covers."""
+    """Say where a table ends within the visible range while it is large, empty: nowhere; and its share of sight."""
     low, high = wavelengths[0], wavelengths[-1]
     largest = values.max()
     cut = [

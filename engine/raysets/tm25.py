@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..luminaires.record import Remark
+from ..luminaires.spectrum_checks import NANOMETRES, tell_oddities
 from ..reading.content import open_file
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
@@ -29,6 +30,9 @@ TEXT_SIZE, TEXTS_START, TABLES_START = 4000, 288, 36288
 
 BLOCK = 32
 """Spectral tables are filled up to a multiple of it. [byte]"""
+
+MOST_TOLD = 3
+"""Remarks on spectra: where each ray has a table of its own, many may be odd in the same way."""
 
 COLUMN_NAME = 512
 """Of an additional column. [byte]"""
@@ -72,6 +76,7 @@ def read_tm25(path) -> RayFile:
         if not 0 <= value <= most:
             raise FileFormatError(path, f"states {value} {name}, expected 0 to {most}")
     spectra, end = _read_tables(path, head.length, tables)
+    remarks += _remark_tables(path, spectra)
     columns = _find_columns(flags, more)
     start = end + COLUMN_NAME * more + text
     size = 4 * columns.count * count
@@ -158,6 +163,19 @@ def _find_columns(flags, more: int) -> Columns:
     )
 
 
+def _remark_tables(path, spectra) -> list[Remark]:
+    """What is odd about spectra, of the first few that are."""
+    told = []
+    for number, (wavelengths, weights) in enumerate(spectra, 1):
+        if len(told) >= MOST_TOLD:
+            break
+        if len(wavelengths) > 1:
+            nowhere = np.zeros(len(wavelengths), dtype=int)
+            name = f"spectral table {number}"
+            told += map(Remark, tell_oddities(path, nowhere, wavelengths, weights, name))
+    return told[:MOST_TOLD]
+
+
 def _read_tables(path, length: int, tables: int):
     """Spectra, and the byte after them."""
     spectra, place = [], TABLES_START
@@ -190,6 +208,11 @@ def _read_tables(path, length: int, tables: int):
             if (np.diff(wavelengths) <= 0.0).any() or wavelengths[0] <= 0.0:
                 raise FileFormatError(
                     path, f"the wavelengths of spectral table {number + 1} do not ascend"
+                )
+            if wavelengths[-1] < NANOMETRES:
+                raise FileFormatError(
+                    path,
+                    f"the wavelengths of spectral table {number + 1} end at {wavelengths[-1]:g}, expected nanometres",
                 )
             spectra.append((wavelengths, weights / weights.max()))
             place += 4 + 8 * count

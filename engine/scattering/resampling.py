@@ -16,6 +16,7 @@ from ..scene.scattering import ScatterTable
 from .table import (
     albedos_of,
     direction_of,
+    has_many_cells,
     interpolate,
     place_on,
     quadrature,
@@ -47,8 +48,8 @@ MOST_VALUES = 1 << 21
 LARGEST_START = 1 << 25
 """Values of the grid to begin with, at most."""
 
-TESTED = 1 << 14
-"""Pairs of directions that the error is measured with."""
+TESTED, FAR_TESTED = 1 << 14, 1 << 12
+"""Pairs of directions that the error is measured with: near the goal, and far from it, where all intervals are coarse."""
 
 CHUNK = 1 << 16
 """Pairs that are evaluated in one go."""
@@ -63,17 +64,17 @@ AIM = 0.85
 LEAST_AIM = 0.3
 """Share of the tolerance below which the grid's part of the error is not brought: what is left comes of bands left out."""
 
+FAR = 2.0
+"""Times the goal from which on an error is far from it. [-]"""
+
 GROWTH, FAR_GROWTH = 1.2, 1.6
-"""By how much a grid grows at most before errors are measured again: near the goal, and while the error is over twice it."""
+"""By how much a grid grows at most before errors are measured again: near the goal, and far from it."""
 
 WORST = 1.0
 """Square of an error that counts as much as any larger one while a grid is coarse. [-]"""
 
 FINE = 3
-"""Points of Gauss and Legendre in each cell that totals are found with; one less on grids of many cells."""
-
-MANY_CELLS = 4096
-"""Cells of one incidence."""
+"""Points of Gauss and Legendre along both axes in each cell that totals are found with."""
 
 FLOOR_INCIDENCES = 32
 """Angles of incidence, at most, at which the largest total is looked for that the floor follows."""
@@ -133,9 +134,9 @@ def resample(
         hints,
     )
     maker.choose_bands(tolerance)
-    table, goal = maker.table(), AIM * tolerance
+    table, goal, is_far = maker.table(), AIM * tolerance, True
     while True:
-        shares, error = maker.find_errors()
+        shares, error = maker.find_errors(FAR_TESTED if is_far else TESTED)
         is_fine = error <= goal
         if is_fine:
             table = maker.table()
@@ -143,12 +144,38 @@ def resample(
             if found <= AIM * tolerance or goal < LEAST_AIM * tolerance:
                 break
             goal = error * max(0.95 * AIM * tolerance / found, 0.7)
-        if not maker.divide(shares, most, FAR_GROWTH if error > 2.0 * goal else GROWTH):
+        is_far = error > FAR * goal
+        if not maker.divide(shares, most, FAR_GROWTH if is_far else GROWTH):
             # What does not fit is left; the table tells its error.
             table = table if is_fine else maker.table()
             break
     table = maker.keep_totals(table)
     return replace(table, error=maker.error_of(table))
+
+
+def measure_error(true: Evaluate, made: Evaluate, largest_albedo: float) -> float:
+    """Error of an isotropic scattering that stands for another one, measured and told like `ScatterTable.error`.
+
+    Parameters
+    ----------
+    true, made : Evaluate    What is stood for, and what stands for it, in the same bands.
+    largest_albedo : float    Of what is stood for, over incidences and bands. [-]
+    """
+    makers = [_Maker(each, np.zeros(1), None, (0.0,), False, False, ()) for each in (true, made)]
+    *coordinates, is_near = makers[0].random_pairs(TESTED)
+    values = [maker.ask(*coordinates, slice(None)) for maker in makers]
+    return _larger_error(*values, _floor_of(largest_albedo), is_near)
+
+
+def _floor_of(albedo: float) -> float:
+    """What is added to values where errors are told relative to them, by the largest albedo. [1/sr]"""
+    return max(FLOOR * min(albedo, 1.0) / np.pi, 1e-12)
+
+
+def _larger_error(true, made, floor: float, is_near) -> float:
+    """Relative root mean square of the error of values (n, w), of the pairs near the centre or of the others."""
+    square = (((made - true) / (true + floor)) ** 2).mean(axis=1)
+    return float(np.sqrt(max(square[is_near].mean(), square[~is_near].mean())))
 
 
 def choose_bands(wavelengths: np.ndarray, values: np.ndarray, tolerance: float) -> np.ndarray:
@@ -204,13 +231,19 @@ class _Maker:
         self.random = np.random.default_rng(1)
         # A white surface's, until a table tells better.
         self.floor = FLOOR / np.pi
+        self.known_axes = [np.empty(0)] * 4
+        self.known = np.empty((0, 0, 0, 0, 1), dtype=np.float32)
 
     def ask(self, rotation, incidence, radial, azimuth, bands=None) -> np.ndarray:
-        """What is to be tabulated at flat arrays of coordinates; of some bands, or of those that are kept. (n, bands)"""
+        """What is to be tabulated at coordinates that fit together; of some bands, or of those that are kept. (n, bands)"""
         bands = self.bands if bands is None else bands
+        shape = np.broadcast_shapes(*map(np.shape, (rotation, incidence, radial, azimuth)))
         wo = _raised(direction_of(incidence, radial, azimuth))
-        wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=1)
-        wi, wo = turned(wi, rotation), turned(wo, rotation)
+        wi = np.stack([np.sin(incidence), np.zeros_like(incidence), np.cos(incidence)], axis=-1)
+        wi, wo = (np.broadcast_to(each, (*shape, 3)).reshape(-1, 3) for each in (wi, wo))
+        if np.any(rotation):
+            turns = np.broadcast_to(rotation, shape).ravel()
+            wi, wo = turned(wi, turns), turned(wo, turns)
         parts = [
             self.evaluate(wi[k : k + CHUNK], wo[k : k + CHUNK])[:, bands]
             for k in range(0, len(wi), CHUNK)
@@ -220,8 +253,22 @@ class _Maker:
     def ask_grid(self, *axes) -> np.ndarray:
         """What is to be tabulated on a grid of rotations, incidences, radials and azimuths. (p, s, t, a, bands)"""
         shape = tuple(len(axis) for axis in axes)
-        flat = [m.ravel() for m in np.meshgrid(*axes, indexing="ij")]
-        return self.ask(*flat).reshape(*shape, len(self.bands))
+        return self.ask(*np.ix_(*axes)).reshape(*shape, len(self.bands))
+
+    def grid_values(self) -> np.ndarray:
+        """What is to be tabulated on the grid as it is, asked where an earlier one has no point. (p, s, t, a, bands)"""
+        axes = self.axes()
+        made = np.empty((*map(len, axes), len(self.bands)), dtype=np.float32)
+        is_old = [np.isin(axis, own) for axis, own in zip(axes, self.known_axes, strict=True)]
+        made[np.ix_(*is_old)] = self.known
+        for k, old in enumerate(is_old):
+            # Lines that one axis got, where those before it have their old ones: each point once.
+            chosen = [*is_old[:k], ~old, *(np.ones_like(each) for each in is_old[k + 1 :])]
+            if all(each.any() for each in chosen):
+                new = [axis[each] for axis, each in zip(axes, chosen, strict=True)]
+                made[np.ix_(*chosen)] = self.ask_grid(*new)
+        self.known_axes, self.known = axes, made
+        return made
 
     def axes(self) -> list[np.ndarray]:
         """The grid as it is."""
@@ -231,7 +278,7 @@ class _Maker:
         """Leave out bands that linear interpolation between others gives back."""
         if len(self.wavelengths) == 1:
             return
-        *coordinates, _ = self._random_pairs(TESTED // 16)
+        *coordinates, _ = self.random_pairs(TESTED // 16)
         values = self.ask(*coordinates)
         self.bands = choose_bands(self.wavelengths, values, SPECTRAL_PART * tolerance)
 
@@ -243,21 +290,21 @@ class _Maker:
             self.radials,
             self.azimuths,
             self.wavelengths[self.bands],
-            self.ask_grid(*self.axes()).astype(np.float32),
+            self.grid_values(),
             is_orthotropic=self.is_orthotropic,
         )
         # Near grazing incidence a coarse grid may scatter more than comes, until totals are kept.
         step = -(-len(self.incidences) // FLOOR_INCIDENCES)
-        albedo = min(albedos_of(made, self.incidences[::step], self.rotations).max(), 1.0)
-        self.floor = max(FLOOR * albedo / np.pi, 1e-12)
+        self.floor = _floor_of(albedos_of(made, self.incidences[::step], self.rotations).max())
         return made
 
-    def find_errors(self) -> tuple[list[np.ndarray], float]:
+    def find_errors(self, count: int) -> tuple[list[np.ndarray], float]:
         """Squares of errors by axis and interval, as they count by the values that an interval costs; and the whole error.
 
-        Of random pairs, along each axis alone: between its grid lines there is a chord, elsewhere what is to be tabulated.
+        Of so many random pairs, along each axis alone: between its grid lines there is a chord, elsewhere what is to be
+        tabulated.
         """
-        *places, is_near = self._random_pairs(TESTED)
+        *places, is_near = self.random_pairs(count)
         true = self.ask(*places)
         axes = [self._closed_rotations(), *self.axes()[1:]]
         squares = [self._squares_along(k, axis, places, true) for k, axis in enumerate(axes)]
@@ -314,14 +361,15 @@ class _Maker:
     def keep_totals(self, table: ScatterTable) -> ScatterTable:
         """A table whose every incidence scatters as much as it should."""
         values = table.values.copy()
-        points = FINE - (len(self.radials) * len(self.azimuths) > MANY_CELLS)
         for s, incidence in enumerate(self.incidences):
+            points = FINE
+            if has_many_cells(table):
+                # What the table and the truth differ by is 0 at grid points, but not where the horizon cuts cells.
+                points = 1 if incidence <= GRAZING else FINE - 1
             radial, azimuth, weight = quadrature(table, incidence, points)
             weights = weights_of_points(table, radial, azimuth, weight)
-            tilt = np.full_like(radial, incidence)
             for p, rotation in enumerate(self.rotations):
-                turn = np.full_like(radial, rotation)
-                true = weight @ self.ask(turn, tilt, radial, azimuth)
+                true = weight @ self.ask(rotation, incidence, radial, azimuth)
                 if incidence > GRAZING:
                     true = np.minimum(true, 1.0)
                 made = np.tensordot(values[p, s], weights, ((0, 1), (0, 1)))
@@ -334,13 +382,12 @@ class _Maker:
         Of pairs spread by the cosine and of those crowded about the centre, whichever is larger: a narrow lobe is missed by
         the ones, and what lies beside it by the others.
         """
-        *coordinates, is_near = self._random_pairs(TESTED)
+        *coordinates, is_near = self.random_pairs(TESTED)
         true = self.ask(*coordinates, slice(None))
         made = _between(self.wavelengths, self.bands, interpolate(table, *coordinates))
-        square = (((made - true) / (true + self.floor)) ** 2).mean(axis=1)
-        return float(np.sqrt(max(square[is_near].mean(), square[~is_near].mean())))
+        return _larger_error(true, made, self.floor, is_near)
 
-    def _random_pairs(self, count: int) -> tuple[np.ndarray, ...]:
+    def random_pairs(self, count: int) -> tuple[np.ndarray, ...]:
         """Pairs of directions above the horizon, half of them crowded about the centre, the others spread by the cosine.
 
         Returns
@@ -348,7 +395,8 @@ class _Maker:
         Rotation, incidence, radial angle, azimuth : (n,) arrays    [rad]
         is_near : (n,) bool array    Whether a pair is one of the crowded ones.
         """
-        draw = self.random.random((6, 4 * count))
+        # More than enough, as most lie above the horizon.
+        draw = self.random.random((6, 4 * count))[:, : 2 * count]
         near = draw[2] < 0.5
         if self.has_own_incidences:
             incidence = self.incidences[(draw[0] * len(self.incidences)).astype(int)]
@@ -391,9 +439,12 @@ def _coordinates(incidence, wo) -> tuple[np.ndarray, np.ndarray]:
 def _raised(wo) -> np.ndarray:
     """Directions, those below `LOWEST` brought up to it in their plane with the normal."""
     low = np.cos(LOWEST)
-    flat = np.hypot(wo[:, 0], wo[:, 1])
-    factor = np.where(wo[:, 2] < low, np.sqrt(1.0 - low**2) / np.maximum(flat, 1e-12), 1.0)
-    return np.stack([wo[:, 0] * factor, wo[:, 1] * factor, np.maximum(wo[:, 2], low)], axis=1)
+    is_low = wo[..., 2] < low
+    flat = wo[is_low, :2]
+    flat *= np.sqrt(1.0 - low**2) / np.maximum(np.hypot(*flat.T), 1e-12)[:, None]
+    made = wo.copy()
+    made[is_low] = np.column_stack([flat, np.full(len(flat), low)])
+    return made
 
 
 def _between(wavelengths: np.ndarray, kept: np.ndarray, values: np.ndarray) -> np.ndarray:

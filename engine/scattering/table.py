@@ -5,8 +5,11 @@ import numpy as np
 from ..errors import SceneError
 from ..scene.scattering import ScatterTable
 
-QUADRATURE = 4
-"""Points of Gauss and Legendre in each cell of a table."""
+QUADRATURE, FINE_QUADRATURE = 4, 2
+"""Points of Gauss and Legendre along both axes in each cell of a table: of few cells, and of many."""
+
+MANY_CELLS = 4096
+"""Cells of one incidence, radial angles times azimuths, from which on they are many."""
 
 WIDEST = np.radians(7.5)
 """Cells are cut to this width along the azimuth to be integrated over: the horizon bends within wider ones. [rad]"""
@@ -220,8 +223,14 @@ def albedos_of(table: ScatterTable, incidences, rotations) -> np.ndarray:
     return made
 
 
-def grid_weights(table: ScatterTable, incidence: float, points: int = QUADRATURE) -> np.ndarray:
+def has_many_cells(table: ScatterTable) -> bool:
+    """Whether the cells are so many, and so small, that few points of each do."""
+    return len(table.radials) * len(table.azimuths) > MANY_CELLS
+
+
+def grid_weights(table: ScatterTable, incidence: float) -> np.ndarray:
     """Weights of a table's radial angles and azimuths in the integral of its values times the cosine of wo. (t, a) [sr]"""
+    points = FINE_QUADRATURE if has_many_cells(table) else QUADRATURE
     return weights_of_points(table, *quadrature(table, incidence, points))
 
 
@@ -241,20 +250,19 @@ def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):
     """Radial angles, azimuths and weights that integrate a function with the kinks of a table times the cosine of wo.
 
     By Gauss and Legendre in every cell, cells cut where the horizon crosses them. Of a table with alike sides the points
-    are on one of them, with the weights of both.
+    are on one of them, with the weights of both. A single point is as good as two along both axes for what is 0 at the
+    corners of the cells, see `_nodes`.
 
     Returns
     -------
     (n,), (n,), (n,) float64 arrays    [rad], [rad], [sr]
     """
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    pieces = [
-        np.linspace(low, high, int(np.ceil((high - low) / WIDEST)) + 1)[:-1]
-        for low, high in zip(table.azimuths[:-1], table.azimuths[1:], strict=True)
-    ]
-    azimuths, azimuth_weights = _cells(
-        np.append(np.concatenate(pieces), table.azimuths[-1]), nodes, weights
-    )
+    gaps = np.diff(table.azimuths)
+    counts = np.ceil(gaps / WIDEST).astype(int)
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    pieces = np.repeat(table.azimuths[:-1], counts)
+    pieces += (np.arange(counts.sum()) - before) * np.repeat(gaps / counts, counts)
+    azimuths, azimuth_weights = _cells(np.append(pieces, table.azimuths[-1]), points)
     # Below this radial angle directions are above the horizon: cos t cos s = sin t cos a sin s there.
     horizon = np.arctan2(
         np.full_like(azimuths, np.cos(incidence)), np.cos(azimuths) * np.sin(incidence)
@@ -262,7 +270,8 @@ def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):
     radials = np.append(table.radials, np.pi) if table.radials[-1] < np.pi else table.radials
     low, high = radials[:-1, None], np.minimum(radials[1:, None], horizon)
     length = np.maximum(high - low, 0.0)
-    radial = low[..., None] + 0.5 * length[..., None] * (nodes + 1.0)
+    nodes, weights = _nodes(len(radials) - 1, points)
+    radial = low[..., None] + 0.5 * length[..., None] * (nodes[:, None] + 1.0)
     weight = 0.5 * length[..., None] * weights * azimuth_weights[:, None]
     azimuth = np.broadcast_to(azimuths[:, None], radial.shape)
     used = weight > 0.0
@@ -274,7 +283,20 @@ def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):
     return radial, azimuth, sides * weight * np.sin(radial) * np.maximum(cosine, 0.0)
 
 
-def _cells(axis: np.ndarray, nodes, weights) -> tuple[np.ndarray, np.ndarray]:
+def _nodes(cells: int, points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points of Gauss and Legendre between -1 and 1 in each of some cells, and their weights. (cells, points), (points,)
+
+    A single one lies in turn at the one and the other of two: there a parabola that is 0 at both ends, like the error of
+    what is linear between them, has its mean. In the middle it has its peak.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(points if points > 1 else 2)
+    if points > 1:
+        return np.broadcast_to(nodes, (cells, points)), weights
+    return nodes[np.arange(cells) % 2, None], weights[:1] * 2.0
+
+
+def _cells(axis: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
     """Points and weights of a quadrature in every cell of an axis."""
+    nodes, weights = _nodes(len(axis) - 1, points)
     low, length = axis[:-1, None], np.diff(axis)[:, None]
     return (low + 0.5 * length * (nodes + 1.0)).ravel(), (0.5 * length * weights).ravel()

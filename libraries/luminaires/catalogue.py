@@ -17,11 +17,11 @@ Entries of a model, all optional but for the file in a list::
                 "opening": {"shape": "cylinder", "size_m": [0.026, 0.026, 0.5], "axis": "z"}}]}
 """
 
-import json
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ..plain_files import UnreadableError, read_object
 from .description import UnusableError, describe, path_inside
 from .model import Library, Model, Problem
 
@@ -145,19 +145,10 @@ def _files_below(folder, problems) -> tuple[list[Path], set[Path]]:
 def _object(path, problems) -> dict:
     """Content of a JSON file that should be an object; nothing if it is none."""
     try:
-        if path.stat().st_size > LARGEST_JSON:
-            problems.append(Problem(path, f"is larger than {LARGEST_JSON >> 20} MiB"))
-            return {}
-        content = json.loads(path.read_text(encoding="utf-8-sig"))
-    except json.JSONDecodeError as error:
-        problems.append(Problem(path, f"is not JSON: line {error.lineno}, {error.msg}"))
-    except (OSError, ValueError, RecursionError) as error:
-        problems.append(Problem(path, f"cannot be read ({error})"))
-    else:
-        if isinstance(content, dict):
-            return content
-        problems.append(Problem(path, "expected an object in braces"))
-    return {}
+        return read_object(path, LARGEST_JSON)
+    except UnreadableError as error:
+        problems.append(Problem(path, str(error)))
+        return {}
 
 
 def _read_lists(descriptions, problems) -> _Lists:

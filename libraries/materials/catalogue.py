@@ -14,7 +14,6 @@ folder, one that ships as ``library:NAME``. What stands beside ``materials`` hol
 left out; nothing of it ends the reading. The content of scattering files is not looked at here.
 """
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from pathlib import Path
 from .. import spectra
 from ..luminaires.description import UnusableError, path_inside
 from ..luminaires.model import Problem
+from ..plain_files import UnreadableError, read_object
 
 LIST = "materials.json"
 """File that lists the materials of a folder."""
@@ -144,8 +144,8 @@ def read_library(folder) -> Library:
     folder = Path(folder)
     path = folder / LIST
     try:
-        content = _read_list(path)
-    except UnusableError as error:
+        content = read_object(path, LARGEST_LIST)
+    except UnreadableError as error:
         return Library(folder, (), (Problem(path, str(error)),))
     found, problems, names = [], [], set()
     listed = content.pop("materials", None)
@@ -163,20 +163,6 @@ def read_library(folder) -> Library:
             found.append(entry)
     found.sort(key=lambda entry: (entry.category.casefold(), entry.title.casefold(), entry.name))
     return Library(folder, tuple(found), tuple(problems))
-
-
-def _read_list(path: Path) -> dict:
-    try:
-        if path.stat().st_size > LARGEST_LIST:
-            raise UnusableError(f"is larger than {LARGEST_LIST >> 20} MiB")
-        content = json.loads(path.read_text(encoding="utf-8-sig"))
-    except json.JSONDecodeError as error:
-        raise UnusableError(f"is not JSON: line {error.lineno}, {error.msg}") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise UnusableError(f"cannot be read ({error})") from None
-    if not isinstance(content, dict):
-        raise UnusableError("expected an object in braces")
-    return content
 
 
 def _describe(folder: Path, defaults: dict, item, taken: set[str]) -> Entry:

@@ -497,6 +497,31 @@ def test_override_reads_reflectance_and_index_from_files(override, convert, tmp_
     assert isinstance(convert(material)[0].surface.ior, IorTable)
 
 
+@pytest.mark.parametrize(
+    ("model", "source", "values"),
+    [
+        ("DIFFUSE", "reflectance", ("0.1,0.6", "0.2,0.7")),
+        ("DIELECTRIC", "ior", ("1.5,1.7", "1.6,1.8")),
+    ],
+)
+def test_override_warns_that_a_file_has_other_columns(
+    override, convert, tmp_path, model, source, values
+):
+    material, settings = override
+    path = tmp_path / "paints.csv"
+    path.write_text("nm,light,dark\n400,{}\n700,{}\n".format(*values))
+    settings.model = model
+    setattr(settings, f"{source}_source", "FILE")
+    setattr(settings, f"{source}_file", str(path))
+    result, rows = convert(material)
+    made = result.surface.reflectance if source == "reflectance" else result.surface.ior
+    assert made.values.tolist() == [float(row.split(",")[0]) for row in values]
+    (row,) = (row for row in rows if row["severity"] == "warning")
+    assert "paints.csv has 2 columns of values, of which the first one ('light')" in row["message"]
+    path.write_text("400,0.1\n700,0.6\n" if source == "reflectance" else "400,1.5\n700,1.6\n")
+    assert not any(row["severity"] == "warning" for row in convert(material)[1])
+
+
 def test_override_reads_a_pane_from_its_data_sheet(override, convert, tmp_path):
     material, settings = override
     sheet = tmp_path / "pane.csv"

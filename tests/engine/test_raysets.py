@@ -128,6 +128,15 @@ def test_rows_without_a_unit_are_taken_as_asked_for(tmp_path):
     assert "luminous" in told
 
 
+def test_gaps_of_spectra_in_tm25_are_told_of_the_first_few_tables(tmp_path):
+    holed = [(float(nm), 1.0) for nm in (*range(380, 500, 5), *range(620, 790, 5))]
+    smooth = [(float(nm), 1.0) for nm in range(380, 790, 5)]
+    path = write(tmp_path, tm25(RAYS, kind=3, spectra=(smooth, *[holed] * 20)))
+    told = [remark.text for remark in read_rayset(path).remarks]
+    assert len(told) == 3
+    assert told[0].startswith("spectral table 2 has no value between 495 and 620 nm")
+
+
 def test_additional_columns_tables_and_text_of_tm25_are_stepped_over(tmp_path):
     rows = np.concatenate(
         [RAYS[:, :6], RAYS[:, 6:], np.ones((COUNT, 1)), RAYS[:, 6:], np.zeros((COUNT, 9))], axis=1
@@ -148,6 +157,8 @@ def test_additional_columns_tables_and_text_of_tm25_are_stepped_over(tmp_path):
     file = read_rayset(path)
     assert [list(values) for _, values in file.spectra] == [[0.0, 1.0, 0.0], [1.0, 1.0]]
     assert file.metadata["SOURCE"] == "lamp of tests"
+    (remark,) = file.remarks
+    assert "spectral table 2 begins at 500 nm with 100% of its largest value" in remark.text
     _, direction, weight, _, spectrum = rays_of(path)
     np.testing.assert_allclose(direction, RAYS[:, 3:6], atol=2e-7)
     np.testing.assert_allclose(weight, 0.5)
@@ -345,6 +356,16 @@ def swapped(data: bytes, offset: int) -> bytes:
         (tm25(RAYS, kind=9), "identifier 9, expected 0 to 4"),
         (tm25(RAYS, kind=3, spectra=([(500.0, 1.0), (400.0, 1.0)],)), "do not ascend"),
         (tm25(RAYS, kind=3, spectra=([(400.0, -1.0), (500.0, 1.0)],)), "negative"),
+        (
+            tm25(RAYS, kind=3, spectra=([(0.4, 1.0), (0.7, 1.0)],)),
+            "end at 0.7, expected nanometres",
+        ),
+        (
+            tm25(
+                RAYS, kind=3, spectra=([(nm, 1.0) for nm in (380.0, 480.0, 580.0, 680.0, 7800.0)],)
+            ),
+            "spectral table 1: wavelength 7800 nm, while the others lie 100 nm apart",
+        ),
         (zemax(RAYS, unit=7), "unit code 7"),
         (zemax(RAYS, kind=1), "ray format 1"),
         (zemax(RAYS, quantity=5), "flux type 5"),

@@ -19,6 +19,9 @@ from lumenray.engine.reading.content import holds, read_bytes
 from lumenray.engine.reading.lines import read_lines
 from lumenray.engine.reading.printable import REPLACEMENT, printable
 from lumenray.engine.scattering.readers.reader import read_scattering
+from lumenray.libraries import luminaires, materials
+from lumenray.libraries.luminaires.catalogue import LIST as LUMINAIRES
+from lumenray.libraries.materials.catalogue import LIST as MATERIALS
 
 READERS = (
     read_luminaire,
@@ -67,6 +70,44 @@ def test_commands_refuse_a_device_in_one_line(command, capsys):
         code = command_line.main([*command, "/dev/zero"])
     assert code == 1
     assert "is a device, expected a file" in capsys.readouterr().out
+
+
+@on_posix
+@pytest.mark.parametrize(
+    ("library", "name"),
+    [(luminaires, "lamp.json"), (luminaires, LUMINAIRES), (materials, MATERIALS)],
+)
+@pytest.mark.parametrize(("source", "words"), [("/dev/null", "is a device"), ("", "is a pipe")])
+def test_a_description_in_a_library_that_is_a_device_or_a_pipe_is_told_and_left_out(
+    tmp_path, library, name, source, words
+):
+    (tmp_path / "lamp.ies").write_text("text")
+    if source:
+        (tmp_path / name).symlink_to(source)
+    else:
+        os.mkfifo(tmp_path / name)
+    with within(5.0):
+        found = library.read_library(tmp_path)
+    (problem,) = found.problems
+    assert problem.path == tmp_path / name
+    assert f"{words}, expected a file" in problem.message
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="there is no /proc")
+@pytest.mark.parametrize(
+    ("module", "limit", "name"),
+    [
+        (luminaires.catalogue, "LARGEST_JSON", LUMINAIRES),
+        (materials.catalogue, "LARGEST_LIST", MATERIALS),
+    ],
+)
+def test_a_list_of_a_library_that_holds_more_than_its_size_says_is_not_read_beyond_the_limit(
+    tmp_path, monkeypatch, module, limit, name
+):
+    monkeypatch.setattr(module, limit, 100)
+    (tmp_path / name).symlink_to("/proc/self/maps")
+    (problem,) = module.read_library(tmp_path).problems
+    assert "has no end within" in problem.message
 
 
 @pytest.mark.parametrize("path", ["a\0b.ies", ""])

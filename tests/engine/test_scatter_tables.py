@@ -17,6 +17,8 @@ from lumenray.engine.scattering.table import (
     coordinates_of,
     direct_share,
     direction_of,
+    has_many_cells,
+    quadrature,
     rotations_around,
 )
 from lumenray.engine.scene.material import Measured
@@ -207,6 +209,21 @@ def test_a_resampled_lobe_reflects_as_much_as_the_lobe():
         nearest = table.incidences[np.argmin(np.abs(table.incidences - np.radians(angle)))]
         assert np.degrees(nearest) == pytest.approx(angle)
         assert albedo(table, nearest)[0] == pytest.approx(wanted, rel=0.01)
+
+
+def test_a_table_of_many_cells_reflects_as_much_as_what_it_was_made_from():
+    """There few points of each cell are asked; twenty times as many tell what the totals should be."""
+    exact = ggx(0.05, schlick)
+    table = resample(exact, [550.0], tolerance=0.01)
+    assert has_many_cells(table)
+    for number in range(0, len(table.incidences), 6):
+        incidence = table.incidences[number]
+        radial, azimuth, weight = quadrature(table, incidence, 5)
+        wo = direction_of(incidence, radial, azimuth)
+        wi = np.broadcast_to(towards(np.degrees(incidence)), wo.shape)
+        wanted = weight @ exact(wi, wo)
+        rel = 3e-4 if incidence < np.radians(80) else 5e-3
+        assert albedo(table, incidence) == pytest.approx(wanted, rel=rel)
 
 
 def test_bands_on_a_line_are_left_out_and_others_stay():

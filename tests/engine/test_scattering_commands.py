@@ -12,6 +12,7 @@ from lumenray.engine.scattering import store
 from lumenray.engine.scattering.evaluation import evaluate, measure_reciprocity, total
 from lumenray.engine.scattering.patches import pairs_of
 from lumenray.engine.scattering.readers.reader import read_scattering
+from lumenray.engine.scattering.readers.tensor_file import parse_tensor_file
 from lumenray.engine.scattering.record import ScatteringFile
 from lumenray.engine.scattering.resampling import resample
 from PIL import Image
@@ -204,6 +205,62 @@ def test_a_tolerance_that_is_asked_for_is_met_or_refused_with_the_figure(
     smooth = tmp_path / "smooth.mbsdf"
     smooth.write_bytes(mdl())
     assert run(capsys, "info", "--tolerance", "0.05", smooth)[0] == 0
+
+
+def test_a_table_that_states_a_larger_error_than_is_asked_for_is_refused(capsys, paint, tmp_path):
+    table = read_scattering(paint).sides["front_reflection"]
+    coarse = write(tmp_path / "coarse.lumbsdf", front_reflection=replace(table, error=0.12))
+    code, out, _ = run(capsys, "info", "--tolerance", "0.01", coarse)
+    assert code == 1
+    assert "states an error of 0.12" in out
+    assert "more than the 0.01 that are allowed" in out
+    target = tmp_path / "again.lumbsdf"
+    code, _, err = run(capsys, "convert", "--tolerance", "0.01", coarse, target)
+    assert code == 1
+    assert "make it anew from its source" in err
+    assert not target.exists()
+    assert run(capsys, "convert", "--tolerance", "0.15", coarse, target)[0] == 0
+    # Who asks for nothing gets what there is.
+    assert run(capsys, "info", coarse)[0] == 0
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.05, 0.01])
+def test_an_rgl_file_has_the_error_that_it_tells_and_that_was_asked_for(
+    capsys, tmp_path, tolerance
+):
+    """Grazing light, where such files err most, counts by its cosine."""
+    lobe = ggx(0.3, schlick)
+    table = resample(lambda wi, wo: lobe(wi, wo) + 0.1 / np.pi, [550.0], tolerance=0.01)
+    source = write(tmp_path / "paint.lumbsdf", front_reflection=table)
+    target, more = tmp_path / "paint.bsdf", () if tolerance is None else ("--tolerance", tolerance)
+    code, out, _ = run(capsys, "convert", *more, source, target)
+    assert code == 0
+    told = float(out.split(f"{target}: its error against {source} is ")[1].split()[0]) / 100.0
+    assert told <= (tolerance or 0.02)
+    rng = np.random.default_rng(5)
+    wi, wo = (towards_by_cosine(rng, 20_000) for _ in range(2))
+    true = evaluate(read_scattering(source).sides["front_reflection"], wi, wo)
+    made = parse_tensor_file(target.read_bytes(), target).evaluate(wi, wo)
+    floor = 0.05 * max(total(table, s)[0] for s in table.incidences) / np.pi
+    error = np.sqrt((((made - true) / (true + floor)) ** 2).mean())
+    assert 0.2 * told < error < 1.2 * told
+
+
+def towards_by_cosine(rng, count):
+    """Directions of light from everywhere, within 89 degrees of the normal. (n, 3)"""
+    square, turn = rng.uniform(0.0, np.sin(np.radians(89.0)) ** 2, count), rng.uniform(0, 7, count)
+    sine = np.sqrt(square)
+    return np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - square)], axis=1)
+
+
+def test_an_rgl_file_that_misses_the_tolerance_is_not_written(capsys, tmp_path):
+    metal = replace(resample(ggx(0.05, schlick), [550.0], tolerance=0.05), error=0.0)
+    source, target = tmp_path / "metal.lumbsdf", tmp_path / "metal.bsdf"
+    write(source, front_reflection=metal)
+    code, _, err = run(capsys, "convert", "--tolerance", "0.002", source, target)
+    assert code == 1
+    assert "more than the 0.002 that are allowed" in err
+    assert not target.exists()
 
 
 @pytest.mark.parametrize("more", [(), ("--totals",), ("--dark", "--incidences", "10,70")])

@@ -9,6 +9,7 @@ from lumenray.engine.scattering.evaluation import albedo, evaluate
 from lumenray.engine.scattering.readers.marginal_warp import MarginalWarp, Slices
 from lumenray.engine.scattering.readers.tensor_file import (
     SIGNATURE,
+    TensorMaterial,
     is_tensor_file,
     pack_fields,
     parse_tensor_file,
@@ -128,7 +129,7 @@ def test_a_density_that_is_known_is_made_even():
     warp = MarginalWarp(((1.0 + x) * (1.0 + 2.0 * y))[None, None], Slices([[0.0], [0.0]]))
     rng = np.random.default_rng(3)
     x, y = rng.random((2, 500))
-    u, v = warp.make_even(x, y, (np.zeros(500), np.zeros(500)))
+    u, v = warp.make_even(x, y, warp.slices.corners((np.zeros(500), np.zeros(500))))
     np.testing.assert_allclose(u, (x + 0.5 * x**2) / 1.5, rtol=1e-12)
     np.testing.assert_allclose(v, (y + y**2) / 2.0, rtol=1e-12)
 
@@ -182,6 +183,35 @@ def test_fine_wavelengths_are_read_at_steps_of_ten_nanometres():
     assert material.wavelengths[-1] == 830.0
     assert np.diff(material.wavelengths).max() <= 10.5
     np.testing.assert_allclose(material.values[0, 0, 0], material.wavelengths / 1000.0, rtol=1e-5)
+
+
+def test_what_no_table_gets_right_takes_few_evaluations_for_each_value(monkeypatch):
+    """A matt surface whose stored density is noise, under which all values lie elsewhere at each angle of incidence."""
+    rng = np.random.default_rng(1)
+    theta = np.radians([0.0, 15, 30, 45, 60, 75, 89])
+    data = measured_like(
+        incidences=theta,
+        wavelengths=[550.0],
+        spectra=rng.uniform(0.05, 0.2, (1, 7, 1, 16, 16)),
+        vndf=rng.exponential(size=(1, 7, 2, 40)),
+        jacobian=np.zeros(1, np.uint8),
+    )
+    asked, evaluate_it = [], TensorMaterial.evaluate
+
+    def count(self, wi, wo):
+        asked.append(len(wi))
+        return evaluate_it(self, wi, wo)
+
+    monkeypatch.setattr(TensorMaterial, "evaluate", count)
+    table = read_tensor_file(data, "noise.bsdf").sides["front_reflection"]
+    assert table.values.size > 500_000
+    assert sum(asked) < 3.0 * table.values.size
+    # What it says of itself still holds, and its totals are those of the file.
+    material = parse_tensor_file(data, "noise.bsdf")
+    wi, wo = directions(20_000, 3, 0.05), directions(20_000, 4, 0.05)
+    true = evaluate_it(material, wi, wo)
+    relative = (evaluate(table, wi, wo) - true) / (true + 0.05 * true.mean())
+    assert np.sqrt((relative**2).mean()) < 1.2 * table.error
 
 
 # ---- what is wrong ----

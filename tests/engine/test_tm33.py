@@ -217,6 +217,38 @@ def test_relative_photometry_refers_to_the_rated_lumens():
 # ---- spectra ----
 
 
+FINE = [(nm, 1.0 if 400 < nm < 760 else 0.0) for nm in range(380, 785, 5)]
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        (FINE, None),
+        ([p for p in FINE if not 500 < p[0] < 620], "has no value between 500 and 620 nm"),
+        ([p for p in FINE if p[0] > 450], "begins at 455 nm with 100% of its largest value"),
+        # An ultraviolet lamp, whose file would be refused as a spectrum's of its own.
+        ([(nm, 1.0) for nm in range(200, 395, 5)], "ends at 390 nm with 100%"),
+        ([*FINE[:9], FINE[10], FINE[9], *FINE[11:]], "stands beside"),
+    ],
+)
+def test_a_spectrum_that_is_odd_is_told_and_used(pairs, words):
+    file = parsed(emitter(luminous(UNIFORM), spectral(pairs)))
+    assert file.spectrum[0].tolist() == sorted(nm for nm, _ in pairs)
+    told = [r.text for r in file.remarks if r.text.startswith("the spectrum")]
+    assert len(told) == (words is not None)
+    assert words is None or words in told[0]
+
+
+def test_lists_of_a_spectrum_are_checked_for_gaps_too():
+    nm = [nm for nm, _ in FINE if not 500 < nm < 620]
+    lists = (
+        f"<SpectralDistribution><Wavelengths>{' '.join(map(str, nm))}</Wavelengths>"
+        f"<Values>{' '.join('1' for _ in nm)}</Values></SpectralDistribution>"
+    )
+    file = parsed(emitter(luminous(UNIFORM), lists))
+    assert any("no value between 500 and 620 nm" in remark.text for remark in file.remarks)
+
+
 def test_the_spectrum_is_sorted_and_kept():
     file = parsed(emitter(luminous(UNIFORM), spectral([(600, 3), (400, 1), (500, 2)])))
     assert file.spectrum[0].tolist() == [400, 500, 600]
@@ -418,6 +450,11 @@ REFUSED = {
         luminous(UNIFORM) + spectral([(500, 1), (600, -1)]),
         3,
         "a negative spectral power",
+    ),
+    "a digit too many": (
+        luminous(UNIFORM) + spectral([*FINE[:40], (5850, 1.0)]),
+        3,
+        "the spectrum: wavelength 5850 nm, while the others lie 5 nm apart",
     ),
     "micrometres": (luminous(UNIFORM) + spectral([(0.5, 1), (0.6, 1)]), 3, "expected nanometres"),
     "a wrong number of powers": (

@@ -25,16 +25,19 @@ class Slices:
         self.axes = [np.asarray(axis, dtype=np.float64) for axis in axes]
 
     def corners(self, parameters) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Numbers of the grids around parameters, each (n,), counted with the last axis fastest; and their weights."""
+        """Numbers of the grids around parameters, each (n,), counted with the last axis fastest; and their weights.
+
+        Both are of one element where no axis has more than one point.
+        """
         found = [(np.zeros(1, dtype=np.int64), np.ones(1))]
         for axis, value in zip(self.axes, parameters, strict=True):
+            if len(axis) == 1:
+                continue
             below, share = place_on(axis, value)
-            above = np.minimum(below + 1, len(axis) - 1)
-            steps = [(below, 1.0 - share), (above, share)] if len(axis) > 1 else [(below, 1.0)]
             found = [
                 (number * len(axis) + step, weight * part)
                 for number, weight in found
-                for step, part in steps
+                for step, part in ((below, 1.0 - share), (below + 1, share))
             ]
         return found
 
@@ -81,13 +84,13 @@ class MarginalWarp:
         self.along = along / whole[:, None, None]
         self.down = down / whole[:, None]
 
-    def make_even(self, x, y, parameters) -> tuple[np.ndarray, np.ndarray]:
+    def make_even(self, x, y, corners) -> tuple[np.ndarray, np.ndarray]:
         """Where positions come to lie once the density is even.
 
         Parameters
         ----------
         x, y : (n,) arrays    Within 0 to 1.
-        parameters : sequence of (n,) arrays
+        corners : list    What `Slices.corners` returns for the parameters.
 
         Returns
         -------
@@ -97,7 +100,7 @@ class MarginalWarp:
         (row, v), (column, u) = place_in(rows, y), place_in(columns, x)
         density, along = self.density.ravel(), self.along.ravel()
         part, whole, below = 0.0, 0.0, 0.0
-        for number, weight in self.slices.corners(parameters):
+        for number, weight in corners:
             sides = []
             for r in (row, row + 1):
                 line = number * rows + r

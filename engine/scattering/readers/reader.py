@@ -78,19 +78,42 @@ def parse_scattering(data: bytes, path, wish: Wish | None = None) -> ScatteringF
         if is_one(data):
             try:
                 made = read(data, path, wish.tolerance) if is_resampled else read(data, path)
-                return made if read is read_store else _complete(_judge_errors(made, wish))
+                if read is read_store:
+                    _refuse_stored(made, wish)
+                    return made
+                return _complete(_judge_errors(made, wish))
             except SceneError as error:
                 raise FileFormatError(path, str(error)) from None
     raise FileFormatError(path, f"is no scattering file of a known format ({KNOWN})")
 
 
-def _judge_errors(file: ScatteringFile, wish: Wish) -> ScatteringFile:
-    """Refuse a file whose tables miss the tolerance, or remark on it."""
-    errors = {
+def _errors_above(file: ScatteringFile, tolerance: float) -> dict[str, float]:
+    """Stated errors of the sides whose tables miss a tolerance."""
+    return {
         side: scatter.error
         for side, scatter in file.sides.items()
-        if isinstance(scatter, ScatterTable) and scatter.error > wish.tolerance
+        if isinstance(scatter, ScatterTable) and scatter.error > tolerance
     }
+
+
+def _refuse_stored(file: ScatteringFile, wish: Wish) -> None:
+    """Refuse a table that was made with a larger error than is wanted: no reading makes it better.
+
+    Where no tolerance was asked for, the remarks of its making tell of it.
+    """
+    errors = _errors_above(file, wish.tolerance) if wish.is_strict else {}
+    if errors:
+        side = max(errors, key=errors.get)
+        raise FileFormatError(
+            file.path,
+            f"states an error of {errors[side]:.3g} of its table of {side.replace('_', ' ')}, more than the "
+            f"{wish.tolerance:.3g} that are allowed; make it anew from its source",
+        )
+
+
+def _judge_errors(file: ScatteringFile, wish: Wish) -> ScatteringFile:
+    """Refuse a file whose tables miss the tolerance, or remark on it."""
+    errors = _errors_above(file, wish.tolerance)
     if not errors:
         return file
     side = max(errors, key=errors.get)

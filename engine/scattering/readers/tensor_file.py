@@ -190,8 +190,8 @@ class TensorMaterial:
         u = np.sqrt(2.0 * polar / np.pi)
         v = _turn_to_unit(turn - azimuth if self.is_isotropic else turn)
         v -= np.floor(v)
-        x, y = self.warp.make_even(u, v, (azimuth, incidence))
-        found = self._read(x, y, azimuth, incidence)
+        corners = self.warp.slices.corners((azimuth, incidence))
+        found = self._read(*self.warp.make_even(u, v, corners), corners)
         factor = np.where(above, 1.0 / np.maximum(wo[:, 2], SMALLEST_COSINE), 0.0)
         if self.facets is not None:
             area = read_bilinear(
@@ -210,13 +210,13 @@ class TensorMaterial:
         sign = np.stack([x, y, np.ones(len(wi))], axis=1)
         return wi * sign, wo * sign
 
-    def _read(self, x, y, azimuth, incidence) -> np.ndarray:
+    def _read(self, x, y, corners) -> np.ndarray:
         """Tabulated values, linear between all grid points. (n, b)"""
         count, bands = self.values.shape[2:]
         (row, down), (column, along) = place_in(count, y), place_in(count, x)
         flat = self.values.reshape(-1, bands)
         found = np.zeros((len(x), bands))
-        for number, weight in self.warp.slices.corners((azimuth, incidence)):
+        for number, weight in corners:
             first = (number * count + row) * count + column
             for step, share in (
                 (0, (1.0 - down) * (1.0 - along)),
