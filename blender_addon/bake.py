@@ -336,7 +336,7 @@ def store(job: BakeJob, scene) -> list[str]:
     with baked_results.unchanged(scene):
         images = _store(job, scene)
     changed = () if job.watch is None else job.watch.end()
-    baked_results.store_results(scene, job.result, job.settings.folder, changed)
+    baked_results.store_results(scene, job.result, job.settings.folder, changed, job.shortfall)
     return [image.name for image in images]
 
 

@@ -65,7 +65,7 @@ class _Tracker:
 _tracker = _Tracker()
 
 
-def store_results(scene, result: BakeResult, folder, changed=()) -> None:
+def store_results(scene, result: BakeResult, folder, changed=(), shortfall: str = "") -> None:
     """Keep a finished bake in place of the one before.
 
     Parameters
@@ -74,6 +74,7 @@ def store_results(scene, result: BakeResult, folder, changed=()) -> None:
     result : BakeResult
     folder : Path
     changed : iterable of str    Names of what has changed while the bake ran.
+    shortfall : str    What of its rule the bake has not met.
     """
     scene.lumenray.property_unset("baked")
     kept = scene.lumenray.baked
@@ -85,7 +86,7 @@ def store_results(scene, result: BakeResult, folder, changed=()) -> None:
     kept.pages, kept.shrink = len(result.pages), result.shrink
     kept.seam_pairs, kept.seam_noise = seams.pairs, seams.noise
     kept.seam_before, kept.seam_after = seams.before, seams.after
-    kept.shortfall, kept.folder = result.shortfall, str(folder)
+    kept.shortfall, kept.folder = shortfall, str(folder)
     kept.scene_hash = result.maps[0].provenance.scene_hash if result.maps else ""
     _remember()
     kept.serial = uuid.uuid4().hex

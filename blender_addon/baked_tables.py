@@ -70,9 +70,7 @@ class LumenrayBakedResults(PropertyGroup):
     seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
     seam_after: FloatProperty(name="Steps Left", description="At seams after matching, in lx")
     seam_noise: FloatProperty(name="Noise of Steps", description="Their standard error, in lx")
-    shortfall: StringProperty(
-        name="Stopped", description="What of the rule was not met when the bake was stopped"
-    )
+    shortfall: StringProperty(name="Shortfall", description="What of its rule the bake has not met")
     folder: StringProperty(name="Folder", description="Where the files were written")
     scene_hash: StringProperty(
         name="Scene", description="Fingerprint of the scene that was baked", options={"HIDDEN"}

@@ -55,12 +55,14 @@ def draw_buttons(layout, context, is_ready: bool) -> None:
 
 
 def draw_state(layout, context, baked) -> None:
-    """Draw what makes baked light other than it should be: changes since, and an early end."""
+    """Draw what makes baked light other than it should be: changes since, and an end short of its rule."""
     if baked.changed:
         draw_text(layout, context, f"Out of date. Changed since: {baked.changed}", "ERROR")
         layout.operator("lumenray.check_baked", text="Check for Changes", icon="FILE_REFRESH")
     if baked.shortfall:
-        draw_text(layout, context, f"Bake {baked.shortfall}", "INFO")
+        said = baked.shortfall
+        said = f"Bake {said}" if said.startswith("stopped") else f"{said[:1].upper()}{said[1:]}"
+        draw_text(layout, context, said, "INFO")
 
 
 def draw_graph(layout, context) -> None:

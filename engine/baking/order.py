@@ -114,7 +114,9 @@ class LuxMap:
     lumels, charts : int    How many.
     mean : float    Area-weighted. [lx]
     least, largest : Extreme    Over the lumels, freed of what noise adds to extremes. [lx]
-    relative_standard_error : float    Area-weighted root mean square of the lumels' errors over the mean. [-]
+    relative_standard_error : float
+        Area-weighted root mean square of the lumels' errors over the mean. What noisy single ones state with care, above
+        what the passes show of all, is not in it. [-]
     mean_standard_error : float    Of ``mean``. [lx]
     bias, bias_error : float    What the cells add to the mean on the whole, and the standard error of that. [lx]
     samples : float    Mean number per lumel.

@@ -22,6 +22,9 @@ class Estimates:
     exitance : (n, 3) array or None    X, Y, Z. [lm/m2]
     replicates : int
     freedom : float    Of the errors. [-]
+    surplus : (k,) array
+        By layout, what the squares of the errors of its lumels, times their areas, are above those that the passes show:
+        single ones are stated with care, of which means of many need none. [lx2 m2]
     """
 
     illuminance: np.ndarray
@@ -30,6 +33,7 @@ class Estimates:
     exitance: np.ndarray | None
     replicates: int
     freedom: float
+    surplus: np.ndarray
 
 
 def lay_out_page(

@@ -13,7 +13,6 @@ import numpy as np
 
 from ..accuracy.extremes import Extreme, Halves, find_largest, find_least, part_by_mean
 from ..accuracy.history import History
-from ..accuracy.replicates import relative_error
 from ..accuracy.stopping import Progress, StopRule, format_seconds
 from ..accuracy.tails import tail_factor
 from ..atlas.detail import halve_even_charts
@@ -142,7 +141,7 @@ class Bake:
                 table = self._make_table(items, atlas, compiled)
             layers = self._run_layers(compiled, table, items, atlas)
             states = [state for _, state in layers]
-            estimates = _estimates(layers, order, table)
+            estimates = _estimates(layers, order, table, len(atlas.layouts))
             means = find_means(len(items), table, estimates, states)
             floors = self._hear_witness(compiled, items, means)
             estimates = widen(estimates, means, floors)
@@ -257,7 +256,7 @@ class Bake:
             state = Layer(job, rule, owners, self._report, lambda _: None, len(items), ending).run()
         finally:
             job.close()
-        made = _estimates([("", state)], order, table)
+        made = _estimates([("", state)], order, table, len(atlas.layouts))
         area = np.where(job.valid, job.area, 0.0)
         threshold = order.detail * float((made.illuminance * area).sum() / max(area.sum(), 1e-300))
         pages = [
@@ -460,9 +459,12 @@ class Bake:
         each = zip(items, means, floors, losses, strict=True)
         for number, (item, own, floor, loss) in enumerate(each):
             layout, rows = atlas.layouts[number], own.rows
-            light, error = estimates.illuminance[rows], estimates.standard_error[rows]
+            error = estimates.standard_error[rows]
             parts = own.areas * error.astype(np.float64) ** 2
             heavy = float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts)))
+            total = float(own.areas.sum())
+            square = max(float(parts.sum()) - estimates.surplus[number], 0.0)
+            whole = heavy * np.sqrt(square / total) if total > 0.0 else 0.0
             spread = float(np.hypot(own.error, floor))
             least, largest = _extremes(estimates, states, rows, own.mean, spread)
             made.append(
@@ -475,7 +477,7 @@ class Bake:
                     mean=own.mean,
                     least=least,
                     largest=largest,
-                    relative_standard_error=heavy * relative_error(light, error, own.areas),
+                    relative_standard_error=whole / own.mean if own.mean > 0.0 else float("inf"),
                     # Lumels know nothing of what facets lose, see `facets`.
                     mean_standard_error=float(np.hypot(spread, loss)),
                     bias=own.bias,
@@ -623,11 +625,12 @@ def _find_missed(compiled, items, table: LumelTable) -> np.ndarray | None:
 
 
 def _estimates(
-    layers: list[tuple[str, LayerState]], order: BakeOrder, table: LumelTable
+    layers: list[tuple[str, LayerState]], order: BakeOrder, table: LumelTable, layouts: int
 ) -> Estimates:
-    """Sum of all layers; their errors are independent."""
+    """Sum of all layers; their errors are independent. ``layouts``: how many there are."""
     count = sum(table.counts)
     light, error = np.zeros((2, count), dtype=np.float32)
+    surplus = np.zeros(layouts)
     replicates = min(state.sums.passes for _, state in layers)
     first = 0
     for number, many in enumerate(table.counts):
@@ -636,14 +639,20 @@ def _estimates(
         light[part] = sum(state.sums.mean(part) for _, state in layers)
         facts = table.facts(number)
         tiles = tile_numbers(facts, table.width(number))
+        plain = np.zeros(many)
+        for _, state in layers:
+            own = state.sums.variance(part)
+            plain += np.where(facts.valid & np.isfinite(own), own, 0.0)
         variance = sum(pool_variance(state.sums, part, tiles, facts.valid) for _, state in layers)
-        error[part] = np.sqrt(np.where(np.isfinite(variance), variance, 0.0))
+        error[part] = np.sqrt(variance)
+        area = np.where(facts.valid, facts.area, 0.0).astype(np.float64)
+        surplus[table.layout(number)] += float(area @ (variance - plain))
     named = {name: state.sums.mean().astype(np.float32) for name, state in layers if name}
     exitance = None
     if order.exitance:
         exitance = sum(state.sums.further_means() for _, state in layers)
     freedom = max(replicates - 1, 1) + TILE_FREEDOM
-    return Estimates(light, error, named, exitance, replicates, freedom)
+    return Estimates(light, error, named, exitance, replicates, freedom, surplus)
 
 
 def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np.ndarray:
@@ -702,6 +711,7 @@ def _whole(estimates: Estimates, table: LumelTable) -> tuple[float, float, float
         sums += [area.sum(), (light * area).sum(), (light**2 * area).sum(), parts.sum()]
         largest = max(largest, float(parts.max(initial=0.0)))
     mean, square, variance = sums[1:] / max(sums[0], 1e-300)
+    variance = max(variance - float(estimates.surplus.sum()) / max(sums[0], 1e-300), 0.0)
     variance *= float(tail_factor(sums[3], largest, len(known.area))) ** 2
     return float(mean), float(np.sqrt(square)), float(np.sqrt(variance))
 
