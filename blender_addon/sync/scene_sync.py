@@ -30,7 +30,14 @@ from .portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .step import SyncStats, SyncStep
 from .tags import Tags
 from .units import metres_per_unit
-from .visibility import is_dark_world, tell_departures, tell_linking, tell_visibility, visibility_of
+from .visibility import (
+    find_unrendered,
+    is_dark_world,
+    tell_departures,
+    tell_linking,
+    tell_visibility,
+    visibility_of,
+)
 from .world import convert_world, follows_sun_lamp
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
@@ -283,6 +290,8 @@ class _Walk:
         is_all = self.is_rescaled or self.is_rerated
         shown_before, number = sync._shown, self.number
         matrices = _read_matrices(self.depsgraph.object_instances)
+        if sync.final:
+            self._unrendered = find_unrendered(self.depsgraph.view_layer)
         for row, instance in enumerate(self.depsgraph.object_instances):
             if not instance.show_self or not self._is_visible(instance):
                 continue
@@ -317,9 +326,13 @@ class _Walk:
 
     def _is_visible(self, instance) -> bool:
         if self.sync.final:
-            if instance.object.hide_render:
+            parent = instance.parent if instance.is_instance else None
+            if instance.object.hide_render or (parent is not None and parent.hide_render):
                 return False
-            if instance.is_instance and instance.parent is not None and instance.parent.hide_render:
+            # What is instanced within instances need not be shown by itself.
+            is_within = parent is not None and instance.persistent_id[1] != _NO_ID
+            top = instance.object if parent is None else parent
+            if not is_within and top.original.session_uid in self._unrendered:
                 return False
         return self.visible is None or self.visible(instance)
 

@@ -44,6 +44,21 @@ def visibility_of(source, parent=None, view_layer=None) -> Visibility:
     return Visibility(camera, len(off) < len(LIGHT_RAYS), off)
 
 
+def find_unrendered(view_layer) -> set[int]:
+    """Session uids of objects that lie in collections which are disabled in renders, and in no other ones."""
+    everyone, rendered = set(), set()
+    waiting = [(view_layer.layer_collection, True)]
+    while waiting:
+        layer, renders = waiting.pop()
+        renders &= not layer.collection.hide_render
+        if not layer.exclude:
+            own = {item.session_uid for item in layer.collection.objects}
+            everyone |= own
+            rendered |= own if renders else set()
+        waiting += [(child, renders) for child in layer.children]
+    return everyone - rendered
+
+
 def tell_visibility(found: Visibility, name: str, report) -> None:
     """Note what of an object's visibility is not Blender's."""
     if not found.light:

@@ -244,6 +244,35 @@ def test_objects_hidden_in_renders_matter_to_final_renders_only(final):
     assert stage.sent() == (["Placement"] * final, 0)
 
 
+def test_objects_of_collections_disabled_in_renders_are_left_out_of_final_renders_only():
+    def names(final):
+        stage = Stage(final)
+        scene = bpy.context.scene
+        outer, inner = (bpy.data.collections.new(name) for name in ("Outer", "Inner"))
+        scene.collection.children.link(outer)
+        outer.children.link(inner)
+        mesh = stage.mesh
+        alone, shared, copied = (
+            bpy.data.objects.new(n, mesh) for n in ("Alone", "Shared", "Copied")
+        )
+        for item in (alone, shared):
+            inner.objects.link(item)
+        scene.collection.objects.link(shared)
+        library = bpy.data.collections.new("Library")
+        library.objects.link(copied)
+        empties = [bpy.data.objects.new(name, None) for name in ("Here", "Off")]
+        for empty, collection in zip(empties, (scene.collection, inner), strict=True):
+            empty.instance_type, empty.instance_collection = "COLLECTION", library
+            collection.objects.link(empty)
+        outer.hide_render = True
+        stage.step()
+        shown = (each.name.split()[0] for each in stage.kept.meshes.values())
+        return sorted(each for each in shown if each in {"Alone", "Shared", "Copied"})
+
+    assert names(True) == ["Copied", "Shared"]
+    assert names(False) == ["Alone", "Copied", "Copied", "Shared"]
+
+
 def test_editing_a_shared_mesh_sends_it_once(stage):
     stage.mesh.vertices[0].co.z = 1
     stage.mesh.update()
