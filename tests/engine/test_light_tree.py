@@ -294,9 +294,10 @@ def test_edits_meet_known_kernels():
     def edits(k):
         yield replace(lights[3], output=flux(77.0 + k))
         yield replace(lights[4], frame=frame_of((9.0 + k, 8.0, 4.0)))
-        # From 40 lights to well beyond the next power of two and of four.
+        # From 40 lights to well beyond the next power of two and of four; none at a wall, whose spot paths would ask for.
         for i in range(60 * k):
-            yield replace(lights[0], id=f"more {k} {i}", frame=frame_of((i / 3.0, 5.0 * k, 5.0)))
+            place = ((i + 1) / 3.1, 5.0 * k, 5.0)
+            yield replace(lights[0], id=f"more {k} {i}", frame=frame_of(place))
 
     dr.set_flag(dr.JitFlag.KernelHistory, True)
     try:

@@ -100,7 +100,7 @@ def test_a_wall_gets_the_light_of_a_small_spot_from_where_it_lies(distance):
     apart = light[bright] - first[bright]
     assert (apart > -4.5 * error[bright]).all()
     assert (apart < 4.5 * error[bright] + 20.0 + 0.1 * first[bright]).all()
-    assert np.median(error[bright] / first[bright]) < 0.2
+    assert np.median(error[bright] / first[bright]) < 0.25
     # Spread over its cell, the light of the spot was off by a third here; later reflections add a few per cent.
     share = light[bright].sum() / first[bright].sum()
     assert 0.95 < share < 1.15, share

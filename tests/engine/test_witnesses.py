@@ -123,8 +123,10 @@ def test_an_error_of_a_map_that_a_single_lumel_makes_is_not_trusted():
 
     survey = SimpleNamespace(area=np.ones(1000), valid=np.ones(1000, dtype=bool))
     error = np.full(1000, 1e-3)
-    even = SimpleNamespace(illuminance=np.ones(1000), standard_error=error)
-    spike = SimpleNamespace(illuminance=np.ones(1000), standard_error=error.copy())
+    even, spike = (
+        SimpleNamespace(illuminance=np.ones(1000), standard_error=error.copy(), surplus=np.zeros(1))
+        for _ in range(2)
+    )
     spike.standard_error[7] = 10.0
     table = SimpleNamespace(survey=survey)
     assert _whole(even, table)[2] == pytest.approx(1e-3)
