@@ -106,6 +106,7 @@ def test_a_scene_that_lacks_a_file_is_refused_in_one_line(box, lose, tmp_path, c
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_what_stands_for_an_accepted_missing_picture_is_beside_the_numbers(box, tmp_path, capsys):
     lose_environment(tmp_path)
     path = box()
@@ -192,6 +193,7 @@ def unlight_but(name):
 
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("lose", [None, lose_environment])
+@pytest.mark.slow
 def test_what_was_left_out_of_the_scene_has_an_exit_code_of_its_own(box, lose, tmp_path, capsys):
     unlight_but("Floor")
     if lose is not None:

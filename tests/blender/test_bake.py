@@ -881,6 +881,7 @@ def test_wrong_orders_end_in_words(monkeypatch, tmp_path, capsys, options, words
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_real_bake_is_shown_as_bright_as_it_was_computed(tmp_path, monkeypatch):
     session = Session()
     monkeypatch.setattr(session, "close", lambda: None, raising=False)

@@ -545,6 +545,7 @@ def test_opening_a_file_ends_a_bake(tmp_path):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_bake_that_was_stopped_and_kept_goes_on_with_another_end(tmp_path, monkeypatch):
     """What the first end leaves in the file, UV maps above all, must not count as another scene."""
     tiny.build_closed_box()

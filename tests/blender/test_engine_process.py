@@ -168,6 +168,7 @@ def test_a_render_goes_before_a_bake_and_both_come_right(room, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_the_engine_ends_with_the_file_and_the_extension(room, tmp_path):
     render(room, tmp_path / "a.exr")
     first = engine_process.pid()
@@ -235,6 +236,7 @@ ACTIONS = {
 
 
 @pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.slow
 def test_no_process_is_left_when_blender_is_gone(action, tmp_path):
     text = CHILD.format(path=sys.path, action=ACTIONS[action])
     host = subprocess.Popen(

@@ -73,6 +73,7 @@ def add_light(kind="POINT", **settings):
     ],
     ids=str,
 )
+@pytest.mark.slow
 def test_an_object_out_of_reach_is_left_out_by_its_name_and_the_rest_stays(where):
     before = illuminance(convert())
     add_triangle(**where)
@@ -108,6 +109,7 @@ def test_an_object_that_comes_back_into_reach_is_there_again():
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("location", [(1e30, 0, 0), (0, INFINITE, 0), (0, 0, NONE)], ids=str)
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA"])
+@pytest.mark.slow
 def test_a_light_out_of_reach_is_left_out_by_its_name_and_the_rest_stays(kind, location):
     before = illuminance(convert())
     add_light(kind, energy=10.0).location = location
@@ -182,6 +184,7 @@ def test_pixels_that_are_no_numbers_are_told_and_count_as_nothing(tree):
 
 
 @pytest.mark.parametrize("depth", [40, 600])
+@pytest.mark.slow
 def test_a_mix_of_great_depth_is_refused_in_words(tree, depth):
     shader = tree.add("BsdfDiffuse")
     for number in range(depth):

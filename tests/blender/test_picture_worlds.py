@@ -140,6 +140,7 @@ def add_camera(direction, **settings):
 
 @needs_cycles
 @pytest.mark.parametrize("interpolation", ["Linear", "Closest"])
+@pytest.mark.slow
 def test_directions_show_what_cycles_shows(interpolation):
     turn = (0.3, 0.2, 0.9)
     _, node = show(image_of(picture(8)), turn)
@@ -171,6 +172,7 @@ def _value(world, direction):
 
 @needs_cycles
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_planes_get_what_cycles_gives_them(session):
     show(image_of(picture(16)), (0.3, 0.2, 0.9))
     paint = bpy.data.materials.new("White")
@@ -195,6 +197,7 @@ def test_planes_get_what_cycles_gives_them(session):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_another_picture_and_another_strength_give_what_a_fresh_scene_gives(session):
     world, node = show(image_of(picture(16)))
     background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")

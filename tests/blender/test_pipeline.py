@@ -286,6 +286,7 @@ def test_pictures_agree_with_cycles(view):
 
 
 @needs_cycles
+@pytest.mark.slow
 def test_environments_are_turned_like_cycles_turns_them():
     directional_world()
     add_camera((0, 0, 0), (1.4, 0.0, 0.0), lens=12.0)
@@ -416,6 +417,7 @@ def test_the_bake_operator_writes_uv_map_image_and_files(tmp_path):
     assert any(name.endswith(".png") and name != "error.png" for name in names)
 
 
+@pytest.mark.slow
 def test_modifiers_that_change_faces_leave_the_map_on_disk_and_are_reported(tmp_path):
     tiny.build_closed_box()
     floor = bpy.data.objects["Floor"]
@@ -448,6 +450,7 @@ def test_the_command_line_measures_the_inverse_square_law(tmp_path):
     assert (rows["standard_error_lx"] < 0.01).all()
 
 
+@pytest.mark.slow
 def test_the_command_line_bakes_and_renders(tmp_path, capsys):
     box = str(scenes.scene_path("closed_box"))
     assert (

@@ -198,6 +198,7 @@ def test_the_operator_loads_a_file_or_leaves_all_as_it_was(led, tmp_path):
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
+@pytest.mark.slow
 def test_the_library_is_in_the_menu(entry):
     assert bpy.ops.lumenray.add_rayset(entry=entry.name) == {"FINISHED"}
     lamp = bpy.context.object
@@ -315,6 +316,7 @@ def test_the_command_explains_a_file(led, tmp_path, capsys):
     assert "rays" in out
 
 
+@pytest.mark.slow
 def test_preparations_that_nobody_asks_for_any_more_are_stopped_and_reloads_are_fresh(led):
     lamp = add_lamp(led)
     settings = rays_of(lamp)

@@ -78,6 +78,7 @@ def test_unknown_scene_is_refused():
         scene_path("cathedral")
 
 
+@pytest.mark.slow
 def test_every_scene_has_a_camera_and_a_light(scene):
     assert scene.camera is not None
     assert any(item.type == "LIGHT" for item in scene.objects)

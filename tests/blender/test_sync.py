@@ -485,6 +485,7 @@ def test_a_full_export_names_its_objects(stage):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.slow
 def test_five_hundred_random_edits_leave_the_scene_of_a_fresh_export(seed, tmp_path):
     edits, done = RandomEdits(seed, tmp_path), []
     sync, kept = SceneSync(final=bool(seed % 2)), Scene()

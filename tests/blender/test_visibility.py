@@ -73,6 +73,7 @@ def test_a_measuring_plane_that_light_does_not_meet_changes_no_number(box, is_gl
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_what_light_does_not_meet_is_seen_by_the_camera_and_can_be_baked(box, tmp_path):
     plane = add_plane()
     switch_off(plane)

@@ -81,6 +81,7 @@ def test_kernels_that_the_first_pass_makes_do_not_count_for_all_others(monkeypat
 
 
 @pytest.mark.parametrize("power, most", [(0.5, 0.38), (0.75, 0.26)])
+@pytest.mark.slow
 def test_the_forecast_of_the_worst_of_many_sensors_is_not_thrown_off_by_chance(
     monkeypatch, power, most
 ):
@@ -177,6 +178,7 @@ def test_a_render_shows_the_whole_frame_after_one_sample_and_can_be_cancelled():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_no_strip_of_a_picture_is_ahead_of_the_others_by_more_than_two_samples():
     from lumenray.engine.session import ViewSettings
 

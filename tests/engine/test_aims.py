@@ -109,6 +109,7 @@ def bake_aimed(session, is_aimed, seed):
     return session.bake_objects(order, options=Options(aimed=is_aimed))
 
 
+@pytest.mark.slow
 def test_aimed_rays_find_the_same_light_with_less_scatter():
     # The lamp faces the ceiling, so that a bright patch there lights the room.
     glow = paint(0.1, name="glow", emission=Emission(Constant(1.0), 5000.0))
@@ -127,6 +128,7 @@ def test_aimed_rays_find_the_same_light_with_less_scatter():
     assert aimed.relative_standard_error < 0.95 * plain.relative_standard_error
 
 
+@pytest.mark.slow
 def test_a_bake_with_aimed_rays_that_is_cancelled_goes_on_to_the_same_map(tmp_path, monkeypatch):
     from lumenray.engine.transport import lux_job, pilot
 

@@ -43,6 +43,7 @@ def test_an_error_in_lux_is_reached_and_not_far_surpassed():
 
 
 @pytest.mark.parametrize("samples", [8, 200])
+@pytest.mark.slow
 def test_a_number_of_samples_is_reached(samples):
     result = bake(GREY, OBJECTS, samples)
     area = np.array([made.lumels for made in result.maps])
@@ -256,6 +257,7 @@ def test_a_bake_that_is_stopped_keeps_what_it_has_and_goes_on_later(tmp_path, gr
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_a_stop_in_the_middle_of_a_pass_gives_that_pass_up(monkeypatch):
     monkeypatch.setattr("lumenray.engine.transport.lux_job.SPAN_PLACES", 1 << 12)
     stopped = Stopper(GREY)
@@ -288,6 +290,7 @@ def test_the_back_of_a_sheet_has_a_map_of_its_own():
         assert made.mean == pytest.approx(flux / 4.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_exitance_is_what_a_grey_wall_sends_back(transport):
     room, block = ROOM
     items = (room, replace(block, materials=("dark",)), paint(0.5), paint(0.2, "dark"), LAMP)
@@ -351,6 +354,7 @@ def under_slab(angle, gap, thickness, intensity=100.0, orders=12):
         yield radius, intensity * share * np.sin(angle) / np.maximum(ring, 1e-12)
 
 
+@pytest.mark.slow
 def test_light_through_a_slab_is_baked_where_it_lands():
     slab = moved(box(20.0, 20.0, 0.5, "glass", inwards=False), "slab", (-10.0, -10.0, 1.0))
     floor = replace(FLOOR, materials=("black",))
@@ -420,6 +424,7 @@ def test_the_report_of_a_dark_scene_is_sound_json(tmp_path):
     assert all((tmp_path / name.rpartition("/")[2]).exists() for name in result.files)
 
 
+@pytest.mark.slow
 def test_pages_may_stay_in_their_files(tmp_path):
     kept, left = (
         bake(GREY, OBJECTS, 4, folder=str(tmp_path / str(flag)), keep_pages=flag)
@@ -435,6 +440,7 @@ def test_pages_may_stay_in_their_files(tmp_path):
             assert len(one) == len(other)
 
 
+@pytest.mark.slow
 def test_a_session_goes_on_after_a_bake():
     session = session_of(*GREY)
     one = bake_in(session, OBJECTS, 8)

@@ -60,6 +60,7 @@ PLACES = [(1.3, 1.1, 0.0), (0.4, 2.2, 0.0), (2.2, 0.9, 1.0)]
 
 
 @pytest.mark.parametrize("radius", [0.0, 1e-3, 1e-2])
+@pytest.mark.slow
 def test_a_lamp_in_the_middle_of_a_glass_ball_lights_sensors_as_without_it(radius):
     """Light leaves at right angles and nothing is absorbed: what is reflected passes the lamp and comes out elsewhere."""
     lamp = round_lamp(radius)
@@ -87,6 +88,7 @@ def test_a_glowing_mesh_in_a_glass_ball_lights_sensors():
     assert_agrees(measure(items, PLACES), (1.0 - reflected) * expected, 4e-3)
 
 
+@pytest.mark.slow
 def test_a_point_through_a_slab_lights_sensors_by_snell_and_fresnel(transport):
     items = (GLASS, slab((-6, -6, 0.5), (6, 6, 1.0)), point([0, 0, 2.2]))
     angle = np.linspace(1e-4, np.radians(88.0), 200_001)
@@ -103,6 +105,7 @@ def test_a_point_through_a_slab_lights_sensors_by_snell_and_fresnel(transport):
 
 @pytest.mark.parametrize("degrees", [0.0, 45.0])
 @pytest.mark.parametrize("angle", [0.0, np.radians(0.53)])
+@pytest.mark.slow
 def test_a_sun_through_a_slab_lights_sensors(degrees, angle):
     tilt = np.radians(degrees)
     items = (
@@ -115,6 +118,7 @@ def test_a_sun_through_a_slab_lights_sensors(degrees, angle):
     assert_agrees(measure(items, [(0.1, 0.2, 0.0)]), expected)
 
 
+@pytest.mark.slow
 def test_a_mirror_ball_lights_sensors_from_a_point():
     """Virtual image by reflection in a convex mirror, exact beyond the paraxial range, on the ceiling over the lamp."""
     radius, lamp_height, ceiling = 0.5, 1.5, 3.0
@@ -165,6 +169,7 @@ def test_light_of_many_bulbs_adds_up():
     assert_agrees(measure(items, [place]), expected, 5e-3)
 
 
+@pytest.mark.slow
 def test_reflections_are_counted_over_bends_too():
     """No light passes a slab without a bend, and no more than two are needed to pass it."""
     items = (GLASS, slab((-6, -6, 0.5), (6, 6, 0.55)), sun([0, 0, -1.0], np.radians(0.53)))

@@ -363,6 +363,7 @@ def test_cells_that_reach_under_a_wall_leave_the_room_behind_it_dark(count):
 
 
 @pytest.mark.parametrize("reflectance", [0.5, 0.9])
+@pytest.mark.slow
 def test_cells_of_a_furnace_hold_its_closed_form(transport, reflectance):
     luminance = 40.0
     walls = paint(reflectance, emission=Emission(Constant(1.0), luminance))

@@ -38,6 +38,7 @@ def test_balls_lose_by_the_square_of_their_facets(rings):
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("rings", [4, 8])
 @pytest.mark.parametrize("is_sun", [True, False])
+@pytest.mark.slow
 def test_the_error_of_a_mean_over_facets_holds_what_smooth_shading_changes(rings, is_sun):
     from baking_rooms import bake_in
     from small_scenes import session_of

@@ -71,6 +71,7 @@ def at_share(history, share):
 
 
 @pytest.mark.parametrize("spreads", [False, True])
+@pytest.mark.slow
 def test_forecasts_after_a_twentieth_of_the_run_are_right(spreads):
     """Ten runs of some 120 passes: median within 3 % of the whole time, none worse than 10 %."""
     rule = StopRule(error=0.004 if spreads else 0.007)

@@ -232,6 +232,7 @@ def test_learning_finds_lights_behind_a_wall():
 
 
 @pytest.mark.parametrize("kind", ["points", "spheres", "luminaires"])
+@pytest.mark.slow
 def test_a_thousand_lights_give_the_sum_of_each(kind):
     count = 1000 if kind != "spheres" else 200
     rng = np.random.default_rng(6)
@@ -267,6 +268,7 @@ def test_a_thousand_lights_give_the_sum_of_each(kind):
     assert (made.standard_error / expected).max() < 0.03
 
 
+@pytest.mark.slow
 def test_ids_decide_nothing():
     lights = mixed_lights()
     renamed = [
@@ -284,6 +286,7 @@ def test_ids_decide_nothing():
     np.testing.assert_array_equal(*results)
 
 
+@pytest.mark.slow
 def test_edits_meet_known_kernels():
     import drjit as dr
 

@@ -422,6 +422,7 @@ def finish(session):
     return frames
 
 
+@pytest.mark.slow
 def test_a_live_view_becomes_the_picture():
     session = session_of(
         box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9), replace(paint(0.2, "m"), id="m")

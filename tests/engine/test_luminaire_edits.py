@@ -111,6 +111,7 @@ def test_a_live_view_ends_where_a_fresh_start_does():
     np.testing.assert_array_equal(live.illuminance, fresh.illuminance)
 
 
+@pytest.mark.slow
 def test_edits_of_numbers_meet_known_kernels():
     import drjit as dr
 

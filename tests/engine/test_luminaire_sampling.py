@@ -514,6 +514,7 @@ def beams(request):
 
 
 @pytest.mark.parametrize("row", range(len(NARROW_OPENINGS)), ids=NARROW_OPENINGS)
+@pytest.mark.slow
 def test_what_is_kept_of_candidates_gives_every_part_of_the_opening_its_light(beams, row):
     import mitsuba as mi
 

@@ -53,6 +53,7 @@ def assert_alike(one, other):
 # ---- kernels ----
 
 
+@pytest.mark.slow
 def test_bakes_with_other_points_make_no_new_large_kernels():
     """How many rays go on differs from pass to pass; a kernel that depended on it would be compiled again each time."""
     import drjit as dr
@@ -100,6 +101,7 @@ def test_nothing_of_a_bake_lives_on(monkeypatch):
 # ---- values ----
 
 
+@pytest.mark.slow
 def test_a_pipe_and_a_block_in_a_box_that_all_glow_have_the_closed_form_everywhere(transport):
     """Where all surfaces glow and reflect alike the light is even, whatever their shape."""
     luminance, reflectance = 30.0, 0.6
@@ -148,6 +150,7 @@ def test_a_closed_room_takes_in_all_the_light_of_its_lamp(method):
     assert total == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_lumels_have_the_illuminance_of_their_centres():
     room, block = ROOM
     items = (room, block, paint(0.6), LAMP)
@@ -181,6 +184,7 @@ GREEN = Material(
 )
 
 
+@pytest.mark.slow
 def test_cells_agree_with_full_paths_in_grey_and_in_saturated_colours(transport):
     if transport == "mono":
         items = (*ROOM, paint(0.7), LAMP)
@@ -197,6 +201,7 @@ def test_cells_agree_with_full_paths_in_grey_and_in_saturated_colours(transport)
 
 
 @pytest.mark.parametrize(("roughness", "specular"), [(0.15, 1.0), (0.6, 0.5)])
+@pytest.mark.slow
 def test_what_coats_mirror_is_added_to_what_cells_under_them_hold(roughness, specular):
     """Half of the light at grazing angles is mirrored: lamps shine in the walls; a coat on a bright and on a dark base."""
     walls = Material("paint", "paint", Coated(Constant(0.7), 1.7, roughness, specular))
@@ -261,6 +266,7 @@ def test_means_of_other_seeds_scatter_as_their_errors_say():
     assert 0.4 < true / stated < 1.7
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bits_and_another_the_same_light():
     items = (*ROOM, paint(0.5), LAMP)
     one, again, other = (bake(items, OBJECTS, 64, seed=seed) for seed in (3, 3, 4))
@@ -272,6 +278,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_the_same_light():
     assert_alike(one, other)
 
 
+@pytest.mark.slow
 def test_lumels_that_do_not_fit_the_memory_get_the_same_light(monkeypatch):
     from lumenray.engine.atlas import lumels
     from lumenray.engine.baking import run

@@ -25,6 +25,7 @@ def matt(reflectance):
     return resample(lambert(reflectance), [550.0], incidences=np.radians([0.0, 40.0, 89.0]))
 
 
+@pytest.mark.slow
 def test_lux_maps_in_a_measured_room_are_those_of_a_matt_one():
     table = matt(0.6)
     maps = []

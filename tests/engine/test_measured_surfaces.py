@@ -97,6 +97,7 @@ SURFACES = {
 
 
 @pytest.mark.parametrize("name", SURFACES)
+@pytest.mark.slow
 def test_kernels_give_the_values_of_the_table(name):
     import mitsuba as mi
     from lumenray.engine.scattering.surface import usable
@@ -135,6 +136,7 @@ def _between(wavelengths, values, nm):
 
 @pytest.mark.parametrize("angle", [3, 50, 75, 130])
 @pytest.mark.parametrize("name", SURFACES)
+@pytest.mark.slow
 def test_directions_are_as_dense_as_stated_and_weights_are_bounded(name, angle):
     import mitsuba as mi
 
@@ -280,6 +282,7 @@ ANALYTIC = {
 
 
 @pytest.mark.parametrize("name", ANALYTIC)
+@pytest.mark.slow
 def test_pictures_are_those_of_the_analytic_model(name):
     # A ball on a floor of the same stuff, a lamp and a grey sky; both by Mitsuba's own path tracer.
     backend.start(spectral=False)
@@ -355,6 +358,7 @@ def _picture(bsdf, seed):
     return picture.reshape(6, 8, 6, 8).mean(axis=(1, 3))
 
 
+@pytest.mark.slow
 def test_brushed_metal_follows_u():
     """Light across the brushing spreads along it: the direction comes from the coordinates of the mesh."""
     rotations = np.arange(8) * np.pi / 4

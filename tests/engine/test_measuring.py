@@ -147,6 +147,7 @@ def mirror(share, width, matt=0.5 / np.pi):
     return evaluate
 
 
+@pytest.mark.slow
 def test_the_image_of_the_lamp_becomes_a_mirrors_share():
     width = np.radians(1.0)
     raw = measure(mirror(0.05, width), FEW, radials=FINE, resolution=width)
@@ -156,6 +157,7 @@ def test_the_image_of_the_lamp_becomes_a_mirrors_share():
     assert "a mirror's peak of 5 %" in str(made.remarks[0])
 
 
+@pytest.mark.slow
 def test_a_narrow_lobe_of_the_surface_stays_a_lobe():
     """Three times as wide as the instrument's own profile: no mirror, and not smoothed away."""
     lobe = mirror(0.05, np.radians(3.0))
@@ -167,6 +169,7 @@ def test_a_narrow_lobe_of_the_surface_stays_a_lobe():
     np.testing.assert_allclose(evaluate_table(made.table, wi, wo), lobe(wi, wo), rtol=0.04)
 
 
+@pytest.mark.slow
 def test_wide_bands_are_undone():
     """Of a parabola a triangular band of the width d tells f + f'' d^2 / 12: exactly what is taken off again."""
     bands = np.arange(400.0, 701.0, 20.0)

@@ -116,6 +116,7 @@ def test_a_lobe_comes_back_between_cells_and_both_ways():
     np.testing.assert_allclose(material.evaluate(wo, wi)[:, 0], found, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_table_of_a_lobe_keeps_its_values_and_its_albedo():
     table = read_merl(glossy(), "x", tolerance=0.04).sides["front_reflection"]
     wi, wo = directions(5000, 6), directions(5000, 7)

@@ -50,6 +50,7 @@ def drawn(source, count=1 << 20):
     return [Drawn(position, direction, np.full(count, 1.0 / count), None)]
 
 
+@pytest.mark.slow
 def test_a_sphere_is_a_point_everywhere_and_a_disk_as_the_formula_says():
     """Outside a Lambertian sphere its light is a point's. The disk's falls with the square of the distance."""
     distances = np.array([1.0, 2.0, 4.0]) * SIZE
@@ -61,6 +62,7 @@ def test_a_sphere_is_a_point_everywhere_and_a_disk_as_the_formula_says():
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.25)
 
 
+@pytest.mark.slow
 def test_narrow_beams_are_near_for_long():
     """A beam of a few degrees from a disk: at five sizes the light has the disk's shape still."""
     pieces = drawn(disk)

@@ -156,6 +156,7 @@ def grid(request, monkeypatch):
 
 @pytest.mark.parametrize("number", range(3))
 @pytest.mark.parametrize("name", SCATTERS)
+@pytest.mark.slow
 def test_sampled_directions_follow_the_stated_density(name, number, grid):
     wi = INCIDENTS[number]
     lobe = lobe_of(SCATTERS[name])

@@ -115,6 +115,7 @@ def test_rays_see_what_the_picture_shows_in_their_direction(interpolation):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_the_camera_sees_the_picture_pixel_by_pixel(transport):
     pixels, rotation = speckled(8, 16), turn(0.3, 0.2)
     session = session_of(ImageWorld(ImageTexture(pixels), 3.0, rotation))
@@ -202,6 +203,7 @@ def test_a_sun_of_a_few_pixels_is_found_at_once(transport):
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("interpolation", ["linear", "closest"])
 @pytest.mark.parametrize("shape", [(8, 16), (33, 40)], ids=str)
+@pytest.mark.slow
 def test_planes_of_every_slope_get_the_sum_over_the_picture(shape, interpolation, transport):
     image = ImageTexture(speckled(*shape, sun=20.0), interpolation=interpolation)
     rotation = turn(0.7, 0.4)
@@ -217,6 +219,7 @@ def test_planes_of_every_slope_get_the_sum_over_the_picture(shape, interpolation
 
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("height", [16, 64, 256])
+@pytest.mark.slow
 def test_a_bright_cap_around_the_zenith_gives_its_closed_form(height):
     # 22.5 deg, a whole number of rows.
     pixels = np.zeros((height, 2 * height, 3), np.float32)
@@ -229,6 +232,7 @@ def test_a_bright_cap_around_the_zenith_gives_its_closed_form(height):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_pictures_add_and_turn_with_the_plane(transport):
     first, second = speckled(16, 32, 1, sun=9.0), speckled(16, 32, 2)
     rotation = turn(1.3, -0.6)
@@ -259,6 +263,7 @@ def test_the_spectra_of_colours_keep_their_luminance(colour):
 @pytest.mark.mitsuba
 @pytest.mark.skipif(not PICTURES.is_dir(), reason="the pictures from the wild are not here")
 @pytest.mark.parametrize("name", ["kloppenheim_05_1k.hdr", "modern_buildings_2_1k.hdr"])
+@pytest.mark.slow
 def test_real_pictures_give_the_sum_over_their_pixels(name):
     bpy = pytest.importorskip("bpy")
     loaded = bpy.data.images.load(str(PICTURES / name))
@@ -289,6 +294,7 @@ def test_colours_of_the_picture_are_seen_in_a_scene_without_others(fault):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_pixels_without_a_meaning_are_told_with_their_number(transport):
     pixels = np.ones((8, 16, 3), np.float32)
     pixels[7, :3] = np.nan

@@ -152,6 +152,7 @@ def test_even_sources_are_seldom_taken_for_uneven_ones():
     assert np.mean(found) > 0.95
 
 
+@pytest.mark.slow
 def test_turned_rays_are_the_same_all_around_and_the_user_has_the_last_word():
     position, direction = disk(numbers(300, 1))
     rays = Rays(position, direction, np.ones(300, np.float32))
@@ -202,6 +203,7 @@ def test_flux_is_kept_and_rays_take_little_memory():
     assert coloured.bytes_per_ray <= 40.0
 
 
+@pytest.mark.slow
 def test_bright_rays_are_picked_as_often_as_they_are_bright():
     position, direction = disk(numbers(1000, 1))
     weight = np.where(position[:, 0] > 0.0, 3.0, 1.0).astype(np.float32)
@@ -211,6 +213,7 @@ def test_bright_rays_are_picked_as_often_as_they_are_bright():
     assert (drawn.position[:, 0] > 0.0).mean() == pytest.approx(expected, abs=0.004)
 
 
+@pytest.mark.slow
 def test_widths_of_the_user_take_the_place_of_the_sets_own():
     position, direction = disk(numbers(1024, 1))
     rays = Rays(position, direction, np.ones(1024, np.float32))
@@ -265,6 +268,7 @@ def test_the_exact_light_is_what_many_rays_bring(name):
     assert (count * (found - true) ** 2 / true).sum() < 149.4
 
 
+@pytest.mark.slow
 def test_twice_the_rays_have_half_the_variance_beyond_those_of_the_file():
     """No plateau from repetition: variances over replicates, at 1 to 64 times as many rays as the file has."""
     cloud = cloud_of(sphere, 2000)
@@ -296,6 +300,7 @@ def test_the_stated_error_is_that_of_other_sets_of_the_same_source():
     assert 0.6 < np.mean(stated) / found < 1.6
 
 
+@pytest.mark.slow
 def test_the_unit_of_length_changes_nothing_but_lengths():
     position, direction = helix(numbers(2048, 1))
     ones = np.ones(2048, np.float32)

@@ -100,6 +100,7 @@ def test_the_error_of_a_point_falls_with_the_distance():
 
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("source", [disk, sphere, helix])
+@pytest.mark.slow
 def test_kernels_draw_the_same_rays_as_the_host(source):
     from lumenray.engine.transport import backend
 
@@ -166,6 +167,7 @@ def baked_error(result, mesh, exact):
 
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("sizes", [1.0, 2.0, 4.0])
+@pytest.mark.slow
 def test_near_light_on_a_plane_is_the_exact_one(sizes):
     height = sizes * SIZE
     centre = np.array([0.0, 0.0, height])
@@ -203,6 +205,7 @@ def test_near_and_far_light_join_without_a_seam(transport):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_a_pane_between_takes_its_share_of_near_light():
     centre = np.array([0.0, 0.0, 0.3])
     even = np.full(2, 0.7)
@@ -296,6 +299,7 @@ def test_many_lamps_of_one_file_shine_each():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_rays_with_wavelengths_of_their_own_pass_a_coloured_pane_by_them():
     """Half of the lumens at 480 nm, half at 620 nm, through a pane that lets only the red pass."""
     from lumenray.engine.scene.spectrum import Tabulated
@@ -323,6 +327,7 @@ def test_rays_and_an_opening_together_are_refused():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_surfaces_near_by_that_are_not_matt_keep_their_light():
     """A satin mirror close to the lamp throws its light on the floor: nothing of it may be lost to what is traced."""
     centre = np.array([0.0, 0.0, 0.4])

@@ -89,6 +89,7 @@ def test_in_a_closed_matt_box_the_figure_is_that_of_the_furnace_series(rho):
     assert made[0].mean_error < 0.03 * exact
 
 
+@pytest.mark.slow
 def test_an_error_made_on_purpose_changes_what_the_figure_says():
     # A back-light: a reflector of a gloss white (measured) and an opal sheet (measured), a sensor right above the sheet.
     white = ggx(0.3, lambda cosine: 0.05 + 0.95 * (1 - cosine) ** 5)

@@ -46,6 +46,7 @@ def test_a_small_panel_that_faces_a_wall_from_close_by():
     assert_mean(made, 2000.0 / 54.0)
 
 
+@pytest.mark.slow
 def test_a_narrow_spot_gives_all_its_light():
     spot = SpotLight("spot", "spot", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.5, 1.5, 2.0]),
                      np.array([0.1, 0.2, -1.0]), np.radians(0.05), 0.5)  # fmt: skip
@@ -54,6 +55,7 @@ def test_a_narrow_spot_gives_all_its_light():
 
 @pytest.mark.parametrize("towards", [(0.0, 0.0, -1.0), (0.1, 0.2, -1.0), (0.3, -0.2, -0.6)])
 @pytest.mark.parametrize("degrees", [0.05, 0.5, 5.0])
+@pytest.mark.slow
 def test_no_part_of_a_narrow_beam_is_lost_or_too_much(degrees, towards):
     """Cosines of such cones have few digits, and next-event sees nothing of what lies beyond a limit in its midst."""
     towards = np.array(towards) / np.linalg.norm(towards)
@@ -135,6 +137,7 @@ def test_a_spot_on_small_triangles_lights_the_room_too():
 
 
 @pytest.mark.parametrize("height", [1e-4, 1e-3])
+@pytest.mark.slow
 def test_what_falls_around_the_spot_of_a_close_lamp_is_found(height):
     near = lamp((height, 1.4, 1.3), 1000.0, 0.0)
     made = bake((paint(0.0), room(), near), ("room",), 64, density=4.0)
@@ -176,6 +179,7 @@ def test_what_was_traced_is_not_counted_twice_in_a_mirror(seed):
 
 
 @pytest.mark.parametrize("distance", [0.5, 1.2])
+@pytest.mark.slow
 def test_bright_cells_that_a_mirror_shows_count_in_full(distance):
     """Half a room before a perfect mirror is as bright as the whole one with two lamps."""
     silver = Material("silver", "silver", Glossy(Constant(1.0), 0.0))
@@ -246,6 +250,7 @@ def first_reflection(lamp_at, flux, reflectance, side, places, paths=1_000_000):
 
 @pytest.mark.parametrize("radius", [0.0, 0.0012])
 @pytest.mark.parametrize("away", [0.0024, 0.02])
+@pytest.mark.slow
 def test_sensors_get_what_a_lamp_close_to_a_wall_makes_of_it(away, radius):
     """Next-event alone leaves a third of it to chance, and states a tenth of that as error, or as much as there is."""
     at = np.array([away, 2.2, 1.7])
@@ -272,6 +277,7 @@ ACROSS = {
 
 
 @pytest.mark.parametrize("name", ACROSS)
+@pytest.mark.slow
 def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall(name):
     """A sphere's inside is lit evenly by what it reflects, wherever the lamp is, also where spots lie behind mirrors."""
     from glass_scenes import ball

@@ -50,6 +50,7 @@ def assert_covered(made, truth, errors=3.0):
 
 
 @pytest.mark.parametrize("radius", [0.001, 0.01])
+@pytest.mark.slow
 def test_the_error_of_a_bulb_holds_the_light_that_comes_through_its_glass(radius):
     """A lamp in a closed glass body, without tracing from the lights: 60 % of the light was missing with an error of 3 %."""
     result = baked([GLASS, paint(0.5), ROOM, BULB, lamp((1, 1, 1), FLUX, radius)], caustics="off")
@@ -74,6 +75,7 @@ def test_light_that_gathering_never_finds_is_named(tmp_path):
     assert any("light of 'lamp' through 'bulb'" in row["message"] for row in content["conversion"])
 
 
+@pytest.mark.slow
 def test_a_lamp_close_to_a_wall_is_covered():
     near = PointLight("lamp", "lamp", Output(Quantity.LUMINOUS_FLUX, FLUX), np.array([1, 1, 2 - 1e-4]))  # fmt: skip
     result = baked([paint(0.5), ROOM, near])

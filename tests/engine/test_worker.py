@@ -471,6 +471,7 @@ def test_many_threads_may_use_one_worker(worker, jobs):
         job.result(30)
 
 
+@pytest.mark.slow
 def test_files_and_threads_do_not_grow():
     with nothing_left():
         worker = fake_worker()
@@ -595,6 +596,7 @@ def test_the_engine_tells_its_status(engine):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_answers_are_those_of_a_session_in_this_process(engine):
     session = engine.session("same")
     session.apply(SceneDelta(room()))

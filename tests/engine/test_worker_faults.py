@@ -260,6 +260,7 @@ def points(count):
     ],
     ids=["measure", "transfer", "bake", "render"],
 )
+@pytest.mark.slow
 def test_a_job_too_large_for_the_memory_says_so(gibibytes, job):
     expected = measure(session_of(*room()), 64).illuminance
     with nothing_left(), Worker(ROOT, memory_limit=int(gibibytes * 2**30)) as worker:

@@ -76,6 +76,7 @@ def test_a_box_inside_a_lit_box_is_dark(scale, offset, shift):
     assert found[lit].min() > 0.1 * found[lit].mean()
 
 
+@pytest.mark.slow
 def test_furniture_that_is_sunk_into_the_floor_has_no_dark_rim():
     inner = box(2.0, 2.0, 1.0, inwards=False)
     inner = replace(inner, vertices=inner.vertices + np.array([-0.98, -0.98, -0.005]))

@@ -48,6 +48,7 @@ def assert_agrees(made, expected, relative=1e-3, error=0.01):
 
 
 @pytest.mark.parametrize("reflectance", [0.95, 0.99])
+@pytest.mark.slow
 def test_a_furnace_that_reflects_ninety_nine_percent(transport, reflectance):
     # Owed: pi L / (1 - rho) within 3.5 errors and 0.1 %, noise of 1 %. The mean path has 100 scatterings, so a share of 1e-5
     # that is lost at each would show, and roulette must not make the variance infinite.
@@ -209,6 +210,7 @@ def prism():
     return Mesh("p", "p", vertices, triangles, ("glass",), np.zeros(8, np.int32))
 
 
+@pytest.mark.slow
 def test_a_prism_beyond_the_critical_angle_turns_all_light():
     # Owed: exactly 0 behind the long face, which light meets at 45 degrees and glass of 1.5 reflects from 41.8 on; below the
     # other short face the sun times (1 - R)^2 at nearly normal incidence, to 0.5 %.
@@ -239,6 +241,7 @@ JUST_BELOW, JUST_ABOVE = 0.0299, 0.0301
 
 
 @pytest.mark.parametrize("roughness", [0.0, JUST_BELOW, JUST_ABOVE, 0.05])
+@pytest.mark.slow
 def test_an_almost_perfect_mirror_shows_the_image_of_the_lamp(roughness):
     # Owed: the illuminance by the lamp's image times the reflectance, within 3.5 errors and 0.3 %: a lobe of a tenth of a
     # degree cannot show at a disk of 28 degrees, and no step must show where the model changes.

@@ -116,6 +116,7 @@ def radiosity(size, light_face_luminance, reflectance, n=12):
     return (factors @ exitance)[faces == 4].mean()
 
 
+@pytest.mark.slow
 def test_a_rectangular_room_agrees_with_radiosity(transport):
     size, reflectance, luminance = (4.0, 3.0, 2.5), 0.6, 500.0
     expected = radiosity(size, luminance, reflectance)

@@ -74,6 +74,7 @@ def test_a_fault_that_no_longer_fits_says_so(old):
 
 @pytest.mark.mitsuba
 @pytest.mark.validation
+@pytest.mark.slow
 def test_faults_are_caught():
     chosen = [BY_NAME[name] for name in ("receiver's cosine", "V by x-bar", "polarisation")]
     said = []

@@ -55,6 +55,7 @@ def test_quick_groups_belong_to_their_case(case):
         if case.quick
     ],
 )
+@pytest.mark.slow
 def test_quick_groups_pass(case, engine):
     bench = Bench(engine, frozenset(case.quick))
     verdicts = [judge(found) for found in run_case(case, bench)]
