@@ -1,17 +1,14 @@
 """What bakes without a window say: on the terminal, in files and by their exit codes."""
 
 import json
-import os
 import re
-import signal
-import time
 from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
 import lumenray
 import pytest
-from fake_bakes import FakeSession, make_map, make_page, make_result
+from fake_bakes import SHORT, FakeSession, Interrupted, make_map, make_page, make_result
 from lumenray.blender_addon import assumptions, bake, command_line, engine_process
 from lumenray.blender_addon.report import ConversionReport
 from lumenray.engine.accuracy.extremes import Extreme
@@ -19,8 +16,6 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.files import write_report
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.scene import Scene
-
-SHORT = "stopped at an error of 0.16 %; asked for: 0.1 %"
 
 
 @pytest.fixture(autouse=True)
@@ -79,20 +74,6 @@ def test_a_bake_without_a_window_prints_a_missed_goal(monkeypatch, tmp_path, cap
 
 
 # ---- exit codes ----
-
-
-class Interrupted(FakeSession):
-    """Presses Ctrl-C in its bake, so and so often."""
-
-    def __init__(self, times):
-        super().__init__()
-        self.times = times
-
-    def bake_objects(self, order, progress=None):
-        for _ in range(self.times):
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(0.05)
-        return replace(super().bake_objects(order, progress), shortfall=SHORT)
 
 
 @pytest.mark.parametrize(

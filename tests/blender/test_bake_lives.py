@@ -1,7 +1,6 @@
 """What becomes of bakes in Blender: no unasked repetition, tables that last and go out of date, ends that keep what is done,
 folders in which nothing is lost."""
 
-import os
 import signal
 import threading
 import time
@@ -13,7 +12,7 @@ import bpy
 import lumenray
 import numpy as np
 import pytest
-from fake_bakes import FakeSession
+from fake_bakes import FakeSession, Interrupted
 from lumenray.blender_addon import (
     bake,
     bake_folders,
@@ -588,24 +587,6 @@ class Patient(Session):
 
     def close(self):
         pass
-
-
-class Interrupted(FakeSession):
-    """Presses Ctrl-C in its bake, so and so often."""
-
-    def __init__(self, times):
-        super().__init__()
-        self.times = times
-
-    def bake_objects(self, order, progress=None):
-        for _ in range(self.times):
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(0.05)
-        assert self.stopped
-        if self.cancelled:
-            Path(order.checkpoint).write_bytes(b"state")
-        made = super().bake_objects(order, progress)
-        return replace(made, shortfall="stopped at an error of 0.16 %; asked for: 0.1 %")
 
 
 def saved_room(tmp_path):

@@ -1,11 +1,12 @@
 """What cells add to means, by comparisons with full paths in some of the passes."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.history import History, Mark
-from lumenray.engine.baking.means import _bias
+from lumenray.engine.baking.means import _bias, _mean_error
 from lumenray.engine.baking.run import _ended
 
 
@@ -43,3 +44,11 @@ def test_error_over_time_ends_at_what_is_stated():
     assert [mark.error for mark in _ended(history, 0.3).marks] == [0.2, 0.1, 0.3]
     assert _ended(history, 0.1) is history
     assert _ended(History(), 0.3) == History()
+
+
+def test_an_object_that_light_reaches_nowhere_has_no_scatter():
+    """All of a plate inside a solid: it ended in a division by 0."""
+    passes = np.array([[8.0, 0.0], [8.0, 0.0]])
+    sums = SimpleNamespace(variance=lambda rows: np.zeros(len(rows)))
+    state = SimpleNamespace(object_passes=passes, sums=sums)
+    assert _mean_error([state], 0, np.zeros(0, dtype=int), np.zeros(0)) == 0.0

@@ -1,6 +1,10 @@
 """Bakes without an engine: results whose light is known, laid out by hand, for tests of what Blender does with them."""
 
+import os
+import signal
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from lumenray.engine.accuracy.extremes import Extreme
@@ -25,6 +29,10 @@ def illuminance_at(page: int, u, v):
 def share_of(number: int, count: int) -> float:
     """Share of a layer in the whole: 1, 2, 3 ... parts."""
     return (number + 1) / (count * (count + 1) / 2)
+
+
+SHORT = "stopped at an error of 0.16 %; asked for: 0.1 %"
+"""What is said of a bake that was stopped."""
 
 
 class FakeSession:
@@ -159,3 +167,20 @@ def with_back(result: BakeResult) -> BakeResult:
     page = len(result.pages) - 1
     layout = replace(first.layout, page=np.full_like(first.layout.page, page))
     return replace(result, maps=(*result.maps, replace(first, layout=layout)))
+
+
+class Interrupted(FakeSession):
+    """Presses Ctrl-C in its bake, so and so often."""
+
+    def __init__(self, times):
+        super().__init__()
+        self.times = times
+
+    def bake_objects(self, order, progress=None):
+        for _ in range(self.times):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.05)
+        assert self.stopped
+        if self.cancelled and order.checkpoint is not None:
+            Path(order.checkpoint).write_bytes(b"state")
+        return replace(super().bake_objects(order, progress), shortfall=SHORT)
