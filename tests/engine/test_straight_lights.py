@@ -333,3 +333,62 @@ def test_sensors_get_what_a_sunlit_spot_behind_a_keyhole_sends_on(width):
     # The penumbra and the width of the patch change it by less than a hundredth.
     assert (error < 0.02 * expected).all()
     assert (np.abs(made.illuminance - expected) < 4.0 * error + 0.005 * expected).all()
+
+
+def keyhole_sun():
+    towards = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
+    return SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1e5), towards, np.radians(0.53))
+
+
+def test_a_job_that_cannot_begin_leaves_its_suns_to_the_next_one(monkeypatch):
+    from lumenray.engine.transport import lux_job
+
+    def fail(*_):
+        raise MemoryError("no room for cells")
+
+    session = session_of(paint(0.5), pierced_box(0.005), keyhole_sun())
+    monkeypatch.setattr(lux_job, "Sweeper", fail)
+    with pytest.raises(MemoryError):
+        bake_in(session, ("room",), 8)
+    with session._engine("auto") as scene:
+        assert scene.near is None
+        assert scene.surroundings.sun_value(*looks_at(keyhole_sun()))[0][0] > 0.0
+
+
+def looks_at(sun):
+    import drjit as dr
+    import mitsuba as mi
+
+    none = dr.zeros(mi.SurfaceInteraction3f).wavelengths
+    return -mi.Vector3f(*sun.direction.tolist()), none, mi.Bool(True)
+
+
+def test_suns_that_are_left_out_have_all_that_the_others_have_not():
+    session = session_of(paint(0.5), pierced_box(0.005), keyhole_sun())
+    with session._engine("auto") as scene:
+        sky, looks = scene.surroundings, looks_at(keyhole_sun())
+        whole = sky.sun_value(*looks)[0][0]
+        sky.leave_out((0,))
+        try:
+            assert sky.sun_value(*looks)[0][0] == 0.0
+            assert sky.left_out_value(*looks)[0][0] == whole > 0.0
+        finally:
+            sky.leave_out(())
+        assert sky.left_out_value(*looks)[0][0] == 0.0
+
+
+def test_limits_near_luminaires_are_those_of_their_rows():
+    from types import SimpleNamespace
+
+    session = session_of(paint(0.5), room(), lamp((1.5, 1.5, 1.5)))
+    with session._engine("auto"):
+        import mitsuba as mi
+        from lumenray.engine.transport.straight_lights import NearLimits
+
+        # All luminaires have the number of the first one until their row is added.
+        lights = SimpleNamespace(count=3, index=lambda pointer, active: mi.UInt32(1))
+        source = SimpleNamespace(centre=np.zeros(3))
+        near = NearLimits(lights, {1: (source, 0.5)})
+        place = mi.Point3f(0.1, 0.0, 0.0)
+        found = [near.has_emitter(None, mi.Float(row), place, mi.Bool(True))[0] for row in (0, 1)]
+    assert found == [True, False]

@@ -141,3 +141,17 @@ def test_a_few_heavy_paths_that_all_missed_blame_nobody(paths, blames):
     assert made.floor.tolist() == [3000.0 if blames else 0.0]
     # Light that it has found itself, no path can have missed.
     assert compare([0.0], [6.0], [3000.0], [1.0], 31.0, [1.0], 3000.0 / paths).differs.all()
+
+
+def test_quantities_that_share_all_their_paths_are_as_uncertain_together_as_alone():
+    random, count, blamed = np.random.default_rng(7), 48, {"shared": 0, "apart": 0}
+    for _ in range(400):
+        shared = 10.0 + random.standard_normal((32, 1)) * np.ones(count)
+        first, none = np.full(count, 10.0), np.zeros(count)
+        error = shared.std(axis=0, ddof=1) / np.sqrt(32)
+        args = (first, none, shared.mean(axis=0), error, 31.0, np.ones(count), 0.0)
+        blamed["shared"] += not compare(*args, shared).agrees
+        blamed["apart"] += not compare(*args).agrees
+    assert blamed["shared"] <= 1
+    # What it would be if the errors were taken for independent ones.
+    assert blamed["apart"] > 40
