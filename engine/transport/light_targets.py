@@ -98,7 +98,8 @@ class SphereTree:
         """Solid angle that parting a sphere can save, roughly."""
         away = ((self.spheres[node, :3] - places) ** 2).sum(axis=-1)
         squared = np.where(is_far, 1.0, np.maximum(away, own[node]))
-        return (own[node] - self.least[node]) / squared
+        # A single sphere gains nothing, whatever the last digits of both areas say.
+        return np.where(self.children[node, 0] < 0, 0.0, own[node] - self.least[node]) / squared
 
 
 @dataclass(frozen=True)

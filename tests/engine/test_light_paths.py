@@ -506,3 +506,14 @@ def test_spheres_hold_all_triangles_and_part_what_stands_apart():
     for rings in (24, 200):
         whole = ball("b", 1.0, (0, 0, 0), "glass", rings)
         assert cut(whole.vertices[whole.triangles])[:, 3] == pytest.approx([1.06], rel=0.05)
+
+
+def test_a_single_sphere_is_never_parted():
+    """The square of a radius may differ in the last digit from that of an array: scenes ended in a crash."""
+    from lumenray.engine.transport.light_targets import SphereTree
+
+    for radius in 0.5 + 7.5 * np.random.default_rng(4).random(2000):
+        least = np.array([np.nextafter(radius**2, 0.0)])
+        tree = SphereTree(np.array([[0.0, 0.0, 0.0, radius]]), np.array([[-1, -1]]), least)
+        spheres, counts = tree.cut(np.zeros((2, 3)), np.array([False, True]), 4)
+        assert spheres.shape == (2, 1, 4) and counts.all()
