@@ -46,7 +46,8 @@ NEGLIGIBLE = 1e-3
 """Share of all light that further sweeps would add. [-]"""
 
 SHADE, SHADE_SAMPLES = 0.02, 8
-"""Light of a side, relative to the mean, below which it counts as dark; and samples of it in a sweep of dark ones. [-]"""
+"""Light of a side, relative to the mean, below which it counts as dark; and samples of it in a sweep of dark ones, over all
+turns. [-]"""
 
 EMPTY, STEADY = 1e-4, 0.98
 """Such sweeps end where dark sides have less light than this, relative to the mean, or keep this share of it. [-]"""
@@ -133,7 +134,7 @@ class Sweeper:
         wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number, share in enumerate((ROUGH_SHARE, 1.0)):
-            made = self._sweep(FIRST_SWEEPS - 1 - number, max(int(share * samples), 8))
+            made = self._sweep(FIRST_SWEEPS - 1 - number, int(share * samples))
             values = self._balanced(made)
             lit |= values.max(axis=1, initial=0.0) > 0.0
             self._store(values)
@@ -239,10 +240,11 @@ class Sweeper:
         dark = everyone[shade]
         worth = self._weights[shade]
         least = EMPTY * mean * worth.sum()
+        samples = max(SHADE_SAMPLES // self.cells.bands.turns, 1)
         for number in range(MOST_SWEEPS):
             before = float((values[shade] @ self._luminous * worth).sum())
             self._set_sides(dark)
-            values[shade] = _whole(self._sweep(FIRST_SWEEPS - 3 - number, SHADE_SAMPLES))
+            values[shade] = _whole(self._sweep(FIRST_SWEEPS - 3 - number, samples))
             self._set_sides(everyone)
             self._store(values)
             after = float((values[shade] @ self._luminous * worth).sum())
