@@ -281,6 +281,7 @@ class Layer:
 
         pilot.choose_ways(plan(), PASSES)
         first = pilot.try_pass(TRIALS, plan(), FIRST_TRIED, sweeps=False)
+        pilot.choose_trace_share(plan())
         levels = plan()
         for number in range(MOST_TRIALS):
             tried = levels.total()
@@ -290,6 +291,7 @@ class Layer:
                 break
         square = pilot.square(levels)
         seconds = trial.sweep_seconds + _whole_seconds(first, trial, levels.total())
+        seconds += trial.trace_seconds * job.paths(levels) / max(trial.paths, 1)
         begin = time.perf_counter()
         job.compare(TRIALS, levels)
         seconds += (time.perf_counter() - begin) / CHECK_INTERVAL

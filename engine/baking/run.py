@@ -59,8 +59,8 @@ MOST_MATCHED = 1 << 27
 TILE_FREEDOM = 12.0
 """Degrees of freedom that the mean variance of a tile counts for in that of a lumel."""
 
-OUTLYING = 1.96
-"""Standard deviations beyond which a lumel's variance is its own: chance lifts one of forty so far."""
+OUTLYING = 1.645
+"""Standard deviations beyond which a lumel's variance is its own: chance lifts one of twenty so far."""
 
 
 @dataclass(frozen=True)
@@ -660,19 +660,21 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
 
     Where rare bright paths make the error, the passes of most lumels have seen none of them, and would state too little
     by themselves. So the mean over the tile counts as so many degrees of freedom. Where the own passes scatter more than
-    those of such a tile do by chance, as at the edge of a shadow, they count alone.
+    those of such a tile do by chance, as at the edge of a shadow, they count alone. To the mean k such lumels of a tile
+    are sqrt(k): a single one may be the rare path that the others wait for, many are more likely of another kind.
     """
     variance = sums.variance(part)
     freedom = max(sums.passes - 1, 1)
     own = np.where(valid & np.isfinite(variance), variance, 0.0)
-    total = np.bincount(tiles, own * valid)
-    known = np.bincount(tiles, valid.astype(np.float64))
-    mean = (total / np.maximum(known, 1.0))[tiles]
+    known = np.maximum(np.bincount(tiles, valid.astype(np.float64)), 1.0)
     # Wilson and Hilferty's quantile of chi-square over its degrees of freedom.
     spread = 2.0 / (9.0 * freedom)
     largest = (1.0 - spread + OUTLYING * np.sqrt(spread)) ** 3
-    pooled = (freedom * own + TILE_FREEDOM * mean) / (freedom + TILE_FREEDOM)
-    return np.where(own > largest * mean, own, pooled)
+    outlies = own > largest * (np.bincount(tiles, own) / known)[tiles]
+    alike = np.bincount(tiles, own * ~outlies)
+    alike += np.bincount(tiles, own * outlies) / np.sqrt(np.maximum(np.bincount(tiles, outlies), 1.0))
+    pooled = (freedom * own + TILE_FREEDOM * (alike / known)[tiles]) / (freedom + TILE_FREEDOM)
+    return np.where(outlies, own, pooled)
 
 
 def _mean_samples(states: list[LayerState], rows: np.ndarray) -> float:

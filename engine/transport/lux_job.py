@@ -77,8 +77,11 @@ rooms."""
 CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 14, 1 << 19
 """Paths that compare the cells with full paths, relative to the samples of a pass, and bounds on their number."""
 
-TRACE_SHARE = 0.5
-"""Paths from the lights in a pass, relative to its samples. [-]"""
+TRACE_SHARES = (0.125, 0.5, 2.0)
+"""Paths from the lights in a pass, relative to its samples: fewest, of the pilot, and most. [-]"""
+
+TRACE_COST = 4.0
+"""Work of such a path, relative to a sample of a lumel. [-]"""
 
 TRACED_PATHS = (1 << 16, 1 << 22)
 """Fewest and most of them."""
@@ -238,6 +241,7 @@ class LuxJob:
         except BaseException:
             self.close()
             raise
+        self.trace_share = TRACE_SHARES[1]
         self._uploaded: dict[int, dict] = {}
         self._collector = ThreadPoolExecutor(1)
         self._coming: tuple[int, Future | None] = (-1, None)
@@ -268,6 +272,7 @@ class LuxJob:
     def state(self) -> dict[str, np.ndarray]:
         """State of the cells and of what is derived from them."""
         made = {f"aims.{first}": table for first, table in self.aims.items()}
+        made["trace_share"] = np.array([self.trace_share])
         if self.sweeper is not None:
             made |= self.sweeper.state()
         if self.guide is not None:
@@ -278,6 +283,7 @@ class LuxJob:
         """Go on from a state, in place of `prepare`."""
         head = "aims."
         self.aims = {int(k[len(head) :]): v for k, v in state.items() if k.startswith(head)}
+        self.trace_share = float(np.clip(state["trace_share"][0], TRACE_SHARES[0], TRACE_SHARES[-1]))
         if self.sweeper is not None:
             self.sweeper.restore(state)
             if "powers" in state:
@@ -463,13 +469,24 @@ class LuxJob:
         places = self.scene.local(known.positions[rows])
         learn(self.scene, places, known.normals[rows], gather.typical_wavelengths())
 
-    def trace(self, number: int, levels: Levels) -> None:
-        """Trace from the lights anew, for a pass."""
-        self._trace(number, int(TRACE_SHARE * levels.total()))
+    def paths(self, levels: Levels, part: float = 1.0) -> int:
+        """Paths that are traced from the lights for a part of a pass; a power of two, 0 where none are."""
+        if not self._traces:
+            return 0
+        wanted = max(self.trace_share * levels.total() * part, 1.0)
+        return 1 << int(np.clip(np.log2(wanted), *np.log2(TRACED_PATHS)))
+
+    def trace(self, number: int, levels: Levels, part: float = 1.0) -> None:
+        """Trace from the lights anew, for a part of a pass."""
+        self._trace(number, self.paths(levels, part))
 
     def refresh(self, number: int, levels: Levels) -> None:
         """Trace from the lights and sweep the cells anew, for a pass."""
         self.trace(number, levels)
+        self.sweep(number, levels)
+
+    def sweep(self, number: int, levels: Levels) -> None:
+        """Sweep the cells anew, for a pass."""
         if self.sweeper is None:
             return
         # In whole powers of two.
@@ -477,11 +494,10 @@ class LuxJob:
         work /= max(self.sweeper.lanes_per_sample, 1)
         self.sweeper.refresh(number, 1 << int(np.clip(round(np.log2(max(work, 1.0))), 0, 6)))
 
-    def _trace(self, number: int, paths: int) -> None:
+    def _trace(self, number: int, count: int) -> None:
         """Trace light to lumels and cells; ``traced`` has it by lumel until the next time. [lx]"""
         if not self._traces:
             return
-        count = 1 << int(np.clip(np.log2(max(paths, 1)), *np.log2(TRACED_PATHS)))
         seed = (self.seed * TRACE_STRIDE + number) & 0xFFFFFFFF
         found = self.tracer.trace(count, seed, straight=self.straight)
         lumel = self.finder.find(found.shape, found.prim, found.uv, found.back)

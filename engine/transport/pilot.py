@@ -15,6 +15,8 @@ from .lux_job import (
     NO_SAMPLES,
     PILOT_SAMPLES,
     SAMPLE_COUNTS,
+    TRACE_COST,
+    TRACE_SHARES,
     Levels,
     LuxJob,
 )
@@ -49,6 +51,9 @@ LOTS = 1024
 NEAREST_OCTAVES = 0.25
 """How far apart the samples of two trials must be for their variances to tell by which power they fall."""
 
+MOST_TRACED = 0.5
+"""Share of the square of a plan's error that is left to traced light, however much of it that has. [-]"""
+
 FEWEST_COMPARED, FEWEST_TRIED = 600, 2_000
 """Lumels on which ways are compared and passes are tried, at least."""
 
@@ -59,11 +64,15 @@ class Trial:
 
     Parameters
     ----------
+    trace_seconds : float    For paths from the lights. [s]
+    paths : int    Number of these.
     sweep_seconds : float    For the cells. [s]
     seconds : float    For the part of the lumels that was tried. [s]
     samples : float    Sum over that part.
     """
 
+    trace_seconds: float
+    paths: int
     sweep_seconds: float
     seconds: float
     samples: float
@@ -84,6 +93,8 @@ class Pilot:
         self._scatter = np.zeros((len(KINDS), job.count), dtype=np.float32)
         # By which power of its samples the variance of each kind falls.
         self._powers = np.ones(len(KINDS))
+        # Square of the error that light traced by a single path would have. [lx2]
+        self._traced = 0.0
         # Levels, chosen lumels and squares by kind of a trial with sweeps.
         self._tried = None
         # Trials are made on some lumels of all tiles: those of a tile are alike in what is not known of them.
@@ -151,6 +162,8 @@ class Pilot:
             for part, values in job.estimates(first_number + half, levels):
                 if sums is not None:
                     sums.add(part.start, values.sum(axis=0), levels.samples(part))
+                if job.traced is not None:
+                    values[GATHERED, :, 0] -= job.traced[part]
                 if half == 0:
                     first[:, part] = values[..., 0]
                     continue
@@ -200,7 +213,9 @@ class Pilot:
         def is_enough(shift: float) -> bool:
             made = levels(shift)
             if square is not None:
-                return self.square(made) <= square
+                # What paths of such a pass cannot do, further passes have to.
+                traced = min(self._traced_square(made), MOST_TRACED * square)
+                return self._kinds_square(made) + traced <= square
             return made.total() >= samples * job.count
 
         most = 1.0 + STEEPEST
@@ -213,10 +228,18 @@ class Pilot:
 
     def square(self, levels: Levels) -> float:
         """Square of the map's standard error after one pass. [lx2]"""
+        return self._kinds_square(levels) + self._traced_square(levels)
+
+    def _kinds_square(self, levels: Levels) -> float:
+        """What all kinds of samples contribute to `square`. [lx2]"""
         return sum(
             self._square_of(kind, levels, slice(None), power)
             for kind, power in enumerate(self._powers)
         )
+
+    def _traced_square(self, levels: Levels) -> float:
+        """What light that is traced contributes to `square`. [lx2]"""
+        return self._traced / self.job.paths(levels) if self._traced > 0.0 else 0.0
 
     def _square_of(self, kind: int, levels: Levels, chosen, power: float) -> float:
         """What a kind contributes to `square` over some lumels, if its variance falls by this power. [lx2]"""
@@ -239,24 +262,43 @@ class Pilot:
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
-        sweeping, sampling = 0.0, np.inf
+        tracing, sweeping, sampling = 0.0, 0.0, np.inf
+        # Light that is traced for lumels alone falls on all of them, so a few paths are enough.
+        paths = job.paths(levels, 1.0 if sweeps else part)
+        traced = np.zeros((2, job.count))
         for half in range(2):
             start = time.perf_counter()
+            job.trace(number + half, levels, 1.0 if sweeps else part)
+            # The first one may have to make kernels.
+            tracing = time.perf_counter() - start
             if sweeps:
-                job.refresh(number + half, levels)
-            else:
-                job.trace(number + half, levels)
+                job.sweep(number + half, levels)
             middle = time.perf_counter()
             for span, values in job.estimates(number + half, few):
                 own = chosen[span]
                 found[half][:, place[span][own]] = values[:, own, 0]
-            # The first one may have to make kernels; of the rest the faster one was disturbed less.
-            sweeping = middle - start
+            sweeping = middle - start - tracing
+            # Of these the faster one was disturbed less.
             sampling = min(sampling, time.perf_counter() - middle)
-        measured = self._learn(levels, chosen, found[0] - found[1])
+            if job.traced is not None:
+                traced[half] = job.traced
+                found[half][GATHERED] -= job.traced[chosen]
+        light = traced[0] - traced[1]
+        self._traced = paths * float((0.5 * light**2) @ self._share)
+        measured = self._learn(levels, chosen, found[0] - found[1], light[chosen])
         if sweeps:
             self._tried = levels, chosen, measured
-        return Trial(sweeping, sampling, few.total())
+        return Trial(tracing, paths, sweeping, sampling, few.total())
+
+    def choose_trace_share(self, levels: Levels) -> None:
+        """Have as many paths from the lights as give the least work for an error together with the samples of a pass."""
+        rest = self._kinds_square(levels)
+        if self._traced <= 0.0 or rest <= 0.0:
+            return
+        # Work grows and the square of the error falls with the number of both.
+        share = np.sqrt(self._traced / max(levels.total(), 1.0) / (TRACE_COST * rest))
+        low, _, high = TRACE_SHARES
+        self.job.trace_share = float(np.clip(share, low, high))
 
     def _choose(self, part: float, fewest: int) -> np.ndarray:
         """So many random lumels that they hold such a share of the surface, at least. (n,) bool"""
@@ -265,8 +307,10 @@ class Pilot:
         enough = (area >= min(part, area[-1])) & (number >= min(fewest, number[-1]))
         return self._lot <= int(np.argmax(enough))
 
-    def _learn(self, levels: Levels, chosen: np.ndarray, differences: np.ndarray) -> np.ndarray:
-        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n) [lx].
+    def _learn(
+        self, levels: Levels, chosen: np.ndarray, differences: np.ndarray, traced=0.0
+    ) -> np.ndarray:
+        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n) [lx], and of traced light (n,).
 
         First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall
         about there.
@@ -282,8 +326,9 @@ class Pilot:
                 self._powers[kind] = self._find_power(kind, square, levels, chosen)
                 supposed = self._square_of(kind, levels, chosen, self._powers[kind])
                 self._scatter[kind] *= np.float32(square / supposed if supposed > 0.0 else 1.0)
-        # Kinds that hang together by the cells.
-        whole = float((0.5 * differences.sum(axis=0) ** 2 * share).sum(dtype=np.float64))
+        # Kinds that hang together by the cells, and with the light that is traced.
+        whole = float((0.5 * (differences.sum(axis=0) + traced) ** 2 * share).sum(dtype=np.float64))
+        whole -= float((0.5 * traced**2 * share).sum(dtype=np.float64))
         if whole > 0.0 and measured.sum() > 0.0:
             self._scatter *= np.float32(whole / measured.sum())
         return measured

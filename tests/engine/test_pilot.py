@@ -151,11 +151,11 @@ def test_what_launches_take_by_themselves_is_not_multiplied():
     from lumenray.engine.transport.pilot import Trial
 
     def trial(samples, launches=0.1, rate=1e-3):
-        return Trial(0.0, launches + rate * samples, samples)
+        return Trial(0.0, 0, 0.0, launches + rate * samples, samples)
 
     assert _whole_seconds(trial(500.0), trial(2000.0), 10_000.0) == pytest.approx(10.1)
     # Two of a size cannot tell.
     assert _whole_seconds(trial(1900.0), trial(2000.0), 10_000.0) == pytest.approx(2.1 * 5.0)
     # Nor is it believed that a disturbed first trial shows nearly all to be launches.
-    disturbed = Trial(0.0, 2.0, 500.0)
+    disturbed = Trial(0.0, 0, 0.0, 2.0, 500.0)
     assert _whole_seconds(disturbed, trial(2000.0), 10_000.0) > 2.1 + 0.7 * 2.1 * 4.0
