@@ -286,9 +286,10 @@ class Forecaster:
             last = self._marks[-1]
             self._foretold = self._measured(last.error)
             self._learn_scatter(last.error)
-            self.outlook = self._forecast(replace(last, seconds=self._earlier + self._until))
-            # What is told to people after this pass is the forecast for the passes that really follow.
-            self._marks[-1] = replace(last, forecast=self.forecast())
+            # What is told to people after this pass is the forecast for the passes that really follow, made only now.
+            now = last if seconds is None else replace(last, seconds=self._earlier + seconds)
+            self.outlook = self._forecast(replace(now, seconds=self._earlier + self._until))
+            self._marks[-1] = replace(now, forecast=self.forecast())
 
     def passes_needed(self) -> float | None:
         """Passes still to go, not rounded to parts that can be made; 0 when done, None while nothing can be said."""

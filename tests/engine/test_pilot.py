@@ -159,3 +159,51 @@ def test_what_launches_take_by_themselves_is_not_multiplied():
     # Nor is it believed that a disturbed first trial shows nearly all to be launches.
     disturbed = Trial(0.0, 0, 0.0, 2.0, 500.0)
     assert _whole_seconds(disturbed, trial(2000.0), 10_000.0) > 2.1 + 0.7 * 2.1 * 4.0
+
+
+@pytest.mark.parametrize("traced", [1e3, 2e4, 5e4, 1e5])
+def test_paths_from_the_lights_are_as_many_as_give_nearly_the_least_work(traced):
+    """``traced``: square of the error that a single path leaves. Against a search over numbers of paths and samples."""
+    from lumenray.engine.transport import lux_job
+
+    count, scatter, wanted = 1 << 16, 4.0, 0.05
+    pilot = make_pilot([np.full(count, v) for v in (0.0, scatter, 0.0)])
+    pilot.job.trace_share, pilot.job._traces = lux_job.TRACE_SHARES[1], True
+    pilot.job.paths = lambda levels: lux_job.LuxJob.paths(pilot.job, levels)
+    pilot._traced = traced
+    pilot.choose_trace_share(pilot.plan(square=wanted))
+    levels = pilot.plan(square=wanted)
+    paths = pilot.job.paths(levels)
+    assert pilot.square(levels) == pytest.approx(
+        scatter / 2.0 ** levels.columns[1].mean() + traced / paths, rel=1e-3
+    )
+    assert pilot.square(levels) <= 1.001 * wanted
+
+    def work(samples, paths):
+        return (
+            count * (1.0 + lux_job.COSTS[1] * samples) / lux_job.SAMPLE_COST
+            + lux_job.TRACE_COST * paths
+        )
+
+    low, high = np.log2(lux_job.TRACED_PATHS).astype(int)
+    least = min(
+        work(2.0**i, 2.0**j)
+        for i in range(11)
+        for j in range(low, high + 1)
+        if scatter / 2.0**i + traced / 2.0**j <= wanted
+    )
+    assert work(2.0 ** levels.columns[1].mean(), paths) <= 1.6 * least
+
+
+def test_what_paths_from_the_lights_cannot_do_in_a_pass_is_said_and_left_to_further_ones():
+    from lumenray.engine.transport import lux_job
+
+    count, wanted = 1 << 16, 0.05
+    pilot = make_pilot([np.full(count, v) for v in (0.0, 4.0, 0.0)])
+    pilot.job.trace_share, pilot.job._traces = lux_job.TRACE_SHARES[1], True
+    pilot.job.paths = lambda levels: lux_job.LuxJob.paths(pilot.job, levels)
+    pilot._traced = 1e7
+    pilot.choose_trace_share(pilot.plan(square=wanted))
+    levels = pilot.plan(square=wanted)
+    assert levels.columns[1].max() <= 8
+    assert pilot.square(levels) > 1e7 / lux_job.TRACED_PATHS[1] > wanted
