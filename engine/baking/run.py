@@ -672,7 +672,9 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
     largest = (1.0 - spread + OUTLYING * np.sqrt(spread)) ** 3
     outlies = own > largest * (np.bincount(tiles, own) / known)[tiles]
     alike = np.bincount(tiles, own * ~outlies)
-    alike += np.bincount(tiles, own * outlies) / np.sqrt(np.maximum(np.bincount(tiles, outlies), 1.0))
+    alike += np.bincount(tiles, own * outlies) / np.sqrt(
+        np.maximum(np.bincount(tiles, outlies), 1.0)
+    )
     pooled = (freedom * own + TILE_FREEDOM * (alike / known)[tiles]) / (freedom + TILE_FREEDOM)
     return np.where(outlies, own, pooled)
 

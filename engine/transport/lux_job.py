@@ -283,7 +283,9 @@ class LuxJob:
         """Go on from a state, in place of `prepare`."""
         head = "aims."
         self.aims = {int(k[len(head) :]): v for k, v in state.items() if k.startswith(head)}
-        self.trace_share = float(np.clip(state["trace_share"][0], TRACE_SHARES[0], TRACE_SHARES[-1]))
+        self.trace_share = float(
+            np.clip(state["trace_share"][0], TRACE_SHARES[0], TRACE_SHARES[-1])
+        )
         if self.sweeper is not None:
             self.sweeper.restore(state)
             if "powers" in state:
