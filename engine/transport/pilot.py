@@ -310,7 +310,7 @@ class Pilot:
     def _learn(
         self, levels: Levels, chosen: np.ndarray, differences: np.ndarray, traced=0.0
     ) -> np.ndarray:
-        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n), and of traced light, (n,) [lx].
+        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n), and of traced light, (n,).
 
         First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall
         about there.
