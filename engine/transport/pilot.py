@@ -54,6 +54,9 @@ NEAREST_OCTAVES = 0.25
 MOST_TRACED = 0.5
 """Share of the square of a plan's error that is left to traced light, however much of it that has. [-]"""
 
+EVENLY = 0.5
+"""Share of the lumels of a trial that are drawn evenly; the others where the error is thought to come from. [-]"""
+
 FEWEST_COMPARED, FEWEST_TRIED = 600, 2_000
 """Lumels on which ways are compared and passes are tried, at least."""
 
@@ -78,6 +81,20 @@ class Trial:
     samples: float
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """Lumels that stand for all.
+
+    Parameters
+    ----------
+    rows : (n,) bool array or slice
+    share : (k,) array    Of the surface, that each of them stands for. [-]
+    """
+
+    rows: np.ndarray | slice
+    share: np.ndarray
+
+
 class Pilot:
     """First passes that find how lumels scatter, and from it how many samples each should get.
 
@@ -95,7 +112,7 @@ class Pilot:
         self._powers = np.ones(len(KINDS))
         # Square of the error that light traced by a single path would have. [lx2]
         self._traced = 0.0
-        # Levels, chosen lumels and squares by kind of a trial with sweeps.
+        # Levels, drawn lumels and squares by kind of a trial with sweeps.
         self._tried = None
         # Trials are made on some lumels of all tiles: those of a tile are alike in what is not known of them.
         draw = np.random.default_rng([job.seed & 0xFFFFFFFF, 5])
@@ -233,7 +250,7 @@ class Pilot:
     def _kinds_square(self, levels: Levels) -> float:
         """What all kinds of samples contribute to `square`. [lx2]"""
         return sum(
-            self._square_of(kind, levels, slice(None), power)
+            self._square_of(kind, levels, Drawn(slice(None), self._share), power)
             for kind, power in enumerate(self._powers)
         )
 
@@ -241,11 +258,14 @@ class Pilot:
         """What light that is traced contributes to `square`. [lx2]"""
         return self._traced / self.job.paths(levels) if self._traced > 0.0 else 0.0
 
-    def _square_of(self, kind: int, levels: Levels, chosen, power: float) -> float:
-        """What a kind contributes to `square` over some lumels, if its variance falls by this power. [lx2]"""
-        inverse = _variance(power).astype(np.float32)[levels.columns[kind][chosen]]
-        products = self._scatter[kind][chosen] * self._share[chosen] * inverse
-        return float(products.sum(dtype=np.float64))
+    def _square_of(self, kind: int, levels: Levels, drawn: Drawn, power: float) -> float:
+        """What a kind contributes to `square` by some lumels, if its variance falls by this power. [lx2]"""
+        return float(self._squares_of(kind, levels, drawn, power).sum(dtype=np.float64))
+
+    def _squares_of(self, kind: int, levels: Levels, drawn: Drawn, power: float) -> np.ndarray:
+        """Likewise lumel by lumel. (k,) [lx2]"""
+        inverse = _variance(power).astype(np.float32)[levels.columns[kind][drawn.rows]]
+        return self._scatter[kind][drawn.rows] * drawn.share * inverse
 
     def try_pass(self, number: int, levels: Levels, part: float, sweeps: bool) -> Trial:
         """Make a part of a planned pass twice, and learn from it how the variances fall.
@@ -254,11 +274,12 @@ class Pilot:
         ----------
         number : int    Of the first; the second has the next one.
         levels : Levels
-        part : float    Share of the surface, at least, that is tried.
+        part : float    Share of the lumels, about, that is tried.
         sweeps : bool    Whether the cells are swept before, as they are before passes.
         """
         job = self.job
-        chosen = self._choose(part, FEWEST_TRIED)
+        drawn = self._draw(levels, part)
+        chosen = drawn.rows
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
@@ -285,9 +306,9 @@ class Pilot:
                 found[half][GATHERED] -= job.traced[chosen]
         light = traced[0] - traced[1]
         self._traced = paths * float((0.5 * light**2) @ self._share)
-        measured = self._learn(levels, chosen, found[0] - found[1], light[chosen])
+        measured = self._learn(levels, drawn, found[0] - found[1], light[chosen])
         if sweeps:
-            self._tried = levels, chosen, measured
+            self._tried = levels, drawn, measured
         return Trial(tracing, paths, sweeping, sampling, few.total())
 
     def choose_trace_share(self, levels: Levels) -> None:
@@ -300,6 +321,22 @@ class Pilot:
         low, _, high = TRACE_SHARES
         self.job.trace_share = float(np.clip(share, low, high))
 
+    def _draw(self, levels: Levels, part: float) -> Drawn:
+        """Draw lumels for a trial, more where the error is thought to come from: few may make most of it."""
+        everyone = Drawn(slice(None), self._share)
+        worth = sum(
+            self._squares_of(kind, levels, everyone, power)
+            for kind, power in enumerate(self._powers)
+        )
+        count = max(int(np.count_nonzero(self._share)), 1)
+        part = max(part, min(FEWEST_TRIED / count, 1.0))
+        mean = float(worth.sum(dtype=np.float64)) / count
+        chance = part * (EVENLY + (1.0 - EVENLY) * (worth / mean if mean > 0.0 else 1.0))
+        # As exactly as lots tell.
+        chance = np.clip(np.ceil(chance * LOTS), 1, LOTS) / LOTS
+        rows = (self._lot < chance * LOTS) & (self._share > 0.0)
+        return Drawn(rows, (self._share[rows] / chance[rows]).astype(np.float32))
+
     def _choose(self, part: float, fewest: int) -> np.ndarray:
         """So many random lumels that they hold such a share of the surface, at least. (n,) bool"""
         area = np.cumsum(np.bincount(self._lot, self._share, LOTS))
@@ -308,9 +345,9 @@ class Pilot:
         return self._lot <= int(np.argmax(enough))
 
     def _learn(
-        self, levels: Levels, chosen: np.ndarray, differences: np.ndarray, traced=0.0
+        self, levels: Levels, drawn: Drawn, differences: np.ndarray, traced=0.0
     ) -> np.ndarray:
-        """Find how variances fall from differences of two passes on chosen lumels, (kinds, n), and of traced light, (n,).
+        """Find how variances fall from differences of two passes on drawn lumels, (kinds, n), and of traced light, (n,).
 
         First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall
         about there.
@@ -319,12 +356,12 @@ class Pilot:
         -------
         (kinds,) array    Squares that were measured. [lx2]
         """
-        share = self._share[chosen]
+        share = drawn.share
         measured = (0.5 * differences**2 * share).sum(axis=1, dtype=np.float64)
         for kind, square in enumerate(measured.tolist()):
             if square > 0.0:
-                self._powers[kind] = self._find_power(kind, square, levels, chosen)
-                supposed = self._square_of(kind, levels, chosen, self._powers[kind])
+                self._powers[kind] = self._find_power(kind, square, levels, drawn)
+                supposed = self._square_of(kind, levels, drawn, self._powers[kind])
                 self._scatter[kind] *= np.float32(square / supposed if supposed > 0.0 else 1.0)
         # Kinds that hang together by the cells, and with the light that is traced.
         whole = float((0.5 * (differences.sum(axis=0) + traced) ** 2 * share).sum(dtype=np.float64))
@@ -333,18 +370,18 @@ class Pilot:
             self._scatter *= np.float32(whole / measured.sum())
         return measured
 
-    def _find_power(self, kind: int, square: float, levels: Levels, chosen: np.ndarray) -> float:
+    def _find_power(self, kind: int, square: float, levels: Levels, drawn: Drawn) -> float:
         """Power by which the variance of a kind falls, from its square here and where it was tried before. [lx2]"""
         before = self._tried
         if before is None:
-            return _solve(lambda power: self._square_of(kind, levels, chosen, power), square)
+            return _solve(lambda power: self._square_of(kind, levels, drawn, power), square)
         old = self._powers[kind]
         if before[2][kind] <= 0.0:
             return old
 
         def fall(power: float) -> float:
             now, then = (
-                self._square_of(kind, *each, power) for each in ((levels, chosen), before[:2])
+                self._square_of(kind, *each, power) for each in ((levels, drawn), before[:2])
             )
             return now / then if then > 0.0 else 1.0
 
