@@ -331,7 +331,9 @@ class Pilot:
         count = max(int(np.count_nonzero(self._share)), 1)
         part = max(part, min(FEWEST_TRIED / count, 1.0))
         mean = float(worth.sum(dtype=np.float64)) / count
-        chance = part * (EVENLY + (1.0 - EVENLY) * (worth / mean if mean > 0.0 else 1.0))
+        chance = part * (
+            EVENLY + (1.0 - EVENLY) * (worth / mean if mean > 0.0 else np.ones_like(worth))
+        )
         # As exactly as lots tell.
         chance = np.clip(np.ceil(chance * LOTS), 1, LOTS) / LOTS
         rows = (self._lot < chance * LOTS) & (self._share > 0.0)
