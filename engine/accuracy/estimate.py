@@ -55,19 +55,27 @@ class Accumulator:
             return made
         # What stems from few samples is not known as well as it seems, see `tails`.
         factor = tail_factor(self._squares, self._largest, made.samples)
-        return Estimate(made.mean, made.standard_error * factor, made.samples)
+        events = np.divide(
+            self._squares,
+            self._largest,
+            out=np.full(self._squares.shape, np.inf),
+            where=self._largest > 0.0,
+        )
+        return Estimate(made.mean, made.standard_error * factor, made.samples, events)
 
 
 @dataclass(frozen=True)
 class Estimate:
     """Values with their standard errors.
 
-    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together.
+    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: of how
+    many samples of one size the squares of all would be the sum, the largest being one of them; None where nobody counted.
     """
 
     mean: np.ndarray
     standard_error: np.ndarray
     samples: int
+    events: np.ndarray | None = None
 
     @classmethod
     def from_groups(cls, means: np.ndarray, samples: int) -> "Estimate":

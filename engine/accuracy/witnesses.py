@@ -9,6 +9,9 @@ from .calibration import t_quantile
 CHANCE = 6.3e-5
 """Probability of finding any difference at all that stems from the second's errors: that of four standard errors."""
 
+DOUBT = 0.1
+"""Probability of finding a difference that is worth another look where there is none. [-]"""
+
 OWN_ERRORS = 3.0
 """Standard errors of the first that a difference must exceed: where it states so much, more of it does no harm."""
 
@@ -23,12 +26,14 @@ class Verdict:
     differs : (n,) bool array    Where it is more than chance explains, quantity by quantity.
     floor : (n,) array    What the error of the first must be at least; 0 where nothing is known against it.
     rest : float    Difference of the mean of all quantities that do not differ by themselves; 0 where chance explains it.
+    is_doubtful : bool    Whether chance explains what is left, but hardly: a second of smaller error should decide.
     """
 
     difference: np.ndarray
     differs: np.ndarray
     floor: np.ndarray
     rest: float = 0.0
+    is_doubtful: bool = False
 
     @property
     def agrees(self) -> bool:
@@ -43,7 +48,15 @@ def batch_error(values: np.ndarray) -> np.ndarray:
 
 
 def compare(
-    first, first_error, second, second_error, freedom, weights, hidden=0.0, batches=None
+    first,
+    first_error,
+    second,
+    second_error,
+    freedom,
+    weights,
+    hidden=0.0,
+    batches=None,
+    doubt=DOUBT,
 ) -> Verdict:
     """Compare two estimates of several quantities.
 
@@ -62,6 +75,7 @@ def compare(
         with the probability asked for, exp(-k). It makes the second smaller only.
     batches : (b, n) array or None
         Independent estimates whose mean is the second: its errors may have much in common. None: they have nothing.
+    doubt : float    Probability of finding a difference that is worth another look where there is none. [-]
 
     Returns
     -------
@@ -76,6 +90,7 @@ def compare(
         return Verdict(difference, np.zeros(0, dtype=bool), difference)
     chance = 0.5 * CHANCE / (len(difference) + 1)
     limit = t_quantile(1.0 - chance, freedom)
+    near = t_quantile(1.0 - 0.5 * doubt / (len(difference) + 1), freedom)
     # As an error, of which there are as many.
     hidden = hidden * (-np.log(chance) / limit)
     other = other + np.where(difference < 0.0, hidden, 0.0) ** 2
@@ -83,6 +98,7 @@ def compare(
     differs = known & _exceeds(difference, own, other, limit)
     floor = np.where(differs, np.abs(difference), 0.0)
     rest = 0.0
+    is_doubtful = bool((known & ~differs & (difference**2 > near**2 * (own + other))).any())
     others = known & ~differs & (weights > 0.0)
     if others.any():
         part = weights[others] / weights[others].sum()
@@ -95,7 +111,9 @@ def compare(
         if _exceeds(mean, *sums, limit):
             rest = mean
             floor[others] = abs(mean)
-    return Verdict(difference, differs, floor, rest)
+        else:
+            is_doubtful |= bool(mean**2 > near**2 * sum(sums))
+    return Verdict(difference, differs, floor, rest, is_doubtful)
 
 
 def _exceeds(difference, own, other, limit: float) -> np.ndarray:

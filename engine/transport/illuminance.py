@@ -1,6 +1,6 @@
 """The illuminance job: many receivers, many passes, independent groups, cancellable between launches."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -196,7 +196,10 @@ def _excess(rule: StopRule, made: Estimate) -> float | None:
 
 
 def _finish(made: Estimate, colour: bool) -> Estimate:
-    return made if colour else Estimate(made.mean[:, 0], made.standard_error[:, 0], made.samples)
+    events = made.events[:, 0] if made.events is not None else None
+    if colour:
+        return replace(made, events=events)
+    return Estimate(made.mean[:, 0], made.standard_error[:, 0], made.samples, events)
 
 
 def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:

@@ -6,17 +6,35 @@ import numpy as np
 
 from ..accuracy.estimate import Estimate
 from ..accuracy.stopping import StopRule
+from ..accuracy.tails import TRUSTED
 from ..accuracy.witnesses import Verdict, batch_error, compare
 from ..scene.sensor import SensorKind
 from .illuminance import compute
 from .sheets import Sheets
-from .witness import BATCHES, FEWEST_PATHS, PATHS, Witness
+from .witness import BATCHES, LOOKS, PATHS, Witness
+
+QUICKEST = 1 << 17
+"""Paths for a quick look at a few sensors."""
 
 SAMPLES = (1 << 8, 1 << 12)
 """Fewest and most samples of gathering on each square; half as many as the sensors had in between."""
 
 GROUPS = 16
 """Independent groups of them."""
+
+MORE = 4
+"""Times as many samples in a second look."""
+
+DOUBT = 0.3
+"""Probability of a second look where there is no difference: errors of single sensors are less certain than those of
+maps. [-]"""
+
+UNSUPPORTED = 2.0
+"""Times what a sensor states that gathering about it has for an error, with as many samples, if there was doubt. [-]"""
+
+SUPPORTED = 2.0 / 3.0
+"""Least part of a square's own error that counts where its sensor states less: a lucky sensor has seen none of the rare
+light that makes the error of both. [-]"""
 
 CHUNK = 1 << 12
 """Sensors whose nearest ones are looked for at once."""
@@ -64,37 +82,53 @@ def hear_sensors(
     """
     sheets = Sheets(scene, positions, normals, kind)
     has_some = len(sheets) > 0
-    witness = Witness(scene, seed, set(), sheets if has_some else None, cancelled)
     # A quick look at a few sensors gets a quick witness.
-    spent = found.samples * len(found.mean)
-    report = witness.run(int(np.clip(spent, FEWEST_PATHS, PATHS)), reflections)
+    paths = int(np.clip(found.samples * len(found.mean), QUICKEST, PATHS))
+    samples = int(np.clip(found.samples // 2, *SAMPLES))
     floors = np.zeros(len(found.mean))
-    # Where nothing at all was found, that is known as well as the pilot can tell of the whole.
-    nothing = (found.mean == 0.0) & (found.standard_error == 0.0)
-    floors[nothing] = report.heaviest / (np.pi * scene.radius**2)
-    if not has_some:
-        return SensorTestimony(floors, (), "", report.balance())
-    made = compute(
-        scene,
-        sheets.receivers(seed),
-        StopRule(samples=int(np.clip(found.samples // 2, *SAMPLES))),
-        seed,
-        GROUPS,
-        cancelled=cancelled,
-        reflections=reflections,
-    )
     squares = sheets.squares
-    verdict = compare(
-        made.mean,
-        made.standard_error,
-        report.sheets,
-        report.sheet_errors,
-        BATCHES - 1.0,
-        np.ones(len(squares.sensor)),
-        report.heaviest / squares.area,
-        report.sheet_batches,
-    )
-    lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
+    for look in LOOKS:
+        own_seed = seed + look - 1
+        witness = Witness(scene, own_seed, set(), sheets if has_some else None, cancelled)
+        report = witness.run(paths, reflections, look)
+        if look == 1:
+            # Where nothing at all was found, that is known as well as the pilot can tell of the whole.
+            nothing = (found.mean == 0.0) & (found.standard_error == 0.0)
+            floors[nothing] = report.heaviest / (np.pi * scene.radius**2)
+        if not has_some:
+            return SensorTestimony(floors, (), "", report.balance())
+        made = compute(
+            scene,
+            sheets.receivers(own_seed),
+            StopRule(samples=min(look, MORE) * samples),
+            own_seed,
+            GROUPS,
+            cancelled=cancelled,
+            reflections=reflections,
+        )
+        verdict = compare(
+            made.mean,
+            _supported(made, found, squares.sensor) if sheets.faces == 1 else made.standard_error,
+            report.sheets,
+            report.sheet_errors,
+            BATCHES - 1.0,
+            np.ones(len(squares.sensor)),
+            report.heaviest / squares.area,
+            report.sheet_batches,
+            DOUBT,
+        )
+        if not verdict.is_doubtful:
+            break
+    lacking = verdict.floor * verdict.differs
+    lucky = np.zeros(len(lacking), dtype=bool)
+    if look > 1:
+        # What stood in doubt is not known better than more samples know it.
+        supported = made.standard_error * np.sqrt(made.samples / found.samples)
+        lucky = supported > np.maximum(UNSUPPORTED * found.standard_error[squares.sensor], lacking)
+        # Many events are not missed by luck: the light differs over the square, or well-distributed samples are better.
+        lucky &= made.events * found.samples < TRUSTED * made.samples
+        lacking = np.where(lucky, supported, lacking)
+    lacks = np.bincount(squares.sensor, lacking, len(floors))
     near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
     each = np.maximum(lacks[near], abs(verdict.rest) * sheets.faces)
     floors = np.maximum(floors, each * sheets.response)
@@ -105,7 +139,18 @@ def hear_sensors(
         f"{_mean_error(made.standard_error):.2g} lx"
     )
     notes = _tell(witness, sheets, verdict, made, report)
+    if lucky.any():
+        notes += (
+            f"{len(np.unique(squares.sensor[lucky]))} of the sensors looked at scatter less than gathering about them "
+            f"does, so they may have missed rare light: their stated errors are those of the places about them",
+        )
     return SensorTestimony(floors, notes, decision, report.balance())
+
+
+def _supported(made: Estimate, found: Estimate, sensor: np.ndarray) -> np.ndarray:
+    """Errors of gathering on squares as far as those of their sensors support them, for these are what is stated. [lx]"""
+    stated = found.standard_error[sensor] * np.sqrt(found.samples / made.samples)
+    return np.clip(stated, SUPPORTED * made.standard_error, made.standard_error)
 
 
 def _mean_error(errors: np.ndarray) -> float:

@@ -19,8 +19,9 @@ from .sums import Sums
 SIDE = 16
 """Cells across a square."""
 
-PLACES = 4
-"""Places of gathering in each cell."""
+PLACES, MOST_PLACES = 64, 1 << 20
+"""Places of gathering in each cell, and most of them in all. They are the same for all samples, whose scatter knows nothing
+of what a shadow's edge between them does."""
 
 LARGEST, SMALLEST = 0.05, 1e-4
 """Half the side of the largest and the smallest square, relative to the scene's radius."""
@@ -159,8 +160,9 @@ class Sheets:
         """Places all over the squares, in the world."""
         q, draw = self.squares, np.random.default_rng([seed & 0xFFFFFFFF, 6])
         positions, counts = [], []
+        each = int(np.clip(MOST_PLACES // max(len(self) * SIDE * SIDE, 1), 1, PLACES))
         for k in range(len(self)):
-            cells = np.repeat(np.flatnonzero(q.is_open[k]), PLACES)
+            cells = np.repeat(np.flatnonzero(q.is_open[k]), each)
             place = np.stack([cells % SIDE, cells // SIDE], axis=1) + draw.random((len(cells), 2))
             place = (place * (2.0 / SIDE) - 1.0) * q.half[k]
             spread = place[:, :1] * q.along[k] + place[:, 1:] * q.across[k]

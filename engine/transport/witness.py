@@ -28,6 +28,9 @@ PATHS, FEWEST_PATHS = 1 << 18, 1 << 15
 WORK = 1 << 22
 """Surfaces that all paths of a pilot may meet together before there are fewer of them."""
 
+LOOKS = (1, 8)
+"""Times as many paths and surfaces in a first look, and in a second one where the first leaves doubt."""
+
 PROBE = 1 << 12
 """Paths that tell how long they are."""
 
@@ -195,13 +198,16 @@ class Witness:
         self._lights = AllLights(scene, sampler, self._seed, _focus(corners, margin))
         self._flux = float(sum(origin.flux for origin in self._lights.origins))
 
-    def run(self, paths: int = PATHS, reflections: int | None = None) -> WitnessReport:
+    def run(
+        self, paths: int = PATHS, reflections: int | None = None, look: int = 1
+    ) -> WitnessReport:
         """Trace.
 
         Parameters
         ----------
         paths : int
         reflections : int or None    Most reflections of light that counts; None: no limit.
+        look : int    Of `LOOKS`: so many times as many paths, and other ones.
 
         Raises
         ------
@@ -212,7 +218,7 @@ class Witness:
         if not self._lights.origins:
             return self._empty()
         self._shares = self._learn()
-        self._paths = paths = self._affordable(paths)
+        self._paths = paths = self._affordable(paths * look, WORK * look)
         which, chance = _spread(self._shares, paths, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), BATCHES, self._flux)
         if self._sheets is not None:
@@ -260,7 +266,7 @@ class Witness:
             dr.eval(self._sheets.flux.counts)
         return rays, use, met
 
-    def _affordable(self, paths: int) -> int:
+    def _affordable(self, paths: int, work: int) -> int:
         """So many paths, or fewer where they are long; a power of two of them then."""
         which, chance = _spread(self._shares, PROBE, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), 1, self._flux)
@@ -268,7 +274,7 @@ class Witness:
             self._sheets.prepare(1, self._flux)
         *_, met = self._launch(which, chance, tally, np.arange(PROBE), 900)
         many = max(float(np.array(met, dtype=np.float64).mean()), 1.0)
-        wanted = 1 << int(np.log2(WORK / many))
+        wanted = 1 << int(np.log2(work / many))
         return min(paths, max(wanted, FEWEST_PATHS))
 
     def _learn(self) -> np.ndarray:

@@ -7,14 +7,19 @@ import numpy as np
 import pytest
 from baking_rooms import bake_in, furnished_room, lamp
 from glass_scenes import ball
+from lumenray.benchmarks.random_rooms import make_room
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
 from lumenray.engine.scene.material import Cauchy, Dielectric, Material
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.session import Session
+from lumenray.engine.transport.bent_lights import bent_lights
+from lumenray.engine.transport.bright_spots import bright_spots
 from lumenray.engine.transport.illuminance import Receivers, compute
 from lumenray.engine.transport.sensor_witness import hear_sensors
+from lumenray.engine.transport.sheets import Sheets
+from lumenray.engine.transport.witness import Witness
 from small_scenes import box, paint, quad
 
 pytestmark = pytest.mark.mitsuba
@@ -191,6 +196,30 @@ def test_sensors_that_were_not_looked_at_carry_what_those_beside_them_lack(kind)
     held = np.abs(lacks) <= 3.0 * np.hypot(heard.floors, found.standard_error)
     assert held.all()
     assert (heard.floors > 0.25 * lacks).all()
+
+
+@pytest.mark.parametrize(
+    ("number", "seeds"), [(213, (213, 2, 3)), (225, (225, 1, 3, 1005, 1007))], ids=["bulb", "hole"]
+)
+@pytest.mark.slow
+def test_rare_light_that_a_lucky_sensor_has_not_met_is_covered(number, seeds):
+    """Images of bright spots in a mirror ball: some sensors meet none of them and state a hundredth of what they lack."""
+    room = make_room(number)
+    session = session_with(*room.items)
+    with session._engine("auto") as scene:
+        sheets = Sheets(scene, room.places, room.normals)
+        truth = Witness(scene, 9, set(), sheets).run(1 << 21)
+        for seed in seeds:
+            receivers = sheets.receivers(seed)
+            seen = scene.local(receivers.positions), receivers.normals
+            with bent_lights(scene), bright_spots(scene, *seen):
+                found = compute(scene, receivers, StopRule(samples=1 << 13), seed, 16)
+                kind = SensorKind.PLANAR
+                heard = hear_sensors(scene, room.places, room.normals, kind, found, seed)
+            stated = np.hypot(found.standard_error, heard.floors)
+            assert bool(heard.notes) == (heard.floors > 0.0).any()
+            allowed = 4.0 * np.hypot(stated, truth.sheet_errors) + 0.01 * truth.sheets
+            assert (np.abs(found.mean - truth.sheets) < allowed).all()
 
 
 def test_direct_light_alone_is_compared_with_direct_light():

@@ -29,6 +29,19 @@ def test_estimates_that_differ_by_chance_are_left_alone():
     assert blamed <= 1
 
 
+def test_doubt_is_seldom_where_all_is_well_and_sure_where_a_difference_is_near_to_be_seen():
+    truth, doubts = np.full(20, 100.0), np.zeros((2, 200))
+    for seed in range(200):
+        for row, missing in enumerate((0.0, np.arange(20) == 3)):
+            first, second, error = witnesses(truth, 0.3, 1.0, seed, 4.5 * missing)
+            own = np.full(20, 0.3)
+            made = compare(first, own, second, error, BATCHES - 1.0, truth, doubt=0.2)
+            doubts[row, seed] = made.is_doubtful or not made.agrees
+    # About normal, for 21 comparisons: binomial within three standard deviations.
+    assert doubts[0].mean() == pytest.approx(0.2, abs=3.0 * np.sqrt(0.16 / 200))
+    assert doubts[1].mean() > 0.85
+
+
 def test_a_value_that_lacks_light_gets_the_difference_as_its_error():
     missing = np.zeros(20)
     missing[7] = 12.0
