@@ -146,7 +146,7 @@ class Forecaster:
     earlier_seconds : float    Spent in earlier parts of a resumed bake; `from_state` knows them. [s]
     finest : float    Smallest part of a pass that the last one may be, a power of two; 1: whole passes only. [-]
     planned : int    Passes after which the error should be met; the last of them is a whole one, whatever is thought to be
-        missing before it. 0: there is no such plan.
+        missing before it. 0: there is no such plan. `respread` may tell another number.
 
     Raises
     ------
@@ -251,6 +251,7 @@ class Forecaster:
         pass_samples: float | None = None,
         pass_seconds: float | None = None,
         seconds: float | None = None,
+        planned: int | None = None,
     ) -> None:
         """Say that passes from now on spread their samples otherwise.
 
@@ -266,16 +267,19 @@ class Forecaster:
         pass_seconds : float or None    What a pass to come will take; None: in proportion to its samples. [s]
         seconds : float or None    Present time, as `note` counts it, where something else than passes has taken time
             since; None: unknown, and the time until the next note tells nothing of a pass. [s]
+        planned : int or None    How many of these passes are planned; None: as before.
         """
+        if planned is not None:
+            self._planned = planned
         if seconds is None:
             self._is_timed = False
         else:
             self._until = seconds
-        if pass_seconds is None and self._known_seconds() is not None:
+        if pass_seconds is None and self.pass_seconds is not None:
             scale = 1.0
             if pass_samples is not None and self._pass_samples:
                 scale = pass_samples / self._pass_samples
-            pass_seconds = self._known_seconds() * scale
+            pass_seconds = self.pass_seconds * scale
         self._pass_seconds = pass_seconds
         self._pass_samples = self._pass_samples if pass_samples is None else pass_samples
         self._durations = []
@@ -349,6 +353,16 @@ class Forecaster:
         )
 
     @property
+    def pass_seconds(self) -> float | None:
+        """Duration of a pass: mean of the middle half of those that were timed, so that a hiccup does not count. [s]"""
+        if self._durations:
+            ordered = sorted(self._durations)
+            cut = len(ordered) // 4
+            middle = ordered[cut : len(ordered) - cut]
+            return sum(middle) / len(middle)
+        return self._first_duration if self._pass_seconds is None else self._pass_seconds
+
+    @property
     def history(self) -> History:
         """Marks so far; an error asked for in lux stands as what it is of the present mean."""
         target = self._target()
@@ -367,10 +381,16 @@ class Forecaster:
             )
             for mark in self._marks
         ]
-        numbers = (self._setup, self._passes, self._spread.constant, self._is_whole)
+        numbers = (
+            self._setup,
+            self._passes,
+            self._spread.constant,
+            self._is_whole,
+            self._planned,
+        )
         running = self._running or (None, None)
         known = (
-            self._known_seconds(),
+            self.pass_seconds,
             self._pass_samples,
             self._mean,
             self._foretold,
@@ -393,7 +413,6 @@ class Forecaster:
         state: dict[str, np.ndarray],
         setup_seconds: float = 0.0,
         finest: float = FINEST,
-        planned: int = 0,
     ) -> "Forecaster":
         """Forecaster that goes on from a state; ``setup_seconds`` were spent in the new part before its first pass.
 
@@ -418,7 +437,7 @@ class Forecaster:
         marks, numbers, known = state["marks"], state["numbers"], state["known"]
         fits = (
             marks.shape[1] == MARK_FIELDS
-            and (len(numbers), len(known)) == (4, 6)
+            and (len(numbers), len(known)) == (5, 6)
             and state["numerators"].shape == state["offsets"].shape
             and np.isfinite(numbers).all()
             and np.isfinite(marks[:, :2]).all()
@@ -426,14 +445,14 @@ class Forecaster:
         if not fits:
             raise SceneError("the state of the forecast does not fit together")
         earlier = float(marks[-1, 0]) if len(marks) else 0.0
-        made = cls(rule, setup_seconds, earlier, finest, planned)
+        made = cls(rule, setup_seconds, earlier, finest)
         made._marks = [
             Mark(seconds, samples, error, None if math.isnan(forecast) else forecast)
             for seconds, samples, error, forecast in marks.tolist()
         ]
-        setup, passes, constant, is_whole = numbers.tolist()
+        setup, passes, constant, is_whole, planned = numbers.tolist()
         made._setup = setup if len(marks) else made._setup
-        made._passes, made._is_whole = passes, bool(is_whole)
+        made._passes, made._is_whole, made._planned = passes, bool(is_whole), int(planned)
         made._spread = Spread(state["numerators"], state["offsets"], constant)
         made._pass_seconds, made._pass_samples, made._mean, made._foretold, *running = (
             None if math.isnan(each) else each for each in known.tolist()
@@ -450,15 +469,6 @@ class Forecaster:
         if self.rule.absolute is not None and self._mean:
             targets.append(self.rule.absolute / self._mean)
         return max(targets)
-
-    def _known_seconds(self) -> float | None:
-        """Duration of a pass: mean of the middle half of those that were timed, so that a hiccup does not count."""
-        if self._durations:
-            ordered = sorted(self._durations)
-            cut = len(ordered) // 4
-            middle = ordered[cut : len(ordered) - cut]
-            return sum(middle) / len(middle)
-        return self._first_duration if self._pass_seconds is None else self._pass_seconds
 
     def _measured(self, error: float) -> float | None:
         """Ratio of the square of a measured error to that of the spread; None while the error says nothing."""
@@ -478,7 +488,7 @@ class Forecaster:
 
     def _needed(self, now: Mark) -> dict[str, float]:
         """Passes until each part of the rule is met, from the end of the last pass."""
-        rule, each = self.rule, self._known_seconds()
+        rule, each = self.rule, self.pass_seconds
         needed = {}
         if rule.seconds is not None and each is not None and each > 0.0:
             needed["time"] = (rule.seconds - now.seconds) / each
@@ -496,7 +506,7 @@ class Forecaster:
 
     def _forecast(self, now: Mark) -> Forecast | None:
         """Forecast from the state ``now``, the end of the last pass."""
-        each, needed = self._known_seconds(), self._needed(now)
+        each, needed = self.pass_seconds, self._needed(now)
         if each is None or each <= 0.0 or not needed or min(needed.values()) > FARTHEST:
             return None
         reason = min(needed, key=needed.get)

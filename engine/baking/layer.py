@@ -12,7 +12,7 @@ from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..errors import Cancelled
 from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
-from ..transport.pilot import Pilot, Trial
+from ..transport.pilot import Pilot
 
 PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for
@@ -23,7 +23,11 @@ SPARED = 0.4
 met after the last one nine times in ten, and the bake ends when it was said to."""
 
 FEWEST_PASSES = 2
-"""From which an error can be told."""
+"""From which an error can be told; then the others are planned anew."""
+
+SHORTEST = 4.0
+"""Largest square of the error of a pass of the others, relative to that of the first ones: shorter passes are not worth
+their sweeps. [-]"""
 
 HURRY = 3
 """How often the samples of passes are halved that are made only to have an error when a bake is stopped early."""
@@ -34,16 +38,12 @@ MOST_PASSES = 4.0
 SHORT = 32
 """Up to so many samples there is no pilot: it would cost more than it saves."""
 
-FIRST_TRIED, TRIED = 1.0 / 16.0, 0.3
-"""Share of the lumels on which the first trial of a planned pass is made, which finds how variances fall, and the others."""
+TRIED = 1.0 / 16.0
+"""Share of the lumels on which a planned pass is tried, which finds how variances fall."""
 
-MOST_TRIALS, SETTLED = 2, 1.15
-"""Most of the others, and ratio between the samples of the plan that was tried and of the next within which it is the last:
+MOST_TRIALS, SETTLED = 2, 1.5
+"""Most such trials, and ratio between the samples of the plan that was tried and of the next within which it is the last:
 variances do not fall by one power all the way."""
-
-FARTHER, LEAST_RATE = 2.0, 0.9
-"""Ratio between the samples of two trials from which their times tell what samples take, and the least of it, relative to
-what all of the last one took by its samples. [-]"""
 
 SMALLEST_TIME_SHARE = 0.02
 """Part of a bake's time that is not worth another pass."""
@@ -98,6 +98,7 @@ class LayerState:
         of the square of their sum over their number. [-, lx, lx2, -, lx2]
     object_passes : (passes, 1 + m) array    Samples of every pass, and the mean that it gave each object. [-, lx]
     is_done : bool
+    pilot : dict of str to array    State of the pilot until passes have shown what it could only guess; empty then.
     """
 
     sums: ReplicateSums
@@ -108,12 +109,14 @@ class LayerState:
     bias_sums: np.ndarray
     object_passes: np.ndarray
     is_done: bool = False
+    pilot: dict[str, np.ndarray] = field(default_factory=dict)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Everything as arrays."""
         made = {f"sums.{name}": value for name, value in self.sums.state().items()}
         made |= {f"forecast.{name}": value for name, value in self.forecaster.state().items()}
         made |= {f"cells.{name}": value for name, value in self.cells.items()}
+        made |= {f"pilot.{name}": value for name, value in self.pilot.items()}
         made |= {"levels": self.levels.columns}
         made |= {"bias": self.bias_sums, "objects": self.object_passes}
         return made | {"state": np.array([self.passes, int(self.is_done)], dtype=np.int64)}
@@ -132,10 +135,11 @@ class LayerState:
             Levels(arrays["levels"]),
             passes,
             part("cells"),
-            Forecaster.from_state(rule, part("forecast"), planned=PASSES),
+            Forecaster.from_state(rule, part("forecast")),
             arrays["bias"],
             arrays["objects"],
             bool(is_done),
+            part("pilot"),
         )
 
     def review(self) -> None:
@@ -215,7 +219,8 @@ class Layer:
     def _lengthen(self, state: LayerState) -> None:
         """Have longer passes where a rule that is stricter than the planned one would take very many."""
         needed = state.forecaster.passes_needed() or 0.0
-        if needed <= MOST_PASSES * PASSES:
+        # With what is known of the pilot they are planned anyway.
+        if needed <= MOST_PASSES * PASSES or state.pilot:
             return
         state.levels = state.levels.lowered(-int(math.log2(needed / PASSES)))
         each = state.levels.total() / max(self.job.count, 1)
@@ -242,66 +247,98 @@ class Layer:
         sums = ReplicateSums(job.count, job.channels)
         pilot = Pilot(job)
         pilot.run(sums)
-        begin = time.perf_counter()
         error = self._note(forecaster, sums, 2, is_pilot=True)
-        job.state()
-        # Every pass is written down like that.
-        writing = time.perf_counter() - begin
-        levels, square, seconds = self._plan(pilot, sums, rule)
+        allowed = self._allowed(sums)
+        levels, seconds = self._plan(pilot, None if allowed is None else allowed**2)
+        square = pilot.square(levels)
+        levels, steps = self._hurried(levels, seconds * PASSES, self._seconds)
         if square > 0.0 and 0.0 < error < math.inf:
             each = levels.total() / max(job.count, 1)
-            share = max(square / error**2, 1e-9)
-            forecaster.respread(1.0, share, 1.0, each, seconds + writing, self._seconds)
+            share = max(square * 2.0**steps / error**2, 1e-9)
+            forecaster.respread(1.0, share, 1.0, each, seconds / 2.0**steps, self._seconds)
         # So few samples tell little, and not as much for their number as those of a pass.
         sums = ReplicateSums(job.count, job.channels)
         state = LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
+        if allowed is not None:
+            state.pilot = pilot.state()
         self._show(state)
         return state
 
-    def _plan(self, pilot: Pilot, sums: ReplicateSums, rule: StopRule):
-        """Samples of the passes to come, the square of the error of one of them, and what it takes. [lx2, s]"""
+    def _allowed(self, sums: ReplicateSums) -> float | None:
+        """Standard error at which the rule is met; None: it names none. [lx]"""
+        errors = [self.rule.absolute or 0.0]
+        if self.rule.error is not None:
+            errors.append(self.rule.error * _mean(sums.mean(), self.job.area))
+        return max(errors) if max(errors) > 0.0 else None
+
+    def _plan(self, pilot: Pilot, square: float | None) -> tuple[Levels, float]:
+        """Samples of the first passes, by trials, and what one of them takes. ``square``: that is allowed. [lx2, s]"""
         job = self.job
-        mean = _mean(sums.mean(), job.area)
-        targets = [
-            *([rule.error * mean] if rule.error is not None else []),
-            *([rule.absolute] if rule.absolute is not None else []),
-        ]
-        # So much of the last pass is spared that a small error of what is foretold changes nothing.
-        passes = PASSES - SPARED
-        wanted = passes * max(targets) ** 2 if targets and max(targets) > 0.0 else None
 
         def plan() -> Levels:
-            each = (rule.samples or SHORT * PASSES) / PASSES
-            if wanted is None:
-                return pilot.plan(samples=each)
-            levels = pilot.plan(square=wanted)
-            if rule.samples is not None:
-                levels = min(levels, pilot.plan(samples=each), key=Levels.total)
-            return levels
+            # So much of the last pass is spared that a small error of what is foretold changes nothing.
+            wanted = None if square is None else (PASSES - SPARED) * square
+            return self._planned(pilot, wanted, PASSES)
 
         pilot.choose_ways(plan(), PASSES)
-        first = pilot.try_pass(TRIALS, plan(), FIRST_TRIED, sweeps=False)
-        pilot.choose_trace_share(plan())
         levels = plan()
         for number in range(MOST_TRIALS):
             tried = levels.total()
-            trial = pilot.try_pass(TRIALS + 2 + 2 * number, levels, TRIED, sweeps=True)
+            trial = pilot.try_pass(TRIALS + 2 * number, levels, TRIED)
+            if number == 0:
+                pilot.choose_trace_share(plan())
             levels = plan()
             if 1.0 / SETTLED < levels.total() / max(tried, 1e-9) < SETTLED:
                 break
-        square = pilot.square(levels)
-        seconds = trial.sweep_seconds + _whole_seconds(first, trial, levels.total())
-        seconds += trial.trace_seconds * job.paths(levels) / max(trial.paths, 1)
         begin = time.perf_counter()
-        job.compare(TRIALS, levels)
-        seconds += (time.perf_counter() - begin) / CHECK_INTERVAL
-        if rule.seconds is not None:
-            # No pass may take more than its part of the time that is left.
-            left = max(rule.seconds - self._seconds, 0.1 * rule.seconds)
-            steps = math.ceil(math.log2(max(seconds * PASSES / left, 1.0)))
-            levels = levels.lowered(steps)
-            square, seconds = square * 2.0**steps, seconds / 2.0**steps
-        return levels, square, seconds
+        job.sweep(TRIALS, levels)
+        seconds = time.perf_counter() - begin
+        seconds += trial.seconds * levels.total() / max(trial.samples, 1e-9)
+        seconds += trial.trace_seconds * job.paths(levels) / max(trial.paths, 1)
+        return levels, seconds
+
+    def _planned(self, pilot: Pilot, square: float | None, passes: int, samples=0.0) -> Levels:
+        """Samples of each of so many passes with such a square of its error, beyond ``samples`` that there are. [lx2]"""
+        each = max((self.rule.samples or SHORT * PASSES) - samples, 1.0) / passes
+        if square is None:
+            return pilot.plan(samples=each)
+        levels = pilot.plan(square=square)
+        if self.rule.samples is not None:
+            levels = min(levels, pilot.plan(samples=each), key=Levels.total)
+        return levels
+
+    def _hurried(self, levels: Levels, seconds: float, spent: float) -> tuple[Levels, int]:
+        """Samples halved so often that all passes take no more than the time that is left, and how often. [s]"""
+        limit = self.rule.seconds
+        if limit is None:
+            return levels, 0
+        left = max(limit - spent, 0.1 * limit)
+        steps = math.ceil(math.log2(max(seconds / left, 1.0)))
+        return levels.lowered(steps), steps
+
+    def _settle(self, state: LayerState, error: float) -> None:
+        """Plan the passes to come by what the first ones have shown. ``error``: of everything. [lx]
+
+        All get more or less alike, as numbers of samples must not depend on the values that they weigh.
+        """
+        job, forecaster = self.job, state.forecaster
+        pilot, state.pilot = Pilot.from_state(job, state.pilot), {}
+        allowed = self._allowed(state.sums)
+        if allowed is None or not allowed < error < math.inf:
+            return
+        single = FEWEST_PASSES * error**2
+        pilot.correct(state.levels, single)
+        missing = allowed**-2 - error**-2
+        passes = min(PASSES - FEWEST_PASSES, math.ceil(SHORTEST * single * missing + SPARED))
+        square = (passes - SPARED) / missing
+        last = forecaster.history.marks[-1]
+        levels = self._planned(pilot, square, passes, last.samples)
+        square = pilot.square(levels)
+        each = forecaster.pass_seconds * levels.total() / max(state.levels.total(), 1e-9)
+        state.levels, steps = self._hurried(levels, each * passes, last.seconds)
+        share = max(square * 2.0**steps / error**2, 1e-9)
+        more = state.levels.total() / max(job.count, 1)
+        forecaster.respread(1.0, share, 1.0, more, each / 2.0**steps, self._seconds, planned=passes)
 
     def _pass(self, state: LayerState) -> None:
         job, forecaster = self.job, state.forecaster
@@ -332,7 +369,9 @@ class Layer:
         state.is_done = forecaster.is_done() or state.is_out_of_time()
         # Where nothing scatters, no light at all for one, more passes tell no more; and one pass tells no error.
         state.is_done |= error == 0.0
-        state.is_done &= state.sums.passes >= 2
+        state.is_done &= state.sums.passes >= FEWEST_PASSES
+        if state.pilot and state.sums.passes >= FEWEST_PASSES:
+            self._settle(state, error)
         self._show(state)
 
     def _extra(self, seconds: float, number: int) -> float:
@@ -348,7 +387,7 @@ class Layer:
             # There is no result yet, and somebody waits for one.
             return HURRY
         needed = state.forecaster.passes_needed()
-        if needed is None or needed >= 1.0 or state.forecaster.is_last_planned():
+        if state.pilot or needed is None or needed >= 1.0 or state.forecaster.is_last_planned():
             return 0
         return 1 if needed <= 0.5 else 0
 
@@ -395,15 +434,6 @@ class Layer:
     def _show(self, state: LayerState) -> None:
         made = state.forecaster.progress(self._seconds, "illuminance")
         self.report(replace(made, history=state.forecaster.history))
-
-
-def _whole_seconds(first: Trial, last: Trial, samples: float) -> float:
-    """Seconds for so many samples: launches take some of their time whatever they hold, which two trials tell apart."""
-    rate = last.seconds / max(last.samples, 1e-9)
-    if last.samples > FARTHER * first.samples:
-        slope = (last.seconds - first.seconds) / (last.samples - first.samples)
-        rate = min(max(slope, LEAST_RATE * rate), rate)
-    return last.seconds + rate * (samples - last.samples)
 
 
 def _mean(values: np.ndarray, area: np.ndarray) -> float:

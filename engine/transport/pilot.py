@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..accuracy.replicates import ReplicateSums
+from ..errors import SceneError
 from .aims import BINS
 from .lux_job import (
     COSTS,
@@ -48,9 +49,6 @@ FINEST_SHIFT = 0.01
 LOTS = 1024
 """Lots from which lumels are chosen."""
 
-NEAREST_OCTAVES = 0.25
-"""How far apart the samples of two trials must be for their variances to tell by which power they fall."""
-
 MOST_TRACED = 0.5
 """Share of the square of a plan's error that is left to traced light, however much of it that has. [-]"""
 
@@ -69,14 +67,12 @@ class Trial:
     ----------
     trace_seconds : float    For paths from the lights. [s]
     paths : int    Number of these.
-    sweep_seconds : float    For the cells. [s]
     seconds : float    For the part of the lumels that was tried. [s]
     samples : float    Sum over that part.
     """
 
     trace_seconds: float
     paths: int
-    sweep_seconds: float
     seconds: float
     samples: float
 
@@ -112,11 +108,40 @@ class Pilot:
         self._powers = np.ones(len(KINDS))
         # Square of the error that light traced by a single path would have. [lx2]
         self._traced = 0.0
-        # Levels, drawn lumels and squares by kind of a trial with sweeps.
-        self._tried = None
         # Trials are made on some lumels of all tiles: those of a tile are alike in what is not known of them.
         draw = np.random.default_rng([job.seed & 0xFFFFFFFF, 5])
         self._lot = draw.integers(0, LOTS, job.count, dtype=np.uint16)
+
+    @classmethod
+    def from_state(cls, job: LuxJob, state: dict[str, np.ndarray]) -> "Pilot":
+        """Pilot of a job that knows what another one had found.
+
+        Raises
+        ------
+        SceneError    The arrays do not fit the job.
+        """
+        made = cls(job)
+        wanted = {"scatter": made._scatter, "powers": made._powers, "traced": np.zeros(1)}
+        for name, like in wanted.items():
+            array = state.get(name)
+            if (
+                array is None
+                or (array.shape, array.dtype) != (like.shape, like.dtype)
+                or not np.isfinite(array).all()
+                or (array < 0.0).any()
+            ):
+                raise SceneError(f"the state of the pilot holds {name} that do not fit the maps")
+        made._scatter, made._powers = state["scatter"].copy(), state["powers"].copy()
+        made._traced = float(state["traced"][0])
+        return made
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What was found, for a checkpoint."""
+        return {
+            "scatter": self._scatter,
+            "powers": self._powers,
+            "traced": np.array([self._traced]),
+        }
 
     def run(self, sums: ReplicateSums) -> None:
         """Make two passes with few samples, and note the variances of single samples by tile, apart by kind."""
@@ -267,7 +292,14 @@ class Pilot:
         inverse = _variance(power).astype(np.float32)[levels.columns[kind][drawn.rows]]
         return self._scatter[kind][drawn.rows] * drawn.share * inverse
 
-    def try_pass(self, number: int, levels: Levels, part: float, sweeps: bool) -> Trial:
+    def correct(self, levels: Levels, square: float) -> None:
+        """Take over the square of the error that passes have really shown. ``square``: of one of them. [lx2]"""
+        supposed = self.square(levels)
+        if supposed > 0.0:
+            self._scatter *= np.float32(square / supposed)
+            self._traced *= square / supposed
+
+    def try_pass(self, number: int, levels: Levels, part: float) -> Trial:
         """Make a part of a planned pass twice, and learn from it how the variances fall.
 
         Parameters
@@ -275,7 +307,6 @@ class Pilot:
         number : int    Of the first; the second has the next one.
         levels : Levels
         part : float    Share of the lumels, about, that is tried.
-        sweeps : bool    Whether the cells are swept before, as they are before passes.
         """
         job = self.job
         drawn = self._draw(levels, part)
@@ -283,22 +314,19 @@ class Pilot:
         few = levels.only(chosen)
         place = np.cumsum(chosen) - chosen
         found = np.zeros((2, len(KINDS), int(chosen.sum())), dtype=np.float32)
-        tracing, sweeping, sampling = 0.0, 0.0, np.inf
+        tracing, sampling = 0.0, np.inf
         # Light that is traced for lumels alone falls on all of them, so a few paths are enough.
-        paths = job.paths(levels, 1.0 if sweeps else part)
+        paths = job.paths(levels, part)
         traced = np.zeros((2, job.count))
         for half in range(2):
             start = time.perf_counter()
-            job.trace(number + half, levels, 1.0 if sweeps else part)
+            job.trace(number + half, levels, part)
             # The first one may have to make kernels.
-            tracing = time.perf_counter() - start
-            if sweeps:
-                job.sweep(number + half, levels)
             middle = time.perf_counter()
+            tracing = middle - start
             for span, values in job.estimates(number + half, few):
                 own = chosen[span]
                 found[half][:, place[span][own]] = values[:, own, 0]
-            sweeping = middle - start - tracing
             # Of these the faster one was disturbed less.
             sampling = min(sampling, time.perf_counter() - middle)
             if job.traced is not None:
@@ -306,10 +334,8 @@ class Pilot:
                 found[half][GATHERED] -= job.traced[chosen]
         light = traced[0] - traced[1]
         self._traced = paths * float((0.5 * light**2) @ self._share)
-        measured = self._learn(levels, drawn, found[0] - found[1], light[chosen])
-        if sweeps:
-            self._tried = levels, drawn, measured
-        return Trial(tracing, paths, sweeping, sampling, few.total())
+        self._learn(levels, drawn, found[0] - found[1], light[chosen])
+        return Trial(tracing, paths, sampling, few.total())
 
     def choose_trace_share(self, levels: Levels) -> None:
         """Have as many paths from the lights as give the least work for an error together with the samples of a pass."""
@@ -346,18 +372,8 @@ class Pilot:
         enough = (area >= min(part, area[-1])) & (number >= min(fewest, number[-1]))
         return self._lot <= int(np.argmax(enough))
 
-    def _learn(
-        self, levels: Levels, drawn: Drawn, differences: np.ndarray, traced=0.0
-    ) -> np.ndarray:
-        """Find how variances fall from differences of two passes on drawn lumels, (kinds, n), and of traced light, (n,).
-
-        First the powers by which they have fallen since the pilot; later, from two larger trials, those by which they fall
-        about there.
-
-        Returns
-        -------
-        (kinds,) array    Squares that were measured. [lx2]
-        """
+    def _learn(self, levels: Levels, drawn: Drawn, differences: np.ndarray, traced=0.0) -> None:
+        """Find how variances fall from differences of two passes on drawn lumels, (kinds, n), and of traced light, (n,)."""
         share = drawn.share
         measured = (0.5 * differences**2 * share).sum(axis=1, dtype=np.float64)
         for kind, square in enumerate(measured.tolist()):
@@ -370,43 +386,15 @@ class Pilot:
         whole -= float((0.5 * traced**2 * share).sum(dtype=np.float64))
         if whole > 0.0 and measured.sum() > 0.0:
             self._scatter *= np.float32(whole / measured.sum())
-        return measured
 
     def _find_power(self, kind: int, square: float, levels: Levels, drawn: Drawn) -> float:
-        """Power by which the variance of a kind falls, from its square here and where it was tried before. [lx2]"""
-        before = self._tried
-        if before is None:
-            return _solve(lambda power: self._square_of(kind, levels, drawn, power), square)
-        old = self._powers[kind]
-        if before[2][kind] <= 0.0:
-            return old
-
-        def fall(power: float) -> float:
-            now, then = (
-                self._square_of(kind, *each, power) for each in ((levels, drawn), before[:2])
-            )
-            return now / then if then > 0.0 else 1.0
-
-        # How far the two lie apart tells how much of it can be told.
-        octaves = np.log2(fall(FLATTEST) / fall(STEEPEST)) / (STEEPEST - FLATTEST)
-        if abs(octaves) < NEAREST_OCTAVES:
-            return old
-        wanted = square / before[2][kind]
-        found = _solve(
-            fall if octaves > 0.0 else lambda p: 1.0 / fall(p),
-            wanted if octaves > 0.0 else 1.0 / wanted,
-        )
-        trust = min(abs(octaves), 1.0)
-        return trust * found + (1.0 - trust) * old
-
-
-def _solve(fall, wanted: float) -> float:
-    """Power, within its bounds, at which a function that falls with it has come down to a value."""
-    low, high = FLATTEST, STEEPEST
-    for _ in range(10):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if fall(middle) > wanted else (low, middle)
-    return 0.5 * (low + high)
+        """Power, within its bounds, by which the variance of a kind has come down to a square. [lx2]"""
+        low, high = FLATTEST, STEEPEST
+        for _ in range(10):
+            middle = 0.5 * (low + high)
+            falls_short = self._square_of(kind, levels, drawn, middle) > square
+            low, high = (middle, high) if falls_short else (low, middle)
+        return 0.5 * (low + high)
 
 
 def _variance(power: float) -> np.ndarray:

@@ -111,22 +111,23 @@ def assert_same(one, other):
 
 
 @pytest.mark.parametrize(
-    ("groups", "shares"),
+    ("rule", "groups", "shares"),
     [
-        ((), (0.5, 0.75, 0.86, 0.93, 0.98)),
-        ((LightGroup("sky", ("world",)),), (0.55, 0.9, 0.98)),
+        ({"samples": 64}, (), (0.5, 0.75, 0.86, 0.93, 0.98)),
+        ({"samples": 64}, (LightGroup("sky", ("world",)),), (0.55, 0.9, 0.98)),
+        ({"error": 0.03}, (), (0.55, 0.65, 0.9)),
     ],
-    ids=["one", "layers"],
+    ids=["one", "layers", "error"],
 )
 @pytest.mark.slow
 def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(
-    tmp_path, groups, shares, monkeypatch
+    tmp_path, rule, groups, shares, monkeypatch
 ):
     """Each turn is a place where a bake may end: in the middle of a pass, of its sweep, or of a check."""
     # Lumels are worked on in several lots, so that passes have a middle.
     monkeypatch.setattr("lumenray.engine.transport.lux_job.SPAN_PLACES", 1 << 12)
     items, objects = (*GREY, UniformWorld(20.0)), OBJECTS
-    more = {"samples": 64, "density": 4.0, "groups": groups}
+    more = {"density": 4.0, "groups": groups, **rule}
     whole = Stopper(items)
     expected = bake_in(whole.session, objects, **more)
     path = tmp_path / "state"
@@ -221,6 +222,29 @@ def test_a_rule_that_is_stricter_by_far_takes_longer_passes(tmp_path):
     assert result.relative_standard_error <= 0.01
     # At the length that was planned it would have been hundreds.
     assert len(result.history.marks) < 60
+
+
+@pytest.mark.parametrize("factor", [0.25, 4.0])
+@pytest.mark.slow
+def test_trials_that_mislead_do_not_make_a_bake_longer(monkeypatch, factor):
+    """The first passes show what is still to be done."""
+    from lumenray.engine.transport.pilot import Pilot
+
+    plain = bake(GREY, OBJECTS, error=0.03)
+    try_pass = Pilot.try_pass
+
+    def mislead(pilot, *args):
+        trial = try_pass(pilot, *args)
+        pilot._scatter *= np.float32(factor)
+        return trial
+
+    monkeypatch.setattr(Pilot, "try_pass", mislead)
+    misled = bake(GREY, OBJECTS, error=0.03)
+    samples = [each.history.marks[-1].samples for each in (plain, misled)]
+    assert misled.relative_standard_error <= 0.03 * (1.0 + 1e-6)
+    # Fewer where passes are longer, within which points are well distributed.
+    assert samples[1] < 1.35 * samples[0]
+    assert 2 < len(misled.history.marks) < 12
 
 
 # ---- stopping ----

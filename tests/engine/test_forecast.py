@@ -290,7 +290,7 @@ def test_the_last_pass_of_a_plan_is_a_whole_one_whatever_is_missing(error):
         if n >= 4:
             assert forecaster.forecast() == pytest.approx(SETUP + 165.0)
         assert forecaster.is_last_planned() == (n == 15)
-    again = Forecaster.from_state(StopRule(error=0.01), forecaster.state(), planned=16)
+    again = Forecaster.from_state(StopRule(error=0.01), forecaster.state())
     assert again.is_last_planned()
     forecaster.note(SETUP + 165.0, 64.0 * 16, error / 4.0)
     assert forecaster.is_done()

@@ -74,30 +74,32 @@ def test_the_power_is_learned_by_which_a_variance_falls(power):
     assert pilot.square(Levels(columns)) == pytest.approx(sum(variances), rel=0.04)
 
 
-def test_two_trials_tell_how_a_variance_falls_between_them():
-    """It may fall faster than from the pilot on; then a plan between two trials follows the straight line through them."""
-    from lumenray.engine.transport.lux_job import NO_SAMPLES, Levels
-    from lumenray.engine.transport.pilot import Drawn
+def test_a_plan_follows_what_passes_have_shown():
+    pilot = make_pilot([np.full(50, v) for v in (2.0, 1.0, 0.0)], (1.5, 1.0, 1.0))
+    levels = pilot.plan(square=0.01)
+    pilot.correct(levels, 0.03)
+    assert pilot.square(levels) == pytest.approx(0.03, rel=1e-5)
+    assert pilot.square(pilot.plan(square=0.01)) <= 0.01 * 1.001
 
-    count = 40_000
-    pilot = make_pilot([np.full(count, v) for v in (0.0, 1.0, 0.0)])
-    draw = np.random.default_rng(4)
 
-    def variance(samples):
-        return 0.5 * 16.0**-1.1 * (samples / 32.0) ** -1.7
+def test_a_pilot_goes_on_from_its_state_and_from_no_other():
+    from lumenray.engine.errors import SceneError
+    from lumenray.engine.transport.pilot import Pilot
 
-    def levels(level):
-        columns = np.full((3, count), NO_SAMPLES, np.uint8)
-        columns[1] = level
-        return Levels(columns)
-
-    for level in (5, 7):
-        passes = np.zeros((2, 3, count))
-        passes[:, 1] = np.sqrt(variance(2.0**level)) * draw.normal(size=(2, count))
-        everyone = Drawn(slice(None), pilot._share)
-        measured = pilot._learn(levels(level), everyone, passes[0] - passes[1])
-        pilot._tried = levels(level), everyone, measured
-    assert pilot.square(levels(6)) == pytest.approx(variance(64.0), rel=0.04)
+    pilot = make_pilot([np.linspace(1.0, 2.0, 50) * v for v in (2.0, 1.0, 0.0)], (1.5, 1.0, 1.0))
+    again = Pilot.from_state(pilot.job, pilot.state())
+    levels = pilot.plan(square=0.01)
+    np.testing.assert_array_equal(again.plan(square=0.01).columns, levels.columns)
+    state = pilot.state()
+    for name, wrong in (
+        ("scatter", state["scatter"][:, 1:]),
+        ("scatter", np.full_like(state["scatter"], np.nan)),
+        ("powers", state["powers"].astype(np.float32)),
+        ("traced", np.array([-1.0])),
+        ("traced", None),
+    ):
+        with pytest.raises(SceneError, match=f"state of the pilot holds {name} that do not fit"):
+            Pilot.from_state(pilot.job, state | {name: wrong})
 
 
 def test_places_stand_for_all_valid_lumels_by_area():
@@ -146,21 +148,6 @@ def test_trials_are_made_on_some_lumels_of_every_tile():
     assert share.std() == pytest.approx(spread, rel=0.2)
     # At least so many, also where few are enough for the share.
     assert make_pilot([np.ones(640)] * 3)._choose(0.01, 300).sum() >= 300
-
-
-def test_what_launches_take_by_themselves_is_not_multiplied():
-    from lumenray.engine.baking.layer import _whole_seconds
-    from lumenray.engine.transport.pilot import Trial
-
-    def trial(samples, launches=0.1, rate=1e-3):
-        return Trial(0.0, 0, 0.0, launches + rate * samples, samples)
-
-    assert _whole_seconds(trial(500.0), trial(2000.0), 10_000.0) == pytest.approx(10.1)
-    # Two of a size cannot tell.
-    assert _whole_seconds(trial(1900.0), trial(2000.0), 10_000.0) == pytest.approx(2.1 * 5.0)
-    # Nor is it believed that a disturbed first trial shows nearly all to be launches.
-    disturbed = Trial(0.0, 0, 0.0, 2.0, 500.0)
-    assert _whole_seconds(disturbed, trial(2000.0), 10_000.0) > 2.1 + 0.7 * 2.1 * 4.0
 
 
 @pytest.mark.parametrize("traced", [1e3, 2e4, 5e4, 1e5])

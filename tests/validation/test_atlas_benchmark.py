@@ -316,17 +316,18 @@ def test_calibration_finds_how_honest_an_error_is(honesty):
         assert (held < 0.93) == (honesty > 1.0)
 
 
-def test_forecasts_are_taken_after_a_twentieth_of_the_time():
+def test_forecasts_are_taken_after_a_twentieth_of_the_time_and_after_two_passes():
     from lumenray.benchmarks.atlas_calibration import judge_forecast
 
     marks = (
-        Mark(0.4, 1.0, 0.1, 8.0),
-        Mark(0.6, 2.0, 0.08, None),
+        Mark(0.4, 0.0, 0.1, 8.0),
         Mark(0.9, 3.0, 0.07, 11.0),
+        Mark(2.0, 6.0, 0.05, 9.7),
         Mark(10.0, 30.0, 0.02, 10.0),
     )
     row = judge_forecast(replace(empty_result(), history=History(marks)), 0.02)
-    assert (row["at"], row["share"]) == (pytest.approx(0.09), pytest.approx(1.1))
+    assert row["rough"] == pytest.approx({"at": 0.09, "forecast": 11.0, "share": 1.1})
+    assert row["settled"] == pytest.approx({"at": 0.2, "forecast": 9.7, "share": 0.97})
 
 
 def empty_result() -> BakeResult:
@@ -365,7 +366,8 @@ def made_up_result() -> dict:
 
     run = {"level": 0.02, "seed": 1, "seconds": 1.0, "stated": 0.02, "stated_here": 0.02}
     run |= {"true": 0.021, "ratio": 1.05, "covered": 0.948, "mean": 1.0, "replicates": 8}
-    forecast = {"target": 0.01, "seconds": 10.0, "at": 0.06, "forecast": 9.8, "share": 0.98}
+    own = {"at": 0.06, "forecast": 9.8, "share": 0.98}
+    forecast = {"target": 0.01, "seconds": 10.0, "rough": own, "settled": own}
     scene = {"key": "cornell", "title": "Box", "lumels": 100, "judged": 50, "cut": 0}
     scene |= {
         "reference_error": 0.002,
