@@ -18,7 +18,10 @@ FORECAST_SECONDS, QUICK_FORECAST_SECONDS = 60.0, 4.0
 """About how long the bakes take whose forecasts are judged. [s]"""
 
 FORECAST_AT = 0.05
-"""Share of a bake's time after which its forecast is taken."""
+"""Share of a bake's time after which its first forecast is taken. [-]"""
+
+PASSES_SEEN = 2
+"""Marks, of the pilot and of a first pass, after which a forecast rests on passes alone."""
 
 FORECASTS, QUICK_FORECASTS = 2, 1
 """Bakes of every scene whose forecast is judged."""
@@ -58,7 +61,9 @@ def measure_scene(scene: AtlasScene, is_quick: bool, say) -> dict:
     for number in range(QUICK_FORECASTS if is_quick else FORECASTS):
         made = ours.bake(StopRule(error=target), FIRST_SEED + 50 + number)
         forecasts.append(judge_forecast(made.result, target))
-    say(f"{scene.key}: forecast over true {[row['share'] for row in forecasts]}")
+    for name in ("rough", "settled"):
+        shares = [row[name] and round(row[name]["share"], 3) for row in forecasts]
+        say(f"{scene.key}: {name} forecast over true {shares}")
     return {
         "key": scene.key,
         "title": scene.title,
@@ -108,25 +113,27 @@ def covered_share(differences, errors, reference_errors, freedom: float) -> floa
 
 
 def judge_forecast(result: BakeResult, target: float) -> dict:
-    """Compare the forecast made early with the time that the bake took.
+    """Compare forecasts made early with the time that the bake took.
 
     Returns
     -------
-    dict    ``target`` [-], ``seconds``: that it took, ``at``: share of it at which the forecast was taken, ``forecast``: of
-        the whole [s], ``share``: forecast over true; the last three None where no forecast was ever made.
+    dict    ``target`` [-], ``seconds``: that it took; ``rough`` and ``settled``: the first forecast after a twentieth of the
+        time, and that after two passes, which have shown how fast the error falls. Each a dict of ``at``: share of the time
+        when it was made, ``forecast``: of the whole [s], and ``share``: forecast over true; None where there was none.
     """
     marks = result.history.marks
     total = marks[-1].seconds
-    for mark in marks[:-1]:
-        if mark.seconds >= FORECAST_AT * total and mark.forecast is not None:
-            return {
-                "target": target,
-                "seconds": total,
-                "at": mark.seconds / total,
-                "forecast": mark.forecast,
-                "share": mark.forecast / total,
-            }
-    return {"target": target, "seconds": total, "at": None, "forecast": None, "share": None}
+    told = [mark for mark in marks[:-1] if mark.forecast is not None]
+    made = {"target": target, "seconds": total}
+    for name, own in (
+        ("rough", [mark for mark in told if mark.seconds >= FORECAST_AT * total]),
+        ("settled", [mark for mark in told if mark in marks[PASSES_SEEN:] and mark.samples > 0.0]),
+    ):
+        made[name] = None
+        if own:
+            at, forecast = own[0].seconds, own[0].forecast
+            made[name] = {"at": at / total, "forecast": forecast, "share": forecast / total}
+    return made
 
 
 def _sampling_seconds(made: Made) -> float:

@@ -7,12 +7,15 @@ from .atlas_statistics import TARGETS, geometric_mean, median
 
 
 def summarise(calibration: list[dict], races: list[dict]) -> dict:
-    """Return `calibration`, `coverage_95`, `forecast_median_error` and `speedup`; None where nothing was measured."""
+    """Return `calibration`, `coverage_95`, `forecast_median_error`, `rough_forecast_median_error` and `speedup`; None where
+    nothing was measured.
+    """
     runs = [run for scene in calibration for run in scene["runs"]]
     return {
         "calibration": float(np.mean([run["ratio"] for run in runs])) if runs else None,
         "coverage_95": float(np.mean([run["covered"] for run in runs])) if runs else None,
-        "forecast_median_error": median(forecast_errors(calibration)),
+        "forecast_median_error": median(forecast_errors(calibration, "settled")),
+        "rough_forecast_median_error": median(forecast_errors(calibration, "rough")),
         "speedup": {name: speedup(races, name) for name in (*RIVALS, "qmc", "direct_apart")},
     }
 
@@ -26,10 +29,10 @@ def scene_ratios(calibration: list[dict]) -> dict[tuple[str, float], float]:
     return {key: float(np.mean(ratios)) for key, ratios in found.items()}
 
 
-def forecast_errors(calibration: list[dict]) -> list[float]:
-    """Relative errors of the forecasts of all bakes, 1 where there was none. [-]"""
+def forecast_errors(calibration: list[dict], which: str) -> list[float]:
+    """Relative errors of the ``rough`` or ``settled`` forecasts of all bakes, 1 where there was none. [-]"""
     return [
-        1.0 if row["share"] is None else abs(row["share"] - 1.0)
+        1.0 if row[which] is None else abs(row[which]["share"] - 1.0)
         for scene in calibration
         for row in scene["forecasts"]
     ]
