@@ -68,8 +68,8 @@ class Accumulator:
 class Estimate:
     """Values with their standard errors.
 
-    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: of how
-    many samples of one size the squares of all would be the sum, the largest being one of them; None where nobody counted.
+    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as how
+    many samples of the largest one's size the squares of all add up to; None where nobody counted.
     """
 
     mean: np.ndarray
