@@ -68,8 +68,8 @@ class Accumulator:
 class Estimate:
     """Values with their standard errors.
 
-    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as how
-    many samples of the largest one's size the squares of all add up to; None where nobody counted.
+    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as$
+    how many samples of the largest one's size the squares of all add up to; None where nobody counted.
     """
 
     mean: np.ndarray
