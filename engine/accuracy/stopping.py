@@ -140,7 +140,11 @@ SLOWEST, FASTEST = 0.4, 0.8
 """Bounds on the power of the samples by which an error is believed to go on falling: 1/2 for plain Monte Carlo.
 Well-distributed samples make it fall faster at first, but by 3/4 only in the end where the integrand has edges."""
 
-BASELINE, WINDOW, STEP = 4.0, 64.0, 1.2
+SUPPOSED, SUPPORT = 0.5, 0.5
+"""What it is thought to be before passes span `BASELINE`, and how much that counts, as a sum of squares of logarithms of
+ratios of samples."""
+
+BASELINE, WINDOW, STEP = 3.9, 64.0, 1.2
 """Ratio of samples over which that power is taken, at least, as nearer ones differ by noise, and at most, as what was long
 ago says little; and ratio between passes of which note is taken."""
 
@@ -241,10 +245,10 @@ class Clock:
         if not entries or entries[-1] != self._present:
             entries.append(self._present)
         samples, whole, excess = (np.log([entry[k] for entry in entries]) for k in range(3))
-        power, apart = 0.5, samples - samples.mean()
-        if samples[-1] - samples[0] >= math.log(BASELINE):
-            power = -float(apart @ whole) / float(apart @ apart)
-            power = min(max(power, SLOWEST), FASTEST)
+        apart = samples - samples.mean()
+        support = 0.0 if samples[-1] - samples[0] >= math.log(BASELINE) else SUPPORT
+        power = SUPPOSED * support - float(apart @ whole)
+        power = min(max(power / (support + float(apart @ apart)), SLOWEST), FASTEST)
         levels = excess + power * samples
         level, chance = float(levels.mean()), float(levels[-1] - levels.mean())
         low = now = float(samples[-1])

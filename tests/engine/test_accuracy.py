@@ -67,6 +67,25 @@ def test_the_forecast_learns_how_the_error_falls(monkeypatch, power):
     assert clock.progress(1000, 1.0).seconds_left == pytest.approx(needed - 10.0)
 
 
+@pytest.mark.parametrize("power", [0.5, 0.8])
+def test_three_passes_tell_how_the_error_falls(monkeypatch, power):
+    """Each doubles what there is; two of them are not believed in full."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.001))
+    left = []
+    for samples in (100, 200, 400):
+        now[0] = samples / 100.0
+        error = 0.1 * (samples / 100.0) ** -power
+        assert not clock.is_done(samples, error)
+        left.append(clock.progress(samples, error).seconds_left + now[0])
+    needed = 100.0 ** (1.0 / power)
+    assert left[2] == pytest.approx(needed)
+    plain = 100.0 ** (1.0 / 0.5)
+    assert left[0] == pytest.approx(plain)
+    assert min(needed, plain) <= left[1] * 1.0001 and left[1] <= plain * 1.0001
+
+
 def test_a_fast_fall_of_the_error_at_first_is_not_carried_on_to_the_end(monkeypatch):
     """As one over the samples so far; integrands with edges let well-distributed points fall by the power 3/4 at last."""
     now = [0.0]
