@@ -25,9 +25,10 @@ met after the last one nine times in ten, and the bake ends when it was said to.
 FEWEST_PASSES = 2
 """From which an error can be told; then the others are planned anew."""
 
-SHORTEST = 4.0
-"""Largest square of the error of a pass of the others, relative to that of the first ones: shorter passes are not worth
-their sweeps. [-]"""
+SHORTEST = 1
+"""How often the samples of the first passes are halved for the others at most. As samples are the weights of passes, much
+shorter ones, of variances that fall faster than their samples do, would only add to the error; nor are they worth their
+sweeps."""
 
 HURRY = 3
 """How often the samples of passes are halved that are made only to have an error when a bake is stopped early."""
@@ -268,7 +269,8 @@ class Layer:
         """Standard error at which the rule is met; None: it names none. [lx]"""
         errors = [self.rule.absolute or 0.0]
         if self.rule.error is not None:
-            errors.append(self.rule.error * _mean(sums.mean(), self.job.area))
+            area = np.where(self.job.valid, self.job.area, 0.0)
+            errors.append(self.rule.error * _mean(sums.mean(), area))
         return max(errors) if max(errors) > 0.0 else None
 
     def _plan(self, pilot: Pilot, square: float | None) -> tuple[Levels, float]:
@@ -295,6 +297,10 @@ class Layer:
         seconds = time.perf_counter() - begin
         seconds += trial.seconds * levels.total() / max(trial.samples, 1e-9)
         seconds += trial.trace_seconds * job.paths(levels) / max(trial.paths, 1)
+        begin = time.perf_counter()
+        # Its kernel is made here, so that no pass takes longer for it.
+        job.compare(TRIALS, levels)
+        seconds += (time.perf_counter() - begin) / CHECK_INTERVAL
         return levels, seconds
 
     def _planned(self, pilot: Pilot, square: float | None, passes: int, samples=0.0) -> Levels:
@@ -321,24 +327,31 @@ class Layer:
 
         All get more or less alike, as numbers of samples must not depend on the values that they weigh.
         """
-        job, forecaster = self.job, state.forecaster
+        job, forecaster, first = self.job, state.forecaster, state.levels
         pilot, state.pilot = Pilot.from_state(job, state.pilot), {}
+        samples = max(first.total(), 1e-9)
+        if not np.allclose(state.object_passes[:, 0] * job.count, samples):
+            # Somebody could not wait for passes as they were planned, which so are not known better.
+            return
         allowed = self._allowed(state.sums)
+        if allowed is None:
+            self._lengthen(state)
         if allowed is None or not allowed < error < math.inf:
             return
-        single = FEWEST_PASSES * error**2
-        pilot.correct(state.levels, single)
+        pilot.correct(first, FEWEST_PASSES * error**2)
         missing = allowed**-2 - error**-2
-        passes = min(PASSES - FEWEST_PASSES, math.ceil(SHORTEST * single * missing + SPARED))
-        square = (passes - SPARED) / missing
+        passes = PASSES - FEWEST_PASSES
         last = forecaster.history.marks[-1]
-        levels = self._planned(pilot, square, passes, last.samples)
-        square = pilot.square(levels)
-        each = forecaster.pass_seconds * levels.total() / max(state.levels.total(), 1e-9)
-        state.levels, steps = self._hurried(levels, each * passes, last.seconds)
-        share = max(square * 2.0**steps / error**2, 1e-9)
+        levels = self._planned(pilot, (passes - SPARED) / missing, passes, last.samples)
+        seconds = forecaster.pass_seconds * levels.total() / samples
+        levels, _ = self._hurried(levels, seconds * passes, last.seconds)
+        state.levels = max(levels, first.lowered(SHORTEST), key=Levels.total)
+        square = pilot.square(state.levels)
+        seconds = forecaster.pass_seconds * state.levels.total() / samples
+        passes = int(np.clip(math.ceil(missing * square), 1, passes))
         more = state.levels.total() / max(job.count, 1)
-        forecaster.respread(1.0, share, 1.0, more, each / 2.0**steps, self._seconds, planned=passes)
+        share = max(square / error**2, 1e-9)
+        forecaster.respread(1.0, share, 1.0, more, seconds, self._seconds, planned=passes)
 
     def _pass(self, state: LayerState) -> None:
         job, forecaster = self.job, state.forecaster
@@ -383,8 +396,8 @@ class Layer:
 
     def _steps_down(self, state: LayerState) -> int:
         """How often the samples of the next pass are halved, so that the last one does not go far beyond the rule."""
-        if self.ending.stopped():
-            # There is no result yet, and somebody waits for one.
+        if self.ending.stopped() or state.forecaster.is_done():
+            # There is no result yet, and somebody waits for one, or the time is over.
             return HURRY
         needed = state.forecaster.passes_needed()
         if state.pilot or needed is None or needed >= 1.0 or state.forecaster.is_last_planned():

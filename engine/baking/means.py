@@ -95,7 +95,9 @@ def _mean_error(states: list[LayerState], number: int, rows: np.ndarray, area: n
         parts = np.where(np.isfinite(variance), variance, 0.0) * area**2
         own = float(parts.sum()) / total**2
         own *= float(tail_factor(parts.sum(), parts.max(initial=0.0), len(parts))) ** 2
-        surplus = 1.0 + 2.0 / max(len(means) - 3.0, LEAST_FREEDOM)
+        # Passes of uneven weights are worth fewer of even ones.
+        passes = weights.sum() ** 2 / (weights**2).sum()
+        surplus = 1.0 + 2.0 / max(passes - 3.0, LEAST_FREEDOM)
         square += own + max(whole - own, 0.0) * surplus
     return float(np.sqrt(square))
 

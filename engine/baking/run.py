@@ -651,7 +651,7 @@ def _estimates(
     exitance = None
     if order.exitance:
         exitance = sum(state.sums.further_means() for _, state in layers)
-    freedom = max(replicates - 1, 1) + TILE_FREEDOM
+    freedom = max(min(state.sums.degrees_of_freedom for _, state in layers), 1.0) + TILE_FREEDOM
     return Estimates(light, error, named, exitance, replicates, freedom, surplus)
 
 
@@ -664,8 +664,10 @@ def pool_variance(sums, part: slice, tiles: np.ndarray, valid: np.ndarray) -> np
     are sqrt(k): a single one may be the rare path that the others wait for, many are more likely of another kind.
     """
     variance = sums.variance(part)
-    freedom = max(sums.passes - 1, 1)
-    own = np.where(valid & np.isfinite(variance), variance, 0.0)
+    is_known = valid & np.isfinite(variance)
+    passes = sums.replicates(part)[is_known]
+    freedom = max(float(passes.mean()) - 1.0, 1.0) if len(passes) else 1.0
+    own = np.where(is_known, variance, 0.0)
     known = np.maximum(np.bincount(tiles, valid.astype(np.float64)), 1.0)
     # Wilson and Hilferty's quantile of chi-square over its degrees of freedom.
     spread = 2.0 / (9.0 * freedom)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy.stopping import StopRule
-from ..errors import FileFormatError
+from ..errors import FileFormatError, SceneError
 from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
 from ..scene.scene import Scene
 from .layer import LayerState
@@ -88,14 +88,19 @@ class Saver:
 
         Raises
         ------
-        FileFormatError    They are of maps with another number of lumels.
+        FileFormatError    They are of maps with another number of lumels, or do not fit together.
         """
         for number in range(layers):
             head = f"{number}."
             own = {key[len(head) :]: v for key, v in self._arrays.items() if key.startswith(head)}
             if not own:
                 continue
-            state = LayerState.from_arrays(rule, own)
+            try:
+                state = LayerState.from_arrays(rule, own)
+            except (SceneError, KeyError) as error:
+                raise FileFormatError(
+                    self._path, f"{error}: delete the checkpoint and start anew"
+                ) from error
             if state.sums.count != count:
                 raise FileFormatError(
                     self._path,

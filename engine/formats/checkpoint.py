@@ -22,7 +22,7 @@ from .. import VERSION
 from ..errors import FileFormatError
 from ..reading.content import open_file, size_of
 
-MAGIC = b"Lumenray checkpoint 2\n"
+MAGIC = b"Lumenray checkpoint 3\n"
 """First bytes of every file; the number is that of the format."""
 
 KIND = b"Lumenray checkpoint "

@@ -119,19 +119,16 @@ def hear_sensors(
         )
         if not verdict.is_doubtful:
             break
-    lacking = verdict.floor * verdict.differs
-    lucky = np.zeros(len(lacking), dtype=bool)
-    if look > 1:
-        # What stood in doubt is not known better than more samples know it.
-        supported = made.standard_error * np.sqrt(made.samples / found.samples)
-        lucky = supported > np.maximum(UNSUPPORTED * found.standard_error[squares.sensor], lacking)
-        # Many events are not missed by luck: the light differs over the square, or well-distributed samples are better.
-        lucky &= made.events * found.samples < TRUSTED * made.samples
-        lacking = np.where(lucky, supported, lacking)
-    lacks = np.bincount(squares.sensor, lacking, len(floors))
+    lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
     near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
     each = np.maximum(lacks[near], abs(verdict.rest) * sheets.faces)
     floors = np.maximum(floors, each * sheets.response)
+    lucky = np.zeros(len(floors), dtype=bool)
+    if look > 1:
+        # What stood in doubt is not known better than more samples about it know it.
+        known = _rare_errors(made, found, squares.sensor)[near] * sheets.response
+        lucky = known > np.maximum(UNSUPPORTED * found.standard_error, floors)
+        floors = np.where(lucky, known, floors)
     error = float(batch_error(report.sheet_batches.mean(axis=1)))
     decision = (
         f"{report.paths} light paths from the lights bring {report.sheets.mean():.4g} ± {error:.2g} lx to "
@@ -141,8 +138,8 @@ def hear_sensors(
     notes = _tell(witness, sheets, verdict, made, report)
     if lucky.any():
         notes += (
-            f"{len(np.unique(squares.sensor[lucky]))} of the sensors looked at scatter less than gathering about them "
-            f"does, so they may have missed rare light: their stated errors are those of the places about them",
+            f"{lucky.sum()} of {len(lucky)} sensors scatter less than gathering about them does, so they may have missed "
+            f"rare light: their stated errors are those of the places about them",
         )
     return SensorTestimony(floors, notes, decision, report.balance())
 
@@ -151,6 +148,16 @@ def _supported(made: Estimate, found: Estimate, sensor: np.ndarray) -> np.ndarra
     """Errors of gathering on squares as far as those of their sensors support them, for these are what is stated. [lx]"""
     stated = found.standard_error[sensor] * np.sqrt(found.samples / made.samples)
     return np.clip(stated, SUPPORTED * made.standard_error, made.standard_error)
+
+
+def _rare_errors(made: Estimate, found: Estimate, sensor: np.ndarray) -> np.ndarray:
+    """Errors of the squares of each sensor with as many samples as it had; 0 where many events make them. (n,) [lx]
+
+    Many events are not missed by luck: there the light differs over the square, or well-distributed samples are better.
+    """
+    few = made.events * found.samples < TRUSTED * made.samples
+    squares = made.standard_error**2 * (made.samples / found.samples)
+    return np.sqrt(np.bincount(sensor, np.where(few, squares, 0.0), len(found.mean)))
 
 
 def _mean_error(errors: np.ndarray) -> float:

@@ -188,7 +188,7 @@ class Witness:
         chosen = np.append(matters, [False])[np.minimum(rows, len(matters))]
         self._wanted_rows = upload(mi.UInt32, np.where(chosen, rows, NOBODY))
         dr.eval(self._all_rows, self._wanted_rows)
-        self._limit = UNLIMITED
+        self._limit, self._lanes = UNLIMITED, LANES
         asked = {key for (key, _), own in zip(self.objects, matters, strict=True) if own}
         corners = [corner for key in asked for corner in scene.object_bounds(key)]
         margin = 0.0
@@ -218,15 +218,15 @@ class Witness:
         if not self._lights.origins:
             return self._empty()
         self._shares = self._learn()
-        self._paths = paths = self._affordable(paths * look, WORK * look)
+        self._paths = paths = self._affordable(paths * look, look)
         which, chance = _spread(self._shares, paths, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), BATCHES, self._flux)
         if self._sheets is not None:
             self._sheets.prepare(BATCHES, self._flux)
         given, heaviest = np.zeros((len(self._lights.origins), BATCHES)), 0.0
-        for first in range(0, paths, LANES):
-            rows = np.arange(first, min(first + LANES, paths))
-            rays, *_ = self._launch(which[rows], chance, tally, rows, 2 + first // LANES)
+        for first in range(0, paths, self._lanes):
+            rows = np.arange(first, min(first + self._lanes, paths))
+            rays, *_ = self._launch(which[rows], chance, tally, rows, 2 + first // self._lanes)
             flux = np.array(rays.lumens(rays.power), dtype=np.float64)
             given += np.bincount(which[rows] * BATCHES + rows % BATCHES, flux, given.size).reshape(given.shape)  # fmt: skip
             heaviest = max(heaviest, float(flux.max(initial=0.0)))
@@ -239,9 +239,9 @@ class Witness:
         tally = make_tally(self._all_rows, len(self.objects), BATCHES, self._flux)
         if self._sheets is not None:
             self._sheets.prepare(BATCHES, self._flux)
-        for first in range(0, self._paths, LANES):
-            rows = np.arange(first, min(first + LANES, self._paths))
-            self._launch(which[rows], chance, tally, rows, 2 + first // LANES, watcher)
+        for first in range(0, self._paths, self._lanes):
+            rows = np.arange(first, min(first + self._lanes, self._paths))
+            self._launch(which[rows], chance, tally, rows, 2 + first // self._lanes, watcher)
         return watcher.cause([origin.name for origin in self._lights.origins])
 
     # ---- private ----
@@ -266,16 +266,17 @@ class Witness:
             dr.eval(self._sheets.flux.counts)
         return rays, use, met
 
-    def _affordable(self, paths: int, work: int) -> int:
-        """So many paths, or fewer where they are long; a power of two of them then."""
+    def _affordable(self, paths: int, look: int) -> int:
+        """So many paths, or fewer where they are long, then a power of two. No launch is longer in a second look."""
         which, chance = _spread(self._shares, PROBE, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), 1, self._flux)
         if self._sheets is not None:
             self._sheets.prepare(1, self._flux)
         *_, met = self._launch(which, chance, tally, np.arange(PROBE), 900)
         many = max(float(np.array(met, dtype=np.float64).mean()), 1.0)
-        wanted = 1 << int(np.log2(work / many))
-        return min(paths, max(wanted, FEWEST_PATHS))
+        wanted = max(1 << int(np.log2(WORK / many)), FEWEST_PATHS)
+        self._lanes = min(LANES, wanted)
+        return min(paths, wanted * look)
 
     def _learn(self) -> np.ndarray:
         """Shares of the paths for each light, by what they bring; maps of suns learn too."""

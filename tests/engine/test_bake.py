@@ -162,12 +162,12 @@ def test_a_state_of_another_bake_is_refused(tmp_path):
         bake(GREY, OBJECTS, 64, density=7.0, method="paths", checkpoint=str(path))
 
 
-def interrupted(path, **rule):
-    """Begin a bake and cancel it after its fourth pass."""
+def interrupted(path, marks=4, **rule):
+    """Begin a bake and cancel it after so many marks: of the pilot, where there is one, and of passes."""
     stopped = Stopper(GREY)
 
     def cancel(progress):
-        if len(progress.history.marks if progress.history else ()) == 4:
+        if len(progress.history.marks if progress.history else ()) == marks:
             stopped.session.cancel()
 
     with pytest.raises(Cancelled):
@@ -224,7 +224,28 @@ def test_a_rule_that_is_stricter_by_far_takes_longer_passes(tmp_path):
     assert len(result.history.marks) < 60
 
 
-@pytest.mark.parametrize("factor", [0.25, 4.0])
+@pytest.mark.parametrize(
+    ("before", "after", "most"),
+    [
+        # Two of the passes that were planned nearly do.
+        ({"error": 0.015}, {"error": 0.03}, 12),
+        ({"error": 0.06}, {"error": 0.03}, 12),
+        ({"error": 0.05}, {"samples": 1024}, 60),
+    ],
+)
+@pytest.mark.slow
+def test_another_rule_after_the_first_pass_does_not_take_very_many(tmp_path, before, after, most):
+    path = tmp_path / "state"
+    interrupted(path, 2, **before)
+    result = bake(GREY, OBJECTS, checkpoint=str(path), **after)
+    assert result.shortfall == ""
+    assert len(result.history.marks) < most
+    errors = [mark.error for mark in result.history.marks[2:]]
+    # No pass is so short that it adds to the error, but for chance.
+    assert (np.diff(errors) < 0.1 * errors[-1]).all()
+
+
+@pytest.mark.parametrize("factor", [0.25, 3.7, 4.0])
 @pytest.mark.slow
 def test_trials_that_mislead_do_not_make_a_bake_longer(monkeypatch, factor):
     """The first passes show what is still to be done."""
@@ -272,6 +293,10 @@ def test_a_bake_that_is_stopped_keeps_what_it_has_and_goes_on_later(tmp_path, gr
     assert sum(each.mean * each.area for each in made.maps) == pytest.approx(1000.0 / 0.5, rel=0.03)
     assert path.exists()
     again = bake_in(Stopper(items).session, OBJECTS, None, None, **(more | {"error": 0.03}))
+    # The short pass that was made for whoever stopped it misleads nobody.
+    assert len(again.history.marks) < 12 * (1 + len(groups))
+    at_once = bake_in(Stopper(items).session, OBJECTS, error=0.03, groups=groups)
+    assert again.history.marks[-1].samples < 2.0 * at_once.history.marks[-1].samples
     # The block stands on the floor: what its lower side gets from outside is told as an error by the second witness.
     assert again.maps[0].relative_standard_error <= 0.03
     assert again.shortfall == ""

@@ -149,7 +149,7 @@ def test_another_scene_order_or_version_is_named(tmp_path):
         read_checkpoint(path, scene="99")
     with pytest.raises(FileFormatError, match="other settings"):
         read_checkpoint(path, scene="5c", order="99")
-    path.write_bytes(path.read_bytes().replace(b"checkpoint 2", b"checkpoint 1"))
+    path.write_bytes(path.read_bytes().replace(b"checkpoint 3", b"checkpoint 2"))
     with pytest.raises(FileFormatError, match="another version"):
         read_checkpoint(path)
     with pytest.raises(FileFormatError, match=r"another version of Lumenray \(0\.0\.1"):

@@ -222,6 +222,31 @@ def test_rare_light_that_a_lucky_sensor_has_not_met_is_covered(number, seeds):
             assert (np.abs(found.mean - truth.sheets) < allowed).all()
 
 
+def test_lucky_sensors_that_were_not_looked_at_state_what_places_about_them_know(monkeypatch):
+    """And honest ones beside lucky ones keep their errors, as all do where many events make those of the places."""
+    from lumenray.engine.accuracy.estimate import Estimate
+    from lumenray.engine.transport import sensor_witness
+
+    session = session_with(paint(0.5), ROOM, lamp((1.0, 1.0, 1.7), 1000.0))
+    apart = np.random.default_rng(1).uniform(-1e-3, 1e-3, (200, 3))
+    beside, facing = PLACES[0] + apart * [1.0, 1.0, 0.0], np.tile(FACING[0], (200, 1))
+    is_lucky = np.arange(200) % 2 == 0
+    errors = np.where(is_lucky, 0.1, 10.0)
+    with session._engine("auto") as scene:
+        count = len(Sheets(scene, beside, facing))
+        light = Witness(scene, 1, set(), Sheets(scene, beside, facing)).run(1 << 17).sheets
+        for events, expected in ((2.0, np.where(is_lucky, 10.0, 0.0)), (1e3, np.zeros(200))):
+            # As far from the light paths as leaves doubt, but not on the mean.
+            off = 9.0 * (-1.0) ** np.arange(count)
+            made = Estimate(light + off, np.full(count, 5.0), 1 << 12, np.full(count, events))
+            monkeypatch.setattr(sensor_witness, "compute", lambda *_, made=made, **__: made)
+            monkeypatch.setattr(sensor_witness, "DOUBT", 0.9)
+            found = Estimate(np.full(200, light.mean()), errors, 1 << 10)
+            heard = hear_sensors(scene, beside, facing, SensorKind.PLANAR, found, 3)
+            np.testing.assert_allclose(heard.floors, expected)
+            assert any("100 of 200 sensors" in note for note in heard.notes) == (events < 10.0)
+
+
 def test_direct_light_alone_is_compared_with_direct_light():
     session = session_with(paint(0.5), ROOM, lamp((1.0, 1.0, 1.7), 1000.0))
     made = session.measure(PLACES, FACING, StopRule(samples=1 << 10), reflections=0)
