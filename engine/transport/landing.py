@@ -60,6 +60,11 @@ class Deposits:
     wavelengths: np.ndarray | None = None
     parts: np.ndarray | None = None
 
+    def only(self, kept: np.ndarray) -> "Deposits":
+        """Some of them. ``kept``: as an index of arrays."""
+        columns = ((entry.name, getattr(self, entry.name)) for entry in fields(self))
+        return Deposits(**{name: None if c is None else c[kept] for name, c in columns})
+
 
 def follow(
     scene: CompiledScene, ray, stream, active, counts_straight: Callable | None = None
