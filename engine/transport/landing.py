@@ -13,11 +13,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..arrays import upload
 from ..materials.plugins import DISPERSED_COMPONENT
 from .compile import CompiledScene
 from .gather import photometric
 from .polarisation import polarise
 from .rays import spawn_ray
+from .sampler import random_stream
 from .textures import is_spectral
 
 ROULETTE_START = 4
@@ -25,6 +27,16 @@ ROULETTE_START = 4
 
 SURVIVAL = 0.97
 """Largest probability of going on, so that light that glass holds back for ever ends."""
+
+CRACK = 4e-6
+"""How far beside a ray others have to land too, relative to the scene's radius: rays of single precision slip between faces
+that touch without sharing their corners. [-]"""
+
+ALIKE = 0.01
+"""Difference of the lengths of their ways, relative to these, up to which two rays land in one place. [-]"""
+
+TURN = 0.4
+"""Of the directions across: no side runs along the edges of a model that is square to its axes. [rad]"""
 
 MAXIMUM_STEPS = 4096
 """Stops a path between surfaces of which numerical trouble would let none end it."""
@@ -167,6 +179,43 @@ def follow(
         labels=tuple(state),
     )
     return dict(zip(state, result, strict=True))
+
+
+def lands_beside(scene: CompiledScene, ways: np.ndarray, made: Deposits) -> np.ndarray:
+    """Whether rays beside some that landed straight do so too, on the same side of the same shape.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    ways : (m, 7) array    Length of the way [m], origin [m] and direction of each.
+    made : Deposits    Where they landed.
+
+    Returns
+    -------
+    (m,) bool array    Whether any does of four, one in each direction across.
+    """
+    count = len(ways)
+    if not count:
+        return np.zeros(0, dtype=bool)
+    lane = dr.arange(mi.UInt32, 4 * count)
+    row = lane // 4
+    table = upload(mi.Float, np.asarray(ways, dtype=np.float32))
+    length, *values = (dr.gather(mi.Float, table, row * 7 + k) for k in range(7))
+    ray = mi.Ray3f(mi.Point3f(*values[:3]), mi.Vector3f(*values[3:]))
+    if made.wavelengths is not None:
+        known = upload(mi.Float, made.wavelengths)
+        ray.wavelengths = mi.Spectrum(*(dr.gather(mi.Float, known, row * 4 + k) for k in range(4)))
+    angle = mi.Float(lane % 4) * (0.5 * dr.pi) + TURN
+    frame = mi.Frame3f(ray.d)
+    across = frame.s * dr.cos(angle) + frame.t * dr.sin(angle)
+    ray.o += across * dr.opaque(mi.Float, CRACK * float(scene.radius))
+    always = mi.Bool(True)
+    end = follow(scene, ray, random_stream(lane, mi.UInt32(0)), always, lambda _: always)
+    lands = end["landed"] & (end["bends"] == 0)
+    lands &= dr.abs(end["length"] - length) < ALIKE * length
+    lands &= end["shape"] == dr.gather(mi.UInt32, upload(mi.UInt32, made.shape), row)
+    lands &= end["back"] == dr.gather(mi.Bool, upload(mi.Bool, made.back), row)
+    return np.array(lands).reshape(count, 4).any(axis=1)
 
 
 def _meet(scene: CompiledScene, ray, active):

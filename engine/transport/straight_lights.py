@@ -22,7 +22,7 @@ import numpy as np
 
 from ..arrays import table_size, upload
 from .emission_rays import SUN, EmissionRays, TracedLight, find_ideal_lights, find_surfaces
-from .landing import Deposits, follow, gather_deposits
+from .landing import Deposits, follow, gather_deposits, lands_beside
 from .light_targets import SphereTree
 from .sampler import random_stream, sobol_pair
 
@@ -67,14 +67,8 @@ NEIGHBOURS = 0.1
 """Share of a cell that each of its neighbours in the histogram gets too. [-]"""
 
 RARE = 1.0
-"""Density, relative to even rays, below which a ray that lands is looked at closely: it counts for many. [-]"""
-
-CRACK = 4e-6
-"""How far beside such a ray others have to land there too, relative to the scene's radius: rays of single precision slip
-between faces that touch without sharing their corners. [-]"""
-
-ALIKE = 0.01
-"""Difference of the lengths of their ways, relative to these, up to which two rays land in one place. [-]"""
+"""Density, relative to even rays, below which it is asked whether a ray that landed slipped through a crack: it counts for
+many. [-]"""
 
 SALT = 0x2B9D
 """Sets these paths apart from others of the same seed."""
@@ -352,45 +346,9 @@ class StraightLights:
         if self._ends is not None:
             held = np.ones(len(ways), dtype=bool)
             rare = np.flatnonzero(ways[:, 0] < RARE)
-            held[rare] = self._lands_beside(ways[rare, 1:], made.only(rare))
+            held[rare] = lands_beside(self._scene, ways[rare, 1:], made.only(rare))
             made, told = made.only(held), told[held]
         return replace(made, light=told[:, 0].astype(np.uint32)), told
-
-    def _lands_beside(self, ways: np.ndarray, made: Deposits) -> np.ndarray:
-        """Whether rays beside some that landed do so too, in any of four directions across. (m,) bool
-
-        ``ways``: length [m], origin [m] and direction of each, (m, 7). ``made``: where it landed.
-        """
-        count = len(ways)
-        if not count:
-            return np.zeros(0, dtype=bool)
-        lane = dr.arange(mi.UInt32, 4 * count)
-        row, turn = lane // 4, lane % 4
-        table = upload(mi.Float, ways.astype(np.float32))
-        length, *values = (dr.gather(mi.Float, table, row * 7 + k) for k in range(7))
-        ray = mi.Ray3f(mi.Point3f(*values[:3]), mi.Vector3f(*values[3:]))
-        if made.wavelengths is not None:
-            known = upload(mi.Float, made.wavelengths)
-            ray.wavelengths = mi.Spectrum(
-                *(dr.gather(mi.Float, known, row * 4 + k) for k in range(4))
-            )
-        # Turned by an odd angle, so that no side runs along an edge of a model that is square to its axes.
-        angle = mi.Float(turn) * (0.5 * dr.pi) + 0.4
-        frame = mi.Frame3f(ray.d)
-        across = frame.s * dr.cos(angle) + frame.t * dr.sin(angle)
-        ray.o += across * dr.opaque(mi.Float, CRACK * float(self._scene.radius))
-        end = follow(
-            self._scene,
-            ray,
-            random_stream(lane, mi.UInt32(SALT)),
-            mi.Bool(True),
-            lambda _: mi.Bool(True),
-        )
-        is_near = dr.abs(end["length"] - length) < ALIKE * length
-        is_same = end["shape"] == dr.gather(mi.UInt32, upload(mi.UInt32, made.shape), row)
-        is_same &= end["back"] == dr.gather(mi.Bool, upload(mi.Bool, made.back), row)
-        lands = end["landed"] & (end["bends"] == 0) & is_near & is_same
-        return np.array(lands).reshape(count, 4).any(axis=1)
 
     def _guide(self, light, sample, stream):
         """Place in the unit square by a light's histogram, its cell, and the density."""

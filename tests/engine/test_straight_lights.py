@@ -355,6 +355,36 @@ def test_a_job_that_cannot_begin_leaves_its_suns_to_the_next_one(monkeypatch):
         assert scene.surroundings.sun_value(*looks_at(keyhole_sun()))[0][0] > 0.0
 
 
+def test_rays_that_slip_between_lid_and_wall_are_known_from_those_through_the_hole():
+    """The lid's edge runs along the wall's, but they share no corners."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.arrays import upload
+    from lumenray.engine.transport.landing import fetch_deposits, follow, lands_beside
+    from lumenray.engine.transport.sampler import random_stream
+
+    draw, count = np.random.default_rng(2), 1 << 19
+    towards = keyhole_sun().direction
+    along = draw.uniform(0.0, 1.0, count)
+    near_edge = np.stack([along, 1.0 + draw.uniform(-2e-7, 2e-7, count), np.ones(count)], axis=1)
+    in_hole = np.array([0.5, 0.5, 1.0]) + draw.uniform(-0.0025, 0.0025, (count, 3)) * [1, 1, 0]
+    with session_of(paint(0.5), pierced_box(0.005), keyhole_sun())._engine("auto") as scene:
+        for aims, through, least in ((near_edge, 0.0, 20), (in_hole, 1.0, count // 2)):
+            starts = scene.local(aims) - 1.7 * towards
+            columns = [upload(mi.Float, starts[:, k].astype(np.float32)) for k in range(3)]
+            ray = mi.Ray3f(mi.Point3f(*columns), mi.Vector3f(*towards.astype(np.float32).tolist()))
+            ray.d += dr.zeros(mi.Vector3f, count)
+            everyone = dr.full(mi.Bool, True, count)
+            stream = random_stream(dr.arange(mi.UInt32, count), mi.UInt32(1))
+            end = follow(scene, ray, stream, everyone, lambda _: mi.Bool(True))
+            told = [end["length"], *ray.o, *ray.d]
+            made, ways = fetch_deposits(end, dr.full(mi.Float, 1.0, count), None, None, told)
+            inside = np.flatnonzero(~made.back)
+            assert len(inside) > least
+            held = lands_beside(scene, ways[inside], made.only(inside))
+            assert held.mean() == pytest.approx(through, abs=0.01)
+
+
 def looks_at(sun):
     import drjit as dr
     import mitsuba as mi
