@@ -43,7 +43,7 @@ validate: setup ## run the whole validation suite, other programs too, and write
 	$(VENV)/bin/lumenray validate --peers -o docs/validation
 
 mutations: setup ## put faults of physics into the engine, see that the quick subset finds each, and write the table
-	$(PYTHON_IN_VENV) -m lumenray.tests.validation.suite.mutations -o docs/validation
+	$(PYTHON_IN_VENV) -m lumenray.validation.mutations -o docs/validation
 
 lint: setup ## check style, format and the direction of imports
 	$(VENV)/bin/ruff check .

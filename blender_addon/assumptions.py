@@ -5,7 +5,7 @@ import sys
 from ..engine.errors import SceneError
 from ..engine.formats.report import find_remarks
 from ..engine.reading.printable import printable
-from .report import ConversionReport, Severity
+from .foundation.report import ConversionReport, Severity
 
 UNREACHED = 3
 """Exit code where samples or time ended, or a bake was stopped, before what was wanted was reached."""

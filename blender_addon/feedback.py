@@ -17,8 +17,8 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..engine.accuracy.stopping import Progress, format_seconds
-from .probe import Probe
-from .report import ConversionReport
+from .foundation.probe import Probe
+from .foundation.report import ConversionReport
 
 SEVERITIES = [
     ("ERROR", "Error", "Something was left out", "CANCEL", 0),

@@ -4,9 +4,9 @@ import bpy
 
 from ..engine.scene.light import AreaLight, Luminaire, PointLight, Quantity, SpotLight, SunLight
 from . import readout
-from .report import ConversionReport
-from .sync.lights import convert_light
-from .sync.units import metres_per_unit
+from .foundation.report import ConversionReport
+from .foundation.units import metres_per_unit
+from .sync.lights.lights import convert_light
 
 NOTHING = {"SUN": "ILLUMINANCE"}
 """Quantity of a light that gives nothing; a flux where none is named."""

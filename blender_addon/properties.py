@@ -15,11 +15,11 @@ from bpy.types import PropertyGroup
 
 from ..engine.photometry import units
 from ..libraries import spectra
-from . import baked_tables
+from .bake import tables as baked_tables
+from .foundation.settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .raysets.settings import LumenrayRaysetSettings
 from .scattering.settings import LumenrayMeasuredSettings
-from .shared_settings import PATH_OPTIONS, SpectrumSettings, enum_from_names, tag_owner
 from .sky import SOURCES, LumenraySkySettings
 
 

@@ -13,13 +13,13 @@ from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
 from ..engine.scene.spectrum import Rgb
 from ..engine.sky.cie import ground_luminance, zenith_luminance
-from .baked_tables import UNKNOWN
+from .bake.tables import UNKNOWN
+from .foundation.report import ConversionReport
 from .properties import white_luminance
-from .report import ConversionReport
 from .sky import angles, onto_horizon, towards_lamp
-from .sync.fields import luminance
-from .sync.lights import PHYSICAL_QUANTITIES
+from .sync.lights.lights import PHYSICAL_QUANTITIES
 from .sync.meshes import MESH_TYPES
+from .sync.nodes.fields import luminance
 from .sync.spectra import convert_spectrum
 from .sync.world import convert_sky, follows_sun_lamp
 

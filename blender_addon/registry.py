@@ -2,24 +2,19 @@
 
 import bpy
 
-from . import properties, render_engine
+from . import properties
+from .rendering import render_engine
 
 
 def _groups():
     """Modules with something to register: classes, and functions that tie them to Blender and off again."""
-    from . import (
-        baked_results,
-        engine_process,
-        feed,
-        feedback,
-        identity,
-        preferences,
-        running_bake,
-        view_drawing,
-        viewport,
-    )
+    from . import feedback, preferences
     from .asset_library import registration as asset_libraries
+    from .bake import results as baked_results
+    from .bake import running as running_bake
+    from .foundation import engine_process, identity
     from .raysets import files as ray_files
+    from .rendering import feed, view_drawing, viewport
     from .scattering import files as scattering_files
     from .sync import live
 

@@ -6,7 +6,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from bpy.types import PropertyGroup
 
-from .shared_settings import tag_owner
+from .foundation.settings import tag_owner
 
 SOURCES = [
     ("NODES", "World Nodes", "Light comes from the background that the world's nodes state", 0),

@@ -18,7 +18,7 @@ import numpy as np
 
 from .accuracy.stopping import StopRule
 from .errors import SceneError
-from .scattering.surface import excess_of, usable
+from .scattering.data.surface import excess_of, usable
 from .scene.material import (
     Coated,
     Dielectric,

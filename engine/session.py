@@ -314,9 +314,9 @@ class Session:
         """
         check_item(camera)
         with self._engine(settings.transport) as compiled:
-            from .transport import picture
-            from .transport.bent_lights import bent_lights
-            from .transport.bright_spots import bright_spots
+            from .transport.light_tracing.bent_lights import bent_lights
+            from .transport.light_tracing.bright_spots import bright_spots
+            from .transport.paths import picture
 
             start = time.perf_counter()
             seen = picture.look(compiled, picture.Film(camera, compiled.origin))
@@ -366,9 +366,9 @@ class Session:
         Cancelled    After `cancel`.
         """
         with self._engine(transport) as compiled:
-            from .transport.bent_lights import bent_lights
-            from .transport.bright_spots import bright_spots
-            from .transport.illuminance import Receivers, compute
+            from .transport.light_tracing.bent_lights import bent_lights
+            from .transport.light_tracing.bright_spots import bright_spots
+            from .transport.paths.illuminance import Receivers, compute
 
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
@@ -387,7 +387,7 @@ class Session:
                     colour,
                 )
                 if witness and self._has_witness and len(estimate.mean):
-                    from .transport.sensor_witness import hear_sensors
+                    from .transport.witness.sensors import hear_sensors
 
                     bright = estimate.channel(1) if colour else estimate
                     heard = hear_sensors(
@@ -483,7 +483,7 @@ class Session:
         SceneError    Something in the scene makes no sense.
         """
         with self._engine(transport) as compiled:
-            from .transport.light_paths import LightTracer
+            from .transport.light_tracing.light_paths import LightTracer
 
             tracer = LightTracer(compiled)
             tracer.close()
@@ -576,7 +576,7 @@ class Session:
         view = self._view
         with self._engine(view.settings.transport, is_live=True) as compiled:
             from .analysis.display import show
-            from .transport.live_view import LiveView
+            from .transport.paths.live_view import LiveView
 
             start = time.perf_counter()
             is_new = view.revision != self.revision or view.work is None
@@ -652,7 +652,7 @@ class Session:
             # A live scene stays spectral, so that no change of colour costs a new start.
             needs = replace(needs, spectral=True)
         variant = backend.start(needs.spectral)
-        from .transport.compile import CompiledScene, Outgrown
+        from .transport.compiled.compile import CompiledScene, Outgrown
 
         start = time.perf_counter()
         compiled, self._compiled = self._compiled, None
@@ -680,7 +680,7 @@ class Session:
 
     def _compile_aside(self, scene: Scene, like):
         """Compile another scene for the variant of a compiled one."""
-        from .transport.compile import CompiledScene
+        from .transport.compiled.compile import CompiledScene
 
         scene.check()
         return CompiledScene(scene, like.requirements)

@@ -6,18 +6,14 @@ from dataclasses import replace
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from ..blender_addon import (
-    assumptions,
-    bake,
-    bake_folders,
-    baked_look,
-    baked_results,
-    engine_process,
-    feedback,
-    readout,
-    running_bake,
-)
-from ..blender_addon.error_graphs import graph
+from ..blender_addon import assumptions, feedback, readout
+from ..blender_addon.bake import folders as bake_folders
+from ..blender_addon.bake import job as bake
+from ..blender_addon.bake import look as baked_look
+from ..blender_addon.bake import results as baked_results
+from ..blender_addon.bake import running as running_bake
+from ..blender_addon.bake.error_graph import graph
+from ..blender_addon.foundation import engine_process
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ..blender_addon import rayset_readout
 from ..blender_addon.luminaires.files import stored_path
 from ..blender_addon.raysets import files
+from ..blender_addon.raysets import readout as rayset_readout
 from ..blender_addon.raysets.settings import active_rays, name_of, rays_of
 from ..blender_addon.readout import title_case
 from ..engine.errors import LumenrayError

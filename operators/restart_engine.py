@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon import engine_process
+from ..blender_addon.foundation import engine_process
 
 
 class LUMENRAY_OT_restart_engine(bpy.types.Operator):

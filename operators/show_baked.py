@@ -3,9 +3,11 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender_addon import baked_images, baked_look, baked_results
+from ..blender_addon.bake import images as baked_images
+from ..blender_addon.bake import look as baked_look
+from ..blender_addon.bake import results as baked_results
+from ..blender_addon.foundation.report import Severity
 from ..blender_addon.properties import LumenraySceneSettings
-from ..blender_addon.report import Severity
 from ..engine.errors import LumenrayError
 
 LOOKS = LumenraySceneSettings.__annotations__["baked_look"].keywords["items"]

@@ -38,7 +38,15 @@ WHEEL_PLATFORMS = {
 PYTHONS = {"cp311": "3.11", "cp313": "3.13"}
 """Python tags: Blender 4.2 to 5.0 bring Python 3.11; 5.1, and Debian's 4.3, run on 3.13."""
 
-NOT_SHIPPED = (".*", "__pycache__", "*.py[cod]", "make_*.py", "benchmarks")
+NOT_SHIPPED = (
+    ".*",
+    "__pycache__",
+    "*.py[cod]",
+    "make_*.py",
+    "benchmarks",
+    "command_line",
+    "validation",
+)
 """Names of files and folders inside the packages that the extension does without."""
 
 ZIP_TIME = (2020, 1, 1, 0, 0, 0)

@@ -1,6 +1,8 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
-from ..blender_addon import error_graphs, luminaire_pictures, scattering_pictures
+from ..blender_addon.bake import error_graph as error_graphs
+from ..blender_addon.luminaires import preview as luminaire_pictures
+from ..blender_addon.scattering import preview as scattering_pictures
 from . import (
     add_menu,
     bake,

@@ -2,9 +2,12 @@
 
 import bpy
 
-from ..blender_addon import bake, bake_folders, baked_images, readout
-from ..blender_addon.error_graphs import graph
-from ..blender_addon.luminaire_pictures import has_dark_theme, side_of
+from ..blender_addon import readout
+from ..blender_addon.bake import folders as bake_folders
+from ..blender_addon.bake import images as baked_images
+from ..blender_addon.bake import job as bake
+from ..blender_addon.bake.error_graph import graph
+from ..blender_addon.luminaires.preview import has_dark_theme, side_of
 from ..blender_addon.luminaires.settings import is_luminaire
 from .light import LightPanel
 from .luminaire import ICON_BORDER, ICON_UNIT, MARGIN

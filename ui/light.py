@@ -2,8 +2,10 @@
 
 import bpy
 
-from ..blender_addon import luminaire_readout, rayset_readout, readout
-from ..blender_addon.sync.portals import is_portal
+from ..blender_addon import readout
+from ..blender_addon.luminaires import readout as luminaire_readout
+from ..blender_addon.raysets import readout as rayset_readout
+from ..blender_addon.sync.lights.portals import is_portal
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum, draw_wide
 
 

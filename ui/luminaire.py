@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..blender_addon import luminaire_readout as readout
-from ..blender_addon.luminaire_pictures import has_dark_theme, pictures, side_of
+from ..blender_addon.luminaires import readout
+from ..blender_addon.luminaires.preview import has_dark_theme, pictures, side_of
 from ..blender_addon.luminaires.settings import active_settings
 from ..blender_addon.raysets.settings import is_rayset
 from .parts import (

@@ -14,9 +14,10 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..blender_addon import luminaire_places, preferences
-from ..blender_addon.luminaire_solid import PLANES, make_curve, make_outline, make_solid
-from ..blender_addon.sync.units import metres_per_unit
+from ..blender_addon import preferences
+from ..blender_addon.foundation.units import metres_per_unit
+from ..blender_addon.luminaires import places as luminaire_places
+from ..blender_addon.luminaires.solid import PLANES, make_curve, make_outline, make_solid
 
 SOLID_COLOUR = (1.0, 0.86, 0.48)
 """Colour of what faces the light of `luminaire_solid`; darker where it does not."""

@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..blender_addon import rayset_readout as readout
 from ..blender_addon.luminaires.settings import is_luminaire
+from ..blender_addon.raysets import readout
 from ..blender_addon.raysets.settings import active_rays
 from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text, draw_wide
 

@@ -9,10 +9,10 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..blender_addon import rayset_readout
-from ..blender_addon.luminaires.pose import pose_of
+from ..blender_addon.foundation.pose import pose_of
+from ..blender_addon.foundation.units import metres_per_unit
+from ..blender_addon.raysets import readout as rayset_readout
 from ..blender_addon.raysets.cloud_drawing import make_points, make_rays
-from ..blender_addon.sync.units import metres_per_unit
 from ..engine.errors import SceneError
 
 POINT_COLOUR = (1.0, 0.62, 0.2, 0.9)

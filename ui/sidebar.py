@@ -2,10 +2,14 @@
 
 import bpy
 
-from ..blender_addon import engine_process, luminaire_readout, rayset_readout, readout, viewport
+from ..blender_addon import readout
+from ..blender_addon.foundation import engine_process
+from ..blender_addon.luminaires import readout as luminaire_readout
 from ..blender_addon.luminaires.settings import settings_of
+from ..blender_addon.raysets import readout as rayset_readout
 from ..blender_addon.raysets.settings import rays_of
-from ..blender_addon.sync.portals import is_portal
+from ..blender_addon.rendering import viewport
+from ..blender_addon.sync.lights.portals import is_portal
 from .compatibility import ENGINE
 from .light import draw_amount, draw_shape
 from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture

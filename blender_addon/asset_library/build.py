@@ -14,10 +14,10 @@ from mathutils import Matrix
 from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.luminaires.coordinates import directions
 from ...engine.luminaires.distribution import flux, intensity, peak
-from ...engine.luminaires.lm63_writer import write_lm63
-from ...engine.luminaires.radiant import require_luminous
-from ...engine.luminaires.reader import parse_luminaire
-from ...engine.luminaires.record import LuminaireFile
+from ...engine.luminaires.formats.lm63.writer import write_lm63
+from ...engine.luminaires.formats.radiant import require_luminous
+from ...engine.luminaires.formats.reader import parse_luminaire
+from ...engine.luminaires.formats.record import LuminaireFile
 from ...engine.photometry.units import BLENDER_EFFICACY
 from ...engine.reading.content import read_bytes
 from ...libraries.luminaires import Library, Model, Problem

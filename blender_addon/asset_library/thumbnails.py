@@ -7,9 +7,9 @@ import numpy as np
 from ...engine.accuracy.stopping import StopRule
 from ...engine.analysis.false_colour import write_display
 from ...engine.analysis.noise_filter import smooth
+from ...engine.luminaires.formats.radiant import require_luminous
+from ...engine.luminaires.formats.reader import read_luminaire
 from ...engine.luminaires.lamp_spectrum import choose_spectrum
-from ...engine.luminaires.radiant import require_luminous
-from ...engine.luminaires.reader import read_luminaire
 from ...engine.photometry.colour import scene_linear
 from ...engine.scene.scene import SceneDelta
 from ...engine.session import Session, ViewSettings

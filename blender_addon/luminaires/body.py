@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ...engine.luminaires.record import LuminaireFile
+from ...engine.luminaires.formats.record import LuminaireFile
 from ...engine.scene.distribution import Opening
 
 SIDES = 32

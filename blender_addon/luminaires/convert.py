@@ -8,15 +8,15 @@ import numpy as np
 from ...engine.errors import LumenrayError
 from ...engine.luminaires.amount import Amount, tilt_factor
 from ...engine.luminaires.distribution import mirrored, turned
+from ...engine.luminaires.formats.record import RADIANT, LuminaireFile
 from ...engine.luminaires.openings import SMALLEST
-from ...engine.luminaires.record import RADIANT, LuminaireFile
 from ...engine.photometry.spectra import efficacy_of_all
 from ...engine.scene.distribution import IntensityDistribution, Opening
 from ...engine.scene.light import Luminaire, Output, Quantity
 from ...engine.scene.spectrum import Illuminant, Spectrum
-from ..report import ConversionReport
+from ..foundation.pose import Pose, pose_of
+from ..foundation.report import ConversionReport
 from . import files
-from .pose import Pose, pose_of
 
 LEFT_OUT = "the light is left out"
 """What is done about a luminaire that cannot be taken over: none at all is better than a wrong one."""

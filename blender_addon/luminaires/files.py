@@ -17,9 +17,9 @@ import bpy
 
 from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.luminaires.distribution import flux as flux_of
+from ...engine.luminaires.formats.reader import parse_luminaire
+from ...engine.luminaires.formats.record import LuminaireFile
 from ...engine.luminaires.lamp_spectrum import LampSpectrum, choose_spectrum
-from ...engine.luminaires.reader import parse_luminaire
-from ...engine.luminaires.record import LuminaireFile
 from ...engine.reading.content import holds, read_bytes
 from ...engine.scene.distribution import IntensityDistribution
 

@@ -9,8 +9,8 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Matrix, Vector
 
-from ...engine.luminaires.record import LuminaireFile
-from ..sync.units import metres_per_unit
+from ...engine.luminaires.formats.record import LuminaireFile
+from ..foundation.units import metres_per_unit
 from . import files
 from .body import body_extent, build_body
 

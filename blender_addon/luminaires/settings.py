@@ -12,7 +12,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from ..shared_settings import PATH_OPTIONS, SpectrumSettings, tag_owner
+from ..foundation.settings import PATH_OPTIONS, SpectrumSettings, tag_owner
 
 LIGHT_TYPES = ("POINT", "SPOT", "AREA")
 """Kinds of Blender's lights that can take a photometric file."""

@@ -9,8 +9,8 @@ from ...engine.errors import LumenrayError
 from ...engine.scene.light import Luminaire, Output, Quantity
 from ...engine.scene.ray_emission import RayEmission
 from ...engine.scene.spectrum import Spectrum, Tabulated
-from ..luminaires.pose import pose_of
-from ..report import ConversionReport
+from ..foundation.pose import pose_of
+from ..foundation.report import ConversionReport
 from . import files
 from .settings import name_of
 

@@ -5,8 +5,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from bpy.types import PropertyGroup
 
 from ...engine.errors import LumenrayError
-from ..shared_settings import PATH_OPTIONS, tag_owner
-from ..sync.units import metres_per_unit
+from ..foundation.settings import PATH_OPTIONS, tag_owner
+from ..foundation.units import metres_per_unit
 
 LIGHT_TYPES = ("POINT", "SPOT", "AREA")
 """Kinds of Blender's lights that can take a ray file."""

@@ -1,11 +1,11 @@
 """Measured materials of Blender as surfaces of the engine."""
 
 from ...engine.errors import LumenrayError, SceneError
-from ...engine.scattering.record import SIDES, ScatteringFile
-from ...engine.scattering.surface import ROUNDING, excess_of, is_grained
+from ...engine.scattering.data.record import SIDES, ScatteringFile
+from ...engine.scattering.data.surface import ROUNDING, excess_of, is_grained
 from ...engine.scene.material import Measured
 from ...engine.scene.scattering import Scatter
-from ..report import ConversionReport
+from ..foundation.report import ConversionReport
 from . import files
 from .settings import name_of
 

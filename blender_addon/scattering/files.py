@@ -19,13 +19,13 @@ import numpy as np
 
 from ...engine.errors import FileFormatError, LumenrayError
 from ...engine.reading.content import holds
+from ...engine.scattering.data.record import ScatteringFile
+from ...engine.scattering.data.store import SUFFIX, is_store
+from ...engine.scattering.data.store import pack as pack_store
+from ...engine.scattering.data.surface import excess_of
 from ...engine.scattering.look import Look, fit_look
 from ...engine.scattering.readers.reader import Wish, parse_scattering, read_content
-from ...engine.scattering.record import ScatteringFile
-from ...engine.scattering.store import SUFFIX, is_store
-from ...engine.scattering.store import pack as pack_store
 from ...engine.scattering.summary import SideSummary, summarise
-from ...engine.scattering.surface import excess_of
 from ..luminaires.files import digest_of, stored_path
 from .settings import absolute_path, is_measured, name_of
 

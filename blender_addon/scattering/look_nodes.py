@@ -8,7 +8,7 @@ import bpy
 
 from ...engine.errors import LumenrayError
 from ...engine.scattering.look import Look
-from ..baked_nodes import MARK
+from ..bake.nodes import MARK
 from . import files
 from .settings import is_measured
 

@@ -16,7 +16,7 @@ from bpy.types import PropertyGroup
 
 from ...libraries import spectra
 from ...libraries.materials import FOLDER, PREFIX
-from ..shared_settings import PATH_OPTIONS, enum_from_names, tag_owner
+from ..foundation.settings import PATH_OPTIONS, enum_from_names, tag_owner
 
 MEASURED = "MEASURED"
 """Name of the model of a surface in the settings of a material."""
@@ -35,7 +35,7 @@ def _unload(self, context):
 
 
 def _swatch(self):
-    from ..scattering_readout import swatch
+    from .readout import swatch
 
     return swatch(self)
 

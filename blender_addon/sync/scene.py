@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 from ...engine.scene.camera import Camera
 from ...engine.scene.scene import SceneDelta
-from ..report import ConversionReport
+from ..foundation.report import ConversionReport
+from ..foundation.units import metres_per_unit
 from .scene_sync import SceneSync
-from .units import metres_per_unit
 
 __all__ = ["ConvertedScene", "convert_scene", "metres_per_unit"]
 

@@ -13,23 +13,23 @@ from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import SceneDelta, content_digest
-from .. import identity
+from ..foundation import identity
+from ..foundation.report import ConversionReport
+from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
-from ..report import ConversionReport
 from ..sky import towards_lamp
 from . import live
 from .camera import convert_camera
-from .dependencies import shading_dependencies
-from .geometry_table import GeometryTable
-from .image_cache import ImageCache
-from .lights import convert_light
-from .material_table import MaterialTable
-from .picture_table import PictureTable
-from .portals import GEOMETRY, is_portal, portal_frame, portal_geometry
+from .images.cache import ImageCache
+from .lights.lights import convert_light
+from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
+from .nodes.dependencies import shading_dependencies
 from .step import SyncStats, SyncStep
+from .tables.geometries import GeometryTable
+from .tables.materials import MaterialTable
+from .tables.pictures import PictureTable
 from .tags import Tags
-from .units import metres_per_unit
 from .visibility import (
     find_unrendered,
     is_dark_world,

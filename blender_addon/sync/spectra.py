@@ -6,7 +6,7 @@ from ...engine.errors import FileFormatError, LumenrayError, SceneError
 from ...engine.formats.spd import SpectrumFile, read_spectrum
 from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
-from ..report import ConversionReport
+from ..foundation.report import ConversionReport
 
 FIRST_COLUMN = 1
 """Column of values that is read where none can be chosen."""

@@ -9,7 +9,7 @@ from ...engine.scene.material import Material
 from ...engine.scene.mesh import Geometry, Mesh
 from ...engine.scene.scene import SceneDelta
 from ...engine.scene.texture import Pixels
-from ..report import ConversionReport
+from ..foundation.report import ConversionReport
 
 PART_BYTES = 1 << 26
 """Most bytes of arrays that are handed on at once, so that neither side holds a large scene twice."""

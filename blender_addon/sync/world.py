@@ -10,13 +10,13 @@ from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.cie import sun_direction
 from ...engine.sky.picture import describe_faults, find_illuminance
-from ..report import ConversionReport
+from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, onto_horizon
-from .fields import luminance
-from .graph import find_socket, trace
-from .image_cache import ImageCache
-from .light_nodes import mean_light
-from .nodes import Context
+from .images.cache import ImageCache
+from .lights.emission_node import mean_light
+from .nodes.evaluation import Context
+from .nodes.fields import luminance
+from .nodes.graph import find_socket, trace
 from .spectra import light_spectrum
 
 

@@ -1,0 +1,1 @@
+"""Errors: means with standard errors, when to stop, forecasts, and whether two witnesses agree."""

@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ..luminaires.coordinates import angles, directions
 from ..luminaires.distribution import flux, peak
-from ..luminaires.record import LUMINOUS, UNITS, LuminaireFile
+from ..luminaires.formats.record import LUMINOUS, UNITS, LuminaireFile
 from ..luminaires.sections import section, spread
 from ..scene.distribution import IntensityDistribution
 

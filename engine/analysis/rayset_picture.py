@@ -5,7 +5,7 @@ import math
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from ..luminaires.record import LuminaireFile
+from ..luminaires.formats.record import LuminaireFile
 from ..raysets.reduction import LuminanceImage
 from .false_colour import colours, nice_maximum
 from .polar_diagram import DARK, LIGHT, draw_polar_diagram

@@ -7,10 +7,10 @@ import numpy as np
 from PIL import Image
 
 from ..photometry.spectra import GRID, luminous_efficiency
-from ..scattering.evaluation import evaluate, total
+from ..scattering.data.evaluation import evaluate, total
+from ..scattering.data.record import SIDES, ScatteringFile
+from ..scattering.data.table import direct_share
 from ..scattering.measuring.processing import ProcessedMeasurement
-from ..scattering.record import SIDES, ScatteringFile
-from ..scattering.table import direct_share
 from ..scene.scattering import Scatter, ScatterTable
 from .axes import Axes
 from .canvas import Canvas

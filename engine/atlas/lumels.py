@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import Cancelled, SceneError
 from ..scene.mesh import Mesh
-from ..transport.illuminance import Receivers
-from ..transport.survey import Survey, Surveyor
+from ..transport.lux_maps.survey import Survey, Surveyor
+from ..transport.paths.illuminance import Receivers
 from . import coverage
 from .layout import Atlas, SurfaceLayout
 

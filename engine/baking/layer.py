@@ -11,8 +11,8 @@ from ..accuracy.forecast import Forecaster
 from ..accuracy.replicates import ReplicateSums
 from ..accuracy.stopping import Progress, StopRule
 from ..errors import Cancelled
-from ..transport.lux_job import CHECK_INTERVAL, Levels, LuxJob
-from ..transport.pilot import Pilot
+from ..transport.lux_maps.job import CHECK_INTERVAL, Levels, LuxJob
+from ..transport.lux_maps.pilot import Pilot
 
 PASSES = 8
 """Passes in which a bake is planned to reach its rule: enough for an error of every lumel, few enough for

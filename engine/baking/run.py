@@ -15,9 +15,9 @@ from ..accuracy.extremes import Extreme, Halves, find_largest, find_least, part_
 from ..accuracy.history import History
 from ..accuracy.stopping import Progress, StopRule, format_seconds
 from ..accuracy.tails import tail_factor
+from ..atlas.arrange import arrange, find_all_charts
 from ..atlas.detail import halve_even_charts
 from ..atlas.finder import LumelFinder
-from ..atlas.lay_out import arrange, find_all_charts
 from ..atlas.layout import Atlas, Charts
 from ..atlas.lumels import LumelTable
 from ..atlas.smoothing import smooth_maps
@@ -25,12 +25,12 @@ from ..atlas.texture_density import texture_density
 from ..errors import Cancelled, SceneError
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..transport.bands import TOLERANCE as BAND_TOLERANCE
-from ..transport.bands import interpolation_error
-from ..transport.light_paths import LightTracer
-from ..transport.lux_job import LuxJob, Options
-from ..transport.surfaces import is_mirror, is_purely_specular
-from ..transport.tiles import tile_numbers
+from ..transport.compiled.surfaces import is_mirror, is_purely_specular
+from ..transport.light_tracing.light_paths import LightTracer
+from ..transport.lux_maps.bands import TOLERANCE as BAND_TOLERANCE
+from ..transport.lux_maps.bands import interpolation_error
+from ..transport.lux_maps.job import LuxJob, Options
+from ..transport.lux_maps.tiles import tile_numbers
 from .facets import find_facet_loss, tell_facet_loss
 from .files import scale_top, write_page, write_report
 from .layer import CHUNK, SHORT, Ending, Layer, LayerState

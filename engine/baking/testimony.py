@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..accuracy.witnesses import Verdict, compare
-from ..transport.witness import BATCHES, LOOKS, Witness
+from ..transport.witness.pilot import BATCHES, LOOKS, Witness
 from .means import ObjectMean
 from .order import Departure
 from .pages import Estimates

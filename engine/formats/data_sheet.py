@@ -5,8 +5,8 @@ import numpy as np
 from ..errors import FileFormatError, SceneError
 from ..materials.pane_table import check_table
 from ..reading.content import read_bytes
+from ..reading.text_table import MAXIMUM_BYTES, parse_rows
 from ..scene.material import TabulatedPane
-from .text_table import MAXIMUM_BYTES, parse_rows
 
 _COLUMNS = "angle, transmittance and reflectance"
 

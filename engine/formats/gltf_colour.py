@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import BackendError
 from ..photometry.colour import REC709_LUMINANCE, scene_linear
 from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, illuminant, observer
-from ..scattering.evaluation import total
+from ..scattering.data.evaluation import total
 from ..scene.material import (
     Coated,
     Conductor,

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
-from ..luminaires.safe_xml import parse_xml
+from ..luminaires.formats.record import Remark
 from ..luminaires.spectrum_checks import check_powers, check_wavelengths, tell_range
 from ..reading.content import read_bytes
+from ..reading.safe_xml import parse_xml
+from ..reading.text_table import MAXIMUM_BYTES, parse_table
 from ..scene.spectrum import Tabulated
-from .text_table import MAXIMUM_BYTES, parse_table
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ..errors import SceneError
-from .record import TiltTable
+from .formats.record import TiltTable
 
 LAMP_STAYS_HORIZONTAL = 2
 """Lamp geometry of LM-63 TILT in which the position of the lamp does not follow the luminaire's tilt."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..photometry.spectra import GRID, evaluate_emission, observer, planck
 from ..scene.spectrum import Blackbody, Daylight, Illuminant, Spectrum, Tabulated
-from .record import RADIANT, LuminaireFile
+from .formats.record import RADIANT, LuminaireFile
 
 ULTRAVIOLET = "ultraviolet lamp"
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from .coordinates import angles, directions
 from .distribution import flux, intensity, peak
+from .formats.record import LuminaireFile
 from .openings import projected_area
-from .record import LuminaireFile
 from .sections import section, spread
 from .zones import flux_within
 

@@ -1,0 +1,1 @@
+"""Reflectance models that Mitsuba lacks, as its plug-ins."""

@@ -1,0 +1,1 @@
+"""Spectra and their photometric integrals, colour, and the units; conversions stand in `units` alone."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ..luminaires.formats.record import Remark
 from ..photometry.spectra import GRID, luminous_efficiency
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import HULL, PLANE, SPHERE, RayBody, RayEmission

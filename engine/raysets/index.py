@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ..luminaires.formats.record import Remark
 from ..reading.content import read_bytes
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission

@@ -1,7 +1,7 @@
 """Ray files of LightTools, binary (.ray)."""
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ..luminaires.formats.record import Remark
 from ..reading.content import open_file
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile

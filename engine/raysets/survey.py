@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ..luminaires.formats.record import Remark
 from ..photometry.spectra import GRID, efficacy_of_table, luminous_efficiency
 from ..photometry.units import LUMINOUS_EFFICACY
 from .reader import Faults, read_rays

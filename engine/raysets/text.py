@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
-from ..luminaires.text import parse_number
+from ..luminaires.formats.record import Remark
 from ..reading.lines import read_lines
+from ..reading.text import parse_number
 from .binary import PIECE, check_count
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 from .zemax import MICROMETRE

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.record import Remark
+from ..luminaires.formats.record import Remark
 from ..luminaires.spectrum_checks import NANOMETRES, tell_oddities
 from ..reading.content import open_file
 from .binary import Head, check_count, read_rows

@@ -1,0 +1,1 @@
+"""Measured scattering of surfaces: its files, its tables and its light transport."""

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..photometry.colour import REC709_LUMINANCE
 from ..scene.scattering import Scatter, ScatterTable
-from .evaluation import albedo, evaluate, is_isotropic
-from .record import ScatteringFile
-from .table import direct_share, direction_of
-from .tristimulus import linear_colour, weights_of
+from .data.evaluation import albedo, evaluate, is_isotropic
+from .data.record import ScatteringFile
+from .data.table import direct_share, direction_of
+from .data.tristimulus import linear_colour, weights_of
 
 NEAR_NORMAL = np.radians(8.0)
 """Incidence at which amounts and colours are taken. [rad]"""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.scattering import Scatter
-from .evaluation import incidences_of, measure_reciprocity, symmetry_of, total
+from .data.evaluation import incidences_of, measure_reciprocity, symmetry_of, total
+from .data.record import SIDES, ScatteringFile
+from .data.tristimulus import tristimulus
 from .readers.checks import shares_of
-from .record import SIDES, ScatteringFile
-from .tristimulus import tristimulus
 
 NEAR_NORMAL = np.radians(8.0)
 """Incidence that totals are usually measured at, so that what a mirror reflects leaves the sphere or stays in it. [rad]"""

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from ..scene.scattering import Scatter
-from .evaluation import evaluate, incidences_of, totals
+from .data.evaluation import evaluate, incidences_of, totals
+from .data.resampling import measure_error
 from .readers.tensor_file import parse_tensor_file, write_tensor_file
-from .resampling import measure_error
 
 COARSE = (*range(0, 81, 5), 84, 87, 89)
 FINE = (*np.arange(0.0, 81.0, 2.5), *range(82, 90))

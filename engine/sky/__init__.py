@@ -1,0 +1,1 @@
+"""Surroundings that give light: skies of the CIE and pictures of the world."""

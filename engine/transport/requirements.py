@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
-from ..scattering import surface as scattering
+from ..scattering.data import surface as scattering
 from ..scene.light import CieSky, ImageWorld, UniformWorld
 from ..scene.material import (
     Black,

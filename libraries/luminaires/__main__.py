@@ -2,7 +2,7 @@
 
 import sys
 
-from ...blender_addon.asset_library.command import main
+from ...command_line.luminaire_library import main
 from . import FOLDER
 
 if __name__ == "__main__":

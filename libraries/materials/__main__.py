@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...blender_addon.asset_library import material_command
+from ...command_line import material_library as material_command
 from ...engine.errors import LumenrayError
-from ...engine.scattering.evaluation import totals
-from ...engine.scattering.record import ScatteringFile
-from ...engine.scattering.resampling import choose_bands, resample
-from ...engine.scattering.store import FORMAT, SUFFIX, write_store
-from ...engine.scattering.table import direction_of, turned
-from ...engine.scattering.tree import disk_of, square_of
+from ...engine.scattering.data.evaluation import totals
+from ...engine.scattering.data.record import ScatteringFile
+from ...engine.scattering.data.resampling import choose_bands, resample
+from ...engine.scattering.data.store import FORMAT, SUFFIX, write_store
+from ...engine.scattering.data.table import direction_of, turned
+from ...engine.scattering.data.tree import disk_of, square_of
 from ...engine.scene.scattering import Scatter, ScatterTable, TensorTree
 from . import LIBRARY
 from .catalogue import LIST

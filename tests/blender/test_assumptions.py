@@ -7,8 +7,9 @@ import re
 import bpy
 import lumenray
 import pytest
-from lumenray.blender_addon import assumptions, command_line
-from lumenray.blender_addon.report import ConversionReport
+from lumenray.blender_addon import assumptions
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.command_line import main as command_line
 from lumenray.libraries.scenes import tiny
 
 
@@ -260,7 +261,7 @@ def test_help_documents_the_exit_codes(capsys):
 @pytest.fixture
 def frame(tmp_path, monkeypatch):
     """Return a function that renders a frame as ``blender -b`` does, in this process."""
-    from lumenray.blender_addon import engine_process
+    from lumenray.blender_addon.foundation import engine_process
     from lumenray.engine.session import Session
 
     class Near(Session):
@@ -300,7 +301,7 @@ def test_a_render_without_a_window_prints_the_conversion_report(box, frame, capf
 def test_a_render_without_a_window_tells_a_missed_goal(box, frame, tmp_path, capfd, monkeypatch):
     from dataclasses import replace
 
-    from lumenray.blender_addon import render_engine
+    from lumenray.blender_addon.rendering import render_engine
     from lumenray.engine.accuracy.stopping import StopRule
 
     real = render_engine.view_settings

@@ -21,21 +21,19 @@ from fake_bakes import (
     share_of,
     with_back,
 )
-from lumenray.blender_addon import (
-    bake,
-    bake_folders,
-    baked_images,
-    baked_layout,
-    baked_look,
-    command_line,
-    engine_process,
-    light_groups,
-)
 from lumenray.blender_addon.assumptions import UNREACHED
-from lumenray.blender_addon.baked_nodes import PLACE
-from lumenray.blender_addon.error_graphs import ErrorGraph
-from lumenray.blender_addon.report import ConversionReport
+from lumenray.blender_addon.bake import folders as bake_folders
+from lumenray.blender_addon.bake import images as baked_images
+from lumenray.blender_addon.bake import job as bake
+from lumenray.blender_addon.bake import light_groups
+from lumenray.blender_addon.bake import look as baked_look
+from lumenray.blender_addon.bake import uv_maps as baked_layout
+from lumenray.blender_addon.bake.error_graph import ErrorGraph
+from lumenray.blender_addon.bake.nodes import PLACE
+from lumenray.blender_addon.foundation import engine_process
+from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.scene import convert_scene
+from lumenray.command_line import main as command_line
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.analysis.false_colour import colours
 from lumenray.engine.baking.order import BakeOrder

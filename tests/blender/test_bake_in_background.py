@@ -9,8 +9,11 @@ import bpy
 import lumenray
 import pytest
 from fake_bakes import SHORT, FakeSession, Interrupted, make_map, make_page, make_result
-from lumenray.blender_addon import assumptions, bake, command_line, engine_process
-from lumenray.blender_addon.report import ConversionReport
+from lumenray.blender_addon import assumptions
+from lumenray.blender_addon.bake import job as bake
+from lumenray.blender_addon.foundation import engine_process
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.command_line import main as command_line
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.files import write_report

@@ -13,16 +13,14 @@ import lumenray
 import numpy as np
 import pytest
 from fake_bakes import FakeSession, Interrupted
-from lumenray.blender_addon import (
-    bake,
-    bake_folders,
-    baked_look,
-    baked_results,
-    command_line,
-    engine_process,
-    running_bake,
-)
+from lumenray.blender_addon.bake import folders as bake_folders
+from lumenray.blender_addon.bake import job as bake
+from lumenray.blender_addon.bake import look as baked_look
+from lumenray.blender_addon.bake import results as baked_results
+from lumenray.blender_addon.bake import running as running_bake
+from lumenray.blender_addon.foundation import engine_process
 from lumenray.blender_addon.sync.scene import convert_scene
+from lumenray.command_line import main as command_line
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.scene.scene import Scene

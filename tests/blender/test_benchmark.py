@@ -3,10 +3,11 @@
 import json
 
 import pytest
-from lumenray.benchmarks import edits, sync
-from lumenray.benchmarks.bars import check_bars, tell_bars
-from lumenray.benchmarks.sync import PARTS
-from lumenray.blender_addon import command_line
+from lumenray.benchmarks.sync import edits
+from lumenray.benchmarks.sync import run as sync
+from lumenray.benchmarks.sync.bars import check_bars, tell_bars
+from lumenray.benchmarks.sync.run import PARTS
+from lumenray.command_line import main as command_line
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
 

@@ -5,7 +5,7 @@ import os
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.feed import SceneFeed
+from lumenray.blender_addon.rendering.feed import SceneFeed
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, Quantity, SunLight

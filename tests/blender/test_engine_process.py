@@ -13,8 +13,8 @@ import bpy
 import numpy as np
 import pytest
 from lumenray import operators
-from lumenray.blender_addon import engine_process
 from lumenray.blender_addon import registry as registry_module
+from lumenray.blender_addon.foundation import engine_process
 from lumenray.libraries.scenes import tiny
 from workers import is_running, shared_memory, wait_for
 
@@ -145,7 +145,7 @@ def test_a_bake_beyond_the_memory_ends_in_words(room, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_render_goes_before_a_bake_and_both_come_right(room, tmp_path):
-    from lumenray.blender_addon import bake as bake_module
+    from lumenray.blender_addon.bake import job as bake_module
     from lumenray.engine.accuracy.stopping import StopRule
 
     before = render(room, tmp_path / "before.exr")
@@ -194,7 +194,7 @@ def test_an_animation_shares_one_scene_and_lets_it_go(room, tmp_path):
     room.render.filepath = str(tmp_path / "frame_")
     bpy.ops.render.render(animation=True)
     assert len(list(tmp_path.glob("frame_*.exr"))) == 3
-    from lumenray.blender_addon import render_engine
+    from lumenray.blender_addon.rendering import render_engine
 
     assert render_engine._final is None
 

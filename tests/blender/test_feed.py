@@ -3,9 +3,9 @@
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon import feed as feed_module
-from lumenray.blender_addon.feed import SceneFeed, add_to_engine
-from lumenray.blender_addon.identity import engine_id, ensure_ids
+from lumenray.blender_addon.foundation.identity import engine_id, ensure_ids
+from lumenray.blender_addon.rendering import feed as feed_module
+from lumenray.blender_addon.rendering.feed import SceneFeed, add_to_engine
 from lumenray.engine.scene.light import Output, Quantity
 from lumenray.engine.scene.scene import Attachment
 from lumenray.engine.scene.sensor import SensorSet

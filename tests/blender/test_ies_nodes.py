@@ -5,8 +5,8 @@ import os
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.report import ConversionReport, Severity
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.foundation.report import ConversionReport, Severity
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.photometry.units import BLENDER_EFFICACY
 from lumenray.engine.scene.light import Luminaire, PointLight
@@ -420,7 +420,7 @@ def test_a_sun_and_a_light_without_the_texture_are_as_before():
 
 
 def test_on_a_surface_the_texture_is_reported_and_dark(tree):
-    from lumenray.blender_addon.sync.nodes import Context, evaluate_scalar
+    from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_scalar
 
     node = tree.add("TexIES")
     emission = tree.add("Emission", Strength=node.outputs["Fac"])

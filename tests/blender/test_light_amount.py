@@ -5,10 +5,10 @@ import math
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.photometry.units import BLENDER_EFFICACY
-from lumenray.engine.transport.emission import (
+from lumenray.engine.transport.compiled.emission import (
     area_luminance,
     luminaire_flux,
     point_intensity,

@@ -7,12 +7,13 @@ import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon import preferences
-from lumenray.blender_addon.asset_library import build, command, registration
+from lumenray.blender_addon.asset_library import build, registration
 from lumenray.blender_addon.asset_library.stage import STAGES, part_frame, set_stage
 from lumenray.blender_addon.luminaires import files
 from lumenray.blender_addon.sync.scene import convert_scene
+from lumenray.command_line import luminaire_library as command
 from lumenray.engine.luminaires.distribution import flux
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.scene.light import Luminaire
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant
 from lumenray.libraries import luminaires, materials

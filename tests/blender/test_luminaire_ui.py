@@ -8,14 +8,15 @@ import bpy
 import numpy as np
 import pytest
 from lumenray import ui
-from lumenray.blender_addon import luminaire_pictures, luminaire_places
-from lumenray.blender_addon.luminaire_solid import make_curve, make_outline, make_solid
+from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.luminaires import files
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.luminaires import places as luminaire_places
+from lumenray.blender_addon.luminaires import preview as luminaire_pictures
+from lumenray.blender_addon.luminaires.solid import make_curve, make_outline, make_solid
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.luminaires.distribution import intensity
-from lumenray.engine.luminaires.record import Remark
+from lumenray.engine.luminaires.formats.record import Remark
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 from lumenray.ui import luminaire_overlay
 from lumenray.ui.luminaire import LuminaireChild

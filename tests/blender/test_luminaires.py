@@ -9,10 +9,10 @@ import bpy
 import lumenray
 import numpy as np
 import pytest
+from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.luminaires import body, files, placing
 from lumenray.blender_addon.luminaires.settings import active_settings, settings_of
-from lumenray.blender_addon.report import ConversionReport, Severity
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.accuracy.stopping import StopRule

@@ -6,7 +6,7 @@ import shutil
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.asset_library import build, material_assets, material_command
+from lumenray.blender_addon.asset_library import build, material_assets
 from lumenray.blender_addon.asset_library.material_stage import (
     EYE,
     RADIUS,
@@ -17,6 +17,7 @@ from lumenray.blender_addon.asset_library.material_stage import (
 )
 from lumenray.blender_addon.scattering import files
 from lumenray.blender_addon.sync.scene import convert_scene
+from lumenray.command_line import material_library as material_command
 from lumenray.engine.scene.material import Conductor, Dielectric, Material, Measured, ThinGlass
 from lumenray.libraries import materials
 from lumenray.libraries.materials.catalogue import SETTINGS

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync.materials import convert_material, default_material
-from lumenray.blender_addon.sync.nodes import Context, Inputs
-from lumenray.blender_addon.sync.principled import convert_principled
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.materials.materials import convert_material, default_material
+from lumenray.blender_addon.sync.materials.principled import convert_principled
+from lumenray.blender_addon.sync.nodes.evaluation import Context, Inputs
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.scene.material import (

@@ -3,9 +3,9 @@
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync import fields
-from lumenray.blender_addon.sync.nodes import (
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.nodes import fields
+from lumenray.blender_addon.sync.nodes.evaluation import (
     Context,
     evaluate_colour,
     evaluate_field,

@@ -5,7 +5,7 @@ import random
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.sync import image_cache
+from lumenray.blender_addon.sync.images import cache as image_cache
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.blender_addon.sync.step import split
@@ -259,7 +259,7 @@ def test_memory_is_bounded(stage, monkeypatch, reads):
 
 @pytest.mark.parametrize("kind", ["ramp", "curves", "maths", "mix"])
 def test_what_nodes_make_of_a_picture_is_kept_until_one_of_them_changes(stage, kind, monkeypatch):
-    from lumenray.blender_addon.sync import nodes
+    from lumenray.blender_addon.sync.nodes import evaluation as nodes
 
     tree = stage.first.node_tree
     match kind:

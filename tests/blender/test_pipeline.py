@@ -10,10 +10,10 @@ import bpy
 import lumenray
 import numpy as np
 import pytest
-from lumenray.blender_addon import command_line
 from lumenray.blender_addon.assumptions import ASSUMED
-from lumenray.blender_addon.report import ConversionReport
+from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.scene import convert_scene
+from lumenray.command_line import main as command_line
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Projection
 from lumenray.engine.scene.scene import Scene

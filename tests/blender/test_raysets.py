@@ -4,12 +4,12 @@ import bpy
 import lumenray
 import numpy as np
 import pytest
-from lumenray.benchmarks.ray_sources import disk, even_numbers
-from lumenray.blender_addon import rayset_readout
+from lumenray.benchmarks.raysets.sources import disk, even_numbers
+from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.raysets import cloud_drawing, files
+from lumenray.blender_addon.raysets import readout as rayset_readout
 from lumenray.blender_addon.raysets.settings import absolute_path, name_of, rays_of
-from lumenray.blender_addon.report import ConversionReport, Severity
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.raysets import cloud, emission
@@ -301,7 +301,7 @@ def test_live_sync_brings_the_light_when_it_is_ready(led):
 
 
 def test_the_command_explains_a_file(led, tmp_path, capsys):
-    from lumenray.blender_addon.command_line import main
+    from lumenray.command_line.main import main
 
     bpy.ops.mesh.primitive_plane_add(size=0.1)
     bpy.context.object.name = "Sheet"

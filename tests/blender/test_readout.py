@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon import readout
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync.lights import convert_light
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.scene.light import Quantity
 
 

@@ -9,18 +9,19 @@ import bpy
 import lumenray
 import numpy as np
 import pytest
-from lumenray.blender_addon import scattering_pictures, scattering_readout
-from lumenray.blender_addon.report import ConversionReport, Severity
+from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.scattering import files, look_nodes, settings
-from lumenray.blender_addon.sync.materials import convert_material
-from lumenray.blender_addon.sync.overrides import convert_override
+from lumenray.blender_addon.scattering import preview as scattering_pictures
+from lumenray.blender_addon.scattering import readout as scattering_readout
+from lumenray.blender_addon.sync.materials.materials import convert_material
+from lumenray.blender_addon.sync.materials.overrides import convert_override
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.errors import FileFormatError, LumenrayError
-from lumenray.engine.scattering import store
+from lumenray.engine.scattering.data import store
+from lumenray.engine.scattering.data.record import ScatteringFile
+from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scattering.look import Look
-from lumenray.engine.scattering.record import ScatteringFile
-from lumenray.engine.scattering.resampling import resample
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.scattering import ScatterTable
 from lumenray.engine.scene.scene import Scene

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from fake_bakes import make_page, make_result
 from lumenray import operators, ui
-from lumenray.blender_addon import baked_results, feedback, preferences, probe, properties, readout
-from lumenray.blender_addon.report import ConversionReport
-from lumenray.blender_addon.sync.units import format_lengths
+from lumenray.blender_addon import feedback, preferences, properties, readout
+from lumenray.blender_addon.bake import results as baked_results
+from lumenray.blender_addon.foundation import probe
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.foundation.units import format_lengths
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import Layout as MapLayout

@@ -96,7 +96,7 @@ def test_what_light_does_not_meet_is_seen_by_the_camera_and_can_be_baked(box, tm
     assert look()[0] == pytest.approx(1.9, rel=1e-3)
     plane.visible_camera = True
 
-    from lumenray.blender_addon import bake
+    from lumenray.blender_addon.bake import job as bake
 
     settings = bake.read_settings(scene.lumenray, [plane], StopRule(samples=512), tmp_path)
     job = bake.prepare(bpy.context.evaluated_depsgraph_get(), [plane], settings)
@@ -273,7 +273,7 @@ def test_a_world_that_lights_in_part_is_told_and_one_that_does_not_is_black(box)
 @pytest.mark.mitsuba
 def test_a_transparent_film_shows_no_world_and_measures_it_all_the_same():
     """Half of the picture is a matt plane that the camera sees, a quarter of it a pane, the rest the world."""
-    from lumenray.blender_addon.render_engine import picture_layers, view_settings
+    from lumenray.blender_addon.rendering.render_engine import picture_layers, view_settings
 
     world = bpy.data.worlds.new("Even")
     world.lumenray.unit = "LUMINANCE"

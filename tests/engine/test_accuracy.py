@@ -237,8 +237,8 @@ def test_a_picture_does_not_end_by_an_error_that_two_samples_tell():
 def test_sensor_jobs_begin_with_short_passes_and_give_the_same_values():
     """So a forecast can be made soon; that samples come in other portions changes nothing but rounding."""
     from lumenray.engine.scene.light import UniformWorld
-    from lumenray.engine.transport import illuminance
-    from lumenray.engine.transport.illuminance import Receivers, compute
+    from lumenray.engine.transport.paths import illuminance
+    from lumenray.engine.transport.paths.illuminance import Receivers, compute
     from small_scenes import box, paint, quad, session_of
 
     lid = quad("lid", (-1, -1, 1), (2, 0, 0), (0, 2, 0), "paint")

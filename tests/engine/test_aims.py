@@ -26,7 +26,7 @@ def kernels():
 
 
 def densities_of(squares):
-    from lumenray.engine.transport.aims import find_densities
+    from lumenray.engine.transport.lux_maps.path_guiding import find_densities
 
     return find_densities(np.asarray(squares, dtype=float))
 
@@ -40,7 +40,7 @@ def two_tiles():
 
 def aims_of(densities, tile):
     import mitsuba as mi
-    from lumenray.engine.transport.aims import Aims
+    from lumenray.engine.transport.lux_maps.path_guiding import Aims
 
     return Aims(densities).of_tile(mi.UInt32(tile))
 
@@ -101,7 +101,7 @@ def test_the_density_of_directions_is_that_with_which_they_are_drawn():
 
 
 def bake_aimed(session, is_aimed, seed):
-    from lumenray.engine.transport.lux_job import Options
+    from lumenray.engine.transport.lux_maps.job import Options
 
     order = BakeOrder(
         ("room", "block"), StopRule(samples=192), density=12.0, seed=seed, method="cells"
@@ -130,7 +130,8 @@ def test_aimed_rays_find_the_same_light_with_less_scatter():
 
 @pytest.mark.slow
 def test_a_bake_with_aimed_rays_that_is_cancelled_goes_on_to_the_same_map(tmp_path, monkeypatch):
-    from lumenray.engine.transport import lux_job, pilot
+    from lumenray.engine.transport.lux_maps import job as lux_job
+    from lumenray.engine.transport.lux_maps import pilot
 
     monkeypatch.setattr(lux_job, "SPAN_PLACES", 1 << 12)
     monkeypatch.setattr(pilot, "LEARNING", 1.0)

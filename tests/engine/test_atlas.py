@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.atlas.lay_out import lay_out
+from lumenray.engine.atlas.arrange import lay_out
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import SceneError

@@ -125,7 +125,7 @@ def test_a_bake_that_is_cancelled_anywhere_goes_on_as_if_it_had_not(
 ):
     """Each turn is a place where a bake may end: in the middle of a pass, of its sweep, or of a check."""
     # Lumels are worked on in several lots, so that passes have a middle.
-    monkeypatch.setattr("lumenray.engine.transport.lux_job.SPAN_PLACES", 1 << 12)
+    monkeypatch.setattr("lumenray.engine.transport.lux_maps.job.SPAN_PLACES", 1 << 12)
     items, objects = (*GREY, UniformWorld(20.0)), OBJECTS
     more = {"density": 4.0, "groups": groups, **rule}
     whole = Stopper(items)
@@ -249,7 +249,7 @@ def test_another_rule_after_the_first_pass_does_not_take_very_many(tmp_path, bef
 @pytest.mark.slow
 def test_trials_that_mislead_do_not_make_a_bake_longer(monkeypatch, factor):
     """The first passes show what is still to be done."""
-    from lumenray.engine.transport.pilot import Pilot
+    from lumenray.engine.transport.lux_maps.pilot import Pilot
 
     plain = bake(GREY, OBJECTS, error=0.03)
     try_pass = Pilot.try_pass
@@ -308,7 +308,7 @@ def test_a_bake_that_is_stopped_keeps_what_it_has_and_goes_on_later(tmp_path, gr
 
 @pytest.mark.slow
 def test_a_stop_in_the_middle_of_a_pass_gives_that_pass_up(monkeypatch):
-    monkeypatch.setattr("lumenray.engine.transport.lux_job.SPAN_PLACES", 1 << 12)
+    monkeypatch.setattr("lumenray.engine.transport.lux_maps.job.SPAN_PLACES", 1 << 12)
     stopped = Stopper(GREY)
     turns = []
 

@@ -205,7 +205,7 @@ def test_pictures_show_what_a_point_in_a_bulb_lights():
 @pytest.mark.slow
 def test_edges_of_the_pilot_lose_no_light():
     """A lamp in front of a lens, off its axis: the sum over the floor is what traced paths bring there."""
-    from lumenray.engine.transport.light_paths import LightTracer
+    from lumenray.engine.transport.light_tracing.light_paths import LightTracer
 
     lens = ball("lens", 0.3, (0, 0, 1.2), "glass", 128)
     items = (BLACK, GLASS, lens, point([0.15, 0.1, 2.0], radius=0.02))

@@ -33,8 +33,8 @@ def look_up(pane, is_exact):
     """Luminance along rays that look up at a pane, ray by ray. (RAYS,) [cd/m2]"""
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.cached_gather import incoming
-    from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.lux_maps.cells import CellSet
+    from lumenray.engine.transport.paths.cached_gather import incoming
 
     session = session_of(
         *glowing("ceiling", 3.0, BEYOND, False),

@@ -35,9 +35,9 @@ def sweep(compiled, count, places=None):
 
     ``places``: (n, 3), whence a job looks at them; None: all are looked at by their areas. [m]
     """
-    from lumenray.engine.transport.cells import CellSet
-    from lumenray.engine.transport.sight import Sight
-    from lumenray.engine.transport.sweeps import Sweeper
+    from lumenray.engine.transport.lux_maps.cell_iterations import Sweeper
+    from lumenray.engine.transport.lux_maps.cells import CellSet
+    from lumenray.engine.transport.paths.visible_surfaces import Sight
 
     cells = CellSet(compiled, count, alike)
     sides, looks = cells.sides, None
@@ -54,7 +54,7 @@ def centres(cells, compiled):
     """Middles of the points of every side. (sides, 3) [m]"""
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.cells import PLACES
+    from lumenray.engine.transport.lux_maps.cells import PLACES
 
     sides = dr.arange(mi.UInt32, 2 * cells.count)
     places = [cells.place(sides, mi.UInt32(number))[0].p for number in range(PLACES)]
@@ -76,7 +76,7 @@ def areas_of(triangles):
 
 def look_up(made, prim, uv):
     """Cells at places of triangles."""
-    from lumenray.engine.transport.cells import unpack_grid
+    from lumenray.engine.transport.lux_maps.cells import unpack_grid
 
     across, up, corner = unpack_grid(made.grid[prim].astype(int))
     # Coordinates are those of the two corners after the one that the grid begins at.
@@ -109,7 +109,7 @@ def in_space(triangles, prim, uv):
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("size", [0.1, 0.4])
 def test_the_areas_of_cells_add_up_to_their_triangles(seed, size):
-    from lumenray.engine.transport.cells import divide, unpack_grid
+    from lumenray.engine.transport.lux_maps.cells import divide, unpack_grid
 
     triangles = soup(seed)
     made = divide(triangles, 0, size, 0)
@@ -124,7 +124,7 @@ def test_the_areas_of_cells_add_up_to_their_triangles(seed, size):
 
 @pytest.mark.parametrize("size", [0.15, 0.5])
 def test_even_light_falls_on_cells_by_their_areas(size):
-    from lumenray.engine.transport.cells import divide
+    from lumenray.engine.transport.lux_maps.cells import divide
 
     triangles = soup(5)
     made = divide(triangles, 0, size, 0)
@@ -141,7 +141,7 @@ def test_even_light_falls_on_cells_by_their_areas(size):
 
 @pytest.mark.parametrize("seed", range(2))
 def test_every_place_lies_among_the_points_of_its_cell(seed):
-    from lumenray.engine.transport.cells import divide
+    from lumenray.engine.transport.lux_maps.cells import divide
 
     size, triangles = 0.3, soup(seed)
     made = divide(triangles, 0, size, 0)
@@ -167,7 +167,7 @@ def test_kernels_find_the_same_cells():
     """Corners and borders too; and surfaces at their points are seen from the side that was asked for."""
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.cells import PLACES, CellSet
+    from lumenray.engine.transport.lux_maps.cells import PLACES, CellSet
 
     triangles = soup(2, 12)
     mesh = Mesh(
@@ -223,7 +223,7 @@ def grid(steps, side=2.0, name="fine", material="paint"):
 
 
 def test_small_triangles_that_lie_together_and_face_alike_share_a_cell():
-    from lumenray.engine.transport.cells import divide
+    from lumenray.engine.transport.lux_maps.cells import divide
 
     mesh = grid(64)
     lower = mesh.vertices[mesh.triangles].astype("f4")
@@ -249,7 +249,7 @@ def test_points_are_even_over_all_triangles_that_share_a_cell():
     """Also of two objects beside divided triangles, and where triangles differ in size."""
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.lux_maps.cells import CellSet
 
     def bent(name, power, height):
         mesh = grid(40, name=name)
@@ -299,7 +299,7 @@ def test_traced_light_lies_where_it_landed_and_keeps_its_flux(middle, radius):
     """Within a cell, across its borders, at the edge that parts two triangles, and spread over all cells."""
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.cells import CellSet
+    from lumenray.engine.transport.lux_maps.cells import CellSet
 
     floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")
     _session, compiled = prepare(floor, paint(0.5), UniformWorld(1.0))
@@ -381,8 +381,8 @@ def test_cells_of_a_furnace_hold_its_closed_form(transport, reflectance):
 
 def test_sweeps_of_passes_that_follow_each_other_share_no_noise():
     """Else all lumels that read them err together in all passes, and the scatter of passes states too little."""
-    from lumenray.engine.transport.cells import CellSet
-    from lumenray.engine.transport.sweeps import Sweeper
+    from lumenray.engine.transport.lux_maps.cell_iterations import Sweeper
+    from lumenray.engine.transport.lux_maps.cells import CellSet
 
     items = (box(3.0, 2.0, 2.5), lamp((1.0, 0.7, 1.9)), paint(0.7))
     _session, compiled = prepare(*items)
@@ -441,7 +441,7 @@ def test_the_two_sides_of_a_sheet_hold_their_own_light():
 @pytest.mark.parametrize(("roughness", "ior", "specular"), [(0.3, 1.5, 1.0), (0.7, 1.8, 0.5)])
 def test_what_passes_a_coat_is_what_its_surface_does_not_mirror(roughness, ior, specular):
     """Over a black base all that a coated surface reflects is the coat's; the base of another gets the rest."""
-    from lumenray.engine.transport.matt import MattTable
+    from lumenray.engine.transport.compiled.diffuse import MattTable
 
     varnish = Coated(Constant(0.0), ior, roughness, specular)
     session, compiled = prepare(

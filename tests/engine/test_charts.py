@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from lumenray.engine.atlas.arrange import lay_out
 from lumenray.engine.atlas.chart_search import ChartSearch, Failed, Found
 from lumenray.engine.atlas.charts import ChartLimits, find_charts
-from lumenray.engine.atlas.lay_out import lay_out
 from lumenray.engine.atlas.outline import find_overlapping
 from lumenray.engine.atlas.topology import find_components, weld
 from lumenray.engine.errors import Cancelled, SceneError

@@ -3,7 +3,7 @@
 import argparse
 
 import pytest
-from lumenray.blender_addon.command_line import build_parser
+from lumenray.command_line.main import build_parser
 
 
 def parsers(parser, words=()):

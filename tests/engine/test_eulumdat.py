@@ -9,13 +9,13 @@ from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.luminaires.coordinates import FRAMES, directions
 from lumenray.engine.luminaires.direct_ratios import ROOM_INDICES, direct_ratios
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
-from lumenray.engine.luminaires.eulumdat import (
+from lumenray.engine.luminaires.formats.eulumdat.reader import (
     colour_temperature,
     parse_eulumdat,
     read_eulumdat,
 )
-from lumenray.engine.luminaires.eulumdat_writer import write_eulumdat
-from lumenray.engine.luminaires.record import LampSet, LuminaireFile, TiltTable
+from lumenray.engine.luminaires.formats.eulumdat.writer import write_eulumdat
+from lumenray.engine.luminaires.formats.record import LampSet, LuminaireFile, TiltTable
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "ldt"

@@ -17,13 +17,13 @@ from goniometer_files import (
     write,
 )
 from lumenray.engine.errors import FileFormatError
-from lumenray.engine.scattering.evaluation import albedo, evaluate
+from lumenray.engine.scattering.data.evaluation import albedo, evaluate
+from lumenray.engine.scattering.data.table import check_table, direction_of
 from lumenray.engine.scattering.measuring.raw_measurement import (
     is_raw_measurement,
     read_raw_measurement,
 )
 from lumenray.engine.scattering.readers.goniometer import is_goniometer, read_goniometer
-from lumenray.engine.scattering.table import check_table, direction_of
 
 ROOT = Path(__file__).resolve().parents[2]
 

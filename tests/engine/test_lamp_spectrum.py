@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from lumenray.engine.luminaires.formats.record import LampSet, LuminaireFile
 from lumenray.engine.luminaires.lamp_spectrum import NEAR, SERIES, USUAL, choose_spectrum
-from lumenray.engine.luminaires.record import LampSet, LuminaireFile
 from lumenray.engine.photometry.spectra import GRID, evaluate_emission, luminous_weight
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 from lumenray.engine.scene.spectrum import Blackbody, Daylight, Illuminant, Tabulated

@@ -48,7 +48,7 @@ PATHS = 1 << 19
 
 
 def tracer_of(*items, transport="auto"):
-    from lumenray.engine.transport.light_paths import LightTracer
+    from lumenray.engine.transport.light_tracing.light_paths import LightTracer
 
     session = session_of(*items)
     scene = session._prepare(transport, False)
@@ -476,7 +476,7 @@ def test_a_sequence_may_be_traced_in_parts():
 
 
 def test_spheres_hold_all_triangles_and_part_what_stands_apart():
-    from lumenray.engine.transport.light_targets import plant
+    from lumenray.engine.transport.light_tracing.targets import plant
 
     def cut(corners, place=(0.0, 0.0, 500.0), limit=64):
         spheres, counts = plant(corners).cut(np.array([place]), np.array([False]), limit)
@@ -510,7 +510,7 @@ def test_spheres_hold_all_triangles_and_part_what_stands_apart():
 
 def test_a_single_sphere_is_never_parted():
     """The square of a radius may differ in the last digit from that of an array: scenes ended in a crash."""
-    from lumenray.engine.transport.light_targets import SphereTree
+    from lumenray.engine.transport.light_tracing.targets import SphereTree
 
     for radius in 0.5 + 7.5 * np.random.default_rng(4).random(2000):
         least = np.array([np.nextafter(radius**2, 0.0)])

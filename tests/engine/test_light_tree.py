@@ -35,7 +35,7 @@ def _mono():
 
 
 def compiled(*items):
-    from lumenray.engine.transport.compile import CompiledScene
+    from lumenray.engine.transport.compiled.compile import CompiledScene
     from lumenray.engine.transport.requirements import analyse
 
     scene = Scene()
@@ -118,7 +118,7 @@ def towards(scene, points):
 
 @pytest.mark.parametrize("count", [17, 100, 1000, 5000])
 def test_every_light_has_one_place(count):
-    from lumenray.engine.transport.light_tree import LEAF, arrange
+    from lumenray.engine.transport.compiled.light_tree import LEAF, arrange
 
     rng = np.random.default_rng(count)
     found = arrange(rng.normal(size=(count, 3)), rng.random(count) + 0.1)
@@ -127,7 +127,7 @@ def test_every_light_has_one_place(count):
 
 
 def test_no_leaf_holds_lights_of_two_houses():
-    from lumenray.engine.transport.light_tree import arrange
+    from lumenray.engine.transport.compiled.light_tree import arrange
 
     rng = np.random.default_rng(2)
     sizes = [61, 13, 26, 5, 45]
@@ -211,7 +211,7 @@ def test_noise_does_not_grow_with_the_number_of_lights(count):
 
 
 def test_learning_finds_lights_behind_a_wall():
-    from lumenray.engine.transport.lights import learn
+    from lumenray.engine.transport.compiled.lights import learn
 
     lights, _, _ = downlights(400)
     wall = quad("wall", [25, -1, -1], [0, 52, 0], [0, 0, 8], "paint")

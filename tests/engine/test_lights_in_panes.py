@@ -242,7 +242,7 @@ def test_aiming_over_panes_does_not_change_the_mean(monkeypatch):
     normals = np.array([[-0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     made = []
     for limit in (0.0, 1.0):
-        monkeypatch.setattr("lumenray.engine.transport.known_mirrors.SMALL_LIGHT", limit)
+        monkeypatch.setattr("lumenray.engine.transport.compiled.known_mirrors.SMALL_LIGHT", limit)
         made.append(session_of(*lit_room(0.15)).measure(places, normals, StopRule(samples=1 << 18)))
     found, aimed = made
     assert not np.array_equal(found.illuminance, aimed.illuminance)
@@ -268,7 +268,7 @@ def test_reflections_in_panes_count_as_reflections():
 
 
 def test_both_faces_of_a_thin_box_of_glass_are_mirrors_and_its_edges_are_not():
-    from lumenray.engine.transport.mirrors import find_planes
+    from lumenray.engine.transport.compiled.mirrors import find_planes
 
     body = box(1.0, 1.5, 0.006, "glass", inwards=False)
     planes, member = find_planes(body.vertices, body.triangles, is_pane=True)
@@ -283,7 +283,7 @@ def test_both_faces_of_a_thin_box_of_glass_are_mirrors_and_its_edges_are_not():
 
 
 def test_true_mirrors_come_before_panes_where_there_are_too_many():
-    from lumenray.engine.transport.mirrors import MAXIMUM_MIRRORS, Plane, choose_planes
+    from lumenray.engine.transport.compiled.mirrors import MAXIMUM_MIRRORS, Plane, choose_planes
 
     def plane(distance, area, is_pane):
         low, high = np.array([0, 0, distance]), np.array([1, 1, distance])

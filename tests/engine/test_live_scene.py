@@ -252,7 +252,7 @@ def test_an_object_that_is_gone_neither_shows_nor_shades():
     rule = StopRule(samples=64)
 
     def lux(z):
-        from lumenray.engine.transport.illuminance import Receivers, compute
+        from lumenray.engine.transport.paths.illuminance import Receivers, compute
 
         compiled = session._prepare("auto", True)
         return compute(compiled, Receivers.at_points([[0.1, 0, z]], UP), rule, groups=4).mean[0]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
-from lumenray.engine.luminaires.lm63 import GENERATION_TYPE, parse_lm63, read_lm63
-from lumenray.engine.luminaires.lm63_writer import write_lm63
-from lumenray.engine.luminaires.record import LuminaireFile
+from lumenray.engine.luminaires.formats.lm63.reader import GENERATION_TYPE, parse_lm63, read_lm63
+from lumenray.engine.luminaires.formats.lm63.writer import write_lm63
+from lumenray.engine.luminaires.formats.record import LuminaireFile
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"

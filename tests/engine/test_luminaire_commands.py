@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumenray.blender_addon.command_line import main
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.command_line.main import main
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from PIL import Image
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -181,7 +181,7 @@ def test_names_and_texts_of_any_alphabet_come_through(tmp_path, capsys):
 
 def test_a_terminal_without_the_letters_gets_question_marks(tmp_path):
     path = written(tmp_path, lamp="LED 灯 840")
-    program = "import sys; from lumenray.blender_addon.command_line import main; sys.exit(main())"
+    program = "import sys; from lumenray.command_line.main import main; sys.exit(main())"
     done = subprocess.run(
         [sys.executable, "-c", program, "luminaire", "info", str(path)],
         capture_output=True,
@@ -196,7 +196,7 @@ def test_the_commands_start_without_blender_and_mitsuba(tmp_path):
     path, out = written(tmp_path), tmp_path / "out.png"
     program = f"""
 import sys
-from lumenray.blender_addon.command_line import main
+from lumenray.command_line.main import main
 assert main(["luminaire", "info", {str(path)!r}]) == 0
 assert main(["luminaire", "plot", {str(path)!r}, "-o", {str(out)!r}]) == 0
 assert main(["luminaire", "convert", {str(path)!r}, {str(tmp_path / "out.ldt")!r}]) == 0

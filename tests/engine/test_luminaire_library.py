@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from lumenray.engine.luminaires import distribution as distributions
 from lumenray.engine.luminaires.coordinates import directions
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.luminaires.openings import projected_area
-from lumenray.engine.luminaires.reader import read_luminaire
 from lumenray.engine.photometry.spectra import evaluate_emission
 from lumenray.engine.scene.distribution import SHAPES, Opening
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant

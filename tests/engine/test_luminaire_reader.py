@@ -8,10 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError, LumenrayError
-from lumenray.engine.luminaires import reader
 from lumenray.engine.luminaires.coordinates import directions
 from lumenray.engine.luminaires.distribution import flux, intensity
-from lumenray.engine.luminaires.reader import parse_luminaire, read_luminaire, write_luminaire
+from lumenray.engine.luminaires.formats import reader
+from lumenray.engine.luminaires.formats.reader import (
+    parse_luminaire,
+    read_luminaire,
+    write_luminaire,
+)
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 

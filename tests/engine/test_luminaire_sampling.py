@@ -48,7 +48,7 @@ CENTRE = np.array([0.3, -0.2, 0.4])
 @pytest.fixture(autouse=True)
 def _mono():
     backend.start(spectral=False)
-    from lumenray.engine.luminaires import plugins
+    from lumenray.engine.luminaires.emitters import plugins
 
     plugins.register()
 
@@ -99,7 +99,7 @@ def streams(seed, lanes=LANES):
 def tables():
     """All distributions in one table, and their numbers."""
     backend.start(spectral=False)
-    from lumenray.engine.luminaires.tables import DistributionTables
+    from lumenray.engine.luminaires.emitters.tables import DistributionTables
 
     made = DistributionTables()
     numbers = made.commit(list(DISTRIBUTIONS.values()))
@@ -217,7 +217,7 @@ def test_the_inside_of_a_spike_is_drawn_right(tables):
 
 
 def test_equal_distributions_are_held_once_and_the_order_does_not_count():
-    from lumenray.engine.luminaires.tables import DistributionTables
+    from lumenray.engine.luminaires.emitters.tables import DistributionTables
 
     a, b = DISTRIBUTIONS["batwing"], DISTRIBUTIONS["type A"]
     again = IntensityDistribution(a.azimuth.copy(), a.polar.copy(), a.intensity.copy())
@@ -230,7 +230,7 @@ def test_equal_distributions_are_held_once_and_the_order_does_not_count():
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
 def test_a_distribution_without_a_flux_is_refused(value):
-    from lumenray.engine.luminaires.tables import DistributionTables
+    from lumenray.engine.luminaires.emitters.tables import DistributionTables
 
     nothing = IntensityDistribution(
         np.array([0.0]), np.deg2rad([0.0, 90.0]), np.full((1, 2), value)
@@ -244,8 +244,8 @@ def test_a_distribution_without_a_flux_is_refused(value):
 
 def palette_of(lights):
     """Palette that holds luminaires, row by row as they are given."""
-    from lumenray.engine.luminaires.palette import LuminairePalette, Row
-    from lumenray.engine.luminaires.tables import distribution_digest
+    from lumenray.engine.luminaires.emitters.palette import LuminairePalette, Row
+    from lumenray.engine.luminaires.emitters.tables import distribution_digest
 
     made = LuminairePalette()
     rows = []
@@ -424,7 +424,7 @@ def test_points_of_an_opening_are_drawn_with_the_stated_density(palette, row):
 def test_what_an_opening_shows_is_its_silhouette(name):
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.luminaires.opening_sampling import projected_area
+    from lumenray.engine.luminaires.emitters.opening_sampling import projected_area
 
     opening = OPENINGS[name]
     kind = SHAPES.index(opening.shape)
@@ -680,12 +680,12 @@ def test_emitted_light_and_next_event_light_a_plane_close_by_alike(palette, row)
 @pytest.mark.parametrize("is_spectral", [False, True], ids=["mono", "spectral"])
 def test_rays_of_the_plug_in_carry_the_flux(is_spectral):
     backend.start(spectral=is_spectral)
-    from lumenray.engine.luminaires import plugins
+    from lumenray.engine.luminaires.emitters import plugins
 
     plugins.register()
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.luminaires.palette import make_emitter
+    from lumenray.engine.luminaires.emitters.palette import make_emitter
 
     lights = [
         luminaire("batwing", lumens=500.0, spectrum=Blackbody(2700.0)),

@@ -6,8 +6,8 @@ from lumenray.engine.errors import SceneError
 from lumenray.engine.luminaires.amount import Amount, tilt_factor
 from lumenray.engine.luminaires.coordinates import FRAMES, directions
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
+from lumenray.engine.luminaires.formats.record import LuminaireFile, TiltTable
 from lumenray.engine.luminaires.openings import projected_area
-from lumenray.engine.luminaires.record import LuminaireFile, TiltTable
 from lumenray.engine.luminaires.summary import summarise
 from lumenray.engine.luminaires.zones import flux_within
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening

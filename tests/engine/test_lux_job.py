@@ -78,7 +78,7 @@ def test_nothing_of_a_bake_lives_on(monkeypatch):
     """Kernels know what lives: a scene that waits for the collector of cycles would have the next one compile them anew."""
     # A bake of its own first: the engine chooses what it computes with.
     bake([*ROOM, LAMP, paint(0.6)], OBJECTS, samples=4)
-    from lumenray.engine.transport.compile import CompiledScene
+    from lumenray.engine.transport.compiled.compile import CompiledScene
 
     made, begin = [], CompiledScene.__init__
 
@@ -282,7 +282,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_the_same_light():
 def test_lumels_that_do_not_fit_the_memory_get_the_same_light(monkeypatch):
     from lumenray.engine.atlas import lumels
     from lumenray.engine.baking import run
-    from lumenray.engine.transport import lux_job
+    from lumenray.engine.transport.lux_maps import job as lux_job
 
     items = (*ROOM, paint(0.5), LAMP)
     one = bake(items, OBJECTS, 128, seed=1)

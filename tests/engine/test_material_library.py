@@ -6,11 +6,11 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from lumenray.engine.photometry.spectra import GRID, illuminant, luminous_efficiency
-from lumenray.engine.scattering import evaluation
-from lumenray.engine.scattering.evaluation import evaluate, measure_reciprocity
+from lumenray.engine.scattering.data import evaluation
+from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity
+from lumenray.engine.scattering.data.surface import excess_of, is_grained
+from lumenray.engine.scattering.data.table import direct_share, interpolate, quadrature
 from lumenray.engine.scattering.readers.reader import read_scattering
-from lumenray.engine.scattering.surface import excess_of, is_grained
-from lumenray.engine.scattering.table import direct_share, interpolate, quadrature
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import ScatterTable
 from lumenray.libraries import materials, spectra

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from baking_rooms import bake, lamp
 from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.scattering.resampling import resample
+from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, Quantity, SunLight
 from lumenray.engine.scene.material import Diffuse, Material, Measured
@@ -70,7 +70,7 @@ def test_klems_blinds_pass_light_one_way():
     target = 1 + 8 + 16 + 20
     solid = np.pi * (np.cos(np.radians(35)) ** 2 - np.cos(np.radians(45)) ** 2) / 24
     values[0, target, 0] = 0.5 / solid
-    from lumenray.engine.scattering.patches import transposed
+    from lumenray.engine.scattering.data.patches import transposed
 
     matrix = PatchMatrix(basis, basis, np.array([550.0]), values)
     surface = Measured(front_transmission=matrix, back_transmission=transposed(matrix))

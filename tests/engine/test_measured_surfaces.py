@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from lumenray.engine.scattering.evaluation import albedo, evaluate, total
-from lumenray.engine.scattering.resampling import resample
+from lumenray.engine.scattering.data.evaluation import albedo, evaluate, total
+from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import ScatterTable
 from lumenray.engine.transport import backend
@@ -24,9 +24,9 @@ def _spectral():
 
 
 def plugin(surface, light=None):
-    from lumenray.engine.scattering import plugin as plugins
-    from lumenray.engine.transport.surfaces import bsdf
-    from lumenray.engine.transport.textures import TextureMaker
+    from lumenray.engine.scattering.kernels import plugin as plugins
+    from lumenray.engine.transport.compiled.surfaces import bsdf
+    from lumenray.engine.transport.compiled.textures import TextureMaker
 
     plugins.register()
     return bsdf(surface, TextureMaker(np.ones(471) if light is None else light))
@@ -34,7 +34,7 @@ def plugin(surface, light=None):
 
 def as_seen(surface):
     """What passes to an eye in front came from behind."""
-    from lumenray.engine.scattering.plugin import seen_from_the_eye
+    from lumenray.engine.scattering.kernels.plugin import seen_from_the_eye
 
     return seen_from_the_eye(surface)
 
@@ -100,7 +100,7 @@ SURFACES = {
 @pytest.mark.slow
 def test_kernels_give_the_values_of_the_table(name):
     import mitsuba as mi
-    from lumenray.engine.scattering.surface import usable
+    from lumenray.engine.scattering.data.surface import usable
 
     surface = SURFACES[name]()
     bsdf = plugin(surface)
@@ -183,7 +183,7 @@ def test_directions_are_as_dense_as_stated_and_weights_are_bounded(name, angle):
 @pytest.mark.parametrize("angle", [0, 40, 70, 84])
 @pytest.mark.parametrize("name", SURFACES)
 def test_the_furnace_gives_the_albedo(name, angle):
-    from lumenray.engine.scattering.surface import usable
+    from lumenray.engine.scattering.data.surface import usable
 
     surface = SURFACES[name]()
     used = as_seen(usable(surface))
@@ -222,8 +222,8 @@ def test_mirror_and_straight_parts_are_drawn_with_their_shares():
 @pytest.mark.parametrize("kind", ["fine bins", "coarse bins", "one interval", "two intervals"])
 def test_places_on_axes_are_those_of_a_search(kind):
     import mitsuba as mi
-    from lumenray.engine.scattering.table import place_on
-    from lumenray.engine.scattering.table_lobe import MOST_BINS, Axis
+    from lumenray.engine.scattering.data.table import place_on
+    from lumenray.engine.scattering.kernels.table_lobe import MOST_BINS, Axis
 
     rng = np.random.default_rng(3)
     values = {

@@ -6,6 +6,12 @@ import numpy as np
 import pytest
 from instruments import DARK, INCIDENCES, REFERENCE_DARK, STEEPEST, WHITE, measure, paint, text_of
 from lumenray.engine.errors import FileFormatError, SceneError
+from lumenray.engine.scattering.data.table import (
+    albedo_of,
+    check_table,
+    direction_of,
+    evaluate_table,
+)
 from lumenray.engine.scattering.measuring.calibration import calibrate
 from lumenray.engine.scattering.measuring.processing import process_measurement
 from lumenray.engine.scattering.measuring.raw_measurement import (
@@ -13,7 +19,6 @@ from lumenray.engine.scattering.measuring.raw_measurement import (
     is_raw_measurement,
     read_raw_measurement,
 )
-from lumenray.engine.scattering.table import albedo_of, check_table, direction_of, evaluate_table
 
 BANDS = np.arange(390.0, 711.0, 10.0)
 

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
-from lumenray.engine.scattering.evaluation import albedo, evaluate
+from lumenray.engine.scattering.data.evaluation import albedo, evaluate
 from lumenray.engine.scattering.readers.merl import (
     SHAPE,
     SIZE,

@@ -10,7 +10,9 @@ import lumenray
 
 ROOT = Path(__file__).resolve().parents[2]
 
-ROOMS = ("benchmarks", "blender_addon", "engine", "libraries", "operators", "ui")
+ROOMS = (
+    "benchmarks", "blender_addon", "command_line", "engine", "libraries", "operators", "ui", "validation",
+)  # fmt: skip
 
 IMPORT_WITHOUT_BLENDER = """
 import importlib, sys

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lumenray.engine.atlas.arrange import arrange, find_all_charts, lay_out
 from lumenray.engine.atlas.detail import halve_even_charts
-from lumenray.engine.atlas.lay_out import arrange, find_all_charts, lay_out
 from lumenray.engine.atlas.layout import Atlas
 from lumenray.engine.atlas.packing import count_groups, pack
 from lumenray.engine.atlas.texture_density import texture_density

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lumenray.engine.scattering.patches import albedos, evaluate_patches, patch_of
-from lumenray.engine.scattering.tree import (
+from lumenray.engine.scattering.data.patches import albedos, evaluate_patches, patch_of
+from lumenray.engine.scattering.data.tree import (
     albedos_of_tree,
     disk_of,
     evaluate_tree,
@@ -74,8 +74,8 @@ def keep(values, _):
 
 
 def lobe_of(scatter, weigh=keep, factor=1.0):
-    from lumenray.engine.scattering.patch_lobe import PatchLobe
-    from lumenray.engine.scattering.tree_lobe import TreeLobe
+    from lumenray.engine.scattering.kernels.patch_lobe import PatchLobe
+    from lumenray.engine.scattering.kernels.tree_lobe import TreeLobe
 
     return (PatchLobe if isinstance(scatter, PatchMatrix) else TreeLobe)(scatter, weigh, factor)
 
@@ -147,7 +147,7 @@ def test_values_are_those_of_double_precision(name):
 @pytest.fixture(params=["fine", "coarse"])
 def grid(request, monkeypatch):
     """Sampling by a grid as fine as the tree, or by descent below a coarse one."""
-    from lumenray.engine.scattering import tree_lobe
+    from lumenray.engine.scattering.kernels import tree_lobe
 
     if request.param == "coarse":
         monkeypatch.setattr(tree_lobe, "FINEST_GRID", {3: 1, 4: 1})

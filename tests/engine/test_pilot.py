@@ -10,8 +10,8 @@ pytestmark = pytest.mark.mitsuba
 
 def make_pilot(scatter, powers=(1.0, 1.0, 1.0)):
     """A pilot that knows the variances of single samples by kind and lumel; no points on bright cells."""
-    from lumenray.engine.transport.lux_job import Options
-    from lumenray.engine.transport.pilot import Pilot
+    from lumenray.engine.transport.lux_maps.job import Options
+    from lumenray.engine.transport.lux_maps.pilot import Pilot
 
     count = len(scatter[0])
     job = SimpleNamespace(
@@ -37,7 +37,7 @@ def square_of(direct, gathered, samples, power):
 @pytest.mark.parametrize("power", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize("wanted", [0.1, 0.003])
 def test_a_plan_meets_its_error_with_nearly_the_least_work(power, wanted):
-    from lumenray.engine.transport.lux_job import COSTS
+    from lumenray.engine.transport.lux_maps.job import COSTS
 
     direct, gathered = 2.0, 1.0
     pilot = make_pilot([np.full(50, v) for v in (direct, gathered, 0.0)], (power, 1.0, 1.0))
@@ -59,8 +59,8 @@ def test_a_plan_meets_its_error_with_nearly_the_least_work(power, wanted):
 
 @pytest.mark.parametrize("power", [1.0, 1.4, 1.9])
 def test_the_power_is_learned_by_which_a_variance_falls(power):
-    from lumenray.engine.transport.lux_job import NO_SAMPLES, Levels
-    from lumenray.engine.transport.pilot import Drawn
+    from lumenray.engine.transport.lux_maps.job import NO_SAMPLES, Levels
+    from lumenray.engine.transport.lux_maps.pilot import Drawn
 
     count, samples = 40_000, 32
     pilot = make_pilot([np.full(count, v) for v in (2.0, 1.0, 0.0)])
@@ -84,7 +84,7 @@ def test_a_plan_follows_what_passes_have_shown():
 
 def test_a_pilot_goes_on_from_its_state_and_from_no_other():
     from lumenray.engine.errors import SceneError
-    from lumenray.engine.transport.pilot import Pilot
+    from lumenray.engine.transport.lux_maps.pilot import Pilot
 
     pilot = make_pilot([np.linspace(1.0, 2.0, 50) * v for v in (2.0, 1.0, 0.0)], (1.5, 1.0, 1.0))
     again = Pilot.from_state(pilot.job, pilot.state())
@@ -103,7 +103,7 @@ def test_a_pilot_goes_on_from_its_state_and_from_no_other():
 
 
 def test_places_stand_for_all_valid_lumels_by_area():
-    from lumenray.engine.transport.survey import Surveyor
+    from lumenray.engine.transport.lux_maps.survey import Surveyor
 
     def block(number, areas, valid):
         count = np.arange(1, len(areas) + 1)
@@ -153,7 +153,7 @@ def test_trials_are_made_on_some_lumels_of_every_tile():
 @pytest.mark.parametrize("traced", [1e3, 2e4, 5e4, 1e5])
 def test_paths_from_the_lights_are_as_many_as_give_nearly_the_least_work(traced):
     """``traced``: square of the error that a single path leaves. Against a search over numbers of paths and samples."""
-    from lumenray.engine.transport import lux_job
+    from lumenray.engine.transport.lux_maps import job as lux_job
 
     count, scatter, wanted = 1 << 16, 4.0, 0.05
     pilot = make_pilot([np.full(count, v) for v in (0.0, scatter, 0.0)])
@@ -185,7 +185,7 @@ def test_paths_from_the_lights_are_as_many_as_give_nearly_the_least_work(traced)
 
 
 def test_what_paths_from_the_lights_cannot_do_in_a_pass_is_said_and_left_to_further_ones():
-    from lumenray.engine.transport import lux_job
+    from lumenray.engine.transport.lux_maps import job as lux_job
 
     count, wanted = 1 << 16, 0.05
     pilot = make_pilot([np.full(count, v) for v in (0.0, 4.0, 0.0)])
@@ -200,7 +200,7 @@ def test_what_paths_from_the_lights_cannot_do_in_a_pass_is_said_and_left_to_furt
 
 def test_trials_know_errors_better_that_few_lumels_make():
     """A hundredth of the lumels makes half of it: without bias, and with less scatter than if they were drawn evenly."""
-    from lumenray.engine.transport.lux_job import NO_SAMPLES, Levels
+    from lumenray.engine.transport.lux_maps.job import NO_SAMPLES, Levels
 
     count, few = 20_000, 200
     scatter = np.where(np.arange(count) < few, 99.0, 1.0)

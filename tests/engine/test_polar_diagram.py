@@ -10,7 +10,7 @@ from lumenray.engine.analysis.polar_diagram import (
     round_step,
 )
 from lumenray.engine.luminaires.coordinates import directions
-from lumenray.engine.luminaires.record import LuminaireFile
+from lumenray.engine.luminaires.formats.record import LuminaireFile
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 from PIL import ImageColor
 

@@ -5,12 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumenray.blender_addon import command_line
+from lumenray.command_line import main as command_line
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.luminaires.distribution import flux
+from lumenray.engine.luminaires.formats.reader import (
+    parse_luminaire,
+    read_luminaire,
+    write_luminaire,
+)
+from lumenray.engine.luminaires.formats.record import LUMINOUS, RADIANT
 from lumenray.engine.luminaires.lamp_spectrum import choose_spectrum
-from lumenray.engine.luminaires.reader import parse_luminaire, read_luminaire, write_luminaire
-from lumenray.engine.luminaires.record import LUMINOUS, RADIANT
 from lumenray.engine.photometry.spectra import efficacy_of_all, efficacy_of_table
 from lumenray.engine.scene.spectrum import Constant, Tabulated
 from photometric_files import write_ies

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from lumenray.benchmarks.ray_sources import (
+from lumenray.benchmarks.raysets.sources import (
     RADIUS,
     SOURCES,
     disk,

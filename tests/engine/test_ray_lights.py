@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from baking_rooms import bake, lumel_places, moved
-from lumenray.benchmarks.ray_sources import RADIUS, disk, even_numbers, helix, sphere
+from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers, helix, sphere
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
 from lumenray.engine.raysets.cloud import make_cloud
@@ -106,7 +106,7 @@ def test_kernels_draw_the_same_rays_as_the_host(source):
 
     backend.start(spectral=False)
     import mitsuba as mi
-    from lumenray.engine.transport.ray_source import RaySource
+    from lumenray.engine.transport.light_tracing.ray_source import RaySource
 
     rays = rays_of(source, 4000)
     cloud = make_cloud(rays, 1.0)
@@ -263,7 +263,7 @@ def test_a_body_within_the_rays_casts_no_shadow():
 
 @pytest.mark.mitsuba
 def test_nothing_is_traced_where_all_is_far_and_pictures_see_points_again():
-    from lumenray.engine.transport.light_paths import LightTracer
+    from lumenray.engine.transport.light_tracing.light_paths import LightTracer
 
     session = session_of(floor(2.0), BLACK, lamp_at(np.array([0.0, 0.0, 1.5])))
     scene = session._prepare("auto", False)

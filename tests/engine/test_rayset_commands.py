@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from lumenray.blender_addon.command_line import main
+from lumenray.command_line.main import main
 from lumenray.engine.luminaires.distribution import flux, intensity
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.raysets.reader import read_rays, read_rayset
 from PIL import Image
 from ray_files import lambert_rays, tm25, zemax

@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from lumenray.benchmarks.ray_sources import disk, even_numbers
+from lumenray.benchmarks.raysets.sources import disk, even_numbers
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.raysets import cloud, emission
 from lumenray.engine.raysets.cloud import Fluctuation

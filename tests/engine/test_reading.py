@@ -7,13 +7,13 @@ import threading
 from pathlib import Path
 
 import pytest
-from lumenray.blender_addon import command_line
+from lumenray.command_line import main as command_line
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.checkpoint import read_checkpoint
 from lumenray.engine.formats.data_sheet import read_data_sheet
 from lumenray.engine.formats.sensors import read_sensors
 from lumenray.engine.formats.spd import read_spectrum
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.raysets.reader import read_rayset
 from lumenray.engine.reading.content import holds, read_bytes
 from lumenray.engine.reading.lines import read_lines

@@ -56,7 +56,7 @@ def draw(half, q):
     """Points on a rectangle, -1 to 1, and its solid angle as found. (DRAWN, 2), [sr]"""
     import mitsuba as mi
     from lumenray.engine.arrays import upload
-    from lumenray.engine.luminaires.rectangles import draw_place, find_solid_angle
+    from lumenray.engine.luminaires.emitters.rectangles import draw_place, find_solid_angle
 
     sizes = [mi.Float(size) for size in half]
     angle = find_solid_angle(mi.Point3f(*q), *sizes)

@@ -15,7 +15,7 @@ def _spectral():
 def points(count, seed, pair):
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.sampler import sobol_pair
+    from lumenray.engine.transport.paths.sampler import sobol_pair
 
     made = sobol_pair(dr.arange(mi.UInt32, count), mi.UInt32(seed), pair)
     return np.stack([np.array(made.x), np.array(made.y)], axis=1)
@@ -41,7 +41,7 @@ def test_different_pairs_and_seeds_are_uncorrelated():
 def test_wavelength_weights_reproduce_a_photometric_integral():
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.wavelengths import WavelengthSampler
+    from lumenray.engine.transport.paths.wavelengths import WavelengthSampler
 
     lamp = illuminant(GRID, "FL11")
     expected = LUMINOUS_EFFICACY * (lamp * luminous_efficiency()).sum()
@@ -62,7 +62,7 @@ def test_wavelength_weights_reproduce_a_photometric_integral():
 def test_the_lamps_own_spectrum_makes_photometric_weights_constant():
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.wavelengths import WavelengthSampler
+    from lumenray.engine.transport.paths.wavelengths import WavelengthSampler
 
     flat = np.ones(len(GRID))
     sampler = WavelengthSampler(flat, "luminance")
@@ -74,7 +74,7 @@ def test_the_lamps_own_spectrum_makes_photometric_weights_constant():
 def test_learned_choice_of_lights_does_not_change_the_mean():
     from lumenray.engine.accuracy.stopping import StopRule
     from lumenray.engine.scene.light import Output, PointLight, Quantity
-    from lumenray.engine.transport import lights
+    from lumenray.engine.transport.compiled import lights
     from small_scenes import box, paint, session_of
 
     items = [box(4, 4, 3), paint(0.6)]
@@ -97,9 +97,9 @@ def test_learned_choice_of_lights_does_not_change_the_mean():
 def test_numbers_of_rays_and_of_their_walks_are_independent(seed):
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.all_lights import DRAWING
-    from lumenray.engine.transport.sampler import launch_stream
-    from lumenray.engine.transport.witness import WALKING
+    from lumenray.engine.transport.light_tracing.all_lights import DRAWING
+    from lumenray.engine.transport.paths.sampler import launch_stream
+    from lumenray.engine.transport.witness.pilot import WALKING
 
     count, bins = 1 << 17, 8
     lane = dr.arange(mi.UInt32, count)

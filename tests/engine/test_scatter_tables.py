@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.materials.coated import COSINES, directional_reflectance
-from lumenray.engine.scattering import store
-from lumenray.engine.scattering.evaluation import albedo, evaluate, measure_reciprocity, total
-from lumenray.engine.scattering.record import ScatteringFile
-from lumenray.engine.scattering.resampling import resample
-from lumenray.engine.scattering.surface import usable
-from lumenray.engine.scattering.table import (
+from lumenray.engine.scattering.data import store
+from lumenray.engine.scattering.data.evaluation import albedo, evaluate, measure_reciprocity, total
+from lumenray.engine.scattering.data.record import ScatteringFile
+from lumenray.engine.scattering.data.resampling import resample
+from lumenray.engine.scattering.data.surface import usable
+from lumenray.engine.scattering.data.table import (
     check_table,
     coordinates_of,
     direct_share,
@@ -394,7 +394,7 @@ def test_damaged_files_of_ours_are_refused_with_a_sentence():
 
 def test_light_along_the_normal_is_extrapolated_alike_in_all_azimuths():
     # ln f = a + b sin^2 of the half angle between wi and wo, even in the incidence: exact for the parabola to 1 %.
-    from lumenray.engine.scattering.normal_incidence import add_normal_incidence
+    from lumenray.engine.scattering.data.normal_incidence import add_normal_incidence
 
     def hazy(wi, wo):
         return np.exp(-3.0 * (1.0 - wo[:, 2:]) - 1.5 * (1.0 - wi[:, 2:]))

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumenray.blender_addon.command_line import main
-from lumenray.engine.scattering import store
-from lumenray.engine.scattering.evaluation import evaluate, measure_reciprocity, total
-from lumenray.engine.scattering.patches import pairs_of
+from lumenray.command_line.main import main
+from lumenray.engine.scattering.data import store
+from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity, total
+from lumenray.engine.scattering.data.patches import pairs_of
+from lumenray.engine.scattering.data.record import ScatteringFile
+from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scattering.readers.reader import read_scattering
 from lumenray.engine.scattering.readers.tensor_file import parse_tensor_file
-from lumenray.engine.scattering.record import ScatteringFile
-from lumenray.engine.scattering.resampling import resample
 from PIL import Image
 from scattering_files import mdl, zemax
 from scattering_models import directions, ggx, lambert, schlick

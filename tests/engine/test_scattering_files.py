@@ -9,22 +9,22 @@ import scattering_files
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.photometry.colour import XYZ_TO_REC709
 from lumenray.engine.photometry.spectra import GRID, illuminant, observer
-from lumenray.engine.scattering.evaluation import total
-from lumenray.engine.scattering.readers.blocks import unpack_lz4
-from lumenray.engine.scattering.readers.colour import spectra_of_rgb
-from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
-from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
-from lumenray.engine.scattering.readers.reader import Wish, parse_scattering
-from lumenray.engine.scattering.readers.speos import is_speos, read_speos
-from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
-from lumenray.engine.scattering.record import SIDES
-from lumenray.engine.scattering.table import (
+from lumenray.engine.reading.blocks import unpack_lz4
+from lumenray.engine.scattering.data.evaluation import total
+from lumenray.engine.scattering.data.record import SIDES
+from lumenray.engine.scattering.data.table import (
     albedo_of,
     check_table,
     direct_share,
     direction_of,
     evaluate_table,
 )
+from lumenray.engine.scattering.readers.colour import spectra_of_rgb
+from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
+from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
+from lumenray.engine.scattering.readers.reader import Wish, parse_scattering
+from lumenray.engine.scattering.readers.speos import is_speos, read_speos
+from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
 from scattering_files import (
     SHARES,
     alike,

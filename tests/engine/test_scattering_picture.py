@@ -16,8 +16,8 @@ from lumenray.engine.analysis.scattering_picture import (
     luminous_mean,
     polar_cuts,
 )
+from lumenray.engine.scattering.data.record import ScatteringFile
 from lumenray.engine.scattering.measuring.processing import process_measurement
-from lumenray.engine.scattering.record import ScatteringFile
 from lumenray.engine.scene.scattering import ScatterTable
 from PIL import ImageColor
 

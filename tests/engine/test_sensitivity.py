@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
-from lumenray.engine.scattering.resampling import resample
+from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.material import Conductor, Diffuse, Material, Measured
 from lumenray.engine.scene.mesh import Mesh

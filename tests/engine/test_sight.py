@@ -13,8 +13,8 @@ pytestmark = pytest.mark.mitsuba
 
 def find_sides(items, place, cells=2000):
     """Shares of the sides of every object's cells that are seen from a place that looks up: by name, front and back."""
-    from lumenray.engine.transport.cells import CellSet
-    from lumenray.engine.transport.sight import Sight
+    from lumenray.engine.transport.lux_maps.cells import CellSet
+    from lumenray.engine.transport.paths.visible_surfaces import Sight
 
     session = session_of(*items)
     compiled = session._prepare("auto", False)

@@ -6,7 +6,7 @@ import re
 import colour
 import numpy as np
 import pytest
-from lumenray.blender_addon.command_line import main
+from lumenray.command_line.main import main
 from lumenray.engine.analysis.spectrum_figures import find_figures
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.spd import read_spectrum

@@ -205,7 +205,7 @@ def _few():
 
 
 def test_an_ordinary_room_needs_no_such_tracing():
-    from lumenray.engine.transport import straight_lights
+    from lumenray.engine.transport.light_tracing import straight_lights
 
     asked = []
     original = straight_lights.StraightLights._learn
@@ -341,7 +341,7 @@ def keyhole_sun():
 
 
 def test_a_job_that_cannot_begin_leaves_its_suns_to_the_next_one(monkeypatch):
-    from lumenray.engine.transport import lux_job
+    from lumenray.engine.transport.lux_maps import job as lux_job
 
     def fail(*_):
         raise MemoryError("no room for cells")
@@ -360,8 +360,12 @@ def test_rays_that_slip_between_lid_and_wall_are_known_from_those_through_the_ho
     import drjit as dr
     import mitsuba as mi
     from lumenray.engine.arrays import upload
-    from lumenray.engine.transport.landing import fetch_deposits, follow, lands_beside
-    from lumenray.engine.transport.sampler import random_stream
+    from lumenray.engine.transport.light_tracing.deposits import (
+        fetch_deposits,
+        follow,
+        lands_beside,
+    )
+    from lumenray.engine.transport.paths.sampler import random_stream
 
     draw, count = np.random.default_rng(2), 1 << 19
     towards = keyhole_sun().direction
@@ -413,7 +417,7 @@ def test_limits_near_luminaires_are_those_of_their_rows():
     session = session_of(paint(0.5), room(), lamp((1.5, 1.5, 1.5)))
     with session._engine("auto"):
         import mitsuba as mi
-        from lumenray.engine.transport.straight_lights import NearLimits
+        from lumenray.engine.transport.light_tracing.straight_lights import NearLimits
 
         # All luminaires have the number of the first one until their row is added.
         lights = SimpleNamespace(count=3, index=lambda pointer, active: mi.UInt32(1))

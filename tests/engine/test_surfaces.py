@@ -33,8 +33,8 @@ def _spectral():
 def plugin(surface):
     import mitsuba as mi
     from lumenray.engine.materials import plugins
-    from lumenray.engine.transport.surfaces import bsdf
-    from lumenray.engine.transport.textures import TextureMaker
+    from lumenray.engine.transport.compiled.surfaces import bsdf
+    from lumenray.engine.transport.compiled.textures import TextureMaker
 
     plugins.register()
     made = bsdf(surface, TextureMaker(np.ones(471)))

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 from baking_rooms import bake_in, furnished_room, lamp
 from glass_scenes import ball
-from lumenray.benchmarks.random_rooms import make_room
+from lumenray.benchmarks.rooms.random_rooms import make_room
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
 from lumenray.engine.scene.material import Cauchy, Dielectric, Material
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.session import Session
-from lumenray.engine.transport.bent_lights import bent_lights
-from lumenray.engine.transport.bright_spots import bright_spots
-from lumenray.engine.transport.illuminance import Receivers, compute
-from lumenray.engine.transport.sensor_witness import hear_sensors
-from lumenray.engine.transport.sheets import Sheets
-from lumenray.engine.transport.witness import Witness
+from lumenray.engine.transport.light_tracing.bent_lights import bent_lights
+from lumenray.engine.transport.light_tracing.bright_spots import bright_spots
+from lumenray.engine.transport.paths.illuminance import Receivers, compute
+from lumenray.engine.transport.witness.pilot import Witness
+from lumenray.engine.transport.witness.sensors import hear_sensors
+from lumenray.engine.transport.witness.sheets import Sheets
 from small_scenes import box, paint, quad
 
 pytestmark = pytest.mark.mitsuba
@@ -225,7 +225,7 @@ def test_rare_light_that_a_lucky_sensor_has_not_met_is_covered(number, seeds):
 def test_lucky_sensors_that_were_not_looked_at_state_what_places_about_them_know(monkeypatch):
     """And honest ones beside lucky ones keep their errors, as all do where many events make those of the places."""
     from lumenray.engine.accuracy.estimate import Estimate
-    from lumenray.engine.transport import sensor_witness
+    from lumenray.engine.transport.witness import sensors as sensor_witness
 
     session = session_with(paint(0.5), ROOM, lamp((1.0, 1.0, 1.7), 1000.0))
     apart = np.random.default_rng(1).uniform(-1e-3, 1e-3, (200, 3))

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
-from lumenray.engine.luminaires import safe_xml
 from lumenray.engine.luminaires.distribution import flux, intensity
-from lumenray.engine.luminaires.safe_xml import MAXIMUM_DEPTH, parse_xml
-from lumenray.engine.luminaires.tm33 import parse_tm33, read_tm33
+from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33, read_tm33
+from lumenray.engine.reading import safe_xml
+from lumenray.engine.reading.safe_xml import MAXIMUM_DEPTH, parse_xml
 from lumenray.engine.scene.distribution import Opening
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "ies" / "tm33"

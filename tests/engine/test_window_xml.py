@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.scattering.patches import (
+from lumenray.engine.scattering.data.patches import (
     albedo_of_patches,
     albedos,
     centre,
@@ -21,8 +21,7 @@ from lumenray.engine.scattering.patches import (
     solid_angles,
     transposed,
 )
-from lumenray.engine.scattering.readers.window_xml import SIDES, is_window_xml, read_window_xml
-from lumenray.engine.scattering.tree import (
+from lumenray.engine.scattering.data.tree import (
     albedo_of_tree,
     albedos_of_tree,
     check_tree,
@@ -32,6 +31,7 @@ from lumenray.engine.scattering.tree import (
     raster_of,
     square_of,
 )
+from lumenray.engine.scattering.readers.window_xml import SIDES, is_window_xml, read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
 from window_files import (
     KLEMS_FULL,

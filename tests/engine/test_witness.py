@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from baking_rooms import lamp, moved
 from glass_scenes import ball
-from lumenray.benchmarks.ray_sources import RADIUS, disk, even_numbers
+from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
 from lumenray.engine.raysets.emission import prepare_light
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import (
@@ -49,7 +49,7 @@ MIDDLE = (1.0, 1.0, 1.0)
 
 
 def report_of(*items, paths=1 << 16, transport="mono", seed=1, **more):
-    from lumenray.engine.transport.witness import Witness
+    from lumenray.engine.transport.witness.pilot import Witness
 
     session = session_of(*items)
     scene = session._prepare(transport, False)
@@ -73,7 +73,7 @@ def test_the_same_seed_gives_the_same_sums_whatever_the_threads_do():
 def test_sums_lose_nothing_and_need_no_order():
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.sums import Sums
+    from lumenray.engine.transport.witness.sums import Sums
 
     report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
     draw = np.random.default_rng(3)
@@ -93,7 +93,7 @@ def test_sums_lose_nothing_and_need_no_order():
 def test_sums_of_faint_light_beside_a_whole_that_is_far_brighter_are_right():
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.sums import Sums
+    from lumenray.engine.transport.witness.sums import Sums
 
     report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
     chance = np.random.default_rng(4).random(1 << 20).astype(np.float32)

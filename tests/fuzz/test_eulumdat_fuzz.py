@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux, intensity
-from lumenray.engine.luminaires.eulumdat import parse_eulumdat
-from lumenray.engine.luminaires.eulumdat_writer import write_eulumdat
-from lumenray.engine.luminaires.reader import parse_luminaire
+from lumenray.engine.luminaires.formats.eulumdat.reader import parse_eulumdat
+from lumenray.engine.luminaires.formats.eulumdat.writer import write_eulumdat
+from lumenray.engine.luminaires.formats.reader import parse_luminaire
 from mutations import NUMBER, NUMBERS, mutate
 
 CHUNKS = 16

@@ -10,6 +10,7 @@ import pytest
 from goniometer_files import about_mirror, about_normal, e1392, in_plane, lobe
 from instruments import measure, paint
 from lumenray.engine.errors import FileFormatError, SceneError
+from lumenray.engine.scattering.data.table import check_table
 from lumenray.engine.scattering.measuring.calibration import calibrate
 from lumenray.engine.scattering.measuring.processing import process_measurement
 from lumenray.engine.scattering.measuring.raw_measurement import (
@@ -24,7 +25,6 @@ from lumenray.engine.scattering.readers.tensor_file import (
     parse_tensor_file,
     read_tensor_file,
 )
-from lumenray.engine.scattering.table import check_table
 from mutations import mutate
 from tensor_files import measured_like
 

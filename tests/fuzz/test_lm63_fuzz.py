@@ -8,10 +8,10 @@ import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
-from lumenray.engine.luminaires.lm63 import parse_lm63
-from lumenray.engine.luminaires.lm63_writer import write_lm63
-from lumenray.engine.luminaires.record import LampSet, LuminaireFile, TiltTable
-from lumenray.engine.luminaires.symmetry import expand_planes
+from lumenray.engine.luminaires.formats.lm63.reader import parse_lm63
+from lumenray.engine.luminaires.formats.lm63.writer import write_lm63
+from lumenray.engine.luminaires.formats.record import LampSet, LuminaireFile, TiltTable
+from lumenray.engine.luminaires.formats.symmetry import expand_planes
 from lumenray.engine.scene.distribution import SHAPES, IntensityDistribution, Opening
 from mutations import mutate
 

@@ -6,12 +6,12 @@ import sys
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
+from lumenray.engine.scattering.data.table import check_table
 from lumenray.engine.scattering.readers import mixtures, slices
 from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
 from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
 from lumenray.engine.scattering.readers.speos import is_speos, read_speos
 from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
-from lumenray.engine.scattering.table import check_table
 from lumenray.engine.scene.scattering import ScatterTable
 from mutations import NUMBER, NUMBERS, mutate
 from scattering_files import (

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux
-from lumenray.engine.luminaires.reader import parse_luminaire
-from lumenray.engine.luminaires.tm33 import parse_tm33
+from lumenray.engine.luminaires.formats.reader import parse_luminaire
+from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33
 from mutations import NUMBER, NUMBERS, mutate
 
 CHUNKS = 16

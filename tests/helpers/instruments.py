@@ -1,12 +1,12 @@
 """A scattering instrument that measures a known material: with noise, holes, a dark signal, and a lamp that drifts."""
 
 import numpy as np
+from lumenray.engine.scattering.data.table import direction_of
 from lumenray.engine.scattering.measuring.raw_measurement import (
     Instrument,
     RawMeasurement,
     RawSlice,
 )
-from lumenray.engine.scattering.table import direction_of
 
 WHITE = 0.98 / np.pi
 """BRDF of the white sample. [1/sr]"""

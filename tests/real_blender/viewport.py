@@ -189,7 +189,7 @@ def check_colour(picture, place, value, low, high, text, logarithmic=False):
 def check_scale(picture):
     """Note whether the scale at the left edge has its own colours."""
     colours = module("engine.analysis.false_colour").colours
-    drawing = module("blender_addon.view_drawing")
+    drawing = module("blender_addon.rendering.view_drawing")
     column = picture[:, drawing.SCALE_MARGIN + drawing.SCALE_WIDTH // 2]
     for name, band in (("lowest", 0), ("middle", 32), ("highest", drawing.SCALE_STEPS - 1)):
         share = (band + 0.5) / drawing.SCALE_STEPS
@@ -439,9 +439,9 @@ def two_views():
     bpy.data.objects["Block"].location.x -= 1.2
     other.type = "PROPERTIES"
     yield from settle()
-    views = len(module("blender_addon.viewport")._views)
+    views = len(module("blender_addon.rendering.viewport")._views)
     record.check(views == 1, f"the second view is gone: {views} left")
-    textures = len(module("blender_addon.view_drawing")._textures)
+    textures = len(module("blender_addon.rendering.view_drawing")._textures)
     record.check(textures == 1, f"its texture is gone: {textures} left")
     check_same(reference, take_picture(FOLDER / "two_alone.png"), "the first, alone again")
 
@@ -551,7 +551,7 @@ def check_flat(first, last, text):
             f"{text}: memory of {name} {old_size} -> {size} MiB",
         )
         record.check(files <= old_files + 4, f"{text}: open files of {name} {old_files} -> {files}")
-    textures = len(module("blender_addon.view_drawing")._textures)
+    textures = len(module("blender_addon.rendering.view_drawing")._textures)
     record.check(textures == 1, f"{text}: {textures} texture")
 
 

@@ -193,12 +193,12 @@ def show_tab():
 
 def engine_pid():
     """Return the number of the engine's process, None without one."""
-    return module("blender_addon.engine_process").pid()
+    return module("blender_addon.foundation.engine_process").pid()
 
 
 def view(area=None):
     """Return our view in an area's region (`viewport.Viewport`), None without one."""
-    return module("blender_addon.viewport").view_at(region_of(area or view_area()))
+    return module("blender_addon.rendering.viewport").view_at(region_of(area or view_area()))
 
 
 def is_settled(shown):

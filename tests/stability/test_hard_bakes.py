@@ -42,7 +42,7 @@ def measured(
     )
     table = LumelTable(placed[:1], Atlas(np.array([[64, 64]]), (layout,), 1, 1.0))
     with session_of(*placed, paint(0.8), lamp)._engine("auto") as compiled:
-        from lumenray.engine.transport.illuminance import compute
+        from lumenray.engine.transport.paths.illuminance import compute
 
         if looks:
             table.validate(compiled)

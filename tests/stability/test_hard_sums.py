@@ -40,7 +40,7 @@ def test_a_thousand_million_samples_are_summed_to_a_millionth(name):
     backend.start(spectral=False)
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.illuminance import LARGEST_SUM
+    from lumenray.engine.transport.paths.illuminance import LARGEST_SUM
 
     samples = synthetic(name, GROUPS * BLOCKS * LARGEST_SUM)
     sums = dr.block_reduce(dr.ReduceOp.Add, mi.Float(samples), LARGEST_SUM)
@@ -86,7 +86,7 @@ def test_an_estimator_without_noise_does_not_drift(candela):
 def test_samples_far_along_their_sequence_are_as_good_as_the_first():
     # Owed: the same mean, within 3.5 errors of both, and no greater error, near the thousand millionth sample and before the
     # last that a sequence has.
-    from lumenray.engine.transport import illuminance
+    from lumenray.engine.transport.paths import illuminance
 
     frame = np.eye(4)
     frame[2, 3] = 1.0

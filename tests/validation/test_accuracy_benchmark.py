@@ -15,7 +15,7 @@ WORK = [16, 64, 256, 1024, 4096]
 @pytest.fixture(scope="module")
 def result():
     """Return the results of a quick run on one scene without other programs."""
-    from lumenray.benchmarks import accuracy
+    from lumenray.benchmarks.accuracy import run as accuracy
 
     return accuracy.run(is_quick=True, with_peers=False, scenes=[SCENE], longest=0.1)
 
@@ -46,8 +46,8 @@ def made_up_result(factor: float, seed: int) -> dict:
 
 
 def test_scenes_and_exact_values_are_those_of_the_validation_cases():
-    from lumenray.benchmarks.accuracy_scenes import TITLES, load_scene
-    from lumenray.tests.validation.suite.reference import load_groups
+    from lumenray.benchmarks.accuracy.scenes import TITLES, load_scene
+    from lumenray.validation.reference import load_groups
 
     for key, (_, ids) in TITLES.items():
         scene = load_scene(key)
@@ -60,8 +60,8 @@ def test_scenes_and_exact_values_are_those_of_the_validation_cases():
 
 @pytest.mark.slow
 def test_the_error_falls_with_time(result):
-    from lumenray.benchmarks.accuracy_runs import OURS
-    from lumenray.benchmarks.accuracy_statistics import slope_of
+    from lumenray.benchmarks.accuracy.programs import OURS
+    from lumenray.benchmarks.accuracy.statistics import slope_of
 
     (scene,) = result["scenes"]
     for name in OURS:
@@ -84,7 +84,7 @@ def test_the_forecast_is_compared_with_what_it_took(result):
 
 
 def test_forecasts_are_judged_by_the_typical_one():
-    from lumenray.benchmarks.accuracy_bars import _check_typical_forecast
+    from lumenray.benchmarks.accuracy.bars import _check_typical_forecast
 
     def judge(*forecasts, left=8.0):
         # Two seconds of ten have passed; the rest is foretold.
@@ -102,7 +102,7 @@ def test_forecasts_are_judged_by_the_typical_one():
 
 @pytest.mark.slow
 def test_pixels_state_their_error(result):
-    from lumenray.benchmarks.accuracy_statistics import honesty_of
+    from lumenray.benchmarks.accuracy.statistics import honesty_of
 
     assert honesty_of(result["views"]["picture"]).value == pytest.approx(1.0, abs=0.1)
     # Sensors add what few large samples may hide, so they state a little too much after so short a run.
@@ -111,7 +111,7 @@ def test_pixels_state_their_error(result):
 
 @pytest.mark.slow
 def test_the_document_and_its_pictures_are_written(result, tmp_path):
-    from lumenray.benchmarks import accuracy
+    from lumenray.benchmarks.accuracy import run as accuracy
 
     accuracy.write_results(result, tmp_path, tmp_path / "all.json")
     text = (tmp_path / "accuracy.md").read_text(encoding="utf-8")
@@ -124,7 +124,7 @@ def test_the_document_and_its_pictures_are_written(result, tmp_path):
 
 
 def test_a_power_law_is_read_off_its_runs():
-    from lumenray.benchmarks.accuracy_statistics import make_curve, seconds_to, slope_of
+    from lumenray.benchmarks.accuracy.statistics import make_curve, seconds_to, slope_of
 
     row = made_up(0.2)
     slope = slope_of(row)
@@ -135,13 +135,13 @@ def test_a_power_law_is_read_off_its_runs():
 
 @pytest.mark.parametrize(("target", "bound"), [(0.5, "<"), (0.01, ""), (1e-4, ">")])
 def test_an_error_beyond_the_runs_gives_a_bound(target, bound):
-    from lumenray.benchmarks.accuracy_statistics import make_curve, seconds_to
+    from lumenray.benchmarks.accuracy.statistics import make_curve, seconds_to
 
     assert seconds_to(make_curve(made_up(0.2)), target).bound == bound
 
 
 def test_start_up_of_others_is_no_time():
-    from lumenray.benchmarks.accuracy_statistics import make_curve, start_up
+    from lumenray.benchmarks.accuracy.statistics import make_curve, start_up
 
     row = made_up(0.2) | {"is_ours": False}
     row["seconds"] = (np.array(row["seconds"]) + 2.0).tolist()
@@ -152,7 +152,7 @@ def test_start_up_of_others_is_no_time():
 
 
 def test_two_runs_of_the_same_agree_within_their_spreads():
-    from lumenray.benchmarks.accuracy_statistics import compare_results
+    from lumenray.benchmarks.accuracy.statistics import compare_results
 
     rows = compare_results(made_up_result(3.0, seed=1), made_up_result(3.0, seed=11))
     assert len(rows) >= 1
@@ -160,7 +160,7 @@ def test_two_runs_of_the_same_agree_within_their_spreads():
 
 
 def test_a_ratio_that_became_four_times_as_large_is_told():
-    from lumenray.benchmarks.accuracy_statistics import compare_results
+    from lumenray.benchmarks.accuracy.statistics import compare_results
 
     rows = compare_results(made_up_result(3.0, seed=1), made_up_result(12.0, seed=11))
     assert any(not row.passes for row in rows)

@@ -107,10 +107,10 @@ def _owners(maps, side: int) -> np.ndarray:
 @pytest.fixture(scope="module")
 def cornell():
     """Return the plain box with its made-up bake and the places of its lumels."""
-    from lumenray.benchmarks.atlas_lumels import find_places
-    from lumenray.benchmarks.atlas_scenes import build
-    from lumenray.benchmarks.atlas_stage import Stage
-    from lumenray.benchmarks.atlas_variants import make_plain
+    from lumenray.benchmarks.atlas.lumels import find_places
+    from lumenray.benchmarks.atlas.scenes import build
+    from lumenray.benchmarks.atlas.stage import Stage
+    from lumenray.benchmarks.atlas.variants import make_plain
 
     scene = make_plain(build("cornell"))
     result = made_up_bake(scene)
@@ -137,7 +137,7 @@ def test_scenes_are_closed_and_seen_from_inside(cornell):
 
 @pytest.mark.parametrize("key", ["cornell", "cabin", "window", "hall", "lamp"])
 def test_rooms_face_inwards(key):
-    from lumenray.benchmarks.atlas_scenes import build
+    from lumenray.benchmarks.atlas.scenes import build
     from lumenray.engine.scene.mesh import Mesh
 
     scene = build(key)
@@ -157,9 +157,9 @@ def test_rooms_face_inwards(key):
 
 
 def test_places_below_a_lid_are_inside():
-    from lumenray.benchmarks.atlas_scenes import AtlasScene
-    from lumenray.benchmarks.atlas_shapes import box, make_mesh, quad
-    from lumenray.benchmarks.atlas_stage import Stage
+    from lumenray.benchmarks.atlas.scenes import AtlasScene
+    from lumenray.benchmarks.atlas.shapes import box, make_mesh, quad
+    from lumenray.benchmarks.atlas.stage import Stage
     from lumenray.engine.scene.material import Diffuse, Material
 
     floor = make_mesh("floor", [quad((-1, -1, 0), (2, 0, 0), (0, 2, 0))], "grey")
@@ -172,9 +172,9 @@ def test_places_below_a_lid_are_inside():
 
 def test_plain_gathering_and_the_reference_agree(cornell, tmp_path):
     """Two estimators with random numbers of their own; within what their errors allow."""
-    from lumenray.benchmarks.atlas_gather import PlainGather
-    from lumenray.benchmarks.atlas_lumels import draw_rows
-    from lumenray.benchmarks.atlas_references import find_reference
+    from lumenray.benchmarks.atlas.gather import PlainGather
+    from lumenray.benchmarks.atlas.lumels import draw_rows
+    from lumenray.benchmarks.atlas.references import find_reference
 
     _, _, stage, places = cornell
     chosen = places.take(draw_rows(places, places.is_inner, 64, 1))
@@ -197,13 +197,13 @@ def test_plain_gathering_and_the_reference_agree(cornell, tmp_path):
 
 def test_the_plain_variant_has_the_flux_of_the_scene():
     """Illuminance straight below a small Lambertian square: flux / (pi d^2) (inverse square and cosine law)."""
-    from lumenray.benchmarks.atlas_scenes import AtlasScene
-    from lumenray.benchmarks.atlas_shapes import rigid_frame
-    from lumenray.benchmarks.atlas_stage import Stage
-    from lumenray.benchmarks.atlas_variants import make_plain
+    from lumenray.benchmarks.atlas.scenes import AtlasScene
+    from lumenray.benchmarks.atlas.shapes import rigid_frame
+    from lumenray.benchmarks.atlas.stage import Stage
+    from lumenray.benchmarks.atlas.variants import make_plain
     from lumenray.engine.accuracy.stopping import StopRule
     from lumenray.engine.scene.light import AreaLight, Output, Quantity
-    from lumenray.engine.transport.illuminance import Receivers, compute
+    from lumenray.engine.transport.paths.illuminance import Receivers, compute
 
     output = Output(Quantity.LUMINOUS_FLUX, 1000.0)
     frame = rigid_frame((0.0, 0.0, 4.0), (0.0, 0.0, -1.0))
@@ -218,9 +218,9 @@ def test_the_plain_variant_has_the_flux_of_the_scene():
 @pytest.mark.slow
 def test_cycles_bakes_the_same_page(cornell, tmp_path):
     pytest.importorskip("bpy")
-    from lumenray.benchmarks.atlas_cycles import CyclesBake
-    from lumenray.benchmarks.atlas_lumels import draw_rows
-    from lumenray.benchmarks.atlas_references import find_reference
+    from lumenray.benchmarks.atlas.cycles import CyclesBake
+    from lumenray.benchmarks.atlas.lumels import draw_rows
+    from lumenray.benchmarks.atlas.references import find_reference
 
     scene, result, stage, places = cornell
     chosen = places.take(draw_rows(places, places.is_inner, 96, 1))
@@ -241,9 +241,9 @@ def test_cycles_bakes_the_same_page(cornell, tmp_path):
 @pytest.mark.parametrize("kind", ["exact", "cached"])
 def test_radiance_reads_the_same_lumels(cornell, tmp_path, kind):
     pytest.importorskip("pyradiance")
-    from lumenray.benchmarks.atlas_lumels import draw_rows
-    from lumenray.benchmarks.atlas_radiance import CACHED, EXACT, RadianceRace
-    from lumenray.benchmarks.atlas_references import find_reference
+    from lumenray.benchmarks.atlas.lumels import draw_rows
+    from lumenray.benchmarks.atlas.radiance import CACHED, EXACT, RadianceRace
+    from lumenray.benchmarks.atlas.references import find_reference
 
     scene, _, stage, places = cornell
     chosen = places.take(draw_rows(places, places.is_inner, 48, 1))
@@ -265,13 +265,13 @@ def test_radiance_reads_the_same_lumels(cornell, tmp_path, kind):
 )
 def test_student_quantiles_are_those_of_tables(freedom, expected):
     """Table of Student's t for two-sided 95 % intervals (any textbook of statistics)."""
-    from lumenray.benchmarks.atlas_statistics import student_quantile
+    from lumenray.benchmarks.atlas.statistics import student_quantile
 
     assert student_quantile(0.975, freedom) == pytest.approx(expected, rel=1e-5)
 
 
 def test_times_to_an_error_follow_the_runs():
-    from lumenray.benchmarks.atlas_statistics import seconds_to
+    from lumenray.benchmarks.atlas.statistics import seconds_to
 
     # error = 0.1 / sqrt(seconds)
     points = [(seconds, 0.1 / np.sqrt(seconds)) for seconds in (1.0, 4.0, 16.0, 64.0)]
@@ -287,7 +287,7 @@ def test_times_to_an_error_follow_the_runs():
 
 def made_up_reference(values, errors):
     """Reference with lumels of 1 m2."""
-    from lumenray.benchmarks.atlas_references import Reference
+    from lumenray.benchmarks.atlas.references import Reference
 
     return Reference(values, errors, np.ones(len(values)), 1, 1.0)
 
@@ -295,8 +295,8 @@ def made_up_reference(values, errors):
 @pytest.mark.parametrize("honesty", [0.5, 1.0, 2.0])
 def test_calibration_finds_how_honest_an_error_is(honesty):
     """Stated errors are the true ones over ``honesty``; the reference has noise of its own."""
-    from lumenray.benchmarks.atlas_calibration import covered_share
-    from lumenray.benchmarks.atlas_statistics import student_quantile
+    from lumenray.benchmarks.atlas.calibration import covered_share
+    from lumenray.benchmarks.atlas.statistics import student_quantile
 
     rng = np.random.default_rng(5)
     count, replicates = 20_000, 8
@@ -317,7 +317,7 @@ def test_calibration_finds_how_honest_an_error_is(honesty):
 
 
 def test_forecasts_are_taken_after_a_twentieth_of_the_time_and_after_two_passes():
-    from lumenray.benchmarks.atlas_calibration import judge_forecast
+    from lumenray.benchmarks.atlas.calibration import judge_forecast
 
     marks = (
         Mark(0.4, 0.0, 0.1, 8.0),
@@ -362,7 +362,7 @@ def race_of(factor: float) -> dict:
 
 def made_up_result() -> dict:
     """Whole result with every part."""
-    from lumenray.benchmarks.atlas_summary import summarise
+    from lumenray.benchmarks.atlas.summary import summarise
 
     run = {"level": 0.02, "seed": 1, "seconds": 1.0, "stated": 0.02, "stated_here": 0.02}
     run |= {"true": 0.021, "ratio": 1.05, "covered": 0.948, "mean": 1.0, "replicates": 8}
@@ -418,7 +418,7 @@ def test_the_summary_is_of_all_runs():
 
 
 def test_the_bars_tell_what_is_met_and_what_is_not():
-    from lumenray.benchmarks.atlas_bars import check_bars, compare_results
+    from lumenray.benchmarks.atlas.bars import check_bars, compare_results
 
     result = made_up_result()
     bars = {bar.demand: bar.passed for bar in check_bars(result)}
@@ -444,7 +444,7 @@ def test_the_bars_tell_what_is_met_and_what_is_not():
 
 
 def test_the_document_and_its_pictures_are_written(tmp_path):
-    from lumenray.benchmarks import atlas
+    from lumenray.benchmarks.atlas import run as atlas
 
     result = made_up_result()
     atlas.write_results(result, tmp_path, tmp_path / "all.json")
@@ -459,7 +459,7 @@ def test_the_document_and_its_pictures_are_written(tmp_path):
 
 
 def test_a_building_has_as_many_triangles_and_rooms_as_asked():
-    from lumenray.benchmarks.atlas_building import build_building, count_triangles
+    from lumenray.benchmarks.atlas.building import build_building, count_triangles
     from lumenray.engine.scene.light import AreaLight
 
     scene = build_building(20_000, 360, 10.0)
@@ -468,7 +468,7 @@ def test_a_building_has_as_many_triangles_and_rooms_as_asked():
 
 
 def test_a_smooth_cylinder_has_every_edge_once():
-    from lumenray.benchmarks.atlas_geometry import _cylinder, _shared_edges
+    from lumenray.benchmarks.atlas.geometry import _cylinder, _shared_edges
 
     mesh = _cylinder()
     first, second = _shared_edges(mesh.triangles)
@@ -480,7 +480,7 @@ def test_a_smooth_cylinder_has_every_edge_once():
 
 
 def test_large_bakes_that_were_ended_are_gone_on_with(tmp_path, monkeypatch):
-    from lumenray.benchmarks import atlas_scale
+    from lumenray.benchmarks.atlas import scale as atlas_scale
     from lumenray.engine.errors import LumenrayError
 
     asked, said = [], []
@@ -506,7 +506,7 @@ def test_large_bakes_that_were_ended_are_gone_on_with(tmp_path, monkeypatch):
 
 
 def test_steady_work_is_foretold_and_work_that_slows_down_is_not():
-    from lumenray.benchmarks.machine import foretell
+    from lumenray.benchmarks.common.machine import foretell
 
     even = np.arange(400) * 0.1
     assert foretell(even.tolist(), 0.1) == pytest.approx(0.0, abs=1e-9)

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 from glass_scenes import fresnel
-from lumenray.benchmarks import hidden_light
-from lumenray.benchmarks import hidden_truths as truths
-from lumenray.benchmarks.hidden_scenes import make_scenes
+from lumenray.benchmarks.hidden import run as hidden_light
+from lumenray.benchmarks.hidden import truths
+from lumenray.benchmarks.hidden.scenes import make_scenes
 from panes import share, stack_share
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -227,7 +227,7 @@ def test_the_document_tells_what_is_not_met(tmp_path):
 
 
 def test_the_command_ends_with_1_where_a_row_fails(tmp_path, monkeypatch, capsys):
-    from lumenray.blender_addon.command_line import main
+    from lumenray.command_line.main import main
 
     asked = []
     good, bad = made_up((100.0, 101.0), (0.5, 0.5)), made_up((100.0, 110.0), (0.5, 0.5))
@@ -245,7 +245,7 @@ def test_the_command_ends_with_1_where_a_row_fails(tmp_path, monkeypatch, capsys
 
 
 def test_a_scene_that_is_not_there_is_told(tmp_path, capsys):
-    from lumenray.blender_addon.command_line import main
+    from lumenray.command_line.main import main
 
     assert main(["benchmark", "hidden", "--scene", "cellar", "-o", str(tmp_path)]) == 1
     assert "there is no scene cellar; choose from panes-35, " in capsys.readouterr().err

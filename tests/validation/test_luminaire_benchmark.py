@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from lumenray.benchmarks import radiance
+from lumenray.benchmarks.common import radiance
 
 pytestmark = [
     pytest.mark.mitsuba,
@@ -40,7 +40,9 @@ TILT=NONE
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     """Return the results of a run on two good files and a broken one."""
-    from lumenray.benchmarks import luminaire_speed, luminaire_variance, luminaires
+    from lumenray.benchmarks.luminaires import run as luminaires
+    from lumenray.benchmarks.luminaires import speed as luminaire_speed
+    from lumenray.benchmarks.luminaires import variance as luminaire_variance
 
     folder = tmp_path_factory.mktemp("files")
     (folder / "plain.ies").write_text(PLAIN, encoding="ascii")
@@ -97,7 +99,7 @@ def test_a_point_adds_no_noise(result):
 
 @pytest.mark.slow
 def test_the_document_says_what_falls_short(result, tmp_path):
-    from lumenray.benchmarks import luminaires
+    from lumenray.benchmarks.luminaires import run as luminaires
 
     told = json.loads(json.dumps(result))
     told["noise"][1]["ratio"] = 2.5
@@ -113,7 +115,7 @@ def test_the_document_says_what_falls_short(result, tmp_path):
 
 def test_noise_of_a_choice_is_measured_by_what_is_known():
     # Two receivers' estimates 0 or 2 with equal chance around a mean of 1 or 3: variance 1 over the ideal's 1.
-    from lumenray.benchmarks.luminaire_variance import _ratio
+    from lumenray.benchmarks.luminaires.variance import _ratio
 
     rng = np.random.default_rng(0)
     exact = rng.choice([1.0, 3.0], 400_000)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from lumenray.engine.photometry import spectra, units
 from lumenray.engine.scene.spectrum import Illuminant
-from lumenray.tests.validation.suite import mutations
-from lumenray.tests.validation.suite.mutations import (
+from lumenray.validation import mutations
+from lumenray.validation.mutations import (
     MUTATIONS,
     BrokenOffError,
     Mutation,
@@ -42,7 +42,8 @@ def test_a_fault_fits_the_engine_and_is_taken_back(mutation):
 
 @pytest.mark.mitsuba
 def test_a_fault_reaches_modules_that_import_by_name_and_leaves_no_trace():
-    from lumenray.engine.transport import textures, wavelengths
+    from lumenray.engine.transport.compiled import textures
+    from lumenray.engine.transport.paths import wavelengths
 
     lamp = Illuminant("A")
     right = spectra.efficacy(lamp)
@@ -88,7 +89,10 @@ def test_faults_are_caught():
 @pytest.mark.mitsuba
 def test_a_process_that_breaks_off_says_where():
     broken = Mutation(
-        "broken", "", (Rewrite("transport.gather:_response", "match kind:", "match what:"),), ()
+        "broken",
+        "",
+        (Rewrite("transport.paths.gather:_response", "match kind:", "match what:"),),
+        (),
     )
     with pytest.raises(BrokenOffError, match=r"C01\.iso: NameError"):
         mutations.examine_apart(broken, ["C01.iso"])

@@ -2,28 +2,18 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.scene.light import CieSky, Luminaire, Output, PointLight, Quantity
 from lumenray.engine.scene.material import Diffuse, Material, TabulatedPane, ThinGlass, Transparent
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.scene.spectrum import Constant, Tabulated
-from lumenray.tests.validation.suite.bench import Bench, CannotStateError
-from lumenray.tests.validation.suite.peers.contents import sort_items
-from lumenray.tests.validation.suite.peers.cycles import Cycles
-from lumenray.tests.validation.suite.peers.radiance import Radiance
-from lumenray.tests.validation.suite.peers.skies import luminance_scale, relative_luminance
-from lumenray.tests.validation.suite.reference import FOLDER
-from lumenray.tests.validation.suite.stage import (
-    BLACK,
-    box,
-    candela,
-    frame,
-    glowing,
-    lumen,
-    matt,
-    mesh,
-    quad,
-)
+from lumenray.validation.bench import Bench, CannotStateError
+from lumenray.validation.peers.contents import sort_items
+from lumenray.validation.peers.cycles import Cycles
+from lumenray.validation.peers.radiance import Radiance
+from lumenray.validation.peers.skies import luminance_scale, relative_luminance
+from lumenray.validation.reference import FOLDER
+from lumenray.validation.stage import BLACK, box, candela, frame, glowing, lumen, matt, mesh, quad
 
 pytestmark = pytest.mark.validation
 

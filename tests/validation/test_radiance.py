@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from lumenray.benchmarks import radiance
+from lumenray.benchmarks.common import radiance
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.luminaires.distribution import flux
-from lumenray.engine.luminaires.reader import read_luminaire
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session

@@ -9,28 +9,19 @@ import pytest
 from lumenray.engine.scene.light import CieSky, Output, Quantity, SunLight
 from lumenray.engine.scene.material import Diffuse, Glossy, ThinGlass
 from lumenray.engine.scene.spectrum import Constant
-from lumenray.tests.validation.suite.bench import Finding, Setup
-from lumenray.tests.validation.suite.cases import Case
-from lumenray.tests.validation.suite.cells import cut_percent, tell_number
-from lumenray.tests.validation.suite.charts import draw_errors, family_of
-from lumenray.tests.validation.suite.determinism import SeedCheck
-from lumenray.tests.validation.suite.drawing import SIZE, draw_setup
-from lumenray.tests.validation.suite.published import load_published
-from lumenray.tests.validation.suite.reference import load_groups
-from lumenray.tests.validation.suite.report import write_report
-from lumenray.tests.validation.suite.runner import Answer, Run
-from lumenray.tests.validation.suite.stage import (
-    BLACK,
-    box,
-    candela,
-    glowing,
-    material,
-    matt,
-    quad,
-    sphere,
-)
-from lumenray.tests.validation.suite.texts import TEXTS
-from lumenray.tests.validation.suite.verdict import judge
+from lumenray.validation.bench import Finding, Setup
+from lumenray.validation.cases import Case
+from lumenray.validation.cells import cut_percent, tell_number
+from lumenray.validation.charts import draw_errors, family_of
+from lumenray.validation.determinism import SeedCheck
+from lumenray.validation.drawing import SIZE, draw_setup
+from lumenray.validation.published import load_published
+from lumenray.validation.reference import load_groups
+from lumenray.validation.report import write_report
+from lumenray.validation.runner import Answer, Run
+from lumenray.validation.stage import BLACK, box, candela, glowing, material, matt, quad, sphere
+from lumenray.validation.texts import TEXTS
+from lumenray.validation.verdict import judge
 
 CASES = {
     "C05": ("Area", "direct"),

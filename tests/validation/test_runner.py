@@ -5,13 +5,13 @@ import types
 
 import numpy as np
 import pytest
-from lumenray.blender_addon import validate_command
-from lumenray.blender_addon.command_line import main
-from lumenray.tests.validation import suite
-from lumenray.tests.validation.suite import outcome, runner
-from lumenray.tests.validation.suite.bench import Bench, CannotStateError, Finding
-from lumenray.tests.validation.suite.cases import Case
-from lumenray.tests.validation.suite.reference import groups_of, load_groups
+from lumenray import validation as suite
+from lumenray.command_line import validate as validate_command
+from lumenray.command_line.main import main
+from lumenray.validation import outcome, runner
+from lumenray.validation.bench import Bench, CannotStateError, Finding
+from lumenray.validation.cases import Case
+from lumenray.validation.reference import groups_of, load_groups
 
 
 class Stranger:

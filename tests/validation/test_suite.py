@@ -1,12 +1,12 @@
 """The quick subset of the validation suite on the engine; everything is run by ``make validate``."""
 
 import pytest
-from lumenray.tests.validation.suite.bench import Bench, Engine
-from lumenray.tests.validation.suite.cases import all_cases
-from lumenray.tests.validation.suite.determinism import check_seeds
-from lumenray.tests.validation.suite.reference import groups_of, load_groups
-from lumenray.tests.validation.suite.runner import run_case
-from lumenray.tests.validation.suite.verdict import judge
+from lumenray.validation.bench import Bench, Engine
+from lumenray.validation.cases import all_cases
+from lumenray.validation.determinism import check_seeds
+from lumenray.validation.reference import groups_of, load_groups
+from lumenray.validation.runner import run_case
+from lumenray.validation.verdict import judge
 
 FAMILIES = {
     "direct",

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lumenray.tests.validation.suite.bench import Bench, Finding
-from lumenray.tests.validation.suite.determinism import (
+from lumenray.validation.bench import Bench, Finding
+from lumenray.validation.determinism import (
     LEAST_VALUES,
     check_seeds,
     chi_square_per_degree,
     choose_group,
     is_identical,
 )
-from lumenray.tests.validation.suite.published import load_published
-from lumenray.tests.validation.suite.reference import Group, load_groups
-from lumenray.tests.validation.suite.verdict import CLASS_TOLERANCES, judge
+from lumenray.validation.published import load_published
+from lumenray.validation.reference import Group, load_groups
+from lumenray.validation.verdict import CLASS_TOLERANCES, judge
 
 
 def group_of(values, kind="B", allowed=None, informative=False):

@@ -1,0 +1,1 @@
+"""From what a goniometer counts to a table of scattering."""

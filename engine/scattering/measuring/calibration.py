@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..table import direction_of
+from ..data.table import direction_of
 from .raw_measurement import Instrument, RawMeasurement, RawSlice
 
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import SceneError
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...scene.scattering import ScatterTable
-from ..evaluation import measure_reciprocity
-from ..normal_incidence import along_normal
-from ..readers.direction_samples import SAME
-from ..table import albedo_of, check_table, direction_of, evaluate_table
+from ..data.direction_samples import SAME
+from ..data.evaluation import measure_reciprocity
+from ..data.normal_incidence import along_normal
+from ..data.table import albedo_of, check_table, direction_of, evaluate_table
 from .calibration import CalibratedSlice, calibrate
 from .mirror_peak import split_mirror_peak
 from .raw_measurement import RawMeasurement

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.text import decode
-from ..readers.columns import Columns, name_columns, parse_columns, read_keyword
-from ..readers.direction_samples import merge_angles
+from ...reading.columns import Columns, name_columns, parse_columns, read_keyword
+from ...reading.text import decode
+from ..data.direction_samples import merge_angles
 
 SIGNATURE = b"# lumenray raw measurement"
 

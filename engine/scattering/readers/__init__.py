@@ -1,0 +1,1 @@
+"""Scattering files; `reader` is the one door to all of them."""

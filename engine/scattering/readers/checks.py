@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...scene.scattering import Scatter
-from ..evaluation import incidences_of, totals
+from ..data.evaluation import incidences_of, totals
 
 MOST_LIGHT = 1.02
 """Share of light that may leave a surface before it is told: measurements are not better."""

@@ -24,15 +24,10 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
+from ...reading.columns import Columns
 from ...scene.scattering import ScatterTable
-from ..measuring.raw_measurement import is_raw_measurement
-from ..record import ScatteringFile
-from ..resampling import resample
-from ..table import albedo_of
-from .checks import shares_of, tell_excess
-from .columns import Columns
-from .direction_samples import (
+from ..data.direction_samples import (
     MOST_POINTS,
     SAME,
     PolarGrid,
@@ -41,6 +36,11 @@ from .direction_samples import (
     grid_samples,
     merge_angles,
 )
+from ..data.record import ScatteringFile
+from ..data.resampling import resample
+from ..data.table import albedo_of
+from ..measuring.raw_measurement import is_raw_measurement
+from .checks import shares_of, tell_excess
 from .goniometer_rows import (
     Measured,
     clean_rows,

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...photometry.colour import scene_linear
-from ..table import direction_of
+from ...reading.columns import Columns
+from ..data.table import direction_of
 from .checks import tell_missing, tell_negative
 from .colour import spectra_of_rgb
-from .columns import Columns
 from .goniometer_text import ABOUT_MIRROR, ABOUT_NORMAL
 from .in_plane import SHADOW
 

@@ -3,8 +3,8 @@
 import re
 
 from ...errors import FileFormatError
-from ...luminaires.text import decode, parse_number
-from .columns import Columns, name_columns, parse_columns, read_keyword, wavelength_of
+from ...reading.columns import Columns, name_columns, parse_columns, read_keyword, wavelength_of
+from ...reading.text import decode, parse_number
 
 SIGNATURE = "lumenray goniometer"
 

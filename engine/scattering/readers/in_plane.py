@@ -3,10 +3,10 @@
 import numpy as np
 
 from ...errors import SceneError
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...scene.scattering import ScatterTable
-from ..table import MOST_VALUES, place_on
-from .direction_samples import SAME, merge_angles
+from ..data.direction_samples import SAME, merge_angles
+from ..data.table import MOST_VALUES, place_on
 
 SHADOW = np.radians(12.0)
 """Zeros so near to the direction of the light are its detector's shadow."""

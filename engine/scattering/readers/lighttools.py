@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
+from ...luminaires.formats.record import Remark
+from ...reading.words import Words
+from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_missing, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
 from .slices import SliceFan, choose_fan, slice_about_light, turn_up
-from .words import Words
 from .zemax import MOST_ANGLES, MOST_NODES, MOST_TIS, MOST_VALUES
 
 SIDES = {

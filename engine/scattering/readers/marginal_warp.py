@@ -10,7 +10,7 @@ Dupuy & Jakob, An adaptive parameterization for efficient material acquisition a
 
 import numpy as np
 
-from ..table import place_on
+from ..data.table import place_on
 
 
 class Slices:

@@ -5,13 +5,13 @@ import re
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
-from .blocks import Blocks
+from ...luminaires.formats.record import Remark
+from ...reading.blocks import Blocks
+from ...reading.words import LARGEST
+from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_negative
 from .colour import ANY_WAVELENGTH, WAVELENGTHS, spectra_of_rgb
 from .slices import Slice, SliceFan
-from .words import LARGEST
 
 START = b"NVIDIA ARC MBSDF V1\n"
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
-from ..resampling import resample
+from ...luminaires.formats.record import Remark
+from ..data.record import ScatteringFile
+from ..data.resampling import resample
 from .colour import spectra_of_rgb
 
 SHAPE = 90, 90, 180

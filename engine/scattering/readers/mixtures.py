@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...scene.scattering import ScatterTable
-from ..resampling import resample
-from ..table import coordinates_of, direction_of
+from ..data.resampling import resample
+from ..data.table import coordinates_of, direction_of
 
 NARROWEST = np.radians(0.2)
 """Lobes of less full width are taken as those of a mirror. [rad]"""

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...reading.content import read_bytes
 from ...scene.scattering import ScatterTable
-from ..normal_incidence import add_normal_incidence
-from ..record import ScatteringFile
-from ..store import is_store, read_store
+from ..data.normal_incidence import add_normal_incidence
+from ..data.record import ScatteringFile
+from ..data.store import is_store, read_store
 from .goniometer import read_goniometer
 from .goniometer_text import is_goniometer
 from .lighttools import is_lighttools, read_lighttools

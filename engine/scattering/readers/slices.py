@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...scene.scattering import ScatterTable
-from ..resampling import resample
-from ..table import place_on
+from ..data.resampling import resample
+from ..data.table import place_on
 
 STEEPEST = np.radians(89.0)
 """Intensities are divided by no smaller cosine; farther from the normal the value there holds. [rad]"""

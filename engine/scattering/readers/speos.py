@@ -5,14 +5,14 @@ import re
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
+from ...luminaires.formats.record import Remark
+from ...reading.words import Words
+from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess
 from .colour import ANY_WAVELENGTH
 from .mixtures import Mixture
 from .speos_coatings import read_coated, read_two_sides
 from .speos_tables import read_anisotropic, read_brdf
-from .words import Words
 
 START = b"OPTIS - "
 

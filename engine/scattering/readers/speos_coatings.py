@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
 from ...photometry.spectra import GRID, luminous_efficiency
-from ..record import ScatteringFile
-from .blocks import Blocks
+from ...reading.blocks import Blocks
+from ...reading.words import Words
+from ..data.record import ScatteringFile
 from .checks import MOST_LIGHT
 from .mixtures import direct_table
-from .words import Words
 
 MOST_INCIDENCES, MOST_BANDS = 10_000, 2_000
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
-from .blocks import Blocks
+from ...luminaires.formats.record import Remark
+from ...reading.blocks import Blocks
+from ...reading.words import Words
+from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_missing, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
 from .slices import Slice, SliceFan, choose_fan, slice_about_light, turn_up
-from .words import Words
 
 MOST_TEXT = 100_000
 """Characters of a description."""

@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
-from ..record import ScatteringFile
-from ..resampling import choose_bands, resample
+from ...luminaires.formats.record import Remark
+from ..data.record import ScatteringFile
+from ..data.resampling import choose_bands, resample
 from .colour import spectra_of_rgb
 from .marginal_warp import MarginalWarp, Slices, place_in, read_bilinear
 

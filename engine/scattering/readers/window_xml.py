@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
-from ...luminaires.record import Remark
-from ...luminaires.safe_xml import XmlElement, parse_xml
+from ...luminaires.formats.record import Remark
+from ...reading.safe_xml import XmlElement, parse_xml
 from ...scene.scattering import PatchBasis, PatchMatrix, Scatter, TensorTree
-from ..patches import MOST_PATCHES, albedos, patch_of, starts_of, transposed
-from ..record import ScatteringFile
-from ..tree import (
+from ..data.patches import MOST_PATCHES, albedos, patch_of, starts_of, transposed
+from ..data.record import ScatteringFile
+from ..data.tree import (
     MOST_LEVELS,
     albedos_of_tree,
     grow_children,

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.record import Remark
+from ...luminaires.formats.record import Remark
+from ...reading.words import Words
 from ...scene.scattering import ScatterTable
-from ..record import ScatteringFile
-from ..table import albedo_of, albedos_of, direction_of, place_on
+from ..data.record import ScatteringFile
+from ..data.table import albedo_of, albedos_of, direction_of, place_on
 from .checks import LIMIT_POLAR, tell_excess, tell_negative, tell_scaling
 from .colour import ANY_WAVELENGTH
-from .words import Words
 
 SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 

@@ -1,0 +1,1 @@
+"""Error over time of sensors, pictures and the live view, beside Radiance and Cycles."""

@@ -1,0 +1,1 @@
+"""Lux maps beside references and other programs: stated errors, forecasts, speed, leaks, scale."""

@@ -1,0 +1,1 @@
+"""What benchmarks share: the machine, bars, plain shapes, other programs, output."""

@@ -1,0 +1,1 @@
+"""Light that is hard to find, with many seeds, against closed forms."""

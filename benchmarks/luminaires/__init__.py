@@ -1,0 +1,1 @@
+"""Luminaires: agreement with Radiance, speed of look-up, noise of a next event."""

@@ -1,0 +1,1 @@
+"""Random small rooms against long runs of paths from the lights."""

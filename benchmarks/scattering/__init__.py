@@ -1,0 +1,1 @@
+"""Measured materials: storage over error, sampling, speed, pictures."""

@@ -1,0 +1,1 @@
+"""How long an edit in Blender takes until the live view shows it."""

@@ -1,0 +1,1 @@
+"""Pixels of Blender's images, read once."""

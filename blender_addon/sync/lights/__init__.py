@@ -1,0 +1,1 @@
+"""Lights of Blender as lights of the engine."""

@@ -1,0 +1,1 @@
+"""Materials of Blender as materials of the engine."""

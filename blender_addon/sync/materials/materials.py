@@ -1,0 +1,155 @@
+"""Conversion of Blender materials."""
+
+import logging
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ....engine.scene.checks import DEEPEST_MIX, depth_of
+from ....engine.scene.material import Black, Diffuse, Emission, Material, Transparent
+from ....engine.scene.spectrum import Constant, Illuminant
+from ...foundation.report import ConversionReport
+from ..images.cache import ImageCache
+from ..nodes.evaluation import Context
+from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
+from ..spectra import light_spectrum
+from .closures import Closure
+from .overrides import convert_override
+from .shaders import convert_shader
+
+_logger = logging.getLogger(__name__)
+
+DEFAULT_REFLECTANCE = 0.8
+"""Diffuse reflectance that Blender gives to a mesh without a material. [-]"""
+
+LARGEST_RADIANCE = 1e20
+"""Radiance from which on an emission is a slip: no sum of light could be told beside it. [W/(m2 sr)]"""
+
+
+def default_material(material_id: str) -> Material:
+    """Return what a mesh without a material gets."""
+    return Material(material_id, "Default", Diffuse(Constant(DEFAULT_REFLECTANCE)))
+
+
+def convert_material(
+    material: bpy.types.Material,
+    material_id: str,
+    report: ConversionReport,
+    efficacy: float,
+    images: ImageCache | None = None,
+    is_patient: bool = True,
+) -> Material:
+    """Convert a Blender material.
+
+    Parameters
+    ----------
+    material : bpy.types.Material    Original or evaluated.
+    material_id : str    Stable key of the result.
+    report : ConversionReport    Gets a row for everything that is not taken over as it is.
+    efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
+    images : ImageCache or None    What was read of images before.
+    is_patient : bool    Whether to wait for a scattering file that is being read.
+
+    Returns
+    -------
+    Material    Never fails for an odd node tree: what cannot be understood becomes diffuse grey
+        and a row of the report.
+    """
+    settings = getattr(material, "lumenray", None)
+    if settings is not None and settings.use_override:
+        surface, emission = convert_override(settings, report, material.name, is_patient)
+        return Material(material_id, material.name, surface, emission, material.pass_index)
+    _report_working_space(report)
+    try:
+        closure = _convert_tree(material, report, images)
+        depth = depth_of(closure.surface)
+    except RecursionError:
+        closure, depth = Closure(), None
+    except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
+        _logger.exception("Material %s", material.name)
+        report.error(
+            material.name,
+            "The node tree cannot be understood; please send the file to the developers",
+            f"diffuse grey {DEFAULT_REFLECTANCE} is used",
+        )
+        closure, depth = Closure(Diffuse(Constant(DEFAULT_REFLECTANCE))), 0
+    if depth is None or depth > DEEPEST_MIX:
+        report.error(
+            material.name,
+            f"More than {DEEPEST_MIX} shaders are mixed into each other",
+            f"diffuse grey {DEFAULT_REFLECTANCE} is used",
+        )
+        closure = replace(closure, surface=Diffuse(Constant(DEFAULT_REFLECTANCE)))
+    emission = _emission(closure, efficacy, material.name, report)
+    return Material(
+        material_id, material.name, closure.surface or Black(), emission, material.pass_index
+    )
+
+
+def _report_working_space(report):
+    space = getattr(bpy.data, "colorspace", None)
+    name = getattr(space, "working_space", "Linear Rec.709")
+    if name != "Linear Rec.709":
+        report.warn(
+            "Colour management",
+            f"The file's working space is {name}",
+            "colours are read as linear Rec. 709",
+        )
+
+
+def _convert_tree(material, report, images) -> Closure:
+    if material.node_tree is None or not _uses_nodes(material):
+        colour = np.clip(material.diffuse_color[:3], 0, 1)
+        return Closure(Diffuse(as_colour(constant(*colour))))
+    output = material.node_tree.get_output_node("CYCLES")
+    if output is None:
+        report.warn(material.name, "The node tree has no material output", "black is used")
+        return Closure(Black())
+    context = Context(material.name, report, images)
+    is_volume = output.inputs["Volume"].is_linked
+    if output.inputs["Displacement"].is_linked:
+        report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
+    if is_volume:
+        report.error(material.name, "A volume is not supported", "it is left out", output.name)
+    if not output.inputs["Surface"].is_linked:
+        if is_volume:
+            return Closure(Transparent())
+        report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
+    return convert_shader(output.inputs["Surface"], context)
+
+
+def _uses_nodes(material):
+    # Blender 5 always uses nodes and will drop the property in 6.
+    return bpy.app.version >= (5, 0, 0) or material.use_nodes
+
+
+def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:
+    """Turn Blender's radiance into luminance."""
+    if closure.radiance is None:
+        return None
+    radiance = closure.radiance.settled()
+    low, largest = radiance.limits()
+    if low < 0:
+        report.error(name, "Its emission is negative", "no light is given there")
+    if largest > LARGEST_RADIANCE:
+        report.error(name, f"Its emission is {largest:.3g} W/(m2 sr)", "it gives no light")
+        return None
+    if radiance.is_stand_in:
+        mean = efficacy * float(luminance(radiance.mean())[0])
+        report.error(
+            name,
+            "Its emission depends on what cannot be taken over",
+            f"the mean of what comes out is used, {mean:.4g} cd/m2 over the surface",
+        )
+    values = np.maximum(radiance.values, 0)
+    if largest <= 0:
+        return None
+    if not radiance.is_constant:
+        pattern = as_texture(Field(values / largest, radiance.layout))
+        white = Illuminant("D65")
+        return Emission(white, efficacy * largest, pattern, closure.two_sided)
+    colour = np.broadcast_to(values, 3)
+    amount = efficacy * float(luminance(values)[0])
+    spectrum = closure.spectrum or light_spectrum(colour)
+    return Emission(spectrum, amount, None, closure.two_sided)

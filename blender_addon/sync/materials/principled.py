@@ -1,0 +1,123 @@
+"""Conversion of the Principled BSDF."""
+
+import math
+
+import numpy as np
+
+from ....engine.scene.material import (
+    Cauchy,
+    Coated,
+    Dielectric,
+    Diffuse,
+    Glossy,
+    ThinGlass,
+    Transparent,
+)
+from ....engine.scene.memo import recall
+from ..nodes.fields import Field, as_colour, as_scalar
+from ..nodes.graph import find_socket, trace
+from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+
+ROUGH = 0.1
+"""Roughness from which on light that passes is spread too widely for a pane."""
+
+_LEFT_OUT = {
+    "Coat Weight": (0.0, "The coat"),
+    "Sheen Weight": (0.0, "Sheen"),
+    "Anisotropic": (0.0, "Anisotropy"),
+    "Thin Film Thickness": (0.0, "The thin film"),
+    "Specular Tint": (1.0, "The tint of the highlight"),
+}
+
+_AS_DIFFUSE = {
+    "Subsurface Weight": (0.0, "Subsurface scattering"),
+    "Diffuse Roughness": (0.0, "Diffuse roughness"),
+}
+
+
+def convert_principled(at) -> Closure:
+    """Return what a Principled BSDF stands for.
+
+    A coated diffuse base, a metal by ``Metallic``, a solid dielectric by ``Transmission Weight``,
+    all seen through ``Alpha``.
+    """
+    _report_unsupported(at)
+    base = reflectance_of(at, at("Base Color"))
+    roughness = at("Roughness")
+    metallic = at("Metallic").clipped()
+    transmission = at("Transmission Weight").clipped()
+    alpha = at("Alpha").clipped()
+
+    surface = None
+    if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
+        surface = _coated(at, base)
+    if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
+        pane = _pane if _is_thin_wall(at) else _glass
+        surface = mix_surfaces(surface, pane(at, base), transmission)
+    if not metallic.is_everywhere(0):
+        surface = mix_surfaces(surface, Glossy(as_colour(base), as_scalar(roughness)), metallic)
+    radiance = _radiance(at)
+    if not alpha.is_everywhere(1):
+        surface = mix_surfaces(Transparent(), surface, alpha)
+        radiance = scaled(at, radiance, alpha)
+    return Closure(surface, radiance)
+
+
+def _coated(at, base):
+    """Return the base; Cycles reads ``Specular IOR Level`` as a factor on F0, 0.5 being 1."""
+    ior = at.plain("IOR")
+    normal_reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * at.plain("Specular IOR Level")
+    amplitude = math.sqrt(min(max(normal_reflectance, 0.0), 0.98))
+    if amplitude < 1e-4:
+        return Diffuse(as_colour(base))
+    ior = (1 + amplitude) / (1 - amplitude)
+    return Coated(as_colour(base), ior, min(max(at.plain("Roughness"), 0.0), 1.0))
+
+
+def _is_thin_wall(at) -> bool:
+    """Whether the surface is a sheet with air on both sides, which Blender has from 5.2 on."""
+    socket = find_socket(at.node.inputs, "Thin Wall")
+    if socket is not None:
+        return not at.field(socket).is_everywhere(0)
+    return bool(getattr(at.node, "thin_wall", False))
+
+
+def _pane(at, base):
+    if not at("Roughness").is_everywhere(0) and at.plain("Roughness") > ROUGH:
+        at.fail("A thin wall that scatters is not supported", "a clear pane is used")
+    return ThinGlass(max(at.plain("IOR"), 1.0), as_colour(base))
+
+
+def _glass(at, base):
+    # Cycles takes the root because light crosses the boundary twice.
+    tint = Field(recall(base.values, "root", np.sqrt), base.layout)
+    roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
+    return Dielectric(Cauchy(at.plain("IOR"), 0.0), roughness, as_colour(tint))
+
+
+def _radiance(at):
+    strength = at("Emission Strength")
+    if is_dark(strength):
+        return None
+    radiance = at.map(lambda c, s: c * s, at("Emission Color"), strength)
+    return None if is_dark(radiance) else radiance
+
+
+def _report_unsupported(at):
+    for names, remedy in ((_LEFT_OUT, "it is left out"), (_AS_DIFFUSE, "plain diffuse is used")):
+        for name, (neutral, subject) in names.items():
+            socket = find_socket(at.node.inputs, name)
+            if socket is not None and not at.field(socket).is_everywhere(neutral):
+                at.note(f"{subject} is not supported", remedy)
+    report_normal(at, "Normal", "Coat Normal")
+
+
+def report_normal(at, *names):
+    """Report inputs that bend the normal."""
+    for name in names or ("Normal",):
+        socket = find_socket(at.node.inputs, name)
+        origin = trace(socket, at.groups) if socket is not None else None
+        if origin is None or not origin.is_output:
+            continue
+        if origin.socket.node.bl_idname not in {"ShaderNodeNewGeometry", "ShaderNodeTexCoord"}:
+            at.remark("Bump and normal maps are not supported", "the mesh's own normal is used")

@@ -1,0 +1,246 @@
+"""Conversion of shader nodes other than the Principled BSDF."""
+
+import numpy as np
+
+from ....engine.scene.material import (
+    Black,
+    Cauchy,
+    Coated,
+    Dielectric,
+    Diffuse,
+    Glossy,
+    ThinGlass,
+    Transparent,
+)
+from ....engine.scene.spectrum import Blackbody
+from ...foundation.report import Severity
+from ..nodes.evaluation import Inputs
+from ..nodes.fields import as_colour, as_scalar, constant
+from ..nodes.graph import find_socket, node_key, trace
+from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
+from .principled import convert_principled, report_normal
+
+_MIRROR = 0.1
+"""Roughness below which a gloss over a transparent shader is meant as a pane."""
+
+
+def convert_shader(socket, context, groups=()) -> Closure:
+    """Convert what arrives at a shader input.
+
+    Parameters
+    ----------
+    socket : bpy.types.NodeSocket    An input of type SHADER.
+    context : nodes.Context    The conversion that it belongs to.
+    groups : tuple of bpy.types.Node    Group nodes around it, outermost first.
+
+    Returns
+    -------
+    Closure    Empty, which is black, if nothing is linked; so does Blender.
+    """
+    origin = trace(socket, groups)
+    if origin.problem:
+        context.add(Severity.ERROR, socket.node.name, origin.problem, "black is used")
+    if not origin.is_output:
+        return Closure()
+    node = origin.socket.node
+    at = Inputs(node, origin.socket, context, origin.groups)
+    key = (*node_key(node, origin.groups), "shader")
+    if key in context.active:
+        at.fail("The links run in a circle", "black is used")
+        return Closure()
+    context.active.add(key)
+    try:
+        return _SHADERS.get(node.bl_idname, _unsupported)(at)
+    finally:
+        context.active.discard(key)
+
+
+def _colour(at, *names):
+    return reflectance_of(at, at(*(names or ("Color",))))
+
+
+def _roughness(at):
+    return min(max(at.plain("Roughness"), 0.0), 1.0)
+
+
+def _diffuse(at):
+    report_normal(at)
+    if not at("Roughness").is_everywhere(0):
+        at.note("Diffuse roughness is not supported", "plain diffuse is used")
+    return Closure(Diffuse(as_colour(_colour(at))))
+
+
+def _translucent(at):
+    report_normal(at)
+    return Closure(diffuse(at, constant(0.0), _colour(at)))
+
+
+def _glossy(at):
+    report_normal(at)
+    if not at("Anisotropy").is_everywhere(0):
+        at.note("Anisotropy is not supported", "it is left out")
+    return Closure(Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
+
+
+def _metallic(at):
+    report_normal(at)
+    for name, subject in (("Anisotropy", "Anisotropy"), ("Thin Film Thickness", "The thin film")):
+        if not at(name).is_everywhere(0):
+            at.note(f"{subject} is not supported", "it is left out")
+    if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
+        at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
+        colour = at.map(_normal_reflectance, at("IOR"), at("Extinction"))
+    else:
+        colour = _colour(at, "Base Color")
+        if not at("Edge Tint").is_everywhere(1):
+            at.remark("Edge tint is not supported", "it is left out")
+    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness"))))
+
+
+def _normal_reflectance(n, k):
+    return ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
+
+
+def _glass(at):
+    report_normal(at)
+    if not at("Thin Film Thickness").is_everywhere(0):
+        at.note("The thin film is not supported", "it is left out")
+    colour = _colour(at)
+    if not colour.is_everywhere(1):
+        at.remark("Blender tints the reflection of coloured glass", "only what passes is tinted")
+    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
+
+
+def _refraction(at):
+    at.remark("A Refraction BSDF does not reflect", "glass, which does, is used")
+    report_normal(at)
+    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(_colour(at))))
+
+
+def _transparent(at):
+    return Closure(Transparent(as_colour(_colour(at))))
+
+
+def _portal(at):
+    at.note("A ray portal is not supported", "light passes straight on")
+    return _transparent(at)
+
+
+def _holdout(at):
+    at.remark("A holdout only makes sense in a picture", "black is used")
+    return Closure(Black())
+
+
+def _emission(at):
+    radiance = at.map(lambda c, s: c * s, at("Color"), at("Strength"))
+    return emitting(radiance, _stated_spectrum(at))
+
+
+def _stated_spectrum(at):
+    """Return the Planck spectrum if the colour is plainly that of a Blackbody node."""
+    origin = trace(find_socket(at.node.inputs, "Color"), at.groups)
+    if not origin.is_output or origin.socket.node.bl_idname != "ShaderNodeBlackbody":
+        return None
+    node = origin.socket.node
+    temperature = Inputs(node, origin.socket, at.context, origin.groups)("Temperature")
+    return Blackbody(float(temperature.values[0])) if temperature.is_constant else None
+
+
+def _add(at):
+    first, second = (convert_shader(s, at.context, at.groups) for s in at.node.inputs[:2])
+    return add(at, first, second)
+
+
+def _mix(at):
+    origin = trace(at.node.inputs[0], at.groups)
+    kind = origin.socket.node.bl_idname if origin.is_output else ""
+    if kind == "ShaderNodeNewGeometry" and origin.socket.identifier == "Backfacing":
+        return _by_side(at)
+    if kind == "ShaderNodeFresnel" or (
+        kind == "ShaderNodeLayerWeight" and origin.socket.identifier == "Fresnel"
+    ):
+        closure = _by_fresnel(
+            at, Inputs(origin.socket.node, origin.socket, at.context, origin.groups)
+        )
+        if closure is not None:
+            return closure
+    factor = at.field(at.node.inputs[0])
+    # A branch that never shows must not fill the report.
+    first = Closure() if factor.is_everywhere(1) else _branch(at, 1)
+    second = Closure() if factor.is_everywhere(0) else _branch(at, 2)
+    return mix(at, first, second, factor)
+
+
+def _branch(at, index):
+    return convert_shader(at.node.inputs[index], at.context, at.groups)
+
+
+def _by_side(at):
+    """Take the front for both sides, but let a one-sided emission stay one-sided."""
+    front, back = _branch(at, 1), _branch(at, 2)
+    at.note(
+        "Front and back of a face have different shaders",
+        "the front's surface is used for both sides; only the front emits",
+    )
+    return Closure(front.surface, front.radiance, front.spectrum, back.radiance is not None)
+
+
+def _by_fresnel(at, weight):
+    """Return one surface for "gloss over something by Fresnel", None if it is not that."""
+    under, over = _branch(at, 1), _branch(at, 2)
+    if not isinstance(over.surface, Glossy) or over.radiance is not None:
+        return None
+    ior = _index_of(weight)
+    roughness = over.surface.roughness
+    if not isinstance(roughness, float):
+        roughness = float(np.mean(roughness.pixels))
+    base, surface = under.surface, None
+    if isinstance(base, Diffuse) and base.transmittance is None:
+        surface = Coated(base.reflectance, ior, min(max(roughness, 0.0), 1.0))
+        meaning = "a diffuse base under a clear coat"
+    elif isinstance(base, Transparent) and roughness < _MIRROR:
+        surface, meaning = ThinGlass(ior, base.transmittance), "a pane that reflects at both faces"
+    elif isinstance(base, Dielectric):
+        surface, meaning = base, "glass"
+    if surface is None:
+        return None
+    at.remark("A gloss is mixed over another shader by Fresnel", f"{meaning} is used")
+    return Closure(surface, under.radiance, under.spectrum, under.two_sided)
+
+
+def _index_of(weight):
+    if weight.node.bl_idname == "ShaderNodeFresnel":
+        return max(weight.plain("IOR"), 1.0)
+    return 1.0 / (1.0 - min(max(weight.plain("Blend"), 0.0), 0.99))
+
+
+def _as_diffuse(at):
+    at.note(f"{at.node.bl_label} is not supported", "a diffuse surface of its colour is used")
+    report_normal(at)
+    return Closure(Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
+
+
+def _unsupported(at):
+    if find_socket(at.node.inputs, "Color", "Base Color") is not None:
+        return _as_diffuse(at)
+    at.fail(f"{at.node.bl_label or at.node.bl_idname} is not supported", "black is used")
+    return Closure(Black())
+
+
+_SHADERS = {
+    "ShaderNodeBsdfPrincipled": convert_principled,
+    "ShaderNodeBsdfDiffuse": _diffuse,
+    "ShaderNodeBsdfTranslucent": _translucent,
+    "ShaderNodeBsdfGlossy": _glossy,
+    "ShaderNodeBsdfAnisotropic": _glossy,
+    "ShaderNodeBsdfMetallic": _metallic,
+    "ShaderNodeBsdfGlass": _glass,
+    "ShaderNodeBsdfRefraction": _refraction,
+    "ShaderNodeBsdfTransparent": _transparent,
+    "ShaderNodeBsdfRayPortal": _portal,
+    "ShaderNodeHoldout": _holdout,
+    "ShaderNodeEmission": _emission,
+    "ShaderNodeAddShader": _add,
+    "ShaderNodeMixShader": _mix,
+}
+"""What each shader node becomes, by its ``bl_idname``."""

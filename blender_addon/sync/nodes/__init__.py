@@ -1,0 +1,1 @@
+"""Node trees evaluated: numbers, colours and pictures over a surface."""

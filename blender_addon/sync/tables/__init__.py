@@ -1,0 +1,1 @@
+"""What the engine has already, and which of it may be out of date."""

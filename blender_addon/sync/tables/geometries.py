@@ -1,0 +1,116 @@
+"""The geometries that the engine has, and which of them may be out of date."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ....engine.scene.mesh import Geometry
+from ..meshes import fingerprint, read_geometry
+
+
+@dataclass
+class _Entry:
+    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3)."""
+
+    owner: int
+    is_of_data: bool
+    fingerprint: int = 0
+    is_stale: bool = True
+    corners: np.ndarray | None = None
+
+
+class GeometryTable:
+    """Geometries by id. An owner, by session uid, is the object or the data whose edits change a geometry."""
+
+    def __init__(self):
+        self.changed: list[Geometry] = []
+        self.removed: list[str] = []
+        self.reshaped = 0
+        self._entries: dict[str, _Entry] = {}
+        self._of_owner: dict[int, set[str]] = {}
+
+    def mark(self, owners: set[int]) -> None:
+        """Note that the geometries of these owners may be out of date."""
+        for owner in owners & self._of_owner.keys():
+            for key in self._of_owner[owner]:
+                self._entries[key].is_stale = True
+
+    def take(self, key: str, owner: int, is_of_data: bool, source) -> str | None:
+        """Return the id of an object's geometry, read anew where needed; None when it has no face."""
+        entry = self._entries.get(key)
+        if entry is None:
+            entry = self._entries[key] = _Entry(owner, is_of_data)
+            self._of_owner.setdefault(owner, set()).add(key)
+        if entry.is_stale:
+            self._update(key, entry, source)
+        return key if entry.fingerprint else None
+
+    def corners(self, key: str) -> np.ndarray:
+        """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
+        return self._entries[key].corners
+
+    def take_made(self, geometry: Geometry) -> str:
+        """Return the id of a geometry that no data of Blender's states and that never changes."""
+        if geometry.id not in self._entries:
+            self._entries[geometry.id] = _Entry(
+                0, False, fingerprint(geometry), False, _corners_of(geometry)
+            )
+            self._of_owner.setdefault(0, set()).add(geometry.id)
+            self.changed.append(geometry)
+        return geometry.id
+
+    def sweep(self, used: set[str], shown: set[int]) -> None:
+        """Give up geometries that nothing shows, but keep those of objects that are only hidden.
+
+        Parameters
+        ----------
+        used : set of str    Geometries that are shown.
+        shown : set of int    Objects of which something is shown.
+        """
+        unused = self._entries.keys() - used
+        if not unused:
+            return
+        alive = {
+            block.session_uid
+            for blocks in (bpy.data.objects, bpy.data.meshes)
+            for block in blocks
+            if block.users
+        }
+        for key in unused:
+            entry = self._entries[key]
+            if entry.owner in alive and entry.owner not in shown:
+                continue
+            if entry.fingerprint:
+                self.removed.append(key)
+            del self._entries[key]
+            self._of_owner[entry.owner].discard(key)
+
+    def flush(self) -> tuple[list[Geometry], list[str]]:
+        """Hand over what changed and what was removed since the last time."""
+        made, gone = self.changed, self.removed
+        self.changed, self.removed, self.reshaped = [], [], 0
+        return made, gone
+
+    def __iter__(self):
+        """Ids of the geometries that the engine has."""
+        return (key for key, entry in self._entries.items() if entry.fingerprint)
+
+    def _update(self, key, entry, source) -> None:
+        geometry = read_geometry(source, key)
+        entry.is_stale, before = False, entry.fingerprint
+        entry.fingerprint = fingerprint(geometry)
+        if entry.fingerprint == before:
+            return
+        self.reshaped += bool(before)
+        entry.corners = None if geometry is None else _corners_of(geometry)
+        if geometry is None or not np.isfinite(entry.corners).all():
+            # What has a corner nowhere is left out by whoever shows it.
+            self.removed.append(key)
+        else:
+            self.changed.append(geometry)
+
+
+def _corners_of(geometry: Geometry) -> np.ndarray:
+    box = np.stack([geometry.vertices.min(axis=0), geometry.vertices.max(axis=0)])
+    return np.stack(np.meshgrid(*box.T.astype(np.float64)), axis=-1).reshape(-1, 3)

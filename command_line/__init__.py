@@ -1,0 +1,1 @@
+"""The command `lumenray`: one module for each command; `main` is the door."""

@@ -1,0 +1,1 @@
+"""Luminaires on the device: intensity tables, openings and Mitsuba's emitters made of them."""

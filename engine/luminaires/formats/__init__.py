@@ -1,0 +1,1 @@
+"""Photometric files; `reader` is the one door to all of them."""

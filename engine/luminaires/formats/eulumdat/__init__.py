@@ -1,0 +1,1 @@
+"""EULUMDAT (.ldt): read by `reader`, written by `writer`."""

@@ -1,0 +1,1 @@
+"""IES LM-63 (.ies): read by `reader`, written by `writer`."""

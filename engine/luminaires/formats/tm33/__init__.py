@@ -1,0 +1,1 @@
+"""ANSI/IES TM-33 and UNI 11733 (XML): read by `reader`."""

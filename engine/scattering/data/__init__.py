@@ -1,0 +1,1 @@
+"""Scattering as data: tables, patches and trees, evaluated in double precision, resampled and stored."""

@@ -1,0 +1,260 @@
+"""Lights of the scene description as emitters, with their luminous bodies."""
+
+from dataclasses import dataclass, fields
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...arrays import pointer_id
+from ...errors import SceneError
+from ...luminaires.emitters.palette import KINDS, Row, opening_frame
+from ...luminaires.emitters.tables import distribution_digest
+from ...luminaires.openings import check_opening
+from ...photometry import units
+from ...scene.light import AreaLight, Luminaire, PointLight, SpotLight
+from . import emission
+from .lights import Source
+from .opening_bodies import OpeningBody, make_body
+from .textures import is_spectral
+
+DELTA_RADIUS = 1e-5
+"""Point lights smaller than this are ideal points. [m]"""
+
+
+@dataclass
+class Lamp:
+    """A light at work. ``body`` is the shape that is seen, None for ideal points and spots."""
+
+    item: object
+    source: Source
+    body: object | None = None
+    body_id: int = -1
+    opening: OpeningBody | None = None
+
+    def put_into(self, pool) -> None:
+        """Tell a `SurfacePool` about the body."""
+        if self.opening is not None:
+            self.opening.put_into(pool, self.body_id)
+        elif self.source.axis is None:
+            pool.add_sphere(self.body_id, self.source.centre)
+        else:
+            pool.add_flat(self.body_id, self.source.axis)
+
+
+def make_lamp(light, origin: np.ndarray, nothing, luminaires=None) -> Lamp | None:
+    """Make the emitter of a light, None when it gives no light or shines from infinity.
+
+    Parameters
+    ----------
+    light : Light
+    origin : (3,) array    Of the compiled scene's frame. [m]
+    nothing : mi.BSDF    What bodies are made of for others' light.
+    luminaires : mi.Emitter or None    That of all luminaires of the scene; no other light needs it.
+    """
+    if light.output.value <= 0.0:
+        return None
+    match light:
+        case Luminaire():
+            return _make_luminaire(light, origin, nothing, luminaires)
+        case PointLight():
+            return _make_point(light, origin, nothing)
+        case SpotLight():
+            return _make_spot(light, origin)
+        case AreaLight():
+            return _make_area(light, origin, nothing)
+    return None
+
+
+def reach_of(light) -> float:
+    """Radius of a sphere about a light's place that holds its body. [m]"""
+    match light:
+        case PointLight() | SpotLight():
+            return float(light.radius)
+        case AreaLight():
+            return 0.5 * float(np.hypot(light.size_x, light.size_y))
+        case Luminaire():
+            return 0.5 * float(np.linalg.norm(light.opening.size))
+    return 0.0
+
+
+def change_lamp(lamp: Lamp, light, origin: np.ndarray, nothing) -> bool | None:
+    """Change a lamp with a body in place, so that kernels do not change.
+
+    Returns
+    -------
+    bool or None    Whether its body stands elsewhere or has another size; None when it cannot be done in place.
+    """
+    old = lamp.item
+    if lamp.body is None or type(old) is not type(light) or light.output.value <= 0.0:
+        return None
+    if isinstance(light, Luminaire):
+        return _change_luminaire(lamp, light, origin)
+    new = make_lamp(light, origin, nothing)
+    if new is None or new.body is None or new.body.shape_type() != lamp.body.shape_type():
+        return None
+    if new.source.emitter.is_narrow != lamp.source.emitter.is_narrow:
+        return None
+    lamp.source.emitter.__dict__.update(new.source.emitter.__dict__)
+    is_moved = not all(
+        np.array_equal(getattr(old, entry.name), getattr(light, entry.name))
+        for entry in fields(light)
+        if entry.name not in {"id", "name", "output", "visible_to_camera", "spread"}
+    )
+    if is_moved:
+        _set_place(lamp.body, mi.traverse(new.body)["to_world"])
+    lamp.item = light
+    source = lamp.source
+    source.flux, source.density = new.source.flux, new.source.density
+    source.centre, source.radius = new.source.centre, new.source.radius
+    source.axis = new.source.axis
+    return is_moved
+
+
+def _output(light):
+    """Return the light's amount, its flux [lm] and the factor from the amount to the body's luminance."""
+    if isinstance(light, PointLight):
+        made = emission.point_intensity(light)
+        factor = units.luminance_from_intensity_sphere(1.0, max(light.radius, DELTA_RADIUS))
+        return made, 4.0 * np.pi * made.amount, factor
+    made = emission.area_luminance(light)
+    area = emission.area_of(light)
+    return made, made.amount * np.pi * area / units.spread_axis_factor(light.spread), 1.0
+
+
+def surface_emitter(made, two_sided=False, pattern=None, spread=np.pi):
+    """Emitter of a luminous surface. ``made``: its luminance; ``pattern``: texture that multiplies it."""
+    plugin = {"type": "lumenray_surface", "radiance": made.texture(), "two_sided": two_sided}
+    if pattern is not None:
+        plugin["pattern"] = pattern
+    if spread < np.pi - 1e-3:
+        plugin["tan_spread"] = float(np.tan(0.5 * spread))
+    return mi.load_dict(plugin)
+
+
+def _make_point(light: PointLight, origin, nothing) -> Lamp:
+    made, flux, factor = _output(light)
+    centre = np.asarray(light.position, dtype=np.float64) - origin
+    place = [float(x) for x in centre]
+    if light.radius < DELTA_RADIUS:
+        emitter = mi.load_dict({"type": "point", "position": place, "intensity": made.texture()})
+        return Lamp(light, Source(emitter, flux, made.density, centre))
+    emitter = surface_emitter(made.scaled(factor))
+    emitter.set_ball(place, float(light.radius))
+    shape = {"type": "sphere", "center": place, "radius": float(light.radius)}
+    return _with_body(
+        light, shape, Source(emitter, flux, made.density, centre, float(light.radius)), nothing
+    )
+
+
+def _make_spot(light: SpotLight, origin) -> Lamp:
+    made = emission.spot_intensity(light)
+    centre = np.asarray(light.position, dtype=np.float64) - origin
+    plugin = {
+        "type": "lumenray_spot",
+        "intensity": made.texture(),
+        "position": [float(x) for x in centre],
+        "direction": [float(x) for x in light.direction],
+        "cap": float(2.0 * np.sin(0.5 * light.half_angle) ** 2),
+        "blend": float(light.blend),
+        "radius": float(light.radius),
+    }
+    flux = made.amount * units.spot_solid_angle(light.half_angle, light.blend)
+    axis = np.asarray(light.direction, dtype=np.float64)
+    source = Source(
+        mi.load_dict(plugin),
+        flux,
+        made.density,
+        centre,
+        light.radius,
+        axis / np.linalg.norm(axis),
+        cone=float(np.cos(light.half_angle)),
+    )
+    return Lamp(light, source)
+
+
+def _make_area(light: AreaLight, origin, nothing) -> Lamp:
+    if emission.area_of(light) <= 0.0:
+        raise SceneError(f"area light '{light.name}' has no area; give it a size above 0")
+    made, flux, factor = _output(light)
+    frame = np.array(light.frame, dtype=np.float64)
+    frame[:3, 3] -= origin
+    # Blender's area lights shine along -z, Mitsuba's flat shapes along +z: turn about x.
+    placed = frame @ np.diag([0.5 * light.size_x, -0.5 * light.size_y, -1.0, 1.0])
+    shape = {
+        "type": "disk" if light.shape == "ellipse" else "rectangle",
+        "to_world": mi.ScalarTransform4f([list(row) for row in placed]),
+    }
+    emitter = surface_emitter(made.scaled(factor), spread=light.spread)
+    if light.shape != "ellipse":
+        emitter.set_rectangle(*placed[:3, [3, 0, 1]].T)
+    radius = 0.5 * float(np.hypot(light.size_x, light.size_y))
+    source = Source(emitter, flux, made.density, frame[:3, 3], radius, -frame[:3, 2])
+    return _with_body(light, shape, source, nothing)
+
+
+def _make_luminaire(light: Luminaire, origin, nothing, emitter) -> Lamp:
+    row = _row_of(light, origin, distribution_digest(light.distribution))
+    made = emission.luminaire_flux(light)
+    source = Source(emitter, made.amount, made.density, row.centre, row.radius, luminaire=row)
+    if light.opening.shape == "point":
+        return Lamp(light, source)
+    opening = make_body(light.opening.shape, row, nothing)
+    return Lamp(light, source, opening.shape, pointer_id(opening.shape), opening)
+
+
+def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
+    check_opening(light.opening, f"luminaire '{light.name}'")
+    if light.rays is not None and light.opening.shape != "point":
+        raise SceneError(f"luminaire '{light.name}' has rays and an opening; expected one of them")
+    frame = np.asarray(light.frame, dtype=np.float64)
+    rotation = frame[:3, :3]
+    if not np.allclose(rotation.T @ rotation, np.eye(3), atol=1e-4):
+        raise SceneError(f"luminaire '{light.name}' is scaled or sheared; its frame must be rigid")
+    axes, half = opening_frame(light.opening, rotation)
+    made = emission.luminaire_flux(light)
+    return Row(
+        light.distribution,
+        digest,
+        rotation @ light.distribution.frame,
+        KINDS[light.opening.shape],
+        axes,
+        half,
+        frame[:3, 3] - origin,
+        made.amount if made.visible or is_spectral() else 0.0,
+        made.density,
+        None if light.rays is None else rotation,
+        light.rays,
+    )
+
+
+def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
+    """As `change_lamp`: all but place and size are numbers in the palette's table."""
+    old = lamp.item
+    if (
+        old.rays is not light.rays
+        or old.opening != light.opening
+        or not np.array_equal(old.frame, light.frame)
+    ):
+        return None
+    is_same = old.distribution is light.distribution
+    digest = lamp.source.luminaire.digest if is_same else distribution_digest(light.distribution)
+    row, made = _row_of(light, origin, digest), emission.luminaire_flux(light)
+    lamp.item = light
+    lamp.source.luminaire, lamp.source.flux, lamp.source.density = row, made.amount, made.density
+    return False
+
+
+def _with_body(light, shape: dict, source: Source, nothing) -> Lamp:
+    """Give a lamp its luminous body; light of others passes it, as in Blender."""
+    made = mi.load_dict({**shape, "bsdf": nothing, "emitter": source.emitter})
+    # Mitsuba keeps a rectangle's place as a part of kernels until it is set anew.
+    _set_place(made, mi.traverse(made)["to_world"])
+    return Lamp(light, source, made, pointer_id(made))
+
+
+def _set_place(shape, place) -> None:
+    values = mi.traverse(shape)
+    dr.make_opaque(place)
+    values["to_world"] = place
+    values.update()

@@ -1,0 +1,190 @@
+"""Shapes that rays are traced against, kept so that an edit costs what it changes.
+
+Building the search tree of all triangles takes seconds where there are millions. So a layer holds two Mitsuba scenes
+that are traced in the same kernel: a *still* one with everything that stood there when it was built, and a *hot* one with
+what was edited since. A shape that leaves the still scene is not taken out of its tree but marked as gone, and rays go on
+behind it. Now and then, and before long jobs, everything settles into a new still scene.
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...arrays import table_size, upload
+from .pool import SurfacePool
+
+SETTLE_SHARE = 0.25
+"""Share of edited triangles beyond which rebuilding is cheaper than tracing around them."""
+
+SETTLE_TRIANGLES = 200_000
+"""Edited triangles that are always bearable."""
+
+SMALL_SHAPES, SMALL_TRIANGLES = 32, 50_000
+"""Layers up to this size are simply built anew."""
+
+GONE_STEP = 1e-5
+"""Step behind a surface that is gone, relative to the largest coordinate plus 1 m."""
+
+
+class Layer:
+    """Shapes that are traced together.
+
+    `add` and `remove` only note; `commit` makes the next trace see it.
+
+    Parameters
+    ----------
+    pool : SurfacePool    Knows the surfaces of the shapes.
+    """
+
+    def __init__(self, pool: SurfacePool):
+        self._pool = pool
+        self._still = _scene([])
+        self._hot = None
+        self._gone = None
+        self._still_shapes: dict[int, tuple[object, int]] = {}
+        self._hot_shapes: dict[int, tuple[object, int]] = {}
+        self._gone_ids: set[int] = set()
+        self._is_fresh = True
+        self._hot_changed = self._gone_changed = False
+
+    def __len__(self) -> int:
+        """Count of the shapes that are there."""
+        return len(self._still_shapes) + len(self._hot_shapes) - len(self._gone_ids)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether all shapes are in the still scene."""
+        return not (self._hot_shapes or self._gone_ids or self._hot_changed)
+
+    def add(self, shape, number: int, triangles: int) -> None:
+        """Add a shape. ``number``: its `pointer_id`."""
+        if self._is_fresh:
+            self._still_shapes[number] = (shape, triangles)
+        else:
+            self._hot_shapes[number] = (shape, triangles)
+            self._hot_changed = True
+
+    def remove(self, number: int) -> None:
+        """Take a shape away."""
+        if self._hot_shapes.pop(number, None) is not None:
+            self._hot_changed = True
+        elif self._is_fresh:
+            self._still_shapes.pop(number)
+        else:
+            self._gone_ids.add(number)
+            self._gone_changed = True
+
+    def commit(self) -> bool:
+        """Bring the traced scenes up to date; true when a large still one was built anew."""
+        if self._is_fresh or self._is_small():
+            self.settle()
+            return False
+        if self._is_overgrown():
+            self.settle()
+            return True
+        if self._hot_changed:
+            shapes = [shape for shape, _ in self._hot_shapes.values()]
+            self._hot = _scene(shapes) if shapes else None
+            self._hot_changed = False
+        if self._gone_changed:
+            # Hot shapes have higher numbers too, but only still ones are looked up.
+            marks = np.zeros(table_size(max(self._still_shapes) + 1), dtype=bool)
+            marks[list(self._gone_ids)] = True
+            self._gone = upload(mi.Bool, marks)
+            self._gone_changed = False
+        return False
+
+    def settle(self) -> None:
+        """Build the still scene of all shapes."""
+        if not self._is_fresh and self.is_settled:
+            return
+        shapes = {k: v for k, v in self._still_shapes.items() if k not in self._gone_ids}
+        self._still_shapes = shapes | self._hot_shapes
+        self._hot_shapes, self._gone_ids = {}, set()
+        self._hot = self._gone = self._still = None
+        self._still = _scene([shape for shape, _ in self._still_shapes.values()])
+        self._is_fresh = self._hot_changed = self._gone_changed = False
+
+    def replace(self, number: int) -> None:
+        """Note that a shape itself was changed."""
+        if number in self._hot_shapes:
+            self._hot_changed = True
+        elif not self._is_fresh:
+            self._hot_shapes[number] = self._still_shapes[number]
+            self._gone_ids.add(number)
+            self._hot_changed = self._gone_changed = True
+
+    def _is_small(self) -> bool:
+        shapes = [*self._still_shapes.values(), *self._hot_shapes.values()]
+        return len(shapes) <= SMALL_SHAPES and sum(n for _, n in shapes) <= SMALL_TRIANGLES
+
+    def _is_overgrown(self) -> bool:
+        still = sum(count for _, count in self._still_shapes.values())
+        edited = sum(count for _, count in self._hot_shapes.values())
+        edited += sum(self._still_shapes[number][1] for number in self._gone_ids)
+        return edited > max(SETTLE_TRIANGLES, SETTLE_SHARE * still)
+
+    # ---- tracing ----
+
+    def ray_intersect_preliminary(self, ray, coherent=False, active=True):
+        """Nearest hit, without its surface data."""
+        active = mi.Bool(active)
+        hit = self._nearest_still(ray, coherent, active)
+        if self._hot is not None:
+            other = self._hot.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+            hit = dr.select(other.t < hit.t, other, hit)
+        return hit
+
+    def ray_intersect(self, ray, active=True):
+        """Nearest surface."""
+        hit = self.ray_intersect_preliminary(ray, False, active)
+        return self._pool.interaction(hit, ray, active)
+
+    def ray_test(self, ray, active=True):
+        """Whether anything stands in the way."""
+        active = mi.Bool(active)
+        if self._gone is None:
+            blocked = self._still.ray_test(ray, active)
+        else:
+            blocked = active & self._nearest_still(ray, False, active).is_valid()
+        if self._hot is not None:
+            blocked |= self._hot.ray_test(ray, active & ~blocked)
+        return blocked
+
+    def _nearest_still(self, ray, coherent, active):
+        hit = self._still.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+        if self._gone is None:
+            return hit
+
+        def onwards(hit, travelled, looking):
+            reach = dr.max(dr.abs(ray(travelled + hit.t))) + 1.0
+            travelled = dr.select(looking, travelled + hit.t + GONE_STEP * reach, travelled)
+            rest = mi.Ray3f(ray)
+            rest.o = ray(travelled)
+            rest.maxt = ray.maxt - travelled
+            following = self._still.ray_intersect_preliminary(rest, mi.Bool(False), looking)
+            hit = dr.select(looking, following, hit)
+            return hit, travelled, looking & self._is_gone(following, looking)
+
+        start = mi.Float(0.0)
+        hit, travelled, _ = dr.while_loop(
+            state=(hit, start, active & self._is_gone(hit, active)),
+            cond=lambda hit, travelled, looking: looking,
+            body=onwards,
+            labels=("hit", "travelled", "looking"),
+        )
+        hit.t += travelled
+        return hit
+
+    def _is_gone(self, hit, active):
+        known = active & hit.is_valid()
+        ids = dr.reinterpret_array(mi.UInt32, hit.shape)
+        return known & dr.gather(mi.Bool, self._gone, ids, known)
+
+
+def _scene(shapes):
+    named = {f"s{i}": shape for i, shape in enumerate(shapes)}
+    # Without the robust test a few rays in a million slip between triangles that share an edge: 1e-5 of the sky's
+    # illuminance in the corner of a closed box.
+    scene = {"type": "scene", "embree_use_robust_intersections": True, **named}
+    return mi.load_dict(scene, optimize=False)

@@ -1,0 +1,520 @@
+"""Choice of the emitter for next-event estimation."""
+
+from dataclasses import dataclass, field
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...arrays import pointer_id, table_size, upload
+from ...luminaires.emitters.palette import LuminairePalette, Row
+from ...luminaires.emitters.tables import FLOOR
+from ..rays import spawn_ray
+from .light_profiles import CONE, FLAT, LAMBERTIAN, columns_of, cone_intensity, make_profiles
+from .light_tree import NOWHERE, PRIOR_DRAWS, TINY, LightTree
+
+PILOT_POINTS = 1024
+"""Points at which the lights are compared before a job."""
+
+PILOT_LANES = 1 << 18
+"""Shadow rays spent on the comparison, so that each point is asked several times about each light."""
+
+FEWEST_POINTS = 4
+"""With fewer points in its beam, a luminaire's strength follows from its flux."""
+
+EVEN_SHARE = 0.04
+"""Share of choices made evenly, so that no light is forgotten where only it counts."""
+
+LOCAL_LIMIT = 16
+"""Up to this many lights, each point weighs all of them; beyond, a tree leads it to those that count there."""
+
+MOST_DRAWS = 64
+"""Lights that a pilot point draws from the tree where there is one."""
+
+LEAST_RATIO = 0.02
+"""Share of the mean ratio of what arrives to what was expected below which no light's is taken to lie: a light that no
+pilot point sees may count all the same at some other point."""
+
+
+@dataclass
+class Source:
+    """An emitter that next-event may choose.
+
+    Parameters
+    ----------
+    emitter : mi.Emitter
+    flux : float    [lm]
+    density : (471,) array    Spectral density on the 1 nm grid, any scale.
+    centre : (3,) array or None    Roughly where it is, in the scene's frame [m]; None: light from infinity.
+    radius : float    Of a sphere around it. [m]
+    axis : (3,) array or None    Direction to which a flat one-sided emitter shines, or axis of a cone.
+    luminaire : Row or None    What the `LuminairePalette` holds of it; ``emitter`` is the palette's then.
+    cone : float or None    Cosine of the angle to the axis beyond which nothing is lit; None: nothing behind it is.
+    """
+
+    emitter: object
+    flux: float
+    density: np.ndarray
+    centre: np.ndarray | None
+    radius: float = 0.0
+    axis: np.ndarray | None = None
+    luminaire: Row | None = None
+    cone: float | None = None
+    number: int = field(init=False)
+
+    def __post_init__(self):
+        """Note the number by which kernels know the emitter."""
+        self.number = pointer_id(self.emitter)
+
+    def order(self) -> tuple:
+        """Key that puts sources in an order that depends on the scene alone, not on ids: infinity first, luminaires last."""
+        if self.centre is None:
+            return (0,)
+        axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
+        cone = -2.0 if self.cone is None else self.cone
+        kind, more = (1, ()) if self.luminaire is None else (2, self.luminaire.order())
+        return (kind, *self.centre, self.radius, *axis, cone, self.flux, *more)
+
+
+class LightTable:
+    """Chooses one of the scene's emitters.
+
+    The probability at a point is proportional to strength / (distance^2 + radius^2), for luminaires also to the intensity
+    towards the point; light from infinity counts by the rough solid angle of the portals, or evenly without any. Next to a
+    desk lamp the desk lamp counts, across the room the ceiling. Where lights are many, a `LightTree` leads to those that
+    count.
+    Strengths are fluxes at first; `learn` replaces them by what arrives at the points that a job looks at, shadows
+    included, so that a sky of enormous flux outside a small window does not draw the samples from the lamps inside.
+
+    The tables on the device are filled up to a power of two, and all numbers are data, so that a moved, dimmed or added
+    light meets the same compiled kernel.
+
+    Parameters
+    ----------
+    sources : list of Source    In the order of `Source.order`.
+    reach : float    Radius of the scene. [m]
+    portals : PortalSet or None
+    palette : LuminairePalette or None    Holds the luminaires among the sources, in their order.
+    """
+
+    def __init__(
+        self,
+        sources: list[Source],
+        reach: float,
+        portals=None,
+        palette: LuminairePalette | None = None,
+    ):
+        self.count = len(sources)
+        self.palette = palette
+        self.portals = portals
+        self.sources = sources
+        self.reach = reach
+        self.tree = None
+        if not sources:
+            return
+        ids = np.array([source.number for source in sources])
+        number = np.zeros(table_size(int(ids.max()) + 1), dtype=np.uint32)
+        # Luminaires share a number, that of the first, and are told apart by their row.
+        number[ids[::-1]] = np.arange(self.count)[::-1]
+        self._plain = sum(source.luminaire is None for source in sources)
+        self._rows = {id(source): i for i, source in enumerate(sources[self._plain :])}
+        self._first_luminaire = dr.opaque(mi.UInt32, self._plain)
+        self._last_row = dr.opaque(mi.UInt32, max(self.count - self._plain, 1) - 1)
+        self._slots = 1 << (self.count - 1).bit_length()
+        padded = np.full(self._slots, ids[0], dtype=np.uint32)
+        padded[: self.count] = ids
+        self._pointers = upload(mi.UInt32, padded)
+        self._number = upload(mi.UInt32, number)
+        self._even = dr.opaque(mi.Float, 1.0 / self.count)
+        self._many = dr.opaque(mi.UInt32, self.count)
+        dr.eval(self._pointers, self._number)
+        self._columns = columns_of(sources)
+        self._has_outside = sources[0].centre is None
+        self._arrange()
+        self.reset()
+
+    def _arrange(self) -> None:
+        """Give every light its place on the device: that in the tree's leaves where there is a tree."""
+        first = int(self._has_outside)
+        order = np.full(self._slots, -1, dtype=np.int64)
+        order[: self.count] = np.arange(self.count)
+        if self.count > LOCAL_LIMIT:
+            rows = [source.luminaire for source in self.sources[self._plain :]]
+            profiles, which = make_profiles(self._columns, rows, self.palette)
+            self.tree = LightTree(
+                self._columns["centre"][first:],
+                self._columns["radius"][first:],
+                profiles,
+                which[first:],
+                _raised(self._columns["flux"][first:]),
+            )
+            order = self.tree.places.ravel()
+            order = np.where(order >= 0, order + first, -1)
+        self._order = order
+        is_real = order >= 0
+        place = np.full(self._slots, NOWHERE, dtype=np.uint32)
+        place[order[is_real]] = np.flatnonzero(is_real)
+        self._place = upload(mi.UInt32, place)
+        self._light = upload(mi.UInt32, np.where(is_real, order, NOWHERE).astype(np.uint32))
+        columns = {name: values[order] for name, values in self._columns.items()}
+        self._shape = np.column_stack(
+            [
+                columns["centre"],
+                np.maximum(columns["radius"], 1e-3) ** 2,
+                columns["axis"],
+                columns["radius"],
+                np.zeros(len(order)),
+                columns["kind"],
+                columns["cone"],
+                cone_intensity(columns["cone"]),
+            ]
+        )
+        dr.eval(self._place, self._light)
+
+    def reset(self) -> None:
+        """Forget what was learned: strengths are fluxes."""
+        if not self.count:
+            return
+        columns = self._columns
+        strengths = columns["flux"] / self.reach**2
+        nearby = strengths * (self.reach**2 + columns["radius"] ** 2)
+        strengths = np.where(self._is_outside(), strengths, nearby)
+        self.set_strengths(strengths)
+
+    def _is_outside(self) -> np.ndarray:
+        return np.arange(self.count) < int(self._has_outside)
+
+    def set_strengths(self, strengths: np.ndarray) -> None:
+        """Set what the kernels of the lights are multiplied by, up to a factor. (n,)"""
+        strengths = np.asarray(strengths, dtype=np.float64)
+        if not strengths.sum() > 0.0:
+            strengths = np.ones(self.count)
+        strengths = strengths / strengths.sum()
+        if self.tree is not None:
+            first = int(self._has_outside)
+            strengths[first:] = _raised(strengths[first:])
+            self.tree.set_strengths(strengths[first:])
+        self.strengths = strengths
+        shape = self._shape.copy()
+        shape[:, 8] = np.where(self._order >= 0, strengths[self._order], 0.0)
+        self._shapes = upload(mi.Float, shape)
+        self._outside = dr.opaque(mi.Float, strengths[0])
+        dr.eval(self._shapes)
+
+    def kernels(self, points: np.ndarray) -> np.ndarray:
+        """Distance kernels of all lights at points (k, 3), shape (k, n). [1/m2, 1 for light from infinity]"""
+        made = np.ones((len(points), self.count))
+        for i, source in enumerate(self.sources):
+            if source.centre is None:
+                if self.portals is not None:
+                    made[:, i] = self.portals.openness_of(points)
+            else:
+                away = points - source.centre
+                squared = (away**2).sum(axis=1) + max(source.radius, 1e-3) ** 2
+                made[:, i] = 1.0 / squared
+                if source.axis is not None and source.cone is None:
+                    height = np.maximum(away @ source.axis, 1e-9)
+                    rise = height + np.minimum(height, source.radius)
+                    made[:, i] *= LAMBERTIAN * np.minimum(rise / np.sqrt(squared), 1.0)
+        return made * self.importances(points)
+
+    def importances(self, points: np.ndarray) -> np.ndarray:
+        """Coarse intensity of luminaires and cones towards points (k, 3) over their mean, 1 for other lights. (k, n)"""
+        made = np.ones((len(points), self.count))
+        for i in np.flatnonzero(self._columns["kind"] == CONE):
+            source = self.sources[i]
+            away = points - source.centre
+            is_lit = away @ source.axis + source.radius >= source.cone * np.linalg.norm(
+                away, axis=1
+            )
+            made[:, i] = np.where(is_lit, cone_intensity(source.cone), FLOOR)
+        if self.palette is not None:
+            made[:, self._plain :] = self.palette.importances(points)
+        return made
+
+    def row_of(self, source: Source) -> int:
+        """Row of a luminaire of this table in the palette."""
+        return self._rows[id(source)]
+
+    def pointer(self, index):
+        """Return the emitter with a number."""
+        return dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._pointers, index))
+
+    def index(self, pointer, active):
+        """Number of an emitter, luminaires aside."""
+        ids = dr.reinterpret_array(mi.UInt32, pointer)
+        return dr.gather(mi.UInt32, self._number, ids, active)
+
+    def is_outside(self, index):
+        """Whether the emitter with a number gives light from infinity."""
+        return (index == 0) & self._has_outside
+
+    def row(self, index):
+        """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
+        if self.palette is None:
+            return mi.Float(0.0)
+        first = self._first_luminaire
+        return mi.Float(dr.select(index >= first, index - first, 0))
+
+    def sample(self, u, point):
+        """Return an emitter's number, its probability at a point, and the stretched remainder of ``u``."""
+        if self.tree is not None:
+            return self._sample_tree(u, point)
+        index, share, start = mi.UInt32(0), mi.Float(1.0), mi.Float(0.0)
+        running = mi.Float(0.0)
+        for i, value in enumerate(self._local_shares(point)):
+            chosen = (u >= running) & (value > 0.0)
+            index = dr.select(chosen, mi.UInt32(i), index)
+            share = dr.select(chosen, value, share)
+            start = dr.select(chosen, running, start)
+            running = running + value
+        return index, share, dr.clip((u - start) / share, 0.0, 0.9999999)
+
+    def _sample_tree(self, u, point):
+        is_even = u < EVEN_SHARE
+        wanted = u * (mi.Float(self._many) / EVEN_SHARE)
+        index = dr.minimum(mi.UInt32(dr.select(is_even, wanted, 0.0)), self._many - 1)
+        place = dr.gather(mi.UInt32, self._place, index)
+        stretched = dr.maximum(u - EVEN_SHARE, 0.0) * (1.0 / (1.0 - EVEN_SHARE))
+        place, share, rest = self._descend(stretched, place, is_even, point)
+        at_light = place != NOWHERE
+        index = dr.select(at_light, dr.gather(mi.UInt32, self._light, place, at_light), 0)
+        rest = dr.select(is_even, dr.clip(wanted - dr.floor(wanted), 0.0, 0.9999999), rest)
+        return index, share, rest
+
+    def probability(self, pointer, point, active, row=0):
+        """Probability of choosing an emitter at a point. ``row``: which luminaire, if the pointer is the palette's."""
+        if self.count == 0:
+            return mi.Float(0.0)
+        ids = dr.reinterpret_array(mi.UInt32, pointer)
+        index = dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
+        if self.tree is not None:
+            place = dr.gather(mi.UInt32, self._place, index, active)
+
+            def find(place):
+                return self._descend(mi.Float(0.0), place, mi.Bool(True), point)[1]
+
+            # Most rays meet no light and need no way to it.
+            return dr.if_stmt(
+                (place,), mi.Bool(active), find, lambda place: mi.Float(0.0), arg_labels=("place",)
+            )
+        probability = mi.Float(0.0)
+        for i, value in enumerate(self._local_shares(point)):
+            probability = dr.select(active & (index == i), value, probability)
+        return probability
+
+    def _descend(self, u, place, is_given, point):
+        """As `LightTree.descend`, with the share of even choices in the probability."""
+
+        def weigh(place):
+            value, _ = self._weigh(place, point)
+            is_real = dr.gather(mi.UInt32, self._light, place) != NOWHERE
+            return dr.select(is_real, dr.maximum(value, TINY), 0.0)
+
+        outside = self._weigh_outside(point) if self._has_outside else None
+        place, share, rest = self.tree.descend(point, u, place, is_given, weigh, outside=outside)
+        return place, EVEN_SHARE * self._even + (1.0 - EVEN_SHARE) * share, rest
+
+    def _local_shares(self, point) -> list:
+        """Probabilities of all lights at a point; 0 where the table is only filled up."""
+        if self.count == 1:
+            return [mi.Float(1.0)]
+        weights = []
+        for i in range(self._slots):
+            if i == 0 and self._has_outside:
+                weights.append(self._weigh_outside(point))
+            else:
+                weights.append(self._weigh(mi.UInt32(i), point)[0])
+        total = dr.maximum(sum(weights[1:], weights[0]), TINY)
+        shares = [(1.0 - EVEN_SHARE) * w / total for w in weights]
+        # Whatever is missing to 1 (all of it where no light shines) is spread evenly.
+        rest = (1.0 - sum(shares[1:], shares[0])) * self._even
+        return [share + dr.select(i < self._many, rest, 0.0) for i, share in enumerate(shares)]
+
+    def _weigh_outside(self, point):
+        if self.portals is None:
+            return self._outside
+        return self._outside * self.portals.openness(point)
+
+    def _weigh(self, place, point):
+        """Give what the light at a place gives at a point, unoccluded.
+
+        Returns
+        -------
+        (Float, Float)    That, and the coarse intensity towards the point over the mean, 1 where it is not known.
+        """
+        where, to, how = (dr.gather(mi.Vector4f, self._shapes, place * 3 + k) for k in range(3))
+        strength, kind, cone, intensity = how
+        axis, radius = mi.Vector3f(to.x, to.y, to.z), to.w
+        away = mi.Vector3f(point) - mi.Vector3f(where.x, where.y, where.z)
+        distance = dr.squared_norm(away)
+        squared = distance + where.w
+        weight = strength / squared
+        along = dr.dot(away, axis)
+        # The cosine at the emitter, at most that of its nearest part.
+        height = dr.maximum(along, 0.0)
+        rise = height + dr.minimum(height, radius)
+        cosine = LAMBERTIAN * dr.minimum(rise * dr.rsqrt(squared), 1.0)
+        weight *= dr.select(kind == float(FLAT), cosine, 1.0)
+        in_cone = along + radius >= cone * dr.sqrt(distance)
+        lit = dr.select(kind == float(CONE), dr.select(in_cone, intensity, FLOOR), 1.0)
+        if self.palette is not None:
+            light = dr.gather(mi.UInt32, self._light, place)
+            shines = (light >= self._first_luminaire) & (light != NOWHERE)
+            row = dr.minimum(dr.select(shines, light - self._first_luminaire, 0), self._last_row)
+            lit = dr.select(shines, self.palette.importance(row, away, shines), lit)
+        return weight * lit, lit
+
+    def expect(self, index, point):
+        """Return what a light is expected to give at a point, unoccluded, and whether its coarse intensity tells much."""
+        place = dr.gather(mi.UInt32, self._place, index)
+        is_inside = place != NOWHERE
+        value, lit = self._weigh(dr.select(is_inside, place, 0), point)
+        if self._has_outside:
+            value = dr.select(is_inside, value, self._weigh_outside(point))
+        return value, ~is_inside | (lit > 2.0 * FLOOR)
+
+
+def _raised(strengths: np.ndarray) -> np.ndarray:
+    """Strengths of which none is 0, so that every node of a tree has a weight."""
+    return np.maximum(strengths, 1e-9 * max(strengths.max(initial=0.0), TINY))
+
+
+def learn(scene, points, normals, wavelengths, lanes: int = PILOT_LANES) -> None:
+    """Set the probabilities by the illuminance that each light gives at a job's points and one bounce further.
+
+    The choice is made once from a fixed seed and does not depend on the job's own samples, so estimates stay unbiased.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    points, normals : (k, 3) float32 array    In the compiled scene's frame.
+    wavelengths : Spectrum or None    Four wavelengths that stand for the visible range.
+    lanes : int    Shadow rays to be spent at most.
+    """
+    scene.lights.reset()
+    if scene.lights.count < 2 or len(points) == 0:
+        return
+    chosen = np.random.default_rng(1).integers(0, len(points), PILOT_POINTS)
+    near = _surface(mi.Point3f(*_columns(points[chosen])), mi.Normal3f(*_columns(normals[chosen])))
+    stream = mi.PCG32(size=PILOT_POINTS, initstate=7)
+    away = near.to_world(
+        mi.warp.square_to_cosine_hemisphere(
+            mi.Point2f(stream.next_float32(), stream.next_float32())
+        )
+    )
+    hit = scene.solid.ray_intersect(spawn_ray(scene, near, away))
+    facing = hit.n * dr.select(dr.dot(hit.n, away) < 0.0, 1.0, -1.0)
+    far = _surface(hit.p, facing)
+    surfaces = ((near, mi.Bool(True)), (far, hit.is_valid()))
+    if scene.lights.tree is None:
+        _compare_all(scene, surfaces, wavelengths, lanes)
+    else:
+        _compare_drawn(scene, surfaces, wavelengths, lanes)
+
+
+def _compare_all(scene, surfaces, wavelengths, lanes) -> None:
+    """Ask every point about every light."""
+    logarithms, found, kernels, eligible = [], [], [], []
+    for si, active in surfaces:
+        arriving = _arriving(scene, si, active, wavelengths, lanes)
+        place = np.stack([np.array(c) for c in si.p], axis=1)
+        place = np.nan_to_num(place, posinf=0.0, neginf=0.0)
+        # Beside its beam a luminaire's kernel is only a floor and says nothing about its strength.
+        lit = scene.lights.importances(place) > 2.0 * FLOOR
+        seen = (arriving > 0.0) & lit
+        logarithms.append(np.where(seen, np.log(np.where(seen, arriving, 1.0)), 0.0))
+        found.append(seen)
+        eligible.append(lit)
+        kernels.append(np.log(scene.lights.kernels(place)))
+    found, eligible = np.concatenate(found), np.concatenate(eligible)
+    times = np.maximum(found.sum(axis=0), 1)
+    # Geometric means over the points that a light reaches: a few bright places must not stand for all.
+    mean = np.exp((np.concatenate(logarithms) * found).sum(axis=0) / times)
+    kernel = np.exp((np.concatenate(kernels) * found).sum(axis=0) / times)
+    strengths = mean / kernel * found.sum(axis=0) / np.maximum(eligible.sum(axis=0), 1)
+    # Of a beam that no point of the pilot run lies in nothing is known but its flux.
+    fluxes = np.array([source.flux for source in scene.lights.sources])
+    known, missed = strengths > 0.0, eligible.sum(axis=0) < FEWEST_POINTS
+    if known.any():
+        strengths[missed] = fluxes[missed] * np.median(strengths[known] / fluxes[known])
+    scene.lights.set_strengths(strengths)
+
+
+def _compare_drawn(scene, surfaces, wavelengths, lanes) -> None:
+    """Ask every point about lights that it draws by their fluxes: the cost is the same however many there are."""
+    lights = scene.lights
+    count, first = lights.count, int(lights.sources[0].centre is None)
+    ratios, draws = np.zeros(count), np.zeros(count)
+    repeats = 1 << int(np.clip(lanes // PILOT_POINTS, 1, MOST_DRAWS)).bit_length() - 1
+    times = dr.opaque(mi.UInt32, repeats)
+    for nth, (si, exists) in enumerate(surfaces):
+        lane = dr.arange(mi.UInt32, PILOT_POINTS * repeats)
+        stream = mi.PCG32(size=PILOT_POINTS * repeats, initstate=dr.opaque(mi.UInt64, 11 + nth))
+        at, active = _at(si, exists, lane // times, wavelengths)
+        u = (mi.Float(lane % times) + stream.next_float32()) / mi.Float(times)
+        light, _, _ = lights.sample(dr.minimum(u, 0.9999999), at.p)
+        amount = _amount(scene, at, light, stream, active)
+        expected, is_telling = lights.expect(light, at.p)
+        ratio = dr.select(expected > 0.0, amount / dr.maximum(expected, TINY), 0.0)
+        counts = active & is_telling & dr.isfinite(ratio)
+        dr.eval(light, ratio, counts)
+        asked = np.array(counts)
+        numbers = np.array(light)[asked]
+        ratios += np.bincount(numbers, np.array(ratio, dtype=np.float64)[asked], count)
+        draws += np.bincount(numbers, minlength=count)
+    if not ratios.sum() > 0.0:
+        return
+    mean = ratios.sum() / draws.sum()
+    learned = np.full(count, (ratios[0] + PRIOR_DRAWS * mean) / (draws[0] + PRIOR_DRAWS))
+    learned[first:] = lights.tree.smooth(ratios[first:], draws[first:])
+    lights.set_strengths(lights.strengths * np.maximum(learned, LEAST_RATIO * mean))
+
+
+def _columns(array):
+    return [upload(mi.Float, array[:, i]) for i in range(3)]
+
+
+def _surface(point, normal):
+    si = dr.zeros(mi.SurfaceInteraction3f, PILOT_POINTS)
+    si.p, si.n, si.sh_frame = point, normal, mi.Frame3f(normal)
+    return si
+
+
+def _arriving(scene, si, active, wavelengths, lanes) -> np.ndarray:
+    """Illuminance that each light gives at each point, shadows included, up to a factor. (points, lights)"""
+    count = scene.lights.count
+    # A power of two, since kernels have it in them.
+    repeats = 1 << int(np.clip(lanes // (PILOT_POINTS * count), 1, 64)).bit_length() - 1
+    lane = dr.arange(mi.UInt32, PILOT_POINTS * count * repeats)
+    # Numbers of lights as data, so that one more needs no new kernel.
+    many, times = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, repeats)
+    light = (lane // times) % many
+    point = lane // (times * many)
+    at, active = _at(si, active, point, wavelengths)
+    stream = mi.PCG32(size=dr.width(lane), initstate=11)
+    amount = _amount(scene, at, light, stream, active)
+    sums = dr.block_reduce(dr.ReduceOp.Add, amount, repeats)
+    return np.array(sums, dtype=np.float64).reshape(PILOT_POINTS, count)
+
+
+def _at(si, active, point, wavelengths):
+    """Surfaces of pilot points by their numbers, and which of them are asked."""
+    at = dr.gather(mi.SurfaceInteraction3f, si, point)
+    if wavelengths is not None:
+        at.wavelengths = wavelengths
+    return at, dr.gather(mi.Bool, dr.select(active, True, dr.zeros(mi.Bool, PILOT_POINTS)), point)
+
+
+def _amount(scene, at, light, stream, active):
+    """One-sample estimate of the illuminance that a light gives, shadows included, up to a factor."""
+    from ..paths.path_loop import transmittance
+
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    at.time = scene.lights.row(light)
+    ds, value = scene.lights.pointer(light).sample_direction(at, sample, active)
+    cosine = dr.maximum(dr.dot(ds.d, at.n), 0.0)
+    lit = active & (ds.pdf > 0.0) & (cosine > 0.0)
+    # A sum, since a mean has the number of lanes in its kernel.
+    amount = dr.sum(value * transmittance(scene, at, ds, lit)) * cosine
+    return dr.select(lit & dr.isfinite(amount), amount, 0.0)

@@ -1,0 +1,130 @@
+"""What rays that leave the scene see: the world and the suns, as one emitter."""
+
+from dataclasses import dataclass
+
+import mitsuba as mi
+import numpy as np
+
+from ...errors import SceneError
+from ...photometry import units
+from ...scene.light import CieSky, ImageWorld, SunLight, UniformWorld
+from ...scene.spectrum import Illuminant
+from ...sky.cie import check_sky, mean_luminance
+from ...sky.picture_plugin import WHITE, make_picture
+from ...sky.plugin import make_sky
+from . import emission
+
+SUN_POINT_ANGLE = 1e-5
+"""Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
+
+PORTAL_SHARE = 0.75
+"""Share of the world's samples that aim at panes, where there are any."""
+
+
+@dataclass(frozen=True)
+class World:
+    """Mitsuba's emitter of a world and its luminance, averaged over all directions. [cd/m2]"""
+
+    emitter: object
+    mean_luminance: float
+
+
+def make_world(world, old=None, made: World | None = None) -> World | None:
+    """Return the emitter of a world, None when it is black.
+
+    Parameters
+    ----------
+    world : UniformWorld, ImageWorld, CieSky or None
+    old, made : World's description and emitter
+        Of before; the emitter is changed in place if it shows the same picture, or another sky of the same spectrum.
+    """
+    if isinstance(world, UniformWorld) and world.luminance > 0.0:
+        made = emission.luminous(world.luminance, world.spectrum)
+        return World(
+            mi.load_dict({"type": "constant", "radiance": made.texture()}), world.luminance
+        )
+    if isinstance(world, CieSky):
+        check_sky(world)
+        if world.illuminance > 0.0:
+            return _cie_sky(world, old, made)
+    if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
+        if made is not None and isinstance(old, ImageWorld) and world.image.is_same(old.image):
+            return _changed(world, old, made)
+        return _image_world(world)
+    return None
+
+
+def _cie_sky(world: CieSky, old, made: World | None) -> World:
+    mean = mean_luminance(world)
+    if made is not None and isinstance(old, CieSky) and world.spectrum == old.spectrum:
+        made.emitter.set_sky(world)
+        return World(made.emitter, mean)
+    return World(make_sky(world, emission.luminous(1.0, world.spectrum).texture()), mean)
+
+
+def _changed(world: ImageWorld, old: ImageWorld, made: World) -> World:
+    """Lay the same picture in another way; a new emitter would read all of it again."""
+    made.emitter.lay(world.luminance_per_unit, _rotation(world))
+    ratio = world.luminance_per_unit / old.luminance_per_unit
+    return World(made.emitter, made.mean_luminance * ratio)
+
+
+def _image_world(world: ImageWorld) -> World | None:
+    white = emission.luminous(1.0, Illuminant(WHITE)).texture()
+    made = make_picture(world.image, white)
+    if made is None:
+        return None
+    emitter, mean = made
+    emitter.lay(world.luminance_per_unit, _rotation(world))
+    return World(emitter, mean * world.luminance_per_unit)
+
+
+def _rotation(world: ImageWorld) -> np.ndarray:
+    rotation = np.asarray(world.rotation, dtype=np.float64)
+    if rotation.shape != (3, 3) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-4):
+        raise SceneError(
+            "the world's picture is laid by a matrix that is no rotation: "
+            + np.array2string(rotation, separator=", ", precision=6).replace("\n", "")
+        )
+    return rotation
+
+
+def make_surroundings(world: World | None, suns: list[SunLight], radius: float, portals):
+    """Join world and suns.
+
+    Parameters
+    ----------
+    world : World or None
+    suns : list of SunLight    Those that shine, in a fixed order.
+    radius : float    Of the sphere around the scene's origin that everything lies in. [m]
+    portals : PortalSet or None    Panes that the world's samples aim at.
+
+    Returns
+    -------
+    (mi.Emitter, float) or None    With its flux through the sphere. [lm]
+    """
+    if world is None and not suns:
+        return None
+    plugin = {"type": "lumenray_surroundings", "suns": len(suns)}
+    # Half of the samples go to the world and half to the suns: both matter and neither is known beforehand.
+    world_share = 0.0 if world is None else (0.5 if suns else 1.0)
+    plugin["world_share"] = world_share
+    reach = max(radius, 1.0)
+    flux = 0.0
+    if world is not None:
+        plugin["world"] = world.emitter
+        flux = world.mean_luminance * 4.0 * np.pi**2 * reach**2
+    amounts = [emission.sun_illuminance(sun) for sun in suns]
+    total = sum(made.amount for made in amounts)
+    for i, (sun, made) in enumerate(zip(suns, amounts, strict=True)):
+        half = 0.5 * max(sun.angle, SUN_POINT_ANGLE)
+        plugin[f"sun_{i}"] = made.scaled(units.luminance_from_illuminance_disk(1.0, half)).texture()
+        plugin[f"towards_{i}"] = [-float(x) for x in sun.direction]
+        plugin[f"cap_{i}"] = float(2.0 * np.sin(0.5 * half) ** 2)
+        plugin[f"share_{i}"] = float((1.0 - world_share) * made.amount / total)
+        flux += made.amount * np.pi * reach**2
+    emitter = mi.load_dict(plugin)
+    emitter.set_bounds(mi.Point3f(0.0), mi.Float(radius))
+    if world is not None:
+        emitter.set_portals(portals, PORTAL_SHARE)
+    return emitter, flux

@@ -1,0 +1,334 @@
+"""The illuminance job: many receivers, many passes, independent groups, cancellable between launches."""
+
+from dataclasses import dataclass, replace
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...accuracy.estimate import Accumulator, Estimate
+from ...accuracy.stopping import Clock, StopRule
+from ...arrays import upload
+from ...errors import Cancelled, SceneError
+from ...photometry.spectra import observer
+from ...scene.sensor import SensorKind
+from ..compiled.compile import CompiledScene
+from ..compiled.lights import learn
+from ..compiled.textures import is_spectral
+from . import gather
+from .sampler import hash_words, random_stream, sobol_pair
+from .wavelengths import WavelengthSampler
+
+LANES = 1 << 19
+"""Paths per launch: a fraction of a second each, so that a cancel is heard soon."""
+
+LARGEST_SUM = 64
+"""Most samples that are summed in single precision."""
+
+SNAP_DISTANCE = 1e-4
+"""Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
+is a share of the radius. [m]"""
+
+FIRST_SHARE, FIRST_SAMPLES = 64, 64
+"""Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
+the error falls, so that a forecast can be made soon."""
+
+FEWEST_SAMPLES = 1 << 14
+"""Samples per receiver before the errors of single receivers are believed."""
+
+
+@dataclass(frozen=True)
+class Receivers:
+    """Where illuminance is wanted.
+
+    Each receiver owns ``count`` places from ``start`` on; samples are spread evenly over them.
+
+    Parameters
+    ----------
+    positions : (k, 3) float64 array    Places. [m]
+    normals : (k, 3) float64 array    Unit normals of the receiving side.
+    geometric_normals : (k, 3) float64 array    Unit normals of the true surface.
+    start, count : (n,) int array    Range of places of every receiver.
+    weights : (n,) float64 array    Areas, for means. [m2]
+    kind : SensorKind    Which illuminance is meant.
+    snaps : bool    Whether places a little below a surface are meant to lie on it.
+    """
+
+    positions: np.ndarray
+    normals: np.ndarray
+    geometric_normals: np.ndarray
+    start: np.ndarray
+    count: np.ndarray
+    weights: np.ndarray
+    kind: SensorKind = SensorKind.PLANAR
+    snaps: bool = False
+
+    def outlooks(self, scene) -> tuple[np.ndarray, np.ndarray]:
+        """Where receivers look from, surely not from below what they lie on, and whereto. (m, 3) in its frame [m], (m, 3)"""
+        places = scene.local(self.positions)
+        if self.kind is not SensorKind.PLANAR:
+            # To all sides.
+            return np.concatenate([places, places]), np.concatenate([self.normals, -self.normals])
+        lift = SNAP_DISTANCE * min(scene.radius, 1.0) if self.snaps else 0.0
+        return places + self.normals * lift, self.normals
+
+    @classmethod
+    def at_points(cls, positions, normals, kind: SensorKind = SensorKind.PLANAR) -> "Receivers":
+        """One place each, which may lie on a surface. (n, 3), (n, 3)
+
+        Raises
+        ------
+        SceneError    The counts differ, a position or normal is not finite, or a normal has no length; names the first row.
+        """
+        positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
+        normals = np.asarray(normals, dtype=np.float64).reshape(-1, 3)
+        if len(positions) != len(normals):
+            raise SceneError(
+                f"{len(positions)} sensors have {len(normals)} normals, expected one each"
+            )
+        if kind in (SensorKind.SPHERICAL, SensorKind.CYLINDRICAL):
+            normals = np.tile([0.0, 0.0, 1.0], (len(positions), 1))
+        if kind is SensorKind.SEMICYLINDRICAL:
+            normals = normals * [1.0, 1.0, 0.0]
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        bad = ~(
+            np.isfinite(positions).all(axis=1)
+            & np.isfinite(lengths[:, 0])
+            & (lengths[:, 0] > 1e-12)
+        )
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            raise SceneError(
+                f"sensor {row + 1} has a position or normal that is not usable: {positions[row]}, {normals[row]}"
+            )
+        normals = normals / lengths
+        count = len(positions)
+        is_planar = kind is SensorKind.PLANAR
+        return cls(
+            positions,
+            normals,
+            # A small body has no surface whose other side could not be seen.
+            normals if is_planar else np.zeros_like(normals),
+            np.arange(count),
+            np.ones(count, dtype=np.int64),
+            np.ones(count),
+            kind,
+            is_planar,
+        )
+
+
+def compute(
+    scene: CompiledScene,
+    receivers: Receivers,
+    rule: StopRule,
+    seed: int = 0,
+    groups: int = 2,
+    progress=None,
+    cancelled=lambda: False,
+    reflections: int | None = None,
+    colour: bool = False,
+):
+    """Estimate the illuminance of every receiver until the rule is met.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    receivers : Receivers
+    rule : StopRule    ``samples`` counts per receiver over all groups.
+    seed : int    Same seed, same result.
+    groups : int    Independent groups, see `Accumulator`.
+    progress : callable or None    Called with a `Progress` after every launch.
+    cancelled : callable    Asked before every launch.
+    reflections : int or None    Most reflections that light may have had; None: no limit.
+    colour : bool    Whether X and Z are wanted too.
+
+    Returns
+    -------
+    Estimate    Of shape (n,), or (n, 3) for X, Y, Z. [lx]
+
+    Raises
+    ------
+    Cancelled    When ``cancelled`` answered true.
+    """
+    total = len(receivers.start)
+    channels, bright = (3, 1) if colour else (1, 0)
+    sums = Accumulator(groups, (total, channels))
+    if total == 0:
+        return _finish(sums.estimate(), colour)
+    job = _Job(scene, receivers, groups, seed, reflections, colour)
+    whole = _batch(total * groups, rule, groups)
+    clock = Clock(rule, "illuminance")
+    error = float("inf")
+    while True:
+        # Twice as many in all, up to whole passes.
+        batch = min(max(sums.samples, whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+        per_launch = max(LANES // (groups * batch), 1)
+        new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
+        for first in range(0, total, per_launch):
+            if cancelled():
+                raise Cancelled("cancelled")
+            count = min(per_launch, total - first)
+            part = slice(first, first + count)
+            new[:, part], tails[:, part, 0] = job.launch(first, count, batch, sums.samples)
+            if progress is not None:
+                share = (first + count) / total
+                progress(clock.progress(int((sums.samples + share * batch) * groups), error))
+        sums.add(new, batch, *tails)
+        made = sums.estimate()
+        brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
+        error = brightness.relative_error(receivers.weights)
+        samples = sums.samples * groups
+        excess = _excess(rule, brightness) if samples >= FEWEST_SAMPLES else None
+        is_done = clock.is_done(samples, error, excess)
+        # So few samples may have seen nothing of what matters.
+        if is_done and sums.samples >= whole:
+            return _finish(made, colour)
+
+
+def _excess(rule: StopRule, made: Estimate) -> float | None:
+    """Largest error of a single value over what the rule allows it, None when it says nothing of single values."""
+    if rule.limits:
+        allowed = np.array(rule.limits)
+        if (made.standard_error[allowed <= 0.0] > 0.0).any():
+            return float("inf")
+        return float((made.standard_error / np.where(allowed > 0.0, allowed, 1.0)).max(initial=0.0))
+    return None if rule.each is None else made.largest_error(rule.floor) / rule.each
+
+
+def _finish(made: Estimate, colour: bool) -> Estimate:
+    events = made.events[:, 0] if made.events is not None else None
+    if colour:
+        return replace(made, events=events)
+    return Estimate(made.mean[:, 0], made.standard_error[:, 0], made.samples, events)
+
+
+def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
+    """Samples per receiver and group in one pass: a power of two that fills a launch and does not overshoot."""
+    limit = max(LANES // max(lanes_per_sample, 1), 8)
+    if rule.limits or rule.each is not None:
+        # A pass must not take long where few samples are enough.
+        limit = min(limit, FEWEST_SAMPLES // groups)
+    if rule.samples is not None:
+        limit = min(limit, max(rule.samples // groups, 1))
+    return 1 << int(np.floor(np.log2(max(limit, 1))))
+
+
+class _Job:
+    """What all launches of a job share."""
+
+    def __init__(
+        self, scene: CompiledScene, receivers: Receivers, groups, seed, reflections, colour
+    ):
+        self.scene, self.kind = scene, receivers.kind
+        self.groups, self.seed, self.colour = groups, seed, colour
+        self.sampler = None
+        if is_spectral():
+            response = "colour" if colour else "luminance"
+            self.sampler = WavelengthSampler(scene.mean_light, response)
+        places, normals = receivers.outlooks(scene)
+        learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
+        self.places = _upload(scene, receivers)
+        if receivers.snaps:
+            self._snap()
+        self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
+
+    def _snap(self) -> None:
+        """Find the surfaces that places lie on, and lift those that are a little below onto them."""
+        scene, places = self.scene, self.places
+        point, normal = mi.Point3f(*places["p"]), mi.Vector3f(*places["n"])
+        lift = dr.opaque(mi.Float, SNAP_DISTANCE * min(scene.radius, 1.0))
+        ray = mi.Ray3f(point + normal * lift, -normal)
+        ray.maxt = 2.0 * lift
+        hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.shape = dr.select(hit.is_valid(), hit.shape, dr.zeros(mi.ShapePtr))
+        places["extent"] = scene.extent_at(si)
+        point = dr.select(hit.is_valid() & (hit.t < lift), ray(hit.t), point)
+        places["p"] = [point.x, point.y, point.z]
+        dr.eval(places)
+
+    def launch(self, first: int, count: int, batch: int, index: int):
+        """Run one kernel.
+
+        Returns
+        -------
+        (groups, count, channels), (2, count) array    Sums of its samples; sum and largest of the squares of the samples'
+            illuminance, over all groups.
+        """
+        groups, places = self.groups, self.places
+        first = dr.opaque(mi.UInt32, int(first))
+        start_index = dr.opaque(mi.UInt32, int(index))
+        seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
+        many = dr.opaque(mi.UInt32, int(batch))
+        lane = dr.arange(mi.UInt32, count * groups * batch)
+        sample = start_index + lane % many
+        group = (lane // many) % groups
+        who = first + lane // (many * groups)
+        own_seed = hash_words(who, hash_words(group, seed))
+
+        wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
+        place_sample = sobol_pair(sample, own_seed, gather.PAIR_PLACE)
+        mine = dr.gather(mi.UInt32, places["count"], who)
+        chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
+        chosen += dr.gather(mi.UInt32, places["start"], who)
+
+        def fetch(kind, name):
+            return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
+
+        si = gather.receiver(
+            fetch(mi.Point3f, "p"),
+            fetch(mi.Normal3f, "n"),
+            fetch(mi.Normal3f, "g"),
+            wavelengths,
+            dr.gather(mi.Float, places["extent"], chosen),
+        )
+        value = gather.spectral_illuminance(
+            self.scene,
+            si,
+            wavelengths,
+            random_stream(sample, own_seed),
+            sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
+            sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
+            mi.Bool(True),
+            self.kind,
+            self.limit,
+        )
+        kept = [
+            dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
+            for channel in self._channels(value, wavelengths)
+        ]
+        # Squares of huge samples would not fit; the scale makes no difference.
+        square = dr.square(kept[1 if self.colour else 0] * 1e-6)
+        # Sums are made apart, since their length would be a part of the kernel.
+        dr.eval(kept, square)
+        block = min(batch, LARGEST_SUM)
+        sums = [dr.block_reduce(dr.ReduceOp.Add, channel, block) for channel in kept]
+        tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]
+        dr.eval(sums, tails)
+        made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+        made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)
+        squares, largest = (np.array(t, dtype=np.float64).reshape(count, -1) for t in tails)
+        return made.transpose(1, 0, 2), np.stack([squares.sum(axis=1), largest.max(axis=1)])
+
+    def _channels(self, value, wavelengths) -> list:
+        if not self.colour:
+            return [gather.photometric(self.sampler, value, wavelengths)]
+        if self.sampler is not None:
+            return list(self.sampler.tristimulus(value, wavelengths))
+        lamp = self.scene.mean_light @ observer()
+        return [value[0] * float(c / lamp[1]) for c in lamp]
+
+
+def _upload(scene: CompiledScene, receivers: Receivers) -> dict:
+    columns = scene.local(receivers.positions)
+    places = {
+        "p": [upload(mi.Float, columns[:, i]) for i in range(3)],
+        "n": [upload(mi.Float, receivers.normals[:, i]) for i in range(3)],
+        "g": [upload(mi.Float, receivers.geometric_normals[:, i]) for i in range(3)],
+        "start": upload(mi.UInt32, receivers.start),
+        "count": upload(mi.UInt32, receivers.count),
+        # Lumels lie on surfaces that may be as large as the scene.
+        "extent": upload(mi.Float, np.full(len(columns), scene.radius)),
+    }
+    dr.eval(places)
+    return places

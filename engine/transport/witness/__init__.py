@@ -1,0 +1,1 @@
+"""The second witness: paths from all lights that tell what gathering has missed."""
