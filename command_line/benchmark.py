@@ -192,8 +192,9 @@ def _run_scattering(options, say) -> int:
 
 def _run_luminaires(options, say) -> int:
     _start_engine()
+    from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.luminaires import run as luminaires
-    from ..benchmarks.luminaires.bars import check_bars, tell_bars
+    from ..benchmarks.luminaires.bars import check_bars
 
     result = luminaires.run(options.files, say=say)
     tell(tell_bars(check_bars(result)))
@@ -207,7 +208,7 @@ def _run_accuracy(options, say) -> int:
     from ..benchmarks.accuracy.bars import check_bars
     from ..benchmarks.accuracy.document import tell_comparison
     from ..benchmarks.accuracy.statistics import compare_results
-    from ..benchmarks.luminaires.bars import tell_bars
+    from ..benchmarks.common.bars import tell_bars
 
     # The file may be the one that is written.
     earlier = accuracy.read_results(options.check) if options.check else None
@@ -224,7 +225,7 @@ def _run_accuracy(options, say) -> int:
 def _run_atlas(options, say) -> int:
     from ..benchmarks.atlas import run as atlas
     from ..benchmarks.atlas.bars import check_bars, compare_results
-    from ..benchmarks.luminaires.bars import tell_bars
+    from ..benchmarks.common.bars import tell_bars
 
     # As above.
     earlier = atlas.read_results(options.check) if options.check else None

@@ -3,7 +3,7 @@
 import math
 import statistics
 
-from ..luminaires.bars import Bar
+from ..common.bars import Bar
 from .programs import OURS, PEERS
 from .statistics import Figure, ratio_to, slope_of, tell_ratio
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..luminaires.bars import Bar
+from ..common.bars import Bar
 from .race import RIVALS
 from .scale import MEMORY, growth
 from .summary import scene_ratios

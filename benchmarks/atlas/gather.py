@@ -12,9 +12,9 @@ import mitsuba as mi
 import numpy as np
 
 from ...engine.arrays import upload
-from ...engine.transport.compiled.lights import learn
 from ...engine.transport.compiled.textures import is_spectral
 from ...engine.transport.paths import gather
+from ...engine.transport.paths.light_learning import learn
 from ...engine.transport.paths.sampler import hash_words
 from ...engine.transport.paths.wavelengths import WavelengthSampler
 from .lumels import LumelPlaces

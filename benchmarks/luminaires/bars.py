@@ -1,28 +1,12 @@
 """What the benchmark of luminaires has to show, and whether it does."""
 
-from dataclasses import dataclass
-
+from ..common.bars import Bar
 from . import agreement as luminaire_agreement
 from . import speed as luminaire_speed
 from . import variance as luminaire_variance
 
 FEWEST_FILES = 20
 """Fewest files that have to be compared with Radiance."""
-
-
-@dataclass(frozen=True)
-class Bar:
-    """One demand and what was measured; ``passed`` None: there is nothing to judge by."""
-
-    demand: str
-    limit: str
-    measured: str
-    passed: bool | None
-
-    @property
-    def verdict(self) -> str:
-        """One word."""
-        return {True: "pass", False: "FAIL", None: "not measured"}[self.passed]
 
 
 def check_bars(result: dict) -> list[Bar]:
@@ -32,17 +16,6 @@ def check_bars(result: dict) -> list[Bar]:
         *_check_speed(result["speed"]),
         *_check_noise(result["noise"]),
     ]
-
-
-def tell_bars(bars: list[Bar]) -> str:
-    """Return a table for a terminal."""
-    columns = ("demand", "limit", "measured", "verdict")
-    table = [columns, *([getattr(bar, name) for name in columns] for bar in bars)]
-    widths = [max(len(row[i]) for row in table) for i in range(len(columns))]
-    return "\n".join(
-        "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
-        for row in table
-    )
 
 
 def _check_agreement(agreement: dict) -> list[Bar]:

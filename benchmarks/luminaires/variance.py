@@ -113,8 +113,8 @@ def measure(lights: list[Luminaire], side: float, lanes: int, groups: int):
     """
     backend.start(spectral=False)
     from ...engine.transport.compiled.compile import CompiledScene
-    from ...engine.transport.compiled.lights import learn
     from ...engine.transport.paths import gather
+    from ...engine.transport.paths.light_learning import learn
     from ...engine.transport.paths.path_loop import sample_emitter
     from ...engine.transport.requirements import analyse
 

@@ -111,7 +111,7 @@ def _bars(result) -> str:
 
 
 def _errors(rows) -> str:
-    from .run import DISTANCES, DRAWN
+    from .sizes import DISTANCES, DRAWN
 
     heads = " | ".join(f"{d:g} sizes" for d in DISTANCES)
     lines = [
@@ -130,7 +130,7 @@ def _errors(rows) -> str:
 
 
 def _convergence(result) -> str:
-    from .run import REPLICATES
+    from .sizes import REPLICATES
 
     head = CONVERGENCE.format(
         rays=result["rays"], replicates=REPLICATES, stated=100 * result["stated"]
@@ -148,7 +148,7 @@ def _convergence(result) -> str:
 
 
 def _maps(rows) -> str:
-    from .run import MAP_SAMPLES, MAP_SIDE
+    from .sizes import MAP_SAMPLES, MAP_SIDE
 
     lines = [
         "| distance | rays: error | seconds | point: error | seconds |",

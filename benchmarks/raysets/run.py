@@ -12,6 +12,7 @@ from ...engine.raysets.record import LUMINOUS, Rays
 from ...engine.raysets.writers import write_tm25
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
+from .sizes import DISTANCES, DRAWN, MAP_SAMPLES, MAP_SIDE, PIECE, REPLICATES, SERIES_RAYS
 from .sources import RADIUS, SOURCES, disk, even_numbers, landing, numbers
 
 SIZE = 2.0 * RADIUS
@@ -20,8 +21,6 @@ SIZE = 2.0 * RADIUS
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 """Rays of the files."""
 
-DISTANCES = (0.5, 1.0, 2.0, 5.0, 20.0)
-"""Of the planes from the source's surface, in sizes."""
 
 CELLS = 10
 """Along each side of a plane."""
@@ -32,17 +31,10 @@ KINDS = {"even": even_numbers, "random": numbers}
 SETS = {1_000: 4, 10_000: 4}
 """Independent files of a size over which squares of errors are averaged; one of others."""
 
-DRAWN, PIECE = 6 << 20, 1 << 20
-"""Rays that are generated for every comparison, and at a time."""
 
 SERIES = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 """Generated rays over those of the file, for convergence."""
 
-SERIES_RAYS, REPLICATES = 2_000, 32
-"""Rays of the file whose convergence is looked at, and repetitions."""
-
-MAP_SIDE, MAP_SAMPLES = 24, 2048
-"""Lumels along a map's side, and samples of each."""
 
 FLUX = 100.0
 """Of every source. [lm]"""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .edits import OBJECTS, PARAMETERS
-from .run import median
+from .figures import median
 
 PARAMETER_SHARE = 0.02
 """Most that an edit of a parameter may take of a full sync of the largest scene."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from .run import SCENES, median
+from .figures import SCENES, median
 
 CURVES = {
     "move": "#1f77b4",

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from .bars import FIRST_SHARE, GROWTH, OBJECT_SHARE, PARAMETER_SHARE, check_bars
 from .edits import NAMES
+from .figures import PARTS, SCENES, median
 from .grid_scene import VIEW
-from .run import PARTS, SCENES, median
 
 BEARABLE_LOAD = 0.1
 """Largest share of the processors that others may take."""

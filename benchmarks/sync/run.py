@@ -21,12 +21,11 @@ from ...engine.worker.client import Worker
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
 from .edits import GROUPS, Answer, Desk, turned
+from .figures import PARTS, SCENES, median
 from .grid_scene import build_scene, count_triangles
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SCENES = {"10k": 10_000, "100k": 100_000, "1M": 1_000_000, "3M": 3_000_000}
-"""Triangles of a scene by its name."""
 
 OBJECTS = (100, 1000)
 
@@ -39,8 +38,6 @@ PATIENCE = 180.0
 PAUSE = (0.15, 0.35)
 """Rest between two edits, while the view refines as it does while a user thinks. [s]"""
 
-PARTS = ("edit", "depsgraph", "walk", "transfer", "commit", "first sample", "rest")
-"""Where the time goes: see `Timing`."""
 
 _numbers = itertools.count()
 
@@ -121,12 +118,6 @@ def measure_scene(triangles: int, objects: int, rounds: int, say=None) -> dict:
         say(f"{title}: {row['edit']} {row['nth']}: {1e3 * row['seconds']:.0f} ms")
     say(f"{title}: other processes took {100 * (share or 0.0):.0f} % of the processors")
     return {"edits": edits, "full": full, "scenes": [{"other_load": share}]}
-
-
-def median(values) -> float:
-    """Return the middle value, or the mean of the two."""
-    row = sorted(values)
-    return 0.5 * (row[(len(row) - 1) // 2] + row[len(row) // 2])
 
 
 class Bench:

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..luminaires.spectrum_checks import check_powers, check_wavelengths, tell_range
 from ..reading.content import read_bytes
+from ..reading.remarks import Remark
 from ..reading.safe_xml import parse_xml
 from ..reading.text_table import MAXIMUM_BYTES, parse_table
 from ..scene.spectrum import Tabulated

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..photometry.spectra import GRID, luminous_efficiency
-from .formats.record import Remark
+from ..reading.remarks import Remark
 
 SHORTEST, LONGEST = 10.0, 1e5
 """Wavelengths that optical radiation has. [nm] (CIE S 017: 100 nm to 1 mm; tables of optical constants begin below)"""

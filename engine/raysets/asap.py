@@ -1,7 +1,7 @@
 """Distribution files of ASAP (.dis) that hold rays."""
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
+from ..reading.remarks import Remark
 from .binary import Head, check_count, read_rows
 from .record import RADIANT, UNITS, Columns, RayFile
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..photometry.spectra import GRID, luminous_efficiency
+from ..reading.remarks import Remark
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import HULL, PLANE, SPHERE, RayBody, RayEmission
 from .beam_cells import BeamCells

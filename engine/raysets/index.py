@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..reading.content import read_bytes
+from ..reading.remarks import Remark
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
 from .emission import HELD, RayLight, Wish, prepare_light

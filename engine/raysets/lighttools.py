@@ -1,8 +1,8 @@
 """Ray files of LightTools, binary (.ray)."""
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..reading.content import open_file
+from ..reading.remarks import Remark
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import Cancelled, FileFormatError
-from ..luminaires.formats.record import Remark
+from ..reading.remarks import Remark
 from .asap import is_asap, read_asap
 from .binary import Head
 from .lighttools import is_lighttools, read_lighttools

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..luminaires.formats.record import Remark
+from ..reading.remarks import Remark
 
 RADIANT, LUMINOUS = "radiant", "luminous"
 """What the weights of rays are: watts, or lumens."""

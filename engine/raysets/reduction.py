@@ -11,7 +11,8 @@ import numpy as np
 
 from ..luminaires.coordinates import angles
 from ..luminaires.distribution import azimuth_weights, polar_weights
-from ..luminaires.formats.record import LuminaireFile, Remark
+from ..luminaires.formats.record import LuminaireFile
+from ..reading.remarks import Remark
 from ..scene.distribution import IntensityDistribution, Opening
 
 TO_LUMINAIRE = np.diag([1.0, -1.0, -1.0])

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..photometry.spectra import GRID, efficacy_of_table, luminous_efficiency
 from ..photometry.units import LUMINOUS_EFFICACY
+from ..reading.remarks import Remark
 from .reader import Faults, read_rays
 from .record import LUMINOUS, RADIANT, RayFile, Rays
 

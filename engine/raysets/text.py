@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..reading.lines import read_lines
+from ..reading.remarks import Remark
 from ..reading.text import parse_number
 from .binary import PIECE, check_count
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile

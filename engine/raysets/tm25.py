@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
 from ..luminaires.spectrum_checks import NANOMETRES, tell_oddities
 from ..reading.content import open_file
+from ..reading.remarks import Remark
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 

@@ -3,7 +3,7 @@
 import math
 
 from ..errors import FileFormatError
-from ..luminaires.formats.record import Remark
+from ..reading.remarks import Remark
 from .binary import Head, check_count, read_rows
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 

@@ -6,7 +6,7 @@ import pytest
 from lumenray.benchmarks.sync import edits
 from lumenray.benchmarks.sync import run as sync
 from lumenray.benchmarks.sync.bars import check_bars, tell_bars
-from lumenray.benchmarks.sync.run import PARTS
+from lumenray.benchmarks.sync.figures import PARTS
 from lumenray.command_line import main as command_line
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]

@@ -16,7 +16,7 @@ from lumenray.blender_addon.luminaires.solid import make_curve, make_outline, ma
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.luminaires.distribution import intensity
-from lumenray.engine.luminaires.formats.record import Remark
+from lumenray.engine.reading.remarks import Remark
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 from lumenray.ui import luminaire_overlay
 from lumenray.ui.luminaire import LuminaireChild

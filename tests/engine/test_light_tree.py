@@ -211,7 +211,7 @@ def test_noise_does_not_grow_with_the_number_of_lights(count):
 
 
 def test_learning_finds_lights_behind_a_wall():
-    from lumenray.engine.transport.compiled.lights import learn
+    from lumenray.engine.transport.paths.light_learning import learn
 
     lights, _, _ = downlights(400)
     wall = quad("wall", [25, -1, -1], [0, 52, 0], [0, 0, 8], "paint")

@@ -8,7 +8,8 @@ import re
 from dataclasses import replace
 
 from ...errors import FileFormatError
-from .record import RADIANT, LuminaireFile, Remark
+from ...reading.remarks import Remark
+from .record import RADIANT, LuminaireFile
 
 UNIT_KEY = "_INTENSITYUNITS"
 """Keyword by which laboratories tell the unit of the intensities in LM-63."""

@@ -6,12 +6,13 @@ from pathlib import Path
 
 from ...errors import FileFormatError
 from ...reading.content import read_bytes
+from ...reading.remarks import Remark
 from ...reading.text import decode
 from .eulumdat.reader import looks_like_eulumdat, parse_eulumdat
 from .eulumdat.writer import write_eulumdat
 from .lm63.reader import parse_lm63
 from .lm63.writer import write_lm63
-from .record import LuminaireFile, Remark
+from .record import LuminaireFile
 from .tm33.reader import parse_tm33
 
 KINDS = "IES LM-63 (.ies), EULUMDAT (.ldt) or TM-33 (.xml)"

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...reading.remarks import Remark
 from ...scene.distribution import IntensityDistribution, Opening
 
 LUMINOUS, RADIANT = "luminous", "radiant"
@@ -21,23 +22,6 @@ class Units:
 
 UNITS = {LUMINOUS: Units("lm", "cd", "cd/m2"), RADIANT: Units("W", "W/sr", "W/(m2 sr)")}
 """Of a file's numbers, by its quantity."""
-
-
-@dataclass(frozen=True)
-class Remark:
-    """A departure from the standard and what was assumed, or something that the user should know.
-
-    Parameters
-    ----------
-    text : str    One sentence for people.
-    line : int    Of the file, from 1; 0: of the file as a whole.
-    """
-
-    text: str
-    line: int = 0
-
-    def __str__(self) -> str:
-        return f"line {self.line}: {self.text}" if self.line else self.text
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...scene.scattering import Scatter
 
 SIDES = ("front_reflection", "back_reflection", "front_transmission", "back_transmission")

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...scene.scattering import PatchBasis, PatchMatrix, Scatter, ScatterTable, TensorTree
 from .record import SIDES, ScatteringFile
 from .surface import check

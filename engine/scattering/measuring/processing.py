@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import SceneError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...scene.scattering import ScatterTable
 from ..data.direction_samples import SAME
 from ..data.evaluation import measure_reciprocity

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...scene.scattering import Scatter
 from ..data.evaluation import incidences_of, totals
 

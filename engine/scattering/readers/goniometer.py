@@ -24,8 +24,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.formats.record import Remark
 from ...reading.columns import Columns
+from ...reading.remarks import Remark
 from ...scene.scattering import ScatterTable
 from ..data.direction_samples import (
     MOST_POINTS,

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...luminaires.formats.record import Remark
 from ...photometry.colour import scene_linear
 from ...reading.columns import Columns
+from ...reading.remarks import Remark
 from ..data.table import direction_of
 from .checks import tell_missing, tell_negative
 from .colour import spectra_of_rgb

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import SceneError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...scene.scattering import ScatterTable
 from ..data.direction_samples import SAME, merge_angles
 from ..data.table import MOST_VALUES, place_on

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...reading.words import Words
 from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_missing, tell_negative, tell_scaling

@@ -5,8 +5,8 @@ import re
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.formats.record import Remark
 from ...reading.blocks import Blocks
+from ...reading.remarks import Remark
 from ...reading.words import LARGEST
 from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_negative

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ..data.record import ScatteringFile
 from ..data.resampling import resample
 from .colour import spectra_of_rgb

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
-from ...luminaires.formats.record import Remark
 from ...reading.content import read_bytes
+from ...reading.remarks import Remark
 from ...scene.scattering import ScatterTable
 from ..data.normal_incidence import add_normal_incidence
 from ..data.record import ScatteringFile

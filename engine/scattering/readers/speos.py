@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...reading.words import Words
 from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess

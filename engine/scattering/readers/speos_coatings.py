@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 
-from ...luminaires.formats.record import Remark
 from ...photometry.spectra import GRID, luminous_efficiency
 from ...reading.blocks import Blocks
+from ...reading.remarks import Remark
 from ...reading.words import Words
 from ..data.record import ScatteringFile
 from .checks import MOST_LIGHT

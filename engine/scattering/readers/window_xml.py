@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError, SceneError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...reading.safe_xml import XmlElement, parse_xml
 from ...scene.scattering import PatchBasis, PatchMatrix, Scatter, TensorTree
 from ..data.patches import MOST_PATCHES, albedos, patch_of, starts_of, transposed

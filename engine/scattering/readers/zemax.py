@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import FileFormatError
-from ...luminaires.formats.record import Remark
+from ...reading.remarks import Remark
 from ...reading.words import Words
 from ...scene.scattering import ScatterTable
 from ..data.record import ScatteringFile

@@ -17,12 +17,12 @@ import numpy as np
 from ...arrays import upload
 from ...errors import Cancelled
 from ...photometry.spectra import observer
-from ..compiled.lights import learn
 from ..compiled.textures import is_spectral
 from ..light_tracing.bent_lights import BentLights
 from ..light_tracing.straight_lights import StraightLights
 from ..paths import gather
 from ..paths.cached_gather import NEAR
+from ..paths.light_learning import learn
 from ..paths.sampler import hash_words, random_stream, sobol_pair
 from ..paths.visible_surfaces import Sight
 from ..paths.wavelengths import WavelengthSampler

@@ -13,9 +13,9 @@ from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
 from ...scene.sensor import SensorKind
 from ..compiled.compile import CompiledScene
-from ..compiled.lights import learn
 from ..compiled.textures import is_spectral
 from . import gather
+from .light_learning import learn
 from .sampler import hash_words, random_stream, sobol_pair
 from .wavelengths import WavelengthSampler
 

@@ -10,11 +10,11 @@ from ...arrays import average
 from ...errors import Cancelled, SceneError
 from ...scene.camera import Camera, Projection
 from ..compiled.compile import CompiledScene
-from ..compiled.lights import PILOT_LANES, PILOT_POINTS, learn
 from ..compiled.textures import is_spectral
 from ..rays import spawn_ray
 from . import gather
 from . import path_loop as paths
+from .light_learning import PILOT_LANES, PILOT_POINTS, learn
 from .sampler import hash_words, random_stream, sobol_pair
 from .wavelengths import WavelengthSampler
 

@@ -3,8 +3,8 @@
 import re
 
 from ....errors import FileFormatError
+from ....reading.remarks import Remark
 from ....reading.text import parse_number
-from ..record import Remark
 
 LENGTH = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 FLUX = {"lm": 1.0, "klm": 1000.0}

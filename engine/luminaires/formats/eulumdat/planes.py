@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....errors import FileFormatError
+from ....reading.remarks import Remark
 from ....reading.text import parse_number
-from ..record import Remark
 from ..symmetry import expand_planes
 from .fields import ANGLE_OR_INTENSITY, Fields, shortened
 

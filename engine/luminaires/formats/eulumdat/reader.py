@@ -16,11 +16,12 @@ import numpy as np
 
 from ....errors import FileFormatError
 from ....reading.content import read_bytes
+from ....reading.remarks import Remark
 from ....reading.text import decode
 from ....scene.distribution import IntensityDistribution, Opening
 from ...distribution import flux
 from ..radiant import settle_unit
-from ..record import LampSet, LuminaireFile, Remark
+from ..record import LampSet, LuminaireFile
 from ..symmetry import POLE_TOLERANCE, average_poles, expand_planes
 from .fields import ANGLE, FLUX, LENGTH, PERCENT, POWER, Fields
 from .planes import (

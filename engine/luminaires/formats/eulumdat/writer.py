@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....errors import LumenrayError
+from ....reading.remarks import Remark
 from ....reading.text import parse_number
 from ....scene.distribution import IntensityDistribution
 from ...coordinates import directions
 from ...direct_ratios import direct_ratios
 from ...distribution import flux, intensity, is_closed
-from ..record import RADIANT, LampSet, LuminaireFile, Remark
+from ..record import RADIANT, LampSet, LuminaireFile
 from ..symmetry import expand_planes
 from .planes import SYMMETRIES, holds_symmetry, planes_at
 from .reader import (

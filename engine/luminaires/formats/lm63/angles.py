@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....errors import FileFormatError
-from ..record import Remark
+from ....reading.remarks import Remark
 from .numbers import Numbers
 
 NEAR = 1e-3

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....errors import FileFormatError
+from ....reading.remarks import Remark
 from ....reading.text import parse_number
-from ..record import Remark, TiltTable
+from ..record import TiltTable
 from .angles import check_vertical, fits_angles, plane_symmetry, read_angles, side_symmetry
 from .header import TILT_LINE, Header
 from .numbers import Numbers, commas_may_be_decimal

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, field
 
 from ....errors import FileFormatError
-from ..record import Remark
+from ....reading.remarks import Remark
 
 FIRST_LINES = {
     "IESNA91": 1991,

@@ -1,7 +1,7 @@
 """Luminous openings as LM-63 codes them: by the signs of width, length and height."""
 
+from ....reading.remarks import Remark
 from ....scene.distribution import Opening
-from ..record import Remark
 
 _1991 = {
     "000": ("point", "z"),

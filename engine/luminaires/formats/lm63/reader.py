@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from ....reading.content import read_bytes
+from ....reading.remarks import Remark
 from ....reading.text import decode
 from ....scene.distribution import IntensityDistribution
 from ...coordinates import FRAMES
 from ...distribution import flux
 from ..radiant import settle_unit
-from ..record import LampSet, LuminaireFile, Remark, TiltTable
+from ..record import LampSet, LuminaireFile, TiltTable
 from ..symmetry import POLE_TOLERANCE, average_poles, expand_planes
 from .angles import mirror_half
 from .data import Data, read_content, read_tilt

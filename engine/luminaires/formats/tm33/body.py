@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement
 from ....scene.distribution import Opening
-from ..record import Remark
 from .values import key_of, optional_number, text_of
 
 MAXIMUM_LENGTH = 1000.0

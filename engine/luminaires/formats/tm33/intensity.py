@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....errors import FileFormatError
+from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement
 from ..eulumdat.planes import holds_symmetry
 from ..lm63.angles import mirror_half
-from ..record import Remark
 from ..symmetry import POLE_TOLERANCE, average_poles, expand_planes
 from .values import attribute, key_of, number_in, text_of
 

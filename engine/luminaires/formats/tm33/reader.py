@@ -16,12 +16,13 @@ import numpy as np
 from ....errors import FileFormatError
 from ....photometry.spectra import luminous_weight
 from ....reading.content import read_bytes
+from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement, parse_xml
 from ....scene.distribution import IntensityDistribution
 from ....scene.spectrum import Tabulated
 from ...coordinates import FRAMES
 from ...distribution import azimuth_weights, flux, polar_weights
-from ..record import LampSet, LuminaireFile, Remark, TiltTable
+from ..record import LampSet, LuminaireFile, TiltTable
 from .body import read_body
 from .intensity import Grid, Table, read_table, to_grid
 from .spectrum import Spectrum, luminous_efficacy, read_spectrum

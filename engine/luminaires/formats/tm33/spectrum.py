@@ -4,12 +4,12 @@ import numpy as np
 
 from ....errors import FileFormatError
 from ....photometry.spectra import luminous_weight
+from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement
 from ....reading.text import parse_number
 from ....scene.spectrum import Tabulated
 from ...distribution import azimuth_weights, polar_weights
 from ...spectrum_checks import tell_oddities
-from ..record import Remark
 from .intensity import LONGEST_WAVELENGTH, read_table, to_grid
 from .values import attribute, number_in, optional_number, text_of
 

@@ -1,9 +1,9 @@
 """Elements of TM-33 documents as texts and numbers."""
 
 from ....errors import FileFormatError
+from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement
 from ....reading.text import parse_number
-from ..record import Remark
 
 
 def text_of(element, *names: str) -> str:
