@@ -1,21 +1,14 @@
 """Settings of the extension, the same for all files."""
 
-from pathlib import Path
-
 import bpy
 from bpy.props import FloatProperty, StringProperty
 
-PACKAGE = __package__.rpartition(".")[0]
-"""Name of the extension, by which Blender knows its preferences."""
-
-SOLID_RADIUS = 0.5
-"""Size of the solids of luminaires before anybody has changed it. [m]"""
+from .asset_library.registration import follow_own_folder
+from .foundation.preferences import PACKAGE, SOLID_RADIUS
 
 
 def _follow_luminaire_folder(self, context):
-    from .asset_library import registration
-
-    registration.follow_own_folder()
+    follow_own_folder()
 
 
 class LumenrayPreferences(bpy.types.AddonPreferences):
@@ -62,32 +55,6 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "memory_limit", text="Engine Memory [GiB]")
         self.layout.prop(self, "solid_radius", text="Distributions [m]")
         self.layout.prop(self, "luminaire_folder", text="Own Assets")
-
-
-def _preferences() -> LumenrayPreferences | None:
-    addon = bpy.context.preferences.addons.get(PACKAGE)
-    return addon.preferences if addon is not None else None
-
-
-def solid_radius() -> float:
-    """Return how far the largest intensity reaches in the solids of luminaires. [m]"""
-    preferences = _preferences()
-    return preferences.solid_radius if preferences is not None else SOLID_RADIUS
-
-
-def luminaire_folder() -> Path | None:
-    """Return the folder of the user's own luminaires, None if there is none."""
-    preferences = _preferences()
-    name = preferences.luminaire_folder if preferences is not None else ""
-    folder = Path(bpy.path.abspath(name)) if name else None
-    return folder if folder is not None and folder.is_dir() else None
-
-
-def memory_limit() -> int | None:
-    """Return the limit, None without one. [byte]"""
-    preferences = _preferences()
-    limit = preferences.memory_limit if preferences is not None else 0.0
-    return int(limit * (1 << 30)) or None
 
 
 CLASSES = (LumenrayPreferences,)

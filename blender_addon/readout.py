@@ -14,8 +14,8 @@ from ..engine.reading.printable import printable
 from ..engine.scene.spectrum import Rgb
 from ..engine.sky.cie import ground_luminance, zenith_luminance
 from .bake.tables import UNKNOWN
+from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
-from .properties import white_luminance
 from .sky import angles, onto_horizon, towards_lamp
 from .sync.lights.lights import PHYSICAL_QUANTITIES
 from .sync.meshes import MESH_TYPES

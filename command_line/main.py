@@ -382,7 +382,7 @@ def _render_open(options, depsgraph):
     """Render the open file and write picture, preview and report. Returns the exit code."""
     from dataclasses import replace
 
-    from ..blender_addon.properties import white_luminance
+    from ..blender_addon.foundation.exposure import white_luminance
     from ..blender_addon.rendering.render_engine import shown_light, view_settings
     from ..blender_addon.sync.scene import convert_scene
     from ..engine.analysis.false_colour import write_display

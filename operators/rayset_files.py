@@ -8,7 +8,8 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..blender_addon.luminaires.files import stored_path
 from ..blender_addon.raysets import files
 from ..blender_addon.raysets import readout as rayset_readout
-from ..blender_addon.raysets.settings import active_rays, name_of, rays_of
+from ..blender_addon.raysets.settings import active_rays, rays_of
+from ..blender_addon.raysets.source import name_of
 from ..blender_addon.readout import title_case
 from ..engine.errors import LumenrayError
 from ..libraries.raysets import PREFIX

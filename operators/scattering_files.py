@@ -6,7 +6,8 @@ from bpy.props import StringProperty
 from ..blender_addon.luminaires.files import stored_path
 from ..blender_addon.scattering import files
 from ..blender_addon.scattering.look_nodes import show_look, show_when_ready
-from ..blender_addon.scattering.settings import MEASURED, active_material, name_of
+from ..blender_addon.scattering.settings import active_material
+from ..blender_addon.scattering.source import MEASURED, name_of
 from ..engine.errors import LumenrayError
 from ..libraries.materials import PREFIX
 

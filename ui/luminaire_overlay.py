@@ -14,7 +14,7 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..blender_addon import preferences
+from ..blender_addon.foundation import preferences
 from ..blender_addon.foundation.units import metres_per_unit
 from ..blender_addon.luminaires import places as luminaire_places
 from ..blender_addon.luminaires.solid import PLANES, make_curve, make_outline, make_solid

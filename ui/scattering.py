@@ -5,7 +5,7 @@ import bpy
 from ..blender_addon.luminaires.preview import has_dark_theme, side_of
 from ..blender_addon.scattering import readout
 from ..blender_addon.scattering.preview import pictures
-from ..blender_addon.scattering.settings import is_measured
+from ..blender_addon.scattering.source import is_measured
 from .luminaire import ICON_BORDER, ICON_UNIT, LABELS, MARGIN
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text

@@ -13,7 +13,7 @@ from ...engine.errors import LumenrayError
 from ...libraries.materials import PREFIX, Entry, Library, Problem
 from ..scattering import files
 from ..scattering.look_nodes import wear_look
-from ..scattering.settings import MEASURED
+from ..scattering.source import MEASURED
 from .build import CATALOGUES, catalogue_id, save_file, set_preview, write_catalogues
 
 ASSETS = "materials.blend"

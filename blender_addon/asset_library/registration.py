@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from ...libraries import luminaires, materials
-from .. import preferences
+from ..foundation import preferences
 
 NAME = "Lumenray"
 """Of the luminaires that ship, in the Asset Browser."""

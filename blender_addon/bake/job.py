@@ -16,8 +16,8 @@ from ...engine.baking.files import find_shortfall
 from ...engine.baking.order import BakeOrder, BakeResult, LuxMap
 from ...engine.errors import Cancelled, LumenrayError, SceneError
 from ...engine.scene.scene import Scene
+from ..foundation.exposure import white_luminance
 from ..foundation.report import ConversionReport
-from ..properties import white_luminance
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
 from ..sync.step import PART_BYTES, split

@@ -7,7 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...engine.worker.client import RemoteSession, Worker
-from ..preferences import memory_limit
+from .preferences import memory_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the package, which has other names inside Blender."""

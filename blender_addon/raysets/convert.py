@@ -12,7 +12,7 @@ from ...engine.scene.spectrum import Spectrum, Tabulated
 from ..foundation.pose import pose_of
 from ..foundation.report import ConversionReport
 from . import files
-from .settings import name_of
+from .source import name_of
 
 LEFT_OUT = "the light is left out"
 

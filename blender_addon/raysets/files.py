@@ -14,7 +14,7 @@ from ...engine.raysets.emission import RayLight, Wish
 from ...engine.raysets.index import obtain_light, save_light, state_of
 from ...engine.raysets.record import LUMINOUS, RADIANT
 from ...engine.raysets.text import Assumed
-from .settings import absolute_path
+from .source import absolute_path
 from .watching import watch
 
 KEPT = 16

@@ -7,7 +7,8 @@ from ...engine.raysets.emission import RayLight
 from ..foundation.units import format_lengths
 from . import files
 from .convert import luminous_flux
-from .settings import LIGHT_TYPES, absolute_path, name_of, rays_of
+from .settings import LIGHT_TYPES, rays_of
+from .source import absolute_path, name_of
 
 REMEDY = "Choose another file; until then the light is left out"
 

@@ -212,23 +212,3 @@ def is_rayset(thing) -> bool:
     """Whether an object shines as a ray file says."""
     settings = rays_of(thing)
     return settings is not None and settings.use_file
-
-
-def absolute_path(settings) -> str:
-    """Return where a ray file is, empty if none is chosen."""
-    from ...libraries.raysets import FOLDER, PREFIX
-
-    if settings.filepath.startswith(PREFIX):
-        return str(FOLDER / f"{settings.filepath.removeprefix(PREFIX)}.tm25ray")
-    if not settings.filepath:
-        return ""
-    return bpy.path.abspath(settings.filepath, library=settings.id_data.library)
-
-
-def name_of(settings) -> str:
-    """Name of the file for people."""
-    from ...libraries.raysets import PREFIX
-
-    if settings.filepath.startswith(PREFIX):
-        return settings.filepath.removeprefix(PREFIX)
-    return bpy.path.basename(settings.filepath)

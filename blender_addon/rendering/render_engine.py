@@ -17,8 +17,8 @@ from ...engine.session import ViewSettings
 from .. import assumptions, readout
 from ..feedback import show_render, show_report
 from ..foundation import engine_process
+from ..foundation.exposure import white_luminance
 from ..foundation.report import ConversionReport
-from ..properties import white_luminance
 from ..sync.camera import region
 from . import view_drawing
 from .feed import SceneFeed

@@ -12,7 +12,7 @@ import bpy
 from ...engine.errors import LumenrayError
 from ...engine.session import Display, DisplayMode, Frame, LiveSettings
 from ..foundation import engine_process
-from ..properties import white_luminance
+from ..foundation.exposure import white_luminance
 from .feed import SceneFeed
 from .view_camera import view_camera
 

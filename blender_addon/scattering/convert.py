@@ -7,7 +7,7 @@ from ...engine.scene.material import Measured
 from ...engine.scene.scattering import Scatter
 from ..foundation.report import ConversionReport
 from . import files
-from .settings import name_of
+from .source import name_of
 
 LARGE_ERROR = 0.1
 """Stated error of a table from which the user is warned."""

@@ -27,7 +27,7 @@ from ...engine.scattering.look import Look, fit_look
 from ...engine.scattering.readers.reader import Wish, parse_scattering, read_content
 from ...engine.scattering.summary import SideSummary, summarise
 from ..luminaires.files import digest_of, stored_path
-from .settings import absolute_path, is_measured, name_of
+from .source import absolute_path, is_measured, name_of
 
 LINE = 76
 """Characters in a line of an embedded file."""

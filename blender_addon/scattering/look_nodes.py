@@ -10,7 +10,7 @@ from ...engine.errors import LumenrayError
 from ...engine.scattering.look import Look
 from ..bake.nodes import MARK
 from . import files
-from .settings import is_measured
+from .source import is_measured
 
 PREFIX = "Lumenray Look"
 """How the names of the look's nodes begin."""

@@ -11,7 +11,7 @@ from ...engine.scattering.data.tristimulus import weights_of
 from ...engine.scattering.summary import NEAR_NORMAL, SideSummary
 from ...libraries.materials import PREFIX
 from . import files
-from .settings import absolute_path, name_of
+from .source import absolute_path, name_of
 
 REMEDY = "A plain grey is used until the file is mended and reloaded, or another one is chosen."
 """What is said below a problem with a file."""

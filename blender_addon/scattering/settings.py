@@ -1,7 +1,5 @@
 """What the user sets about a measured material: its file, and how the sample lies on the surface."""
 
-from pathlib import Path
-
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -15,11 +13,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ...libraries import spectra
-from ...libraries.materials import FOLDER, PREFIX
 from ..foundation.settings import PATH_OPTIONS, enum_from_names, tag_owner
-
-MEASURED = "MEASURED"
-"""Name of the model of a surface in the settings of a material."""
 
 BACKS = [
     ("SAME", "As the Front", "Of what the file tells of one side only, the other side does the same", 0),
@@ -146,12 +140,6 @@ class LumenrayMeasuredSettings(PropertyGroup):
     )
 
 
-def is_measured(material) -> bool:
-    """Whether a material scatters as a file says."""
-    settings = material.lumenray
-    return settings.use_override and settings.model == MEASURED
-
-
 def active_material(context):
     """Return the material that a panel or an operator is about, None if there is none."""
     material = getattr(context, "material", None)
@@ -159,21 +147,3 @@ def active_material(context):
         thing = getattr(context, "object", None)
         material = getattr(thing, "active_material", None)
     return None if material is None or material.grease_pencil else material
-
-
-def absolute_path(settings) -> str:
-    """Return where a scattering file is, empty if none is chosen."""
-    if settings.filepath.startswith(PREFIX):
-        # A name, not a path that leads out of the library.
-        name = Path(settings.filepath.removeprefix(PREFIX)).name
-        return str(FOLDER / f"{name}.lumbsdf")
-    if not settings.filepath:
-        return ""
-    return bpy.path.abspath(settings.filepath, library=settings.id_data.library)
-
-
-def name_of(settings) -> str:
-    """Name of the file for people."""
-    if settings.text is not None:
-        return settings.text.name
-    return bpy.path.basename(settings.filepath.removeprefix(PREFIX))

@@ -6,9 +6,9 @@ import re
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon import preferences
 from lumenray.blender_addon.asset_library import build, registration
 from lumenray.blender_addon.asset_library.stage import STAGES, part_frame, set_stage
+from lumenray.blender_addon.foundation import preferences
 from lumenray.blender_addon.luminaires import files
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.command_line import luminaire_library as command

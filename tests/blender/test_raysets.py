@@ -8,7 +8,8 @@ from lumenray.benchmarks.raysets.sources import disk, even_numbers
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.raysets import cloud_drawing, files
 from lumenray.blender_addon.raysets import readout as rayset_readout
-from lumenray.blender_addon.raysets.settings import absolute_path, name_of, rays_of
+from lumenray.blender_addon.raysets.settings import rays_of
+from lumenray.blender_addon.raysets.source import absolute_path, name_of
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync

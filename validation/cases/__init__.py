@@ -1,43 +1,8 @@
-"""The cases, each a function from a bench to findings, registered under its number."""
+"""The cases, one module for each kind of scene; each is registered under its number when its module is imported."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from .registry import CASES, Case, case
 
-from ..bench import Bench, Findings
-
-
-@dataclass(frozen=True)
-class Case:
-    """A validation case.
-
-    Parameters
-    ----------
-    id : str    Such as ``C05``.
-    title : str
-    family : str    What ``--family`` chooses by: direct, photometry, glass, interreflection, daylight, specular,
-        stability, spectral or glare.
-    run : callable    From a `Bench` to an iterator of findings, one for each of the bench's groups of the case.
-    quick : tuple of str    Ids of the groups that make up the quick subset.
-    """
-
-    id: str
-    title: str
-    family: str
-    run: Callable[[Bench], Findings]
-    quick: tuple[str, ...] = ()
-
-
-_CASES: dict[str, Case] = {}
-
-
-def case(key: str, title: str, family: str, quick: tuple[str, ...] = ()):
-    """Register the decorated function as a case."""
-
-    def register(run):
-        _CASES[key] = Case(key, title, family, run, quick)
-        return run
-
-    return register
+__all__ = ["Case", "all_cases", "case"]
 
 
 def all_cases() -> dict[str, Case]:
@@ -66,4 +31,4 @@ def all_cases() -> dict[str, Case]:
         sun,
     )
 
-    return dict(sorted(_CASES.items()))
+    return dict(sorted(CASES.items()))

@@ -7,8 +7,8 @@ from lumenray.engine.scene.material import Cauchy, Dielectric
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import box, glowing, lumen, material, matt, sphere
-from . import case
 from .means import ENOUGH, look, mean_by_bake, mean_of_picture, reseeded
+from .registry import case
 
 FLUX = 1000.0
 """Of the lamps. [lm]"""

@@ -9,8 +9,8 @@ from lumenray.engine.scene.spectrum import Constant
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import box, lumen, material, matt, quad, without
-from . import case
 from .means import ENOUGH, mean_by_bake, reseeded
+from .registry import case
 
 FLUX = 1000.0
 """Of the lamps, in whole rooms. [lm]"""

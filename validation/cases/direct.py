@@ -6,7 +6,7 @@ from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity,
 
 from ..bench import Bench, Finding, Findings
 from ..stage import BLACK, EVEN, candela, glowing, mesh, quad
-from . import case
+from .registry import case
 
 LUMINANCE = 1000.0
 """Of emitters unless stated otherwise. [cd/m2]"""

@@ -8,8 +8,8 @@ from lumenray.engine.scene.material import Transparent
 from ..bench import Bench, Finding, Findings
 from ..reference import groups_of
 from ..stage import BLACK, frame, glowing, lumen, material, quad
-from . import case
 from .quadrature import plane_grid
+from .registry import case
 
 WIDTH, HEIGHT = 4.0, 3.0
 """Of the room, whose plan is a square. [m]"""

@@ -9,8 +9,8 @@ from lumenray.engine.scene.sensor import SensorKind
 
 from ..bench import Bench, Finding, Findings
 from ..stage import EVEN, candela
-from . import case
 from .quadrature import sphere_grid
+from .registry import case
 
 HEIGHT = 3.0
 """Of the source above the floor. [m]"""

@@ -8,10 +8,10 @@ from lumenray.engine.scene.material import Black
 from ..bench import Bench, Finding, Findings, Setup
 from ..reference import Group
 from ..stage import BLACK, box, lumen, material, matt, mesh, quad, sphere
-from . import case
 from .interreflection import reflectances
 from .means import look, mean_at_points, mean_by_bake, mean_of_picture, reseeded
 from .quadrature import plane_grid
+from .registry import case
 
 FLUX = 10_000.0
 """Of the lamp of C10. [lm]"""

@@ -8,7 +8,7 @@ from lumenray.engine.sky.cie import sun_direction
 
 from .. import stage
 from ..bench import Bench, Findings
-from . import case
+from .registry import case
 from .rooms import (
     FACES,
     HORIZONTAL,

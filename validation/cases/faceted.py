@@ -7,8 +7,8 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import matt, sphere
-from . import case
 from .means import mean_by_bake, reseeded
+from .registry import case
 
 RINGS = 16
 """Parallels; there are twice as many meridians."""

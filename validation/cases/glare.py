@@ -13,7 +13,7 @@ from lumenray.engine.analysis.glare import (
 
 from ..bench import Bench, Finding, Findings
 from ..stage import glowing, quad
-from . import case
+from .registry import case
 
 OBSERVER = Observer(np.array([0.0, 0.0, 1.2]), np.array([0.0, 1.0, 0.0]))
 """Seated, looking along +y. [m]"""

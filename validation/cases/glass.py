@@ -9,7 +9,7 @@ from lumenray.engine.scene.spectrum import Constant, Illuminant
 from ..bench import MARGIN, Bench, CannotStateError, Finding, Findings
 from ..reference import Group
 from ..stage import BLACK, candela, material, quad
-from . import case
+from .registry import case
 
 IOR = 1.52
 """Refractive index of the panes. [-]"""

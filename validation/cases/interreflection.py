@@ -7,9 +7,9 @@ from lumenray.engine.scene.material import Transparent
 
 from ..bench import Bench, Finding, Findings
 from ..stage import BLACK, box, frame, glowing, material, matt, quad
-from . import case
 from .means import mean_at_points, mean_by_bake, reseeded
 from .quadrature import plane_grid
+from .registry import case
 
 LIT = glowing("lit", 100.0 / np.pi)
 """A reflecting surface that is lit evenly: it sends out 100 lm/m2, so that readings are percent of that."""

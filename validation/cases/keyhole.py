@@ -7,8 +7,8 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import box, frame, matt, without
-from . import case
 from .means import mean_by_bake, reseeded
+from .registry import case
 
 SUN_NORMAL = 1e5
 """Illuminance by the sun of a plane that faces it. [lx]"""

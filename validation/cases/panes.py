@@ -7,8 +7,8 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import candela, material, quad
-from . import case
 from .glass import PANE
+from .registry import case
 
 HALF = 200.0
 """Half side of panes that stand for endless ones. [m]"""

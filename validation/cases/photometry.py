@@ -11,8 +11,8 @@ from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from ..bench import Bench, Finding, Findings
 from ..reference import FOLDER
 from ..stage import EVEN
-from . import case
 from .direct_points import turn_about
+from .registry import case
 
 FILES = FOLDER / "ies"
 

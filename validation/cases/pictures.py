@@ -8,7 +8,7 @@ from lumenray.engine.scene.texture import ImageTexture
 
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
-from . import case
+from .registry import case
 
 LUMINANCE = 1000.0
 """Of the bright rows. [cd/m2]"""

@@ -4,7 +4,7 @@ from lumenray.engine.scene.material import ThinGlass
 from lumenray.engine.sky.cie import sun_direction
 
 from ..bench import Bench, Findings
-from . import case
+from .registry import case
 from .rooms import OPEN, SUN_ELEVATION, glass, measure_under_skies, room, with_prefix
 
 HOLES = {"1x1": ((1.5, 2.5), (1.5, 2.5)), "4x4": ((0.0, 4.0), (0.0, 4.0))}

@@ -10,7 +10,7 @@ from lumenray.engine.sky.cie import sun_direction, zenith_luminance
 
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
-from . import case
+from .registry import case
 from .rooms import HORIZONTAL, SUN_ELEVATION, UNIFORM, sky
 
 UP = (0.0, 0.0, 1.0)

@@ -21,8 +21,8 @@ from lumenray.engine.scene.spectrum import Constant, Illuminant, Lines, Spectrum
 from ..bench import MARGIN, Bench, Finding, Findings
 from ..reference import Group, groups_of
 from ..stage import box, material, quad
-from . import case
 from .quadrature import plane_grid
+from .registry import case
 from .replicates import jackknife
 
 SODIUM = 589.3

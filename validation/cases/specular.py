@@ -8,8 +8,8 @@ from lumenray.engine.scene.spectrum import Constant
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
 from ..stage import candela, glowing, material, quad
-from . import case
 from .glass import angles_of, probe
+from .registry import case
 
 FAR = 50.0
 """Half side of mirrors that stand for endless ones. [m]"""

@@ -6,7 +6,7 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
 
 from .. import stage
 from ..bench import Bench, Finding, Findings
-from . import case
+from .registry import case
 
 EMITTER_SIZE = 0.01
 """Side of the bright emitter of C23. [m]"""

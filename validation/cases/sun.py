@@ -8,7 +8,7 @@ from lumenray.engine.sky.cie import sun_direction
 from .. import stage
 from ..bench import Bench, Finding, Findings
 from ..reference import Group
-from . import case
+from .registry import case
 
 SUN_RADIUS = np.radians(0.2665)
 """Angular radius of the disk. [rad]"""

@@ -20,7 +20,7 @@ from ....engine.scene.material import (
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum, Tabulated
 from ...foundation.report import ConversionReport
 from ...scattering.convert import convert_measured
-from ...scattering.settings import MEASURED
+from ...scattering.source import MEASURED
 from ..spectra import convert_spectrum, read_file
 
 HELIUM_D = 587.56

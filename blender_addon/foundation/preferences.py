@@ -1,0 +1,37 @@
+"""What the user prefers in all files, as the extension's preferences have it, or as they have it at first."""
+
+from pathlib import Path
+
+import bpy
+
+PACKAGE = __package__.rpartition(".")[0].rpartition(".")[0]
+"""Name of the extension, by which Blender knows its preferences."""
+
+SOLID_RADIUS = 0.5
+"""Size of the solids of luminaires before anybody has changed it. [m]"""
+
+
+def _preferences():
+    addon = bpy.context.preferences.addons.get(PACKAGE)
+    return addon.preferences if addon is not None else None
+
+
+def solid_radius() -> float:
+    """Return how far the largest intensity reaches in the solids of luminaires. [m]"""
+    preferences = _preferences()
+    return preferences.solid_radius if preferences is not None else SOLID_RADIUS
+
+
+def luminaire_folder() -> Path | None:
+    """Return the folder of the user's own luminaires, None if there is none."""
+    preferences = _preferences()
+    name = preferences.luminaire_folder if preferences is not None else ""
+    folder = Path(bpy.path.abspath(name)) if name else None
+    return folder if folder is not None and folder.is_dir() else None
+
+
+def memory_limit() -> int | None:
+    """Return the limit, None without one. [byte]"""
+    preferences = _preferences()
+    limit = preferences.memory_limit if preferences is not None else 0.0
+    return int(limit * (1 << 30)) or None
