@@ -1,6 +1,6 @@
 """The command that makes a Blender asset library of a folder of photometric files or of materials.
 
-It needs Blender's Python module. `material_command` has what differs for materials.
+It needs Blender's Python module. `material_library` has what differs for materials.
 """
 
 import argparse

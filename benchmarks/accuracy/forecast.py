@@ -22,7 +22,7 @@ def measure_forecasts(scene: ExactScene, ours: Lumenray, row: dict, longest: flo
     ----------
     scene : ExactScene
     ours : Lumenray
-    row : dict    What `accuracy_runs.measure_scene` has of it; tells which error takes how long.
+    row : dict    What `programs.measure_scene` has of it; tells which error takes how long.
     longest : float    [s]
 
     Returns

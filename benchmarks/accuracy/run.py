@@ -29,7 +29,7 @@ def run(
     ----------
     is_quick : bool    Fewer scenes and rounds, and shorter runs.
     with_peers : bool    Whether other programs are run too, where they are installed.
-    scenes : iterable of str or None    Names out of `accuracy_scenes.TITLES`; None: all, or those of a quick run.
+    scenes : iterable of str or None    Names out of `scenes.TITLES`; None: all, or those of a quick run.
     longest : float or None    Runs that would take longer are not made; None: the default. [s]
     say : callable or None    Told in one line what was done.
 

@@ -62,7 +62,7 @@ class Figure:
 
 
 def make_curve(row: dict, rounds=None) -> Curve:
-    """Make the curve of a program's row of `accuracy_runs.measure_scene`; ``rounds``: indices of those to take."""
+    """Make the curve of a program's row of `programs.measure_scene`; ``rounds``: indices of those to take."""
     seconds, errors = np.array(row["seconds"]), np.array(row["errors"])
     work = np.array(row["work"], dtype=np.float64)
     if rounds is not None:

@@ -35,7 +35,7 @@ def measure_views(rounds: int, longest: float, say) -> dict:
 
     Returns
     -------
-    dict    By way, as `accuracy_runs.measure_scene` has it.
+    dict    By way, as `programs.measure_scene` has it.
     """
     scene = load_scene(SCENE)
     session = Engine().stage(scene.items)

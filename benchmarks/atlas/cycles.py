@@ -31,7 +31,7 @@ class CyclesBake:
 
     Parameters
     ----------
-    scene : AtlasScene    Plain, see `atlas_variants.make_plain`.
+    scene : AtlasScene    Plain, see `variants.make_plain`.
     result : BakeResult    Ours, for the texture coordinates; one page.
 
     Raises

@@ -55,7 +55,7 @@ class Ours:
         )
 
     def bake(self, rule: StopRule, seed: int, options=None, **more) -> Made:
-        """Bake; ``options``: of `engine.transport.lux_job`, for what single parts of the method are worth."""
+        """Bake; ``options``: of `engine.transport.lux_maps.job`, for what single parts of the method are worth."""
         order = self.order(rule, seed, **more)
         begin = time.perf_counter()
         extra = {} if options is None else {"options": options}

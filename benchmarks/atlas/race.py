@@ -46,7 +46,7 @@ SEED = 301
 
 
 def race(scene: AtlasScene, with_peers: bool, is_quick: bool, say) -> dict:
-    """Race on a scene, which must be plain (see `atlas_variants.make_plain`).
+    """Race on a scene, which must be plain (see `variants.make_plain`).
 
     Returns
     -------

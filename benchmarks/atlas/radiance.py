@@ -67,7 +67,7 @@ class RadianceRace:
 
     Parameters
     ----------
-    scene : AtlasScene    Plain, see `atlas_variants.make_plain`.
+    scene : AtlasScene    Plain, see `variants.make_plain`.
     places : LumelPlaces
 
     Raises

@@ -23,12 +23,12 @@ def measure(
     is_quick : bool    Fewer scenes, bakes and samples.
     with_peers : bool    Whether other programs are run too, where they are installed.
     with_scale : bool    Whether large buildings are baked anew; else the results of the last time are taken.
-    scenes : tuple of str or None    Out of `atlas_scenes.BUILDERS`; None: all, or those of a quick run.
+    scenes : tuple of str or None    Out of `scenes.BUILDERS`; None: all, or those of a quick run.
     say : callable or None    Told in one line what was done.
 
     Returns
     -------
-    dict    Plain data, for JSON: the numbers of `atlas_summary.summarise`, and ``machine``, ``is_quick``, ``scenes``,
+    dict    Plain data, for JSON: the numbers of `summary.summarise`, and ``machine``, ``is_quick``, ``scenes``,
         ``races``, ``geometry``, ``scale``, ``seconds``, ``unsteadiness`` (see `machine.measure_unsteadiness`) and
         ``other_load``.
     """

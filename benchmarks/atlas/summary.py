@@ -51,7 +51,7 @@ def speedup(races: list[dict], name: str) -> float | None:
 
 
 def ratio(scene: dict, name: str, target: float) -> tuple[float | None, str, bool]:
-    """Time of a program, or of ours without one of `atlas_race.SWITCHES`, over ours.
+    """Time of a program, or of ours without one of `race.SWITCHES`, over ours.
 
     Returns
     -------

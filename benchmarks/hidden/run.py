@@ -1,6 +1,6 @@
 """Light that estimators miss, against what is known of it: values of many seeds with stated and true errors.
 
-Scenes are those of `hidden_scenes`, true values closed forms. Each is asked as a user would, as a lux map, at sensors or in
+Scenes are those of `scenes`, true values closed forms. Each is asked as a user would, as a lux map, at sensors or in
 a picture; maps and sensors with the witness that errors are widened by. A row passes where no seed is farther off than
 `ALLOWED` stated errors and the margin of the scene, the mean of all seeds is within `BIAS` of what is true, no stated error
 is above `LARGEST`, and beyond the margin the seeds scatter as they say.

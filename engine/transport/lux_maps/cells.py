@@ -1,7 +1,7 @@
 """Cells: coarse elements of all matt surfaces that hold the light which falls on them, for gathering to read.
 
 A triangle larger than a cell is divided along two of its edges; smaller ones that lie together and face the same way share a
-cell. Front and back are apart. What is held is the irradiance that passes the surface's coat (see `matt`).
+cell. Front and back are apart. What is held is the irradiance that passes the surface's coat (see `diffuse`).
 
 The light is found by sweeps: every cell gathers from the cells of the sweep before, so each adds one interreflection more,
 until the rest is negligible. Before every pass of a job one more sweep, with points of its own, takes the place of the old

@@ -1,12 +1,12 @@
-"""Radiance along rays that ends at the first cell: the path loop of `paths`, but what matt surfaces send is read.
+"""Radiance along rays that ends at the first cell: the loop of `path_loop`, but what matt surfaces send is read.
 
 A path goes on past a matt surface where reading would be wrong by more than noise: nearer than a cell's size (corners), and
-at cells whose quarters differ (edges of shadows, floors that reach under a wall). There it continues as in `paths`, with
+at cells whose quarters differ (edges of shadows, floors that reach under a wall). There it continues as in `path_loop`, with
 next-event and a scattered ray, whose hit is read in its turn. From coats only the mirrored part goes on: that of the first
 hit by chance, since it is little and following costs much.
 
 What is read holds light of all earlier reflections, so the estimate is unbiased but for the cells: their size, and what the
-sweeps before left out. `lux_job` measures that difference against full paths.
+sweeps before left out. The `job` measures that difference against full paths.
 """
 
 from dataclasses import dataclass, fields, replace

@@ -1,6 +1,6 @@
 """Random walks of light from where it begins until it is absorbed or leaves, and what it meets on the way.
 
-As in `landing`, the flux of a path is no denser in a denser body, so the square of the relative index that surface models
+As in `deposits`, the flux of a path is no denser in a denser body, so the square of the relative index that surface models
 apply is taken back, and a facet sends on all flux that it receives whatever its shading normals say: light that they would
 send to the wrong side is mirrored at the facet. So energy is kept, and every loss is absorption.
 """

@@ -17,7 +17,7 @@ class Part:
     evaluate : callable    (n, 3), (n, 3) -> (n, w) at `colour.WAVELENGTHS`, or (n, 1) the same at all. [1/sr]
     direct : callable or None    Share mirrored, or passing straight, by angles of incidence [rad]: (s,) -> (s, w). [-]
     is_grained : bool    Whether it has a grain along x: mirrors along x and y change nothing, turns about the normal do.
-    tolerance : float    Of the table, see `engine.scattering.resampling.resample`. [-]
+    tolerance : float    Of the table, see `engine.scattering.data.resampling.resample`. [-]
     """
 
     evaluate: Callable
@@ -37,7 +37,7 @@ class Recipe:
     tags : tuple of str
     settings : dict    Of the physical override; empty for one with a file of its own.
     make : callable or None
-        Its parts by side, as `engine.scattering.record.SIDES` names them; the same part may serve several.
+        Its parts by side, as `engine.scattering.data.record.SIDES` names them; the same part may serve several.
     reflectance, transmittance : float or None
         Luminous, under D65: light 8 degrees from the normal, gloss and what passes straight included. [-]
     more : dict    Further figures, by the names of the catalogue's entries.
