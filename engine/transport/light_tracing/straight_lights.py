@@ -81,7 +81,7 @@ class _Landed:
     Parameters
     ----------
     light : (m,) int    Place among the lights, ascending.
-    flux : (m,) array    Share of the estimate. [lm]
+    flux : (m,) array    Share of the estimate, by how often it is looked at. [lx]
     lux : (m,) array    Illuminance there by this light. [lx]
     distance : (m,) array    From the light's centre. [m]
     cell : (m,) int    Of the light's histogram.
@@ -112,9 +112,8 @@ class StraightLights:
     cells : CellSet or another that knows the sides of deposits
     sides : (n,) array    Sides of cells that a job looks at.
     samples : float    Places at which the first passes ask for light.
-    looks : (2 c,) array or None
-        How often each side is looked at, over its area and of sum 1 over all [m-2]; nothing is left out then, and light
-        is only looked for. None: all of ``sides`` alike.
+    looks : (2 c,) array    How often each side is looked at, over its area and of sum 1 over all. [m-2]
+    leaves_out : bool    Whether next-event leaves out what is traced; it is only looked for otherwise.
 
     Attributes
     ----------
@@ -123,20 +122,22 @@ class StraightLights:
     reason : str    Why, for people.
     """
 
-    def __init__(self, scene, sampler, cells, sides: np.ndarray, samples: float, looks=None):
+    def __init__(
+        self, scene, sampler, cells, sides: np.ndarray, samples: float, looks, leaves_out=False
+    ):
         self._scene, self._sampler, self._cells = scene, sampler, cells
         self._seen = np.zeros(2 * max(cells.count, 1), dtype=bool)
         self._seen[sides] = True
+        # Flux counts by how often it is looked at, as if all were an area of 1. What is not matt has no sides.
         self._looks, self.seen = looks, 0.0
-        # Flux counts by how often it is looked at, as if all were an area of 1.
-        self._area = float(np.repeat(cells.area, 2)[sides].sum()) if looks is None else 1.0
+        self._typical = float((looks**2 * np.repeat(cells.area, 2))[sides].sum())
         self._limits: dict[int, float] = {}
         self.reason = ""
         self.lights: tuple[TracedLight, ...] = find_candidates(scene)
-        if self.lights and len(sides) and self._area > 0.0:
+        if self.lights and len(sides) and self._typical > 0.0:
             self._learn(samples / FOUND)
         self.is_needed = bool(self._limits)
-        if self.is_needed and looks is None:
+        if self.is_needed and leaves_out:
             self._leave_out()
 
     def close(self) -> None:
@@ -166,7 +167,7 @@ class StraightLights:
         side, passing = self._cells.sides_of(made)
         seen = (passing > 0.0) & self._seen[side]
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
-        flux = made.flux / count * (1.0 / self._area if self._looks is None else self._looks[side])
+        flux = made.flux / count * self._looks[side]
         found = told[:, 0].astype(np.int64), told[:, 4:7].astype(np.float64), flux * lux
         return tuple(each[seen] for each in found)
 
@@ -187,14 +188,14 @@ class StraightLights:
                     return
             self._start(self.lights, self._histograms(landed))
         # What is bundled is known by the last round alone.
-        self.seen = float(left + landed.flux.sum()) / self._area
+        self.seen = float(left + landed.flux.sum())
         limits, worth = {}, {}
         for number, limit in enumerate(chosen):
             if not limit:
                 continue
             own = landed.light == number
             flux = landed.flux[own].sum()
-            for reach in (_widen_limit(landed, own, limit, self._area, most), limit):
+            for reach in (_widen_limit(landed, own, limit, most), limit):
                 inside = own & (landed.distance < reach)
                 spilled = landed.flux[inside & ~landed.is_matt].sum()
                 kept = landed.flux[inside & landed.is_matt].sum()
@@ -277,7 +278,7 @@ class StraightLights:
         own = slice(*np.searchsorted(landed.light, [number, number + 1]))
         if landed.flux[own].sum() <= 0.0:
             return None
-        return _choose_limit(landed, own, self.lights[number].start == SUN, self._area, most)
+        return _choose_limit(landed, own, self.lights[number].start == SUN, most)
 
     def _look(self, number: int, count: int) -> _Landed:
         """One round of the pilot."""
@@ -288,7 +289,7 @@ class StraightLights:
         # Of what has no cells, all may be looked at.
         seen = ~is_matt | self._seen[side]
         lux = told[:, 2].astype(np.float64) * made.flux * made.cosine
-        flux = made.flux / count * (1.0 if self._looks is None else self._looks[side])
+        flux = made.flux / count * np.where(is_matt, self._looks[side], self._typical)
         values = (light, flux, lux, told[:, 1].astype(np.float64))
         order = np.flatnonzero(seen)
         order = order[np.argsort(light[order], kind="stable")]
@@ -345,7 +346,9 @@ class StraightLights:
         told, ways = told[:, :7], told[:, 7:]
         if self._ends is not None:
             held = np.ones(len(ways), dtype=bool)
-            rare = np.flatnonzero(ways[:, 0] < RARE)
+            # Of lamps, which stand nearer by, no single ray counts for so much.
+            suns = np.array([light.start == SUN for light in self.lights])
+            rare = np.flatnonzero((ways[:, 0] < RARE) & suns[told[:, 0].astype(np.int64)])
             held[rare] = lands_beside(self._scene, ways[rare, 1:], made.only(rare))
             made, told = made.only(held), told[held]
         return replace(made, light=told[:, 0].astype(np.uint32)), told
@@ -422,13 +425,11 @@ def find_candidates(scene) -> tuple[TracedLight, ...]:
     return (*find_ideal_lights(scene), *small)
 
 
-def _choose_limit(
-    landed: _Landed, own: np.ndarray, is_sun: bool, area: float, most: float
-) -> float:
+def _choose_limit(landed: _Landed, own: np.ndarray, is_sun: bool, most: float) -> float:
     """Distance from a light below which its light is traced, 0 for none of it. [m]"""
     flux, lux, distance = landed.flux[own], landed.lux[own], landed.distance[own]
     whole = max(flux.sum(), 1e-300)
-    bundled = area * flux * lux / whole**2
+    bundled = flux * lux / whole**2
     if bundled.sum() <= most:
         return 0.0
     if is_sun:
@@ -439,8 +440,8 @@ def _choose_limit(
     return float(distance[order][min(spared, len(order) - 1)] * (1.0 + 1e-6))
 
 
-def _widen_limit(landed: _Landed, own: np.ndarray, limit: float, area: float, most: float) -> float:
+def _widen_limit(landed: _Landed, own: np.ndarray, limit: float, most: float) -> float:
     """Distance beyond which no place of the first passes stands for more than `HIDDEN` of a light's flux. [m]"""
-    brightest = HIDDEN * landed.flux[own].sum() * most * FOUND / area
+    brightest = HIDDEN * landed.flux[own].sum() * most * FOUND
     bright = own & (landed.lux > brightest)
     return max(limit, float(landed.distance[bright].max(initial=0.0) * (1.0 + 1e-6)))

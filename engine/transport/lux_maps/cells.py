@@ -132,6 +132,7 @@ class CellSet:
         self._first = upload(mi.UInt32, _join([m.first for m in made]))
         self._grid = upload(mi.UInt32, _join([m.grid for m in made]))
         self._shape = upload(mi.UInt32, _join([m.shape for m in made]))
+        self.shapes = _join([m.shape[:, 0] for m in made])
         self._prim = upload(mi.UInt32, _join([m.prim for m in made]))
         self._uv = upload(mi.Float, _join([m.uv for m in made]))
         self.whole = np.concatenate([m.whole for m in made]) if made else np.zeros(0)

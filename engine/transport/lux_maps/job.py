@@ -444,7 +444,10 @@ class LuxJob:
         if self.tracer is not None and self._missed is None:
             places = PILOT_SAMPLES * self.count
             sampler = None if self.sampler is None else self.tracer.sampler
-            self.straight = StraightLights(self.scene, sampler, self.cells, self._sides, places)
+            worth = sight.worth(self.cells, self._sides, looks)
+            self.straight = StraightLights(
+                self.scene, sampler, self.cells, self._sides, places, worth, leaves_out=True
+            )
         self.sweeper = Sweeper(
             self.scene, self.cells, self._sides, self.seed, self.cancelled, self._left_out, looks
         )

@@ -18,6 +18,13 @@ BOUNCES = 8
 WEIGHTS = (1.0, 0.5)
 """How much the first and the second surface count for how often something is looked at."""
 
+OWN, LOOKED, EVEN = 0.5, 0.25, 0.25
+"""Shares of what matters: as the job's own places lie, as rays from there meet surfaces, and evenly."""
+
+LIFT = 1e-3
+"""How far above the job's places a ray begins that looks for what they lie on, in scenes of 1 m and more; in smaller ones a
+share of the radius. [m]"""
+
 SPREADING = 2
 """Times that what is seen is taken to reach to the neighbours: what few rays may have missed."""
 
@@ -42,6 +49,7 @@ class Sight:
         si.sh_frame = mi.Frame3f(si.n)
         matt, active = MattTable(scene), mi.Bool(True)
         self._shape_count = scene.shape_count
+        self._own = _stand_on(scene, si)
         self._hits = []
         for _ in range(BOUNCES):
             sample = mi.Point2f(stream.next_float32(), stream.next_float32())
@@ -100,10 +108,8 @@ class Sight:
         """
         looks = np.zeros(2 * cells.count)
         seen = np.zeros(2 * cells.count, dtype=bool)
-        for number, (hit, is_back, active) in enumerate(self._hits):
-            is_matt = active & (cells.matt.row(hit.shape, active) > 0)
-            side = cells.side(hit.shape, hit.prim_index, hit.prim_uv, is_back, is_matt)
-            met = np.array(side)[np.array(is_matt)]
+        for number, landed in enumerate(self._hits):
+            met = _sides_of(cells, *landed)
             seen[met] = True
             if number < len(WEIGHTS):
                 looks += WEIGHTS[number] * np.bincount(met, minlength=len(looks))
@@ -114,3 +120,41 @@ class Sight:
                 seen[a[before[b]]] = True
                 seen[b[before[a]]] = True
         return cells.sides[seen[cells.sides]], looks
+
+    def worth(self, cells, sides: np.ndarray, looks: np.ndarray) -> np.ndarray:
+        """How much light matters to the job where it lands, of sum 1 over the area of ``sides``. (2 c,) [m-2]
+
+        The same all over a side of a shape: of single cells, which few rays meet, little is known. ``sides``, ``looks``: as
+        `sides` gives them.
+        """
+        area = np.zeros(2 * cells.count)
+        area[sides] = np.repeat(cells.area, 2)[sides]
+        own = np.bincount(_sides_of(cells, *self._own), minlength=len(area))
+        made = np.zeros(len(area))
+        for share, amount in ((OWN, own), (LOOKED, looks), (EVEN, area)):
+            counted = np.where(area > 0.0, amount, 0.0)
+            made += share * counted / max(counted.sum(), 1e-300)
+        group = np.repeat(2 * cells.shapes.astype(np.int64), 2)
+        group[1::2] += 1
+        sums, areas = np.bincount(group, made), np.bincount(group, area)
+        each = np.divide(sums, areas, out=np.zeros(len(areas)), where=areas > 0.0)[group]
+        return np.where(area > 0.0, each / max(made.sum(), 1e-300), 0.0)
+
+
+def _stand_on(scene, si) -> tuple:
+    """What places lie on: hit, whether on its back, and where there is something."""
+    lift = LIFT * min(scene.radius, 1.0)
+    ray = mi.Ray3f(si.p + si.n * lift, -si.n)
+    ray.maxt = mi.Float(2.0 * lift)
+    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
+    active = hit.is_valid()
+    is_back = mi.Frame3f.cos_theta(scene.surface(hit, ray, active).wi) < 0.0
+    dr.eval(hit, is_back, active)
+    return hit, is_back, active
+
+
+def _sides_of(cells, hit, is_back, active) -> np.ndarray:
+    """Sides of cells that were hit, where these are matt. (m,)"""
+    is_matt = active & (cells.matt.row(hit.shape, active) > 0)
+    side = cells.side(hit.shape, hit.prim_index, hit.prim_uv, is_back, is_matt)
+    return np.array(side)[np.array(is_matt)]
