@@ -1,11 +1,14 @@
 """The package as a whole: where it lies, what it is made of, and what it must not import."""
 
+import ast
 import subprocess
 import sys
 import tomllib
 from collections import Counter
+from graphlib import TopologicalSorter
 from pathlib import Path
 
+import grimp
 import lumenray
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -75,6 +78,15 @@ def test_every_data_file_is_part_of_the_wheel():
     assert not left, f"package-data in pyproject.toml has no pattern for {left}"
 
 
+def test_every_package_says_what_it_is_for():
+    said = {
+        str(path.relative_to(ROOT)): ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+        for room in ROOMS
+        for path in (ROOT / room).rglob("__init__.py")
+    }
+    assert [path for path, text in said.items() if not text] == []
+
+
 def test_every_folder_with_python_files_is_a_package():
     """A folder without ``__init__.py`` would be left out of a wheel and of the import contracts."""
     folders = {path.parent for room in ROOMS for path in (ROOT / room).rglob("*.py")}
@@ -93,6 +105,16 @@ def test_the_engine_imports_without_blender():
         check=False,
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_no_file_imports_itself_through_others():
+    """Imports inside functions count too."""
+    graph = grimp.build_graph("lumenray", cache_dir=None)
+    assert len(graph.modules) > 500
+    # Raises CycleError, which names the files.
+    TopologicalSorter(
+        {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
+    ).prepare()
 
 
 def test_no_module_exists_twice():

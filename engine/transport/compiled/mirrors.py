@@ -3,7 +3,8 @@
 A chain of mirrors is drawn, the point is reflected at each of them in turn, and an emitter is chosen and sampled as that
 image sees it; the path is then traced from the point over the mirrors, which must be met in this order. So even ideal points
 and suns shine by mirrors, which no scattered ray would find. The chance of a chain follows from its mirrors alone, so hits
-of scattered rays that came over mirrors can be weighed against it (see `path_loop`): their reference point is the same image.
+of scattered rays that came over mirrors can be weighed against it (see `path_loop`): their reference
+point is the same image.
 
 A pane is a mirror to the chains that it is in and lets all others pass straight. A straight line meets a plane once, so what
 a pane does to a ray follows from the chain.
