@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from ..blender_addon import assumptions
+from ..engine import VERSION
 from ..engine.reading.printable import printable
 from ..engine.scene.sensor import SensorKind
 from . import benchmark as benchmark_commands
@@ -54,6 +55,7 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     render = commands.add_parser(

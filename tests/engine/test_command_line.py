@@ -36,3 +36,11 @@ def test_commands_are_those_that_are_documented():
 def test_the_second_witness_is_heard_unless_it_is_left_out(words):
     assert build_parser().parse_args(words).witness
     assert not build_parser().parse_args([*words, "--no-witness"]).witness
+
+
+def test_the_version_is_told(capsys):
+    from lumenray.engine import VERSION
+
+    with pytest.raises(SystemExit, match="0"):
+        build_parser().parse_args(["--version"])
+    assert capsys.readouterr().out == f"lumenray {VERSION}\n"
