@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from PIL import Image
-
 from lumenray.engine.scene.light import (
     CieSky,
     ImageWorld,
@@ -14,6 +12,7 @@ from lumenray.engine.scene.light import (
     SunLight,
     UniformWorld,
 )
+from PIL import Image
 
 from .bench import Setup
 from .canvas import INK, SOFT, Canvas

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.camera import Camera, Projection

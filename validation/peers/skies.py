@@ -1,7 +1,6 @@
 """Luminance of the CIE's skies for the peers, kept apart from the engine's so that a mistake there shows."""
 
 import numpy as np
-
 from lumenray.engine.scene.light import CieSky
 
 PARAMETERS = {
