@@ -73,12 +73,11 @@ def run(options) -> int:
     LumenrayError    The suite is not there, or has no such family.
     """
     try:
-        from .. import validation as suite  # noqa: F401
+        from ..validation import outcome, report, runner
     except ImportError:
         raise LumenrayError(
             "this installation has no validation suite; it comes with Lumenray's source code"
         ) from None
-    from ..validation import outcome, report, runner
 
     wanted = tuple(word.strip() for word in options.family.split(",") if word.strip())
     try:

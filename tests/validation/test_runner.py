@@ -260,7 +260,7 @@ def test_an_error_that_makes_no_sense_is_refused(wrong, capsys):
 
 
 def test_an_installation_without_the_suite_says_so(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "lumenray.tests.validation", None)
+    monkeypatch.setitem(sys.modules, "lumenray.validation", None)
     assert main(["validate"]) == 1
     assert "this installation has no validation suite" in capsys.readouterr().err
     assert validate_command.REPORT_FOLDER.as_posix() == "docs/validation"
