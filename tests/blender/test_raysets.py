@@ -19,7 +19,7 @@ from lumenray.engine.scene.light import Luminaire, PointLight
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant, Rgb, Tabulated
 from lumenray.engine.session import Session
-from lumenray.libraries.raysets import PREFIX
+from lumenray.libraries.raysets import FOLDER, PREFIX
 from lumenray.libraries.raysets.catalogue import ENTRIES
 from mathutils import Euler
 from panels import context, draw, interface
@@ -196,6 +196,13 @@ def test_the_operator_loads_a_file_or_leaves_all_as_it_was(led, tmp_path):
     with pytest.raises(RuntimeError, match=r"bad\.ray"):
         bpy.ops.lumenray.load_rayset(filepath=str(bad))
     assert absolute_path(rays_of(lamp)) == led
+
+
+def test_names_of_the_library_do_not_lead_out_of_it():
+    from types import SimpleNamespace
+
+    named = SimpleNamespace(filepath=f"{PREFIX}../../elsewhere")
+    assert absolute_path(named) == str(FOLDER / "elsewhere.tm25ray")
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)

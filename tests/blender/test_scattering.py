@@ -10,7 +10,7 @@ import lumenray
 import numpy as np
 import pytest
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
-from lumenray.blender_addon.scattering import files, look_nodes, settings
+from lumenray.blender_addon.scattering import files, look_nodes, source
 from lumenray.blender_addon.scattering import preview as scattering_pictures
 from lumenray.blender_addon.scattering import readout as scattering_readout
 from lumenray.blender_addon.sync.materials.materials import convert_material
@@ -209,10 +209,10 @@ def test_grain_needs_a_uv_map(write):
 
 def test_the_library_lies_in_its_own_folder(write, tmp_path, monkeypatch):
     write("silk paint.lumbsdf")
-    monkeypatch.setattr(settings, "FOLDER", tmp_path)
+    monkeypatch.setattr(source, "FOLDER", tmp_path)
     paint = add_paint(f"{library.PREFIX}silk paint")
     assert isinstance(convert(paint)[0], Measured)
-    assert settings.name_of(paint.lumenray.measured) == "silk paint"
+    assert source.name_of(paint.lumenray.measured) == "silk paint"
     assert "library" in scattering_readout.state_of(paint.lumenray.measured).notice
 
 
@@ -337,7 +337,7 @@ def test_a_file_whose_content_is_still_there_is_linked_again(write, tmp_path):
     }
     assert (tmp_path / "there" / "paint.lumbsdf").exists()
     files.pack(paint.lumenray.measured)
-    Path(settings.absolute_path(paint.lumenray.measured)).unlink()
+    Path(source.absolute_path(paint.lumenray.measured)).unlink()
     with pytest.raises(RuntimeError, match="save the Blender file first"):
         bpy.ops.lumenray.unpack_scattering_file()
     assert paint.lumenray.measured.text is not None
@@ -379,7 +379,7 @@ def test_a_file_of_another_format_is_embedded_in_ours_and_keeps_its_name(
         reading.file.sides["front_reflection"].values, made.values, rtol=1e-3
     )
     files.unpack(paint.lumenray.measured, str(tmp_path / "there"))
-    assert settings.name_of(paint.lumenray.measured) == "lab.lumbsdf"
+    assert source.name_of(paint.lumenray.measured) == "lab.lumbsdf"
 
 
 def test_one_content_is_one_text_and_copies_share_it(write, tmp_path):
