@@ -204,7 +204,8 @@ import sys, threading
 import bpy
 sys.path[:0] = {path!r}
 import lumenray
-from lumenray.blender_addon import engine_process, registry
+from lumenray.blender_addon import registry
+from lumenray.blender_addon.foundation import engine_process
 from lumenray.libraries.scenes import tiny
 from lumenray import operators
 registry.register(operators.CLASSES)
