@@ -240,9 +240,7 @@ class Layer:
             # Passes of a power of two, at least two of them. Few, where each has to make the places of lumels anew.
             passes = PASSES if job.table.is_kept else FEWEST_PASSES
             each = (rule.samples or SHORT * passes) / passes
-            levels = Levels.even(
-                job.count, 1 << max(int(math.log2(max(each, 1.0))), 0), job.guide is not None
-            )
+            levels = Levels.even(job.count, 1 << max(int(math.log2(max(each, 1.0))), 0), job.kinds)
             sums = ReplicateSums(job.count, job.channels, is_even=True)
             return LayerState(sums, levels, 0, job.state(), forecaster, bias, objects)
         sums = ReplicateSums(job.count, job.channels)

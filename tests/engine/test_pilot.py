@@ -8,8 +8,8 @@ import pytest
 pytestmark = pytest.mark.mitsuba
 
 
-def make_pilot(scatter, powers=(1.0, 1.0, 1.0)):
-    """A pilot that knows the variances of single samples by kind and lumel; no points on bright cells."""
+def make_pilot(scatter, powers=(1.0, 1.0)):
+    """A pilot that knows the variances of single samples of direct light and of rays; there are no other kinds."""
     from lumenray.engine.transport.lux_maps.job import Options
     from lumenray.engine.transport.lux_maps.pilot import Pilot
 
@@ -21,10 +21,11 @@ def make_pilot(scatter, powers=(1.0, 1.0, 1.0)):
         seed=1,
         options=Options(),
         guide=None,
+        kinds=(0, 1),
     )
     pilot = Pilot(job)
-    pilot._scatter = np.asarray(scatter, np.float32)
-    pilot._powers = np.array(powers)
+    pilot._scatter[:2] = scatter
+    pilot._powers[:2] = powers
     return pilot
 
 
@@ -40,7 +41,7 @@ def test_a_plan_meets_its_error_with_nearly_the_least_work(power, wanted):
     from lumenray.engine.transport.lux_maps.job import COSTS
 
     direct, gathered = 2.0, 1.0
-    pilot = make_pilot([np.full(50, v) for v in (direct, gathered, 0.0)], (power, 1.0, 1.0))
+    pilot = make_pilot([np.full(50, v) for v in (direct, gathered)], (power, 1.0))
     levels = pilot.plan(square=wanted)
     n, m = (2.0 ** float(column[0]) for column in levels.columns[:2])
     assert square_of(direct, gathered, (n, m), power) <= 1.001 * wanted
@@ -63,11 +64,11 @@ def test_the_power_is_learned_by_which_a_variance_falls(power):
     from lumenray.engine.transport.lux_maps.pilot import Drawn
 
     count, samples = 40_000, 32
-    pilot = make_pilot([np.full(count, v) for v in (2.0, 1.0, 0.0)])
-    columns = np.full((3, count), 5, np.uint8)
-    columns[2] = NO_SAMPLES
+    pilot = make_pilot([np.full(count, v) for v in (2.0, 1.0)])
+    columns = np.full((4, count), NO_SAMPLES, np.uint8)
+    columns[:2] = 5
     draw = np.random.default_rng(4)
-    variances = (2.0 * 0.5 * (samples / 2.0) ** -power, 1.0 / samples, 0.0)
+    variances = (2.0 * 0.5 * (samples / 2.0) ** -power, 1.0 / samples, 0.0, 0.0)
     passes = [np.stack([np.sqrt(v) * draw.normal(size=count) for v in variances]) for _ in range(2)]
     pilot._learn(Levels(columns), Drawn(slice(None), pilot._share), passes[0] - passes[1])
     assert pilot._powers[:2] == pytest.approx([power, 1.0], abs=0.03)
@@ -75,7 +76,7 @@ def test_the_power_is_learned_by_which_a_variance_falls(power):
 
 
 def test_a_plan_follows_what_passes_have_shown():
-    pilot = make_pilot([np.full(50, v) for v in (2.0, 1.0, 0.0)], (1.5, 1.0, 1.0))
+    pilot = make_pilot([np.full(50, v) for v in (2.0, 1.0)], (1.5, 1.0))
     levels = pilot.plan(square=0.01)
     pilot.correct(levels, 0.03)
     assert pilot.square(levels) == pytest.approx(0.03, rel=1e-5)
@@ -86,7 +87,7 @@ def test_a_pilot_goes_on_from_its_state_and_from_no_other():
     from lumenray.engine.errors import SceneError
     from lumenray.engine.transport.lux_maps.pilot import Pilot
 
-    pilot = make_pilot([np.linspace(1.0, 2.0, 50) * v for v in (2.0, 1.0, 0.0)], (1.5, 1.0, 1.0))
+    pilot = make_pilot([np.linspace(1.0, 2.0, 50) * v for v in (2.0, 1.0)], (1.5, 1.0))
     again = Pilot.from_state(pilot.job, pilot.state())
     levels = pilot.plan(square=0.01)
     np.testing.assert_array_equal(again.plan(square=0.01).columns, levels.columns)
@@ -139,7 +140,7 @@ def test_places_stand_for_all_valid_lumels_by_area():
 def test_trials_are_made_on_some_lumels_of_every_tile():
     """What is not known of a tile is common to its lumels, so whole tiles would tell less."""
     tiles, size = 500, 64
-    chosen = make_pilot([np.ones(tiles * size)] * 3)._choose(0.2, 100)
+    chosen = make_pilot([np.ones(tiles * size)] * 2)._choose(0.2, 100)
     share = chosen.reshape(tiles, size).mean(axis=1)
     assert chosen.mean() == pytest.approx(0.2, abs=0.01)
     # Binomial: within five standard deviations in each of them, and on the whole as wide as that.
@@ -147,7 +148,7 @@ def test_trials_are_made_on_some_lumels_of_every_tile():
     assert np.abs(share - 0.2).max() < 5.0 * spread
     assert share.std() == pytest.approx(spread, rel=0.2)
     # At least so many, also where few are enough for the share.
-    assert make_pilot([np.ones(640)] * 3)._choose(0.01, 300).sum() >= 300
+    assert make_pilot([np.ones(640)] * 2)._choose(0.01, 300).sum() >= 300
 
 
 @pytest.mark.parametrize("traced", [1e3, 2e4, 5e4, 1e5])
@@ -156,7 +157,7 @@ def test_paths_from_the_lights_are_as_many_as_give_nearly_the_least_work(traced)
     from lumenray.engine.transport.lux_maps import job as lux_job
 
     count, scatter, wanted = 1 << 16, 4.0, 0.05
-    pilot = make_pilot([np.full(count, v) for v in (0.0, scatter, 0.0)])
+    pilot = make_pilot([np.full(count, v) for v in (0.0, scatter)])
     pilot.job.trace_share, pilot.job._traces = lux_job.TRACE_SHARES[1], True
     pilot.job.paths = lambda levels: lux_job.LuxJob.paths(pilot.job, levels)
     pilot._traced = traced
@@ -188,7 +189,7 @@ def test_what_paths_from_the_lights_cannot_do_in_a_pass_is_said_and_left_to_furt
     from lumenray.engine.transport.lux_maps import job as lux_job
 
     count, wanted = 1 << 16, 0.05
-    pilot = make_pilot([np.full(count, v) for v in (0.0, 4.0, 0.0)])
+    pilot = make_pilot([np.full(count, v) for v in (0.0, 4.0)])
     pilot.job.trace_share, pilot.job._traces = lux_job.TRACE_SHARES[1], True
     pilot.job.paths = lambda levels: lux_job.LuxJob.paths(pilot.job, levels)
     pilot._traced = 1e7
@@ -204,11 +205,11 @@ def test_trials_know_errors_better_that_few_lumels_make():
 
     count, few = 20_000, 200
     scatter = np.where(np.arange(count) < few, 99.0, 1.0)
-    columns = np.full((3, count), NO_SAMPLES, np.uint8)
+    columns = np.full((4, count), NO_SAMPLES, np.uint8)
     columns[1] = 0
     known, rows = [], []
     for seed in range(60):
-        pilot = make_pilot([np.zeros(count), scatter, np.zeros(count)])
+        pilot = make_pilot([np.zeros(count), scatter])
         pilot._lot = np.random.default_rng(seed).integers(0, 1024, count, dtype=np.uint16)
         drawn = pilot._draw(Levels(columns), 0.1)
         differences = np.sqrt(2.0 * scatter) * np.random.default_rng(100 + seed).normal(size=count)

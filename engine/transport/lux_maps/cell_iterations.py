@@ -9,7 +9,7 @@ from ...errors import Cancelled
 from ..paths import gather
 from ..paths.sampler import hash_words, random_stream, sobol_pair
 from .cells import PLACES, CellSet
-from .receiving import Receiver, direct, gathered
+from .receiving import Receiver, direct, gathered, mirrored
 
 LANES = 1 << 19
 """Samples of one launch."""
@@ -57,6 +57,9 @@ SIGNIFICANT = 3.5
 
 UNEVEN = 1.25
 """Ratio between the brightest and the darkest quarter of a cell from which it is not read."""
+
+MIRROR_SALT = 0x51ED27
+"""Sets the points of light over mirrors apart from those of straight light."""
 
 EDGE = 10.0
 """Ratio between neighbouring cells from which neither is read."""
@@ -318,12 +321,13 @@ class Sweeper:
             passes = 1.0 - cells.matt.coat(row, cosine, True)
             return dr.select(dr.dot(direction, si.n) > 0.0, cosine * passes, 0.0)
 
-        def receiver(pair: int) -> Receiver:
-            point = sobol_pair(turn * many + sample, own, pair)
+        def receiver(pair: int, salt: int = 0) -> Receiver:
+            point = sobol_pair(turn * many + sample, own ^ salt, pair)
             return Receiver(si, wavelengths, stream, point, one, respond)
 
         parts = [
-            direct(scene, receiver(gather.PAIR_LIGHT)),
+            direct(scene, receiver(gather.PAIR_LIGHT))
+            + mirrored(scene, receiver(gather.PAIR_LIGHT, MIRROR_SALT)),
             *gathered(
                 scene,
                 cells,

@@ -30,7 +30,7 @@ from .cell_iterations import Sweeper
 from .cells import CellSet
 from .guide import Guide, choose_spots
 from .path_guiding import BINS, SIDE, Aims, Cosine, find_densities
-from .receiving import Receiver, direct, gathered
+from .receiving import Receiver, direct, gathered, mirrored
 from .survey import Survey
 from .tiles import tile_numbers
 
@@ -40,12 +40,12 @@ PILOT_SAMPLES = 2
 LANES = 1 << 20
 """Samples of one launch: a fraction of a second each, so that a cancel is heard soon."""
 
-KINDS = ("direct", "gathered", "guided")
-"""Ways in which light is sampled: next-event to lights, rays, points on bright cells."""
+KINDS = ("direct", "gathered", "guided", "mirrored")
+"""Ways in which light is sampled: next-event to lights, rays, points on bright cells, next-event over plane mirrors."""
 
-ALL_KINDS = DIRECT, GATHERED, GUIDED = 0, 1, 2
+ALL_KINDS = DIRECT, GATHERED, GUIDED, MIRRORED = 0, 1, 2, 3
 
-COSTS = (1.0, 2.5, 1.5)
+COSTS = (1.0, 2.5, 1.5, 1.25)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
 
 SAMPLE_COST = COSTS[DIRECT] + COSTS[GATHERED]
@@ -134,16 +134,15 @@ SAMPLE_COUNTS = np.append(2.0 ** np.arange(NO_SAMPLES), 0.0)
 
 @dataclass(frozen=True)
 class Levels:
-    """Samples of every lumel in a pass: two to the power of the level, by `KINDS`. (3, n) uint8"""
+    """Samples of every lumel in a pass: two to the power of the level, by `KINDS`. (4, n) uint8"""
 
     columns: np.ndarray
 
     @classmethod
-    def even(cls, count: int, samples: int, is_guided: bool) -> "Levels":
-        """As many of each kind for all; a power of two."""
-        columns = np.full((len(KINDS), count), samples.bit_length() - 1, dtype=np.uint8)
-        if not is_guided:
-            columns[GUIDED] = NO_SAMPLES
+    def even(cls, count: int, samples: int, kinds: tuple[int, ...]) -> "Levels":
+        """As many of each of these kinds for all; a power of two."""
+        columns = np.full((len(KINDS), count), NO_SAMPLES, dtype=np.uint8)
+        columns[list(kinds)] = samples.bit_length() - 1
         return cls(columns)
 
     def total(self) -> float:
@@ -253,6 +252,12 @@ class LuxJob:
         if self.tracer is not None:
             self.tracer.close()
 
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """Kinds of samples that this scene needs."""
+        is_needed = {GUIDED: self.guide is not None, MIRRORED: self.scene.mirrors is not None}
+        return tuple(kind for kind in ALL_KINDS if is_needed.get(kind, True))
+
     def prepare(self, samples: float | None = None) -> None:
         """Find the light of the cells. ``samples``: how many each lumel will get at most, where it is known."""
         self._trace(0, TRACED_PATHS[0])
@@ -325,7 +330,7 @@ class LuxJob:
 
         Yields
         ------
-        (part, values)    Slice of the lumels, and (3, k, channels) values by kind.
+        (part, values)    Slice of the lumels, and (4, k, channels) values by kind.
         """
         total, done = max(self.count, 1), 0.0
         for span in self.spans:
@@ -412,7 +417,7 @@ class LuxJob:
                 continue
             if self.cancelled():
                 raise Cancelled("cancelled")
-            ones = Levels.even(span.stop - span.start, 1, False).columns
+            ones = Levels.even(span.stop - span.start, 1, (DIRECT, GATHERED, MIRRORED)).columns
             # Numbers of their own, since some lumels are drawn more than once.
             units = _Units(lumels[low:high] - span.start, np.arange(high - low), 1, ones[GATHERED])
             read, full = (
@@ -579,17 +584,17 @@ class LuxJob:
         begin = upload(mi.UInt32, units.first)
         first = dr.opaque(mi.UInt32, int(span.start) & 0xFFFFFFFF)
         counts = [_count(column[units.lumel]) for column in columns]
-        ratios, guided = (
-            upload(mi.Float, np.clip(counts[k] / np.maximum(counts[GATHERED], 1e-9), 1e-4, 1e4))
-            for k in (DIRECT, GUIDED)
-        )
+        ratios = {
+            k: upload(mi.Float, np.clip(counts[k] / np.maximum(counts[GATHERED], 1e-9), 1e-4, 1e4))
+            for k in (DIRECT, GUIDED, MIRRORED)
+        }
         many = dr.opaque(mi.UInt32, units.samples)
         seed = dr.opaque(
             mi.UInt32,
             (int(self.seed) * 2654435761 + number * 40503 + kind * 9176 + salt) & 0xFFFFFFFF,
         )
         has_guide = self.guide is not None and bool((columns[GUIDED] != NO_SAMPLES).any())
-        pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER, gather.PAIR_LENS)[kind]
+        pair = (gather.PAIR_LIGHT, gather.PAIR_SCATTER, gather.PAIR_LENS, gather.PAIR_LIGHT)[kind]
 
         lane = dr.arange(mi.UInt32, len(units.lumel) * units.samples)
         row = lane // many
@@ -600,13 +605,15 @@ class LuxJob:
         place_sample, point, tint = self._samples(sample, own, stream, pair)
         wavelengths = None if self.sampler is None else self.sampler.sample(tint)
         si = self._place(places, lumel, place_sample, wavelengths)
-        ratio = dr.gather(mi.Float, guided if kind == GUIDED else ratios, row)
+        ratio = dr.gather(mi.Float, ratios[DIRECT if kind == GATHERED else kind], row)
         aim = aims.of_tile(dr.gather(mi.UInt32, places["tile"], lumel)) if aims else Cosine()
         receiver = Receiver(si, wavelengths, stream, point, ratio, _facing(si), aim)
         if kind == DIRECT:
             value = direct(scene, receiver)
             if self.bent is not None:
                 value += self._bent_light(places, lumel, receiver)
+        elif kind == MIRRORED:
+            value = mirrored(scene, receiver)
         elif kind == GUIDED:
             traced, read = self.guide.light(scene, receiver, stream)
             value = traced + read
@@ -618,7 +625,8 @@ class LuxJob:
                 is_exact=is_exact or self.sweeper is None,
                 left_out=self._left_out,
                 guide=self.guide if has_guide else None,
-                guided_ratio=dr.gather(mi.Float, guided, row) if has_guide else 1.0,
+                guided_ratio=dr.gather(mi.Float, ratios[GUIDED], row) if has_guide else 1.0,
+                mirrored_ratio=dr.gather(mi.Float, ratios[MIRRORED], row),
             )
         # At the full width of the launch, also where there is no light to choose.
         kept = [

@@ -8,6 +8,7 @@ import numpy as np
 from ...accuracy.replicates import ReplicateSums
 from ...errors import SceneError
 from .job import (
+    ALL_KINDS,
     COSTS,
     GATHERED,
     GUIDED,
@@ -194,7 +195,7 @@ class Pilot:
     def _find_scatter(self, sums: ReplicateSums | None, first_number: int) -> np.ndarray:
         """Variances of single samples, mean over tiles. (kinds, n) [lx2]"""
         job = self.job
-        levels = Levels.even(job.count, PILOT_SAMPLES, job.guide is not None)
+        levels = Levels.even(job.count, PILOT_SAMPLES, job.kinds)
         first = np.zeros((len(KINDS), job.count), dtype=np.float32)
         scatter = np.zeros_like(first)
         for half in range(2):
@@ -248,8 +249,7 @@ class Pilot:
             made = wanted + np.float32(shift) / (1.0 + power)
             made = np.clip(np.round(made), 0, np.log2(MOST_SAMPLES))
             made = made.astype(np.uint8)
-            if job.guide is None:
-                made[GUIDED] = NO_SAMPLES
+            made[[kind for kind in ALL_KINDS if kind not in job.kinds]] = NO_SAMPLES
             return Levels(made)
 
         def is_enough(shift: float) -> bool:

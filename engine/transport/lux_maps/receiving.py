@@ -25,7 +25,7 @@ class Receiver:
     wavelengths : Spectrum or None    Four of each path, None in photometric variants. [nm]
     stream : PCG32
     sample : Point2f    For the choice of a light, or for a direction.
-    ratio : Float    Next-event samples for every ray of `gathered`.
+    ratio : Float    Samples of the same kind for every ray of `gathered`; for a ray: those of `direct`.
     respond : callable    How much radiance from a direction of the scene's frame counts, cosine included. [-]
     aim : Cosine or TileAim    Which directions rays take.
     """
@@ -44,15 +44,14 @@ class Receiver:
 
 
 def direct(scene, receiver: Receiver):
-    """Light by next-event.
+    """Light by next-event straight to lights.
 
     Returns
     -------
     Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
     """
-    total = mi.Spectrum(0.0)
     if not scene.lights.count:
-        return total
+        return mi.Spectrum(0.0)
     si, respond, ratio = receiver.si, receiver.respond, receiver.ratio
     everyone = mi.Bool(True)
 
@@ -62,17 +61,20 @@ def direct(scene, receiver: Receiver):
     weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf * ratio, receiver.density(ds.d)))
     amount = dr.select(lit, value * response * weight, 0.0)
     lit &= dr.any(amount != 0.0)
-    total += dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
-    if scene.mirrors is not None:
-        stream = receiver.stream
-        sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    return dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
 
-        def answer(direction, asked):
-            # The heuristic there compares one sample of each kind.
-            return respond(direction), receiver.density(direction) / ratio
 
-        total += paths.mirrored_light(scene, si, sample, stream, answer, everyone)
-    return total
+def mirrored(scene, receiver: Receiver):
+    """Light by next-event over plane mirrors and panes; returns as `direct`."""
+    if scene.mirrors is None or not scene.lights.count:
+        return mi.Spectrum(0.0)
+
+    def answer(direction, asked):
+        # The heuristic there compares one sample of each kind.
+        return receiver.respond(direction), receiver.density(direction) / receiver.ratio
+
+    si, stream = receiver.si, receiver.stream
+    return paths.mirrored_light(scene, si, receiver.sample, stream, answer, mi.Bool(True))
 
 
 def gathered(scene, cells, receiver: Receiver, is_apart: bool = False, **more):

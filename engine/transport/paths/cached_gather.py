@@ -41,6 +41,7 @@ def incoming(
     is_exact=False,
     guide=None,
     guided_ratio=1.0,
+    mirrored_ratio=1.0,
 ):
     """Radiance that arrives along rays from receivers.
 
@@ -59,6 +60,7 @@ def incoming(
     is_exact : bool    Whether no cells are read after all, but for light that was traced to them.
     guide : Guide or None    Competes with the rays of the receiver for what they read; None: nothing does.
     guided_ratio : Float    Samples of it for every ray.
+    mirrored_ratio : Float    As ``ratio``, of next-event over mirrors.
 
     Returns
     -------
@@ -77,6 +79,7 @@ def incoming(
         mi.Point3f(reference),
         mi.Float(ratio),
         mi.Float(guided_ratio),
+        mi.Float(mirrored_ratio),
         mi.Spectrum(1.0),
         mi.UInt32(1),
         mi.UInt32(0),
@@ -89,10 +92,10 @@ def incoming(
     if not reads and scene.veil is None:
         return _follow(scene, cells, rays, active, left_out, False, guide)
     # Most rays end where they land. The others are few, and go on in a kernel of their own.
-    read, goes_on, forks = _look_up(scene, cells, rays, active, guide, reads)
-    dr.eval(rays, read, goes_on, forks)
-    rest = dr.zeros(mi.Spectrum, dr.width(ray))
-    read = read + rest
+    rest, read, goes_on, forks = _look_up(scene, cells, rays, active, guide, reads)
+    dr.eval(rays, rest, read, goes_on, forks)
+    none = dr.zeros(mi.Spectrum, dr.width(ray))
+    rest, read = rest + none, read + none
     few, forked = dr.compress(goes_on), dr.compress(forks)
     followed = [rays.take(few)] if len(few) else []
     if len(forked):
@@ -145,6 +148,7 @@ class _Rays:
     reference: object
     ratio: object
     guided_ratio: object
+    mirrored_ratio: object
     throughput: object
     depth: object
     length: object
@@ -196,27 +200,29 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
 
     Returns
     -------
-    (Spectrum, Bool, Bool)    Read; which rays have to be followed; and which meet a pane, where they go two ways. Rays that
-        are followed for what a coat mirrors alone are marked and weigh more.
+    (Spectrum, Spectrum, Bool, Bool)
+        Light that was traced to these cells; what is read of them; which rays have to be followed; and which meet a pane,
+        where they go two ways. Rays that are followed for what a coat mirrors alone are marked and weigh more.
     """
     hit, si = _hit(scene, rays.ray, active)
     if is_spectral():
         si.wavelengths = rays.wavelengths
     valid = active & si.is_valid()
     is_dark = scene.emitter(si, valid) == None  # noqa: E711 - element-wise
-    readable, mirrored, value = mi.Bool(False), mi.Bool(False), mi.Spectrum(0.0)
+    readable, mirrored = mi.Bool(False), mi.Bool(False)
+    traced = value = mi.Spectrum(0.0)
     if reads:
         row, coat, side, local, readable = _meet(cells, hit, si, rays.reference, valid)
         readable &= is_dark
-        if cells.traced is not None:
-            readable &= dr.gather(mi.Float, cells.traced, side, readable) == 0.0
         bsdf = scene.bsdf(si, readable)
         matte = _matte(cells, bsdf, si, row, coat, readable)
-        value = matte * cells.value(side, si.wavelengths, readable)
         if guide is not None:
             rival = guide, rays.reference, rays.guided_ratio
-            value *= _against_guide(*rival, si, side, local, rays.scatter_pdf, readable)
-        value = dr.select(readable, value, 0.0)
+            matte *= _against_guide(*rival, si, side, local, rays.scatter_pdf, readable)
+        value = dr.select(readable, matte * cells.value(side, si.wavelengths, readable), 0.0)
+        if cells.traced is not None:
+            traced = cells.traced_value(side, local, si.wavelengths, readable)
+            traced = dr.select(readable, matte * traced, 0.0)
         if cells.matt.has_coat:
             share = dr.minimum(MIRRORED * coat, 1.0)
             mirrored = readable & (rays.stream.next_float32() < share)
@@ -230,7 +236,7 @@ def _look_up(scene, cells, rays: _Rays, active, guide, reads):
         forks = valid & ~readable & mi.has_flag(flags, mi.BSDFFlags.Null)
         forks &= mi.has_flag(flags, mi.BSDFFlags.DeltaReflection)
         forks &= ~mi.has_flag(flags, mi.BSDFFlags.Smooth) & is_dark
-    return value, goes_on & ~forks, forks
+    return traced, value, goes_on & ~forks, forks
 
 
 def _fork(scene, rays: _Rays) -> list[_Rays]:
@@ -273,7 +279,7 @@ def _fork(scene, rays: _Rays) -> list[_Rays]:
                 found,
                 scatter_pdf=dr.select(known, rays.scatter_pdf, 0.0),
                 reference=dr.select(known, image, si.p),
-                ratio=dr.select(known, rays.ratio, 1.0),
+                ratio=dr.select(known, rays.mirrored_ratio, 1.0),
                 depth=rays.depth + 1,
                 length=chain[0],
                 last=chain[1],
@@ -414,7 +420,8 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
                 if spots is not None:
                     first = is_matt & asked
                     value *= _against_guide(spots, reference, 1.0, si, side, local, pdf, first)
-                radiance = dr.select(is_matt, radiance + throughput * matte * value, radiance)
+                lit = is_matt & ~is_read
+                radiance = dr.select(lit, radiance + throughput * matte * value, radiance)
             # What was read before is so, whatever rounding says here.
             readable = (readable & reads) | is_read
             value = cells.value(side, si.wavelengths, readable)
@@ -517,6 +524,8 @@ def _follow(scene, cells, rays: _Rays, active, left_out, reads, guide):
             mirrored = turned & (number > 0)
             image = si.p - direction * dr.norm(si.p - reference)
             reference = dr.select(mirrored, image, reference)
+            # Next-event of the receiver over mirrors has its own number of samples.
+            ratio = dr.select(mirrored & (depth == 1), rays.mirrored_ratio, ratio)
             chain = scene.mirrors.extend(chain, number, mirrored, turned)
             anew &= ~mirrored
             bends &= ~mirrored
