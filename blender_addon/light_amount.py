@@ -2,7 +2,15 @@
 
 import bpy
 
-from ..engine.scene.light import AreaLight, Luminaire, PointLight, Quantity, SpotLight, SunLight
+from ..engine.scene.light import (
+    AreaLight,
+    LineLight,
+    Luminaire,
+    PointLight,
+    Quantity,
+    SpotLight,
+    SunLight,
+)
 from . import readout
 from .foundation.report import ConversionReport
 from .foundation.units import metres_per_unit
@@ -30,10 +38,10 @@ def find_amount(light, scene) -> tuple[str, float]:
     match made:
         case SunLight():
             return "ILLUMINANCE", value
-        case AreaLight() if quantity is Quantity.LUMINANCE:
+        case AreaLight() | LineLight() if quantity is Quantity.LUMINANCE:
             # Not normalised by its size: this is what stays when it is made larger.
             return "LUMINANCE", value
-        case AreaLight() | Luminaire():
+        case AreaLight() | LineLight() | Luminaire():
             return "LUMINOUS_FLUX", value
         case PointLight():
             return "LUMINOUS_FLUX", readout.read_point(quantity.name, value, made.radius).flux

@@ -149,6 +149,19 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         soft_max=100000.0,
         update=tag_owner,
     )
+    tube_length: FloatProperty(
+        name="Tube Length",
+        description=(
+            "Length of a straight tube along the light's X axis, with dark ends; 0 is a ball, which is what Blender's own "
+            "renders show in any case"
+        ),
+        default=0.0,
+        min=0.0,
+        soft_max=10.0,
+        subtype="DISTANCE",
+        unit="LENGTH",
+        update=tag_owner,
+    )
     luminaire: PointerProperty(type=LumenrayLuminaireSettings)
     rayset: PointerProperty(type=LumenrayRaysetSettings)
     light_group: _light_group("this light")

@@ -115,6 +115,17 @@ def read_area(quantity: str, value: float, area: float, spread: float = np.pi) -
     return Reading(surface / per_lumen, surface * area, surface * area, surface)
 
 
+def read_line(quantity: str, value: float, length: float, radius: float) -> Reading:
+    """All quantities of a tube, whose axis for intensities is across it. ``length``, ``radius``: above 0 [m]."""
+    per_lumen = units.luminance_from_flux_lambertian(1.0, 2.0 * np.pi * radius * length)
+    seen = 2.0 * radius * length
+    if quantity == "LUMINOUS_FLUX":
+        surface = value * per_lumen
+    else:
+        surface = value if quantity == "LUMINANCE" else value / seen
+    return Reading(surface / per_lumen, surface * seen, surface * seen, surface)
+
+
 def read_sun(quantity: str, value: float, angle: float) -> Reading:
     """All quantities of a sun. ``angle``: angular diameter. [rad]"""
     per_lux = units.luminance_from_illuminance_disk(1.0, 0.5 * angle) if angle > 0.0 else None
@@ -401,7 +412,8 @@ def _blender_amount(light, efficacy, lengths):
     problem = "the light's own nodes come on top" if getattr(light, "use_nodes", False) else ""
     if not getattr(light, "normalize", True):
         return None, "not normalised by its size: the amount is known when rendering"
-    if light.type in {"POINT", "SPOT"}:
+    is_tube = light.type == "POINT" and light.lumenray.tube_length > 0.0
+    if light.type in {"POINT", "SPOT"} and not is_tube:
         return ("LUMINOUS_INTENSITY", units.intensity_from_flux_isotropic(amount)), problem
     return ("ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX", amount), problem
 
@@ -429,6 +441,9 @@ def _read(light, quantity, value, lengths, metres) -> Reading | None:
     if light.type == "SPOT":
         return read_spot(quantity, value, 0.5 * light.spot_size, light.spot_blend)
     radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * metres
+    length = light.lumenray.tube_length * lengths[0] * metres
+    if length > 0.0:
+        return read_line(quantity, value, length, radius) if radius > 0.0 else None
     if quantity == "LUMINANCE" and radius <= 0.0:
         return None
     return read_point(quantity, value, radius)

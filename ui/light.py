@@ -22,6 +22,8 @@ def draw_shape(layout, light) -> None:
         layout.prop(light, "angle")
         return
     _draw_size(layout, light)
+    if light.type == "POINT":
+        layout.prop(light.lumenray, "tube_length")
     if light.type == "SPOT":
         layout.prop(light, "spot_size", text="Beam Angle")
         layout.prop(light, "spot_blend", text="Soft Edge", slider=True)

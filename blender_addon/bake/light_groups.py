@@ -1,24 +1,17 @@
 """Which lights make up the layers of a bake: the groups that they name, or each for itself."""
 
+from typing import get_args
+
 import bpy
 
 from ...engine.baking.light_layers import REST, WORLD
 from ...engine.baking.order import LightGroup
 from ...engine.errors import SceneError
-from ...engine.scene.light import (
-    AreaLight,
-    CieSky,
-    ImageWorld,
-    Luminaire,
-    PointLight,
-    SpotLight,
-    SunLight,
-    UniformWorld,
-)
+from ...engine.scene.light import CieSky, ImageWorld, Light, UniformWorld
 from ...engine.scene.material import Material
 from ..foundation import identity
 
-LIGHTS = (AreaLight, Luminaire, PointLight, SpotLight, SunLight)
+LIGHTS = get_args(Light)
 SURROUNDINGS = (CieSky, ImageWorld, UniformWorld)
 
 MOST = 64

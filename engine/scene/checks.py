@@ -8,16 +8,7 @@ import numpy as np
 from ..errors import SceneError
 from .camera import Camera
 from .distribution import Opening
-from .light import (
-    AreaLight,
-    CieSky,
-    ImageWorld,
-    Luminaire,
-    Output,
-    PointLight,
-    SpotLight,
-    UniformWorld,
-)
+from .light import CieSky, ImageWorld, LineLight, Luminaire, Output, PlacedLight, UniformWorld
 from .material import Material, Mix, TabulatedPane
 from .mesh import Geometry, Mesh, Placement
 from .sensor import SensorSet
@@ -53,11 +44,16 @@ def check_item(item) -> None:
     """
     for fault in _faults(item, ""):
         raise SceneError(f"{_title(item)}{fault}")
-    if isinstance(item, PointLight | SpotLight | AreaLight | Luminaire | Camera):
-        has_place = isinstance(item, PointLight | SpotLight)
-        place = item.position if has_place else np.asarray(item.frame)[:3, 3]
-        half = 0.5 * size_of(item)
-        check_reach(_title(item), np.asarray(place) - half, np.asarray(place) + half)
+    if isinstance(item, PlacedLight):
+        check_reach(_title(item), item.place - item.reach, item.place + item.reach)
+    if isinstance(item, LineLight) and min(item.length, item.radius) <= 0.0:
+        raise SceneError(
+            f"{_title(item)}: its tube has a length of {item.length:g} m and a radius of {item.radius:g} m, expected both "
+            "above 0"
+        )
+    if isinstance(item, Camera):
+        place = np.asarray(item.frame)[:3, 3]
+        check_reach(_title(item), place, place)
     if amount_of(item) > LARGEST_AMOUNT:
         raise SceneError(
             f"{_title(item)}: its amount of light is {amount_of(item):.3g}, expected at most {LARGEST_AMOUNT:g}"
@@ -93,18 +89,6 @@ def amount_of(item) -> float:
             return item.luminance
     output = getattr(item, "output", None)
     return 0.0 if output is None else output.value
-
-
-def size_of(light) -> float:
-    """Length of the longest side of a light's body, 0 of what has none. [m]"""
-    match light:
-        case PointLight() | SpotLight():
-            return 2.0 * float(light.radius)
-        case AreaLight():
-            return float(max(light.size_x, light.size_y))
-        case Luminaire():
-            return float(np.max(light.opening.size))
-    return 0.0
 
 
 def depth_of(surface) -> int:

@@ -43,6 +43,16 @@ class PointLight:
     radius: float = 0.0
     visible_to_camera: bool = True
 
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.position, dtype=np.float64)
+
+    @property
+    def reach(self) -> float:
+        """Radius of a sphere about the place that holds its body. [m]"""
+        return float(self.radius)
+
 
 @dataclass(frozen=True, eq=False)
 class SpotLight:
@@ -60,6 +70,16 @@ class SpotLight:
     half_angle: float
     blend: float = 0.0
     radius: float = 0.0
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.position, dtype=np.float64)
+
+    @property
+    def reach(self) -> float:
+        """Radius of a sphere about the place that holds its body. [m]"""
+        return float(self.radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +115,56 @@ class AreaLight:
     spread: float = np.pi
     visible_to_camera: bool = True
 
+    @property
+    def area(self) -> float:
+        """Luminous area. [m2]"""
+        area = self.size_x * self.size_y
+        return area * np.pi / 4.0 if self.shape == "ellipse" else area
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
+
+    @property
+    def reach(self) -> float:
+        """Radius of a sphere about the place that holds its body. [m]"""
+        return 0.5 * float(np.hypot(self.size_x, self.size_y))
+
+
+@dataclass(frozen=True, eq=False)
+class LineLight:
+    """Straight tube of uniform luminance whose curved side shines by the cosine law; its ends are dark.
+
+    Parameters
+    ----------
+    frame : (4, 4) float64 array    Rigid placement of its middle; the tube lies along local x. [m]
+    length, radius : float    Above 0. [m]
+    """
+
+    id: str
+    name: str
+    output: Output
+    frame: np.ndarray
+    length: float
+    radius: float
+    visible_to_camera: bool = True
+
+    @property
+    def area(self) -> float:
+        """Luminous area. [m2]"""
+        return 2.0 * np.pi * self.radius * self.length
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
+
+    @property
+    def reach(self) -> float:
+        """Radius of a sphere about the place that holds its body. [m]"""
+        return float(np.hypot(0.5 * self.length, self.radius))
+
 
 @dataclass(frozen=True, eq=False)
 class Luminaire:
@@ -121,8 +191,21 @@ class Luminaire:
     visible_to_camera: bool = True
     rays: RayEmission | None = None
 
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
 
-Light = PointLight | SpotLight | SunLight | AreaLight | Luminaire
+    @property
+    def reach(self) -> float:
+        """Radius of a sphere about the place that holds its body. [m]"""
+        return 0.5 * float(np.linalg.norm(self.opening.size))
+
+
+PlacedLight = PointLight | SpotLight | AreaLight | LineLight | Luminaire
+"""Lights that stand somewhere: with a ``place`` and a ``reach``."""
+
+Light = PlacedLight | SunLight
 
 
 @dataclass(frozen=True)

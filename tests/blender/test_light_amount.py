@@ -10,6 +10,7 @@ from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.photometry.units import BLENDER_EFFICACY
 from lumenray.engine.transport.compiled.emission import (
     area_luminance,
+    line_luminance,
     luminaire_flux,
     point_intensity,
     spot_intensity,
@@ -23,6 +24,7 @@ AMOUNT = {
     "SpotLight": spot_intensity,
     "SunLight": sun_illuminance,
     "AreaLight": area_luminance,
+    "LineLight": line_luminance,
     "Luminaire": luminaire_flux,
 }
 """What the engine makes of each kind."""
@@ -68,11 +70,28 @@ def spread_out(light):
         light.normalize = False
 
 
+def draw_out(light):
+    """Make a point light a tube."""
+    light.lumenray.tube_length = 1.2
+
+
+def draw_out_and_spread(light):
+    """Make a point light a tube that grows brighter with its size."""
+    draw_out(light)
+    spread_out(light)
+
+
 CASES = {
     "point": ("POINT", {"energy": 1000.0}, None),
     "coloured point": ("POINT", {"energy": 60.0, "color": (1.0, 0.3, 0.1)}, None),
     "point with nodes": ("POINT", {"energy": 5.0}, set_strength),
     "point not normalised": ("POINT", {"energy": 9.0, "shadow_soft_size": 0.3}, spread_out),
+    "tube": ("POINT", {"energy": 30.0, "shadow_soft_size": 0.02}, draw_out),
+    "tube not normalised": (
+        "POINT",
+        {"energy": 9.0, "shadow_soft_size": 0.02},
+        draw_out_and_spread,
+    ),
     "narrow spot": ("SPOT", {"energy": 100.0, "spot_size": 0.4, "spot_blend": 0.7}, None),
     "spot with an IES texture": ("SPOT", {"energy": 1.0, "spot_size": 2.0}, add_ies_node),
     "sun": ("SUN", {"energy": 3.5, "angle": 0.01}, None),
@@ -111,6 +130,34 @@ def test_a_kilowatt_point_starts_with_its_lumens_in_blenders_meaning():
     light.lumenray.use_physical = True
     assert light.lumenray.quantity == "LUMINOUS_FLUX"
     assert light.lumenray.value == pytest.approx(1000.0 * BLENDER_EFFICACY, rel=1e-6)
+
+
+def test_a_tube_lies_along_the_x_axis_of_its_point_light_and_has_its_flux():
+    where = new_light("POINT")
+    light, source = where.light, where.object
+    light.shadow_soft_size, light.energy = 0.02, 1000.0
+    light.lumenray.tube_length = 1.2
+    source.location = (1.0, 2.0, 3.0)
+    source.rotation_euler = (0.0, 0.0, math.radians(90.0))
+    bpy.context.view_layer.update()
+    made = convert_light(source, "x", "x", source.matrix_world, 0.5, 10.0, ConversionReport())
+    assert type(made).__name__ == "LineLight"
+    # A Blender unit is half a metre here.
+    assert (made.length, made.radius) == (pytest.approx(0.6), pytest.approx(0.01))
+    np.testing.assert_allclose(made.frame[:3, 3], [0.5, 1.0, 1.5], atol=1e-6)
+    np.testing.assert_allclose(made.frame[:3, 0], [0.0, 1.0, 0.0], atol=1e-6)
+    assert line_luminance(made).amount * math.pi * made.area == pytest.approx(1000.0 * 10.0)
+    assert "tube_length" in draw("LUMENRAY_PT_light", where)
+
+
+def test_a_tube_without_a_radius_is_left_out_and_said():
+    where = new_light("POINT")
+    where.light.shadow_soft_size = 0.0
+    where.light.lumenray.tube_length = 1.2
+    report = ConversionReport()
+    source = where.object
+    assert convert_light(source, "x", "tube", source.matrix_world, 1.0, 10.0, report) is None
+    assert any("radius of 0 m" in row.message for row, _ in report.rows)
 
 
 def test_what_was_stated_is_kept():

@@ -133,11 +133,15 @@ def test_watts_of_a_coloured_light_are_not_guessed():
     assert said.problem == readout.NEEDS_THE_ENGINE
 
 
-@pytest.mark.parametrize("kind", ["POINT", "SPOT", "AREA", "SUN"])
+@pytest.mark.parametrize("kind", ["POINT", "TUBE", "SPOT", "AREA", "SUN"])
 @pytest.mark.parametrize("physical", [False, True])
 def test_readings_agree_with_the_light_that_the_engine_is_given(kind, physical):
     quantity = "ILLUMINANCE" if kind == "SUN" else "LUMINOUS_FLUX"
-    source = lamp(kind, quantity if physical else None, 321.0, color=(1.0, 0.5, 0.25), energy=12.0)
+    blender_kind = "POINT" if kind == "TUBE" else kind
+    stated = quantity if physical else None
+    source = lamp(blender_kind, stated, 321.0, color=(1.0, 0.5, 0.25), energy=12.0)
+    if kind == "TUBE":
+        source.data.lumenray.tube_length, source.data.shadow_soft_size = 1.5, 0.02
     source.scale = (1.5, 0.5, 2.0)
     bpy.context.view_layer.update()
     settings = bpy.context.scene.lumenray
@@ -149,6 +153,8 @@ def test_readings_agree_with_the_light_that_the_engine_is_given(kind, physical):
     match kind:
         case "POINT":
             expected = readout.read_point(given.name, value, made.radius)
+        case "TUBE":
+            expected = readout.read_line(given.name, value, made.length, made.radius)
         case "SPOT":
             expected = readout.read_spot(given.name, value, made.half_angle, made.blend)
         case "AREA":

@@ -4,7 +4,15 @@ import numpy as np
 
 from ....engine.errors import LumenrayError, SceneError
 from ....engine.scene.checks import LARGEST_AMOUNT, check_item
-from ....engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
+from ....engine.scene.light import (
+    AreaLight,
+    LineLight,
+    Output,
+    PointLight,
+    Quantity,
+    SpotLight,
+    SunLight,
+)
 from ....engine.scene.spectrum import Spectrum, Tabulated
 from ...foundation.report import ConversionReport
 from ...luminaires.convert import LEFT_OUT, convert_luminaire
@@ -117,6 +125,12 @@ def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images
     match data.type:
         case "POINT":
             radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
+            if data.lumenray.tube_length > 0.0:
+                length = data.lumenray.tube_length * lengths[0] * scale
+                frame = _frame(axes, position)
+                return LineLight(
+                    light_id, name, output, frame, length, radius, source.visible_camera
+                )
             return PointLight(light_id, name, output, position, radius, source.visible_camera)
         case "SPOT":
             return SpotLight(
@@ -160,16 +174,22 @@ def _area(data, source, light_id, name, output, axes, position, lengths, report)
     size_y = (data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size) * lengths[1]
     if abs(np.dot(axes[:, 0], axes[:, 1])) > 1e-4:
         report.warn(name, "the area light is sheared", "its sides are taken as perpendicular")
+    frame = _frame(axes, position)
+    shape = "ellipse" if data.shape in {"DISK", "ELLIPSE"} else "rectangle"
+    return AreaLight(
+        light_id, name, output, frame, size_x, size_y, shape, data.spread, source.visible_camera
+    )
+
+
+def _frame(axes, position) -> np.ndarray:
+    """Rigid placement that keeps the direction of x. (4, 4)"""
     frame = np.eye(4)
     z = axes[:, 2] - axes[:, 0] * np.dot(axes[:, 0], axes[:, 2])
     frame[:3, 0] = axes[:, 0]
     frame[:3, 2] = z / np.linalg.norm(z)
     frame[:3, 1] = np.cross(frame[:3, 2], frame[:3, 0])
     frame[:3, 3] = position
-    shape = "ellipse" if data.shape in {"DISK", "ELLIPSE"} else "rectangle"
-    return AreaLight(
-        light_id, name, output, frame, size_x, size_y, shape, data.spread, source.visible_camera
-    )
+    return frame
 
 
 def _colour(data) -> np.ndarray:
@@ -247,6 +267,10 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
     spectrum = light_spectrum(rgb)
     spread_out = not getattr(data, "normalize", True)
     match data.type:
+        case "POINT" if settings.tube_length > 0.0:
+            # What a ball of the same settings sends, and of its luminance.
+            if spread_out:
+                return Output(Quantity.LUMINANCE, lumens / np.pi, spectrum)
         case "POINT" | "SPOT":
             factor = (
                 (data.shadow_soft_size * float(np.cbrt(np.prod(lengths)))) ** 2

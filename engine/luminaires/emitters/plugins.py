@@ -8,6 +8,7 @@ import mitsuba as mi
 
 from .palette import luminaires_class
 from .rectangles import draw_place, find_density, find_solid_angle, into_axes
+from .tubes import find_tube_density, sample_tube
 
 CHORD_ERROR = 3e-7
 """Largest error of the distance between two unit vectors in single precision; sampled directions to a narrow sun must be
@@ -39,7 +40,7 @@ def _surface_class():
             self.radiance = props["radiance"]
             self.pattern = props["pattern"] if "pattern" in props else None
             self.two_sided = props.get("two_sided", False)
-            self.ball = self.rectangle = None
+            self.ball = self.rectangle = self.tube = None
             self.is_narrow = props.get("tan_spread", 0.0) > 0.0
             self.tan_spread = mi.Float(props.get("tan_spread", 0.0))
             dr.make_opaque(self.tan_spread)
@@ -79,6 +80,15 @@ def _surface_class():
             )
             dr.make_opaque(self.rectangle)
 
+        def set_tube(self, start, along, radius):
+            """Say that the shape is a cylinder's curved side. ``start``, ``along``: an end, and thence to the other. [m]"""
+            self.tube = (
+                mi.Point3f(*map(float, start)),
+                mi.Vector3f(*map(float, along)),
+                mi.Float(radius),
+            )
+            dr.make_opaque(self.tube)
+
         def _look(self, it):
             """Directions of the rectangle's sides, half their lengths, the receiver in these axes, and the solid angle."""
             centre, x, y = self.rectangle
@@ -110,11 +120,13 @@ def _surface_class():
             return dr.select((density > 0.0) & (square < 1.0), dr.inv_two_pi / cap, density)
 
         def sample_direction(self, it, sample, active=True):
-            if self.rectangle is None:
+            if self.tube is not None:
+                ds = sample_tube(self.tube, it.p, sample)
+            elif self.rectangle is not None:
+                ds = self._draw(it, sample)
+            else:
                 ds = self.get_shape().sample_direction(it, sample, active)
                 ds.pdf = self._density(it, ds.pdf)
-            else:
-                ds = self._draw(it, sample)
             ds.emitter = mi.EmitterPtr(self)
             active &= ds.pdf > 0.0
             return ds, mi.Spectrum(
@@ -124,11 +136,13 @@ def _surface_class():
         def pdf_direction(self, it, ds, active=True):
             cosine = dr.dot(ds.d, ds.n)
             lit = cosine != 0.0 if self.two_sided else cosine < 0.0
-            if self.rectangle is None:
-                density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
-            else:
+            if self.tube is not None:
+                density = find_tube_density(self.tube, it.p, ds)
+            elif self.rectangle is not None:
                 _, _, half_x, half_y, _, angle = self._look(it)
                 density = find_density(half_x, half_y, ds.dist, cosine, angle)
+            else:
+                density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
             return dr.select(lit & active, density, 0.0)
 
         def eval_direction(self, it, ds, active=True):

@@ -20,7 +20,7 @@ from ...materials import plugins as surface_plugins
 from ...photometry.spectra import GRID, illuminant
 from ...scattering.kernels import plugin as scattering_plugin
 from ...scene.checks import FARTHEST, check_reach
-from ...scene.light import AreaLight, ImageWorld, Luminaire, SunLight
+from ...scene.light import ImageWorld, Luminaire, SunLight
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...sky import plugin as sky_plugin
@@ -29,7 +29,7 @@ from ..requirements import Requirements
 from . import emission
 from .bodies import Body, Part, check_mesh, extent, make_body, needs_new_shape, reglow
 from .known_mirrors import KnownMirrors, is_hard_to_meet
-from .lamps import Lamp, change_lamp, make_lamp, reach_of
+from .lamps import Lamp, change_lamp, make_lamp
 from .layers import Layer
 from .lights import LightTable, Source
 from .material_palette import Finishes
@@ -593,11 +593,8 @@ def _bounds(scene: Scene, bodies=None) -> tuple[np.ndarray, np.ndarray]:
             high.append(body.high)
     for light in scene.lights.values():
         if not isinstance(light, SunLight) and light.output.value > 0.0:
-            has_frame = isinstance(light, AreaLight | Luminaire)
-            place = light.frame[:3, 3] if has_frame else light.position
-            place = np.asarray(place, dtype=np.float64)
-            low.append(place - reach_of(light))
-            high.append(place + reach_of(light))
+            low.append(light.place - light.reach)
+            high.append(light.place + light.reach)
     low, high = np.min(low, axis=0), np.max(high, axis=0)
     is_empty = np.isposinf(low).all() and np.isneginf(high).all()
     if not is_empty and not (np.isfinite(low) & np.isfinite(high)).all():

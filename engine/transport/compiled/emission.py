@@ -7,7 +7,16 @@ import numpy as np
 from ...errors import SceneError
 from ...photometry import units
 from ...photometry.spectra import GRID, efficacy, evaluate_emission, photometric_density
-from ...scene.light import AreaLight, Luminaire, Output, PointLight, Quantity, SpotLight, SunLight
+from ...scene.light import (
+    AreaLight,
+    LineLight,
+    Luminaire,
+    Output,
+    PointLight,
+    Quantity,
+    SpotLight,
+    SunLight,
+)
 from ...scene.spectrum import Spectrum
 from .textures import is_spectral, number, table
 
@@ -108,22 +117,30 @@ def sun_illuminance(light: SunLight) -> Emitted:
     raise _unsupported(light, "the illuminance of a plane that faces it")
 
 
-def area_of(light: AreaLight) -> float:
-    """Luminous area. [m2]"""
-    area = light.size_x * light.size_y
-    return area * np.pi / 4.0 if light.shape == "ellipse" else area
-
-
 def area_luminance(light: AreaLight) -> Emitted:
     """Luminance along the normal, the spread included. [cd/m2]"""
     given = _amount(light.output)
-    area = area_of(light)
+    area = light.area
     match light.output.quantity:
         case Quantity.LUMINOUS_FLUX | Quantity.RADIANT_FLUX:
             lambertian = given.scaled(units.luminance_from_flux_lambertian(1.0, area))
             return lambertian.scaled(units.spread_axis_factor(light.spread))
         case Quantity.LUMINOUS_INTENSITY | Quantity.ILLUMINANCE:
             return given.scaled(1.0 / area)
+        case Quantity.LUMINANCE:
+            return given
+    raise _unsupported(light, "a flux, an intensity or a luminance")
+
+
+def line_luminance(light: LineLight) -> Emitted:
+    """Luminance of the curved side. [cd/m2]"""
+    given = _amount(light.output)
+    match light.output.quantity:
+        case Quantity.LUMINOUS_FLUX | Quantity.RADIANT_FLUX:
+            return given.scaled(units.luminance_from_flux_lambertian(1.0, light.area))
+        case Quantity.LUMINOUS_INTENSITY | Quantity.ILLUMINANCE:
+            # Across the tube, where it looks like a rectangle.
+            return given.scaled(1.0 / (2.0 * light.radius * light.length))
         case Quantity.LUMINANCE:
             return given
     raise _unsupported(light, "a flux, an intensity or a luminance")

@@ -12,10 +12,11 @@ from ...luminaires.emitters.palette import KINDS, Row, opening_frame
 from ...luminaires.emitters.tables import distribution_digest
 from ...luminaires.openings import check_opening
 from ...photometry import units
-from ...scene.light import AreaLight, Luminaire, PointLight, SpotLight
+from ...scene.light import AreaLight, LineLight, Luminaire, PointLight, SpotLight
 from . import emission
+from .lamp_bodies import Flat, Sphere, Tube
 from .lights import Source
-from .opening_bodies import OpeningBody, make_body
+from .opening_bodies import make_body
 from .textures import is_spectral
 
 DELTA_RADIUS = 1e-5
@@ -24,22 +25,25 @@ DELTA_RADIUS = 1e-5
 
 @dataclass
 class Lamp:
-    """A light at work. ``body`` is the shape that is seen, None for ideal points and spots."""
+    """A light at work.
+
+    ``body`` is the shape that is seen and ``outline`` what is known of it, one of `lamp_bodies` or an `OpeningBody`; None
+    for ideal points and spots.
+    """
 
     item: object
     source: Source
     body: object | None = None
-    body_id: int = -1
-    opening: OpeningBody | None = None
+    outline: object | None = None
+
+    @property
+    def body_id(self) -> int:
+        """Number of the shape in kernels."""
+        return pointer_id(self.body)
 
     def put_into(self, pool) -> None:
         """Tell a `SurfacePool` about the body."""
-        if self.opening is not None:
-            self.opening.put_into(pool, self.body_id)
-        elif self.source.axis is None:
-            pool.add_sphere(self.body_id, self.source.centre)
-        else:
-            pool.add_flat(self.body_id, self.source.axis)
+        self.outline.put_into(pool, self.body_id)
 
 
 def make_lamp(light, origin: np.ndarray, nothing, luminaires=None) -> Lamp | None:
@@ -54,28 +58,10 @@ def make_lamp(light, origin: np.ndarray, nothing, luminaires=None) -> Lamp | Non
     """
     if light.output.value <= 0.0:
         return None
-    match light:
-        case Luminaire():
-            return _make_luminaire(light, origin, nothing, luminaires)
-        case PointLight():
-            return _make_point(light, origin, nothing)
-        case SpotLight():
-            return _make_spot(light, origin)
-        case AreaLight():
-            return _make_area(light, origin, nothing)
-    return None
-
-
-def reach_of(light) -> float:
-    """Radius of a sphere about a light's place that holds its body. [m]"""
-    match light:
-        case PointLight() | SpotLight():
-            return float(light.radius)
-        case AreaLight():
-            return 0.5 * float(np.hypot(light.size_x, light.size_y))
-        case Luminaire():
-            return 0.5 * float(np.linalg.norm(light.opening.size))
-    return 0.0
+    if isinstance(light, Luminaire):
+        return _make_luminaire(light, origin, nothing, luminaires)
+    make = MAKERS.get(type(light))
+    return None if make is None else make(light, origin, nothing)
 
 
 def change_lamp(lamp: Lamp, light, origin: np.ndarray, nothing) -> bool | None:
@@ -103,23 +89,12 @@ def change_lamp(lamp: Lamp, light, origin: np.ndarray, nothing) -> bool | None:
     )
     if is_moved:
         _set_place(lamp.body, mi.traverse(new.body)["to_world"])
-    lamp.item = light
+    lamp.item, lamp.outline = light, new.outline
     source = lamp.source
     source.flux, source.density = new.source.flux, new.source.density
     source.centre, source.radius = new.source.centre, new.source.radius
     source.axis = new.source.axis
     return is_moved
-
-
-def _output(light):
-    """Return the light's amount, its flux [lm] and the factor from the amount to the body's luminance."""
-    if isinstance(light, PointLight):
-        made = emission.point_intensity(light)
-        factor = units.luminance_from_intensity_sphere(1.0, max(light.radius, DELTA_RADIUS))
-        return made, 4.0 * np.pi * made.amount, factor
-    made = emission.area_luminance(light)
-    area = emission.area_of(light)
-    return made, made.amount * np.pi * area / units.spread_axis_factor(light.spread), 1.0
 
 
 def surface_emitter(made, two_sided=False, pattern=None, spread=np.pi):
@@ -133,23 +108,22 @@ def surface_emitter(made, two_sided=False, pattern=None, spread=np.pi):
 
 
 def _make_point(light: PointLight, origin, nothing) -> Lamp:
-    made, flux, factor = _output(light)
-    centre = np.asarray(light.position, dtype=np.float64) - origin
+    made = emission.point_intensity(light)
+    flux, centre = 4.0 * np.pi * made.amount, light.place - origin
     place = [float(x) for x in centre]
     if light.radius < DELTA_RADIUS:
         emitter = mi.load_dict({"type": "point", "position": place, "intensity": made.texture()})
         return Lamp(light, Source(emitter, flux, made.density, centre))
-    emitter = surface_emitter(made.scaled(factor))
+    emitter = surface_emitter(made.scaled(units.luminance_from_intensity_sphere(1.0, light.radius)))
     emitter.set_ball(place, float(light.radius))
     shape = {"type": "sphere", "center": place, "radius": float(light.radius)}
-    return _with_body(
-        light, shape, Source(emitter, flux, made.density, centre, float(light.radius)), nothing
-    )
+    source = Source(emitter, flux, made.density, centre, float(light.radius))
+    return _with_body(light, shape, source, nothing, Sphere(centre, float(light.radius)))
 
 
-def _make_spot(light: SpotLight, origin) -> Lamp:
+def _make_spot(light: SpotLight, origin, _nothing) -> Lamp:
     made = emission.spot_intensity(light)
-    centre = np.asarray(light.position, dtype=np.float64) - origin
+    centre = light.place - origin
     plugin = {
         "type": "lumenray_spot",
         "intensity": made.texture(),
@@ -174,23 +148,45 @@ def _make_spot(light: SpotLight, origin) -> Lamp:
 
 
 def _make_area(light: AreaLight, origin, nothing) -> Lamp:
-    if emission.area_of(light) <= 0.0:
+    if light.area <= 0.0:
         raise SceneError(f"area light '{light.name}' has no area; give it a size above 0")
-    made, flux, factor = _output(light)
-    frame = np.array(light.frame, dtype=np.float64)
-    frame[:3, 3] -= origin
+    made = emission.area_luminance(light)
+    flux = made.amount * np.pi * light.area / units.spread_axis_factor(light.spread)
+    frame = _local(light.frame, origin)
+    is_ellipse = light.shape == "ellipse"
     # Blender's area lights shine along -z, Mitsuba's flat shapes along +z: turn about x.
     placed = frame @ np.diag([0.5 * light.size_x, -0.5 * light.size_y, -1.0, 1.0])
-    shape = {
-        "type": "disk" if light.shape == "ellipse" else "rectangle",
-        "to_world": mi.ScalarTransform4f([list(row) for row in placed]),
-    }
-    emitter = surface_emitter(made.scaled(factor), spread=light.spread)
-    if light.shape != "ellipse":
+    shape = {"type": "disk" if is_ellipse else "rectangle", "to_world": _transform(placed)}
+    emitter = surface_emitter(made, spread=light.spread)
+    if not is_ellipse:
         emitter.set_rectangle(*placed[:3, [3, 0, 1]].T)
-    radius = 0.5 * float(np.hypot(light.size_x, light.size_y))
-    source = Source(emitter, flux, made.density, frame[:3, 3], radius, -frame[:3, 2])
-    return _with_body(light, shape, source, nothing)
+    source = Source(emitter, flux, made.density, frame[:3, 3], light.reach, -frame[:3, 2])
+    flat = Flat(frame, light.size_x, light.size_y, light.area, is_ellipse, light.spread)
+    return _with_body(light, shape, source, nothing, flat)
+
+
+def _make_line(light: LineLight, origin, nothing) -> Lamp:
+    made = emission.line_luminance(light)
+    tube = Tube(_local(light.frame, origin), float(light.length), float(light.radius))
+    # Mitsuba's cylinder lies along z, from 0 to 1.
+    x, y, z = tube.frame[:3, :3].T
+    placed = np.eye(4)
+    placed[:3] = np.column_stack([y * tube.radius, z * tube.radius, x * tube.length, tube.start])
+    shape = {"type": "cylinder", "to_world": _transform(placed)}
+    emitter = surface_emitter(made)
+    emitter.set_tube(tube.start, x * tube.length, tube.radius)
+    flux = made.amount * np.pi * light.area
+    source = Source(emitter, flux, made.density, tube.frame[:3, 3], light.reach)
+    return _with_body(light, shape, source, nothing, tube)
+
+
+MAKERS = {
+    PointLight: _make_point,
+    SpotLight: _make_spot,
+    AreaLight: _make_area,
+    LineLight: _make_line,
+}
+"""What makes the lamp of a kind of light from the light, the origin of the scene's frame and what bodies are made of."""
 
 
 def _make_luminaire(light: Luminaire, origin, nothing, emitter) -> Lamp:
@@ -200,7 +196,7 @@ def _make_luminaire(light: Luminaire, origin, nothing, emitter) -> Lamp:
     if light.opening.shape == "point":
         return Lamp(light, source)
     opening = make_body(light.opening.shape, row, nothing)
-    return Lamp(light, source, opening.shape, pointer_id(opening.shape), opening)
+    return Lamp(light, source, opening.shape, opening)
 
 
 def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
@@ -245,12 +241,23 @@ def _change_luminaire(lamp: Lamp, light: Luminaire, origin) -> bool | None:
     return False
 
 
-def _with_body(light, shape: dict, source: Source, nothing) -> Lamp:
+def _local(frame, origin) -> np.ndarray:
+    """Placement in the scene's frame. (4, 4) [m]"""
+    made = np.array(frame, dtype=np.float64)
+    made[:3, 3] -= origin
+    return made
+
+
+def _transform(matrix: np.ndarray):
+    return mi.ScalarTransform4f([list(row) for row in matrix])
+
+
+def _with_body(light, shape: dict, source: Source, nothing, outline) -> Lamp:
     """Give a lamp its luminous body; light of others passes it, as in Blender."""
     made = mi.load_dict({**shape, "bsdf": nothing, "emitter": source.emitter})
     # Mitsuba keeps a rectangle's place as a part of kernels until it is set anew.
     _set_place(made, mi.traverse(made)["to_world"])
-    return Lamp(light, source, made, pointer_id(made))
+    return Lamp(light, source, made, outline)
 
 
 def _set_place(shape, place) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import upload
 
-MESH, FLAT, SPHERE = 0, 1, 2
-"""Kinds of surfaces: triangles, a plane shape (rectangle or disk), a sphere."""
+MESH, FLAT, SPHERE, TUBE = range(4)
+"""Kinds of surfaces: triangles, a plane shape (rectangle or disk), a sphere, the curved side of a cylinder."""
 
 ROOM = 1.25
 """Room for growth when an array has to become longer."""
@@ -86,6 +86,8 @@ class SurfacePool:
         }
         self._ranges: dict[int, list[tuple[str, int, int]]] = {}
         self._rows: dict[int, tuple] = {}
+        self._axes: dict[int, tuple] = {}
+        self._tubes = None
 
     @property
     def is_wasteful(self) -> bool:
@@ -118,9 +120,15 @@ class SurfacePool:
         """Add a sphere by its centre (3,) in the scene's frame. [m]"""
         self._rows[number] = (SPHERE, 0, 0, 0, tuple(centre))
 
+    def add_tube(self, number: int, centre, axis) -> None:
+        """Add the curved side of a cylinder by a point of its axis (3,) [m] and the axis' direction (3,)."""
+        self._rows[number] = (TUBE, 0, 0, 0, tuple(centre))
+        self._axes[number] = tuple(axis)
+
     def remove(self, number: int) -> None:
         """Forget a shape."""
         del self._rows[number]
+        self._axes.pop(number, None)
         for name, start, count in self._ranges.pop(number, ()):
             self._stores[name].give_back(start, count)
 
@@ -145,6 +153,10 @@ class SurfacePool:
         self._table = upload(mi.UInt32, table)
         self._luminaires = None if luminaires is None else upload(mi.Float, luminaires)
         self._vectors = upload(mi.Float, vectors)
+        axes = np.zeros_like(vectors)
+        for number, axis in self._axes.items():
+            axes[number] = axis
+        self._tubes = upload(mi.Float, axes) if self._axes else None
 
     def triangles(self, number: int) -> np.ndarray:
         """Corners of a mesh's triangles in the scene's frame. (t, 3, 3) float32 [m]"""
@@ -220,7 +232,7 @@ class SurfacePool:
         is_body = valid & (kind != MESH)
         vector = dr.gather(mi.Vector3f, self._vectors, number, is_body)
         on_ray = ray(hit.t)
-        outwards = dr.select(kind == SPHERE, dr.normalize(on_ray - mi.Point3f(vector)), vector)
+        outwards = self._outwards(kind, number, vector, on_ray, is_body)
         point = dr.select(is_body, on_ray, point)
         normal = dr.select(is_body, mi.Normal3f(outwards), normal)
         shading = dr.select(is_body, mi.Normal3f(outwards), shading)
@@ -238,6 +250,16 @@ class SurfacePool:
         si.wi = dr.select(valid, si.to_local(-ray.d), -ray.d)
         si.shape, si.prim_index = hit.shape, hit.prim_index
         return si
+
+    def _outwards(self, kind, number, vector, point, active):
+        """Normal of a body at a point of it. ``vector``: what is known of it."""
+        away = point - mi.Point3f(vector)
+        made = dr.select(kind == SPHERE, dr.normalize(away), vector)
+        if self._tubes is None:
+            return made
+        is_tube = active & (kind == TUBE)
+        axis = dr.gather(mi.Vector3f, self._tubes, number, is_tube)
+        return dr.select(is_tube, dr.normalize(away - axis * dr.dot(axis, away)), made)
 
 
 def _grain_frame(normal, edges, coordinates, laid):

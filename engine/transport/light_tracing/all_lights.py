@@ -13,7 +13,6 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...scene.light import AreaLight
 from ..compiled import emission
 from ..compiled.textures import is_spectral
 from ..paths.gather import photometric
@@ -257,15 +256,14 @@ class AllLights:
         return begin, towards, power, mi.Spectrum(dr.full(mi.Float, 1.0, lanes.count)), lanes.zero()
 
     def _draw_bodies(self, which, lanes, host):
-        """Spheres, rectangles and disks of lights."""
+        """Spheres, rectangles, disks and tubes of lights."""
         points, normals = np.zeros((2, len(which), 3))
         areas, sines = np.zeros(len(self.origins)), np.ones(len(self.origins))
         for place, mine in _runs(which):
             lamp = self.origins[place].thing
             u, v = host.random((2, mine.stop - mine.start))
-            points[mine], normals[mine], areas[place] = _places_on(lamp, u, v)
-            if isinstance(lamp.item, AreaLight) and lamp.item.spread < np.pi:
-                sines[place] = np.sin(0.5 * lamp.item.spread)
+            points[mine], normals[mine], areas[place] = lamp.outline.places(u, v)
+            sines[place] = lamp.outline.sine
         si = dr.zeros(mi.SurfaceInteraction3f, lanes.count)
         si.p, si.n = mi.Point3f(*_columns(points)), mi.Normal3f(*_columns(normals))
         pointer = self._scene.lights.pointer(self._numbers(which))
@@ -417,24 +415,6 @@ class _Lanes:
             if self._sampler is None and k > 0:
                 made[k] = 0.0
         return made + dr.zeros(mi.Float, self.count)
-
-
-def _places_on(lamp, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Points and normals (n, 3) on the body of a light, evenly by area, and its area. [m, -, m2]"""
-    item, source = lamp.item, lamp.source
-    phi = 2.0 * np.pi * v
-    if source.axis is None:
-        z = 2.0 * u - 1.0
-        plan = np.sqrt(np.maximum(1.0 - z * z, 0.0))
-        normal = np.stack([plan * np.cos(phi), plan * np.sin(phi), z], axis=1)
-        return source.centre + source.radius * normal, normal, 4.0 * np.pi * source.radius**2
-    frame = np.asarray(item.frame, dtype=np.float64)
-    x, y = u - 0.5, v - 0.5
-    if item.shape == "ellipse":
-        x, y = 0.5 * np.sqrt(u) * np.cos(phi), 0.5 * np.sqrt(u) * np.sin(phi)
-    points = source.centre + np.outer(x * item.size_x, frame[:3, 0])
-    points += np.outer(y * item.size_y, frame[:3, 1])
-    return points, np.broadcast_to(source.axis, points.shape), emission.area_of(item)
 
 
 def _in_cap(cap, sample):
