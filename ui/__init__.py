@@ -17,6 +17,7 @@ from . import (
     render,
     scattering,
     sidebar,
+    tube_overlay,
     world,
 )
 
@@ -35,10 +36,11 @@ CLASSES = (
 
 
 def attach():
-    """Let Blender's own panels appear for our engine, and draw luminaires in the 3D views."""
+    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets and tubes in the 3D views."""
     compatibility.attach()
     luminaire_overlay.attach()
     rayset_overlay.attach()
+    tube_overlay.attach()
     add_menu.attach()
     image_header.attach()
 
@@ -47,6 +49,7 @@ def detach():
     """Undo `attach`, and let go of all pictures."""
     image_header.detach()
     add_menu.detach()
+    tube_overlay.detach()
     rayset_overlay.detach()
     luminaire_overlay.detach()
     luminaire_pictures.close()

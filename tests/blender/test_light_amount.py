@@ -150,6 +150,27 @@ def test_a_tube_lies_along_the_x_axis_of_its_point_light_and_has_its_flux():
     assert "tube_length" in draw("LUMENRAY_PT_light", where)
 
 
+def test_the_3d_view_draws_a_tube_where_the_engine_has_it():
+    from lumenray.ui import tube_overlay
+
+    where = new_light("POINT")
+    light, source = where.light, where.object
+    light.shadow_soft_size, light.lumenray.tube_length = 0.05, 1.2
+    source.location, source.scale = (1.0, 2.0, 3.0), (2.0, 0.5, 1.0)
+    source.rotation_euler = (0.3, 0.2, 0.7)
+    bpy.context.view_layer.update()
+    made = convert_light(source, "x", "x", source.matrix_world, 1.0, 10.0, ConversionReport())
+    assert tube_overlay.shown_tubes(bpy.context) == [source]
+    own = (tube_overlay.place_outline(source) - made.frame[:3, 3]) @ made.frame[:3, :3]
+    np.testing.assert_allclose(np.hypot(own[:, 1], own[:, 2]), made.radius, rtol=1e-5)
+    np.testing.assert_allclose(np.abs(own[:, 0]), 0.5 * made.length, rtol=1e-5)
+    # Where a file says how it shines there is no tube.
+    light.lumenray.rayset.use_file = True
+    assert tube_overlay.shown_tubes(bpy.context) == []
+    light.lumenray.rayset.use_file, light.lumenray.tube_length = False, 0.0
+    assert tube_overlay.shown_tubes(bpy.context) == []
+
+
 def test_a_tube_without_a_radius_is_left_out_and_said():
     where = new_light("POINT")
     where.light.shadow_soft_size = 0.0

@@ -1,0 +1,101 @@
+"""Luminous tubes in the 3D view: Blender draws a point light, whatever its tube length."""
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from ..blender_addon.luminaires import readout as luminaire_readout
+from ..blender_addon.raysets import readout as rayset_readout
+
+COLOUR, CHOSEN_COLOUR = (1.0, 0.86, 0.48, 0.6), (1.0, 0.86, 0.48, 1.0)
+"""Of tubes, and of selected ones."""
+
+LINE_WIDTH = 1.4
+"""[pixel]"""
+
+SEGMENTS, EDGES = 24, 4
+"""Around an end, and from end to end."""
+
+
+def make_outline(length: float, radius: float) -> np.ndarray:
+    """Ends and edges of a tube along x as pairs of points. (n, 3), in the unit of the numbers"""
+    turn = 2.0 * np.pi * np.arange(SEGMENTS + 1) / SEGMENTS
+    ring = np.column_stack([0.0 * turn, radius * np.cos(turn), radius * np.sin(turn)])
+    pairs = np.stack([ring[:-1], ring[1:]], axis=1)
+    half = np.array([0.5 * length, 0.0, 0.0])
+    corners = ring[: -1 : SEGMENTS // EDGES]
+    edges = np.stack([corners - half, corners + half], axis=1)
+    return np.concatenate([pairs - half, pairs + half, edges]).reshape(-1, 3)
+
+
+def place_outline(thing) -> np.ndarray:
+    """Outline of a light object in the world, as the engine places it. (n, 3), in Blender's units"""
+    matrix = np.array(thing.matrix_world, dtype=np.float64)
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    axes = matrix[:3, :3] / np.maximum(lengths, 1e-30)
+    light = thing.data
+    radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths)))
+    outline = make_outline(light.lumenray.tube_length * lengths[0], radius)
+    return outline @ axes.T + matrix[:3, 3]
+
+
+def shown_tubes(context) -> list:
+    """Light objects of the view that shine as tubes."""
+    tubes = {light for light in bpy.data.lights if _is_tube(light)}
+    if not tubes:
+        return []
+    return [thing for thing in context.visible_objects if thing.data in tubes]
+
+
+def _is_tube(light) -> bool:
+    if light.type != "POINT" or light.lumenray.tube_length <= 0.0:
+        return False
+    files = rayset_readout.settings_used(light), luminaire_readout.settings_used(light)
+    return files == (None, None)
+
+
+def draw() -> None:
+    """Draw the tubes of a 3D view; called by Blender for every 3D view."""
+    context = bpy.context
+    overlay = context.space_data.overlay
+    if not (overlay.show_overlays and overlay.show_extras):
+        return
+    tubes = shown_tubes(context)
+    if not tubes:
+        return
+    parts = [place_outline(thing) for thing in tubes]
+    colours = [
+        np.broadcast_to(CHOSEN_COLOUR if thing.select_get() else COLOUR, (len(part), 4))
+        for thing, part in zip(tubes, parts, strict=True)
+    ]
+    content = {
+        "pos": np.concatenate(parts).astype(np.float32),
+        "color": np.concatenate(colours).astype(np.float32),
+    }
+    before = gpu.state.depth_test_get(), gpu.state.blend_get()
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.blend_set("ALPHA")
+    try:
+        shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
+        shader.uniform_float("viewportSize", (context.region.width, context.region.height))
+        shader.uniform_float("lineWidth", LINE_WIDTH * context.preferences.system.pixel_size)
+        batch_for_shader(shader, "LINES", content).draw(shader)
+    finally:
+        gpu.state.depth_test_set(before[0])
+        gpu.state.blend_set(before[1])
+
+
+_handles = []
+
+
+def attach():
+    """Draw in every 3D view from now on."""
+    if not (_handles or bpy.app.background):
+        _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW"))
+
+
+def detach():
+    """Draw no more."""
+    while _handles:
+        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
