@@ -101,6 +101,18 @@ def lights():
         bpy.data.objects.remove(item)
 
 
+def tubes():
+    """A point light that is a tube, in the 3D view and in its panels."""
+    bpy.ops.object.light_add(type="POINT", location=(0.0, 0.0, 2.0), rotation=(0.0, 0.3, 0.4))
+    light = bpy.context.object.data
+    light.shadow_soft_size, light.lumenray.tube_length = 0.1, 3.0
+    light.lumenray.use_physical = True
+    yield from tab("tube", "DATA")
+    yield from sidebar("sidebar_tube")
+    area = area_of("VIEW_3D")
+    picture("view_tube", next(each for each in area.regions if each.type == "WINDOW"))
+
+
 def luminaires():
     """A luminaire on an empty, and a ray set."""
     folder = Path(sys.modules[PACKAGE].__file__).parent / PHOTOMETRY
@@ -213,7 +225,7 @@ class Log:
         """Nothing is kept."""
 
 
-CASES = {f.__name__: f for f in (lights, luminaires, materials, worlds, renders, bakes, views)}
+CASES = {f.__name__: f for f in (lights, tubes, luminaires, materials, worlds, renders, bakes, views)}
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 FOLDER.mkdir(exist_ok=True)
 bpy.context.preferences.view.show_splash = False
