@@ -225,7 +225,9 @@ class Log:
         """Nothing is kept."""
 
 
-CASES = {f.__name__: f for f in (lights, tubes, luminaires, materials, worlds, renders, bakes, views)}
+CASES = {
+    f.__name__: f for f in (lights, tubes, luminaires, materials, worlds, renders, bakes, views)
+}
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 FOLDER.mkdir(exist_ok=True)
 bpy.context.preferences.view.show_splash = False
