@@ -17,7 +17,7 @@ from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
 from .sky import angles, onto_horizon, towards_lamp
-from .sync.lights.lights import PHYSICAL_QUANTITIES
+from .sync.lights.lights import PHYSICAL_QUANTITIES, is_tube
 from .sync.meshes import MESH_TYPES
 from .sync.nodes.fields import luminance
 from .sync.spectra import convert_spectrum
@@ -412,8 +412,7 @@ def _blender_amount(light, efficacy, lengths):
     problem = "the light's own nodes come on top" if getattr(light, "use_nodes", False) else ""
     if not getattr(light, "normalize", True):
         return None, "not normalised by its size: the amount is known when rendering"
-    is_tube = light.type == "POINT" and light.lumenray.tube_length > 0.0
-    if light.type in {"POINT", "SPOT"} and not is_tube:
+    if light.type in {"POINT", "SPOT"} and not is_tube(light):
         return ("LUMINOUS_INTENSITY", units.intensity_from_flux_isotropic(amount)), problem
     return ("ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX", amount), problem
 
@@ -441,8 +440,8 @@ def _read(light, quantity, value, lengths, metres) -> Reading | None:
     if light.type == "SPOT":
         return read_spot(quantity, value, 0.5 * light.spot_size, light.spot_blend)
     radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * metres
-    length = light.lumenray.tube_length * lengths[0] * metres
-    if length > 0.0:
+    if is_tube(light):
+        length = light.lumenray.tube_length * lengths[0] * metres
         return read_line(quantity, value, length, radius) if radius > 0.0 else None
     if quantity == "LUMINANCE" and radius <= 0.0:
         return None

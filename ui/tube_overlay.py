@@ -7,6 +7,7 @@ from gpu_extras.batch import batch_for_shader
 
 from ..blender_addon.luminaires import readout as luminaire_readout
 from ..blender_addon.raysets import readout as rayset_readout
+from ..blender_addon.sync.lights.lights import is_tube, place_tube
 
 COLOUR, CHOSEN_COLOUR = (1.0, 0.86, 0.48, 0.6), (1.0, 0.86, 0.48, 1.0)
 """Of tubes, and of selected ones."""
@@ -31,28 +32,21 @@ def make_outline(length: float, radius: float) -> np.ndarray:
 
 def place_outline(thing) -> np.ndarray:
     """Outline of a light object in the world, as the engine places it. (n, 3), in Blender's units"""
-    matrix = np.array(thing.matrix_world, dtype=np.float64)
-    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
-    axes = matrix[:3, :3] / np.maximum(lengths, 1e-30)
-    light = thing.data
-    radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths)))
-    outline = make_outline(light.lumenray.tube_length * lengths[0], radius)
-    return outline @ axes.T + matrix[:3, 3]
+    frame, length, radius = place_tube(thing.data, thing.matrix_world, 1.0)
+    return make_outline(length, radius) @ frame[:3, :3].T + frame[:3, 3]
 
 
 def shown_tubes(context) -> list:
     """Light objects of the view that shine as tubes."""
-    tubes = {light for light in bpy.data.lights if _is_tube(light)}
+    tubes = {light for light in bpy.data.lights if _is_drawn(light)}
     if not tubes:
         return []
     return [thing for thing in context.visible_objects if thing.data in tubes]
 
 
-def _is_tube(light) -> bool:
-    if light.type != "POINT" or light.lumenray.tube_length <= 0.0:
-        return False
+def _is_drawn(light) -> bool:
     files = rayset_readout.settings_used(light), luminaire_readout.settings_used(light)
-    return files == (None, None)
+    return is_tube(light) and files == (None, None)
 
 
 def draw() -> None:

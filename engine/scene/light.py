@@ -32,16 +32,8 @@ class Output:
     spectrum: Spectrum = Constant(1.0)
 
 
-@dataclass(frozen=True, eq=False)
-class PointLight:
-    """Sphere of uniform luminance (``radius`` > 0) or point (``radius`` = 0). [m]"""
-
-    id: str
-    name: str
-    output: Output
-    position: np.ndarray
-    radius: float = 0.0
-    visible_to_camera: bool = True
+class _Positioned:
+    """Light at a ``position`` with a ``radius``."""
 
     @property
     def place(self) -> np.ndarray:
@@ -54,8 +46,29 @@ class PointLight:
         return float(self.radius)
 
 
+class _Framed:
+    """Light in a ``frame``."""
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where it stands. (3,) [m]"""
+        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
+
+
 @dataclass(frozen=True, eq=False)
-class SpotLight:
+class PointLight(_Positioned):
+    """Sphere of uniform luminance (``radius`` > 0) or point (``radius`` = 0). [m]"""
+
+    id: str
+    name: str
+    output: Output
+    position: np.ndarray
+    radius: float = 0.0
+    visible_to_camera: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SpotLight(_Positioned):
     """Point of constant intensity inside a cone, with a smoothstep edge as Blender draws it.
 
     ``half_angle`` [rad] is where the light ends; ``blend`` 0..1 is the share of the cone taken by the soft edge;
@@ -71,16 +84,6 @@ class SpotLight:
     blend: float = 0.0
     radius: float = 0.0
 
-    @property
-    def place(self) -> np.ndarray:
-        """Where it stands. (3,) [m]"""
-        return np.asarray(self.position, dtype=np.float64)
-
-    @property
-    def reach(self) -> float:
-        """Radius of a sphere about the place that holds its body. [m]"""
-        return float(self.radius)
-
 
 @dataclass(frozen=True, eq=False)
 class SunLight:
@@ -94,7 +97,7 @@ class SunLight:
 
 
 @dataclass(frozen=True, eq=False)
-class AreaLight:
+class AreaLight(_Framed):
     """One-sided Lambertian rectangle or ellipse.
 
     Parameters
@@ -122,18 +125,13 @@ class AreaLight:
         return area * np.pi / 4.0 if self.shape == "ellipse" else area
 
     @property
-    def place(self) -> np.ndarray:
-        """Where it stands. (3,) [m]"""
-        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
-
-    @property
     def reach(self) -> float:
         """Radius of a sphere about the place that holds its body. [m]"""
         return 0.5 * float(np.hypot(self.size_x, self.size_y))
 
 
 @dataclass(frozen=True, eq=False)
-class LineLight:
+class LineLight(_Framed):
     """Straight tube of uniform luminance whose curved side shines by the cosine law; its ends are dark.
 
     Parameters
@@ -156,18 +154,13 @@ class LineLight:
         return 2.0 * np.pi * self.radius * self.length
 
     @property
-    def place(self) -> np.ndarray:
-        """Where it stands. (3,) [m]"""
-        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
-
-    @property
     def reach(self) -> float:
         """Radius of a sphere about the place that holds its body. [m]"""
         return float(np.hypot(0.5 * self.length, self.radius))
 
 
 @dataclass(frozen=True, eq=False)
-class Luminaire:
+class Luminaire(_Framed):
     """Light with a measured or made intensity distribution, from a point or from its luminous opening.
 
     Seen from afar it gives the distribution, scaled so that its flux is the output's; close by, every part of the opening
@@ -190,11 +183,6 @@ class Luminaire:
     opening: Opening = Opening()
     visible_to_camera: bool = True
     rays: RayEmission | None = None
-
-    @property
-    def place(self) -> np.ndarray:
-        """Where it stands. (3,) [m]"""
-        return np.asarray(self.frame, dtype=np.float64)[:3, 3]
 
     @property
     def reach(self) -> float:

@@ -10,7 +10,15 @@ import pytest
 from baking_rooms import bake, error_ratio, furnished_room, lamp, lumel_places, moved
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import UniformWorld
-from lumenray.engine.scene.material import Coated, Diffuse, Emission, Material, ThinGlass
+from lumenray.engine.scene.material import (
+    Black,
+    Coated,
+    Diffuse,
+    Emission,
+    Glossy,
+    Material,
+    ThinGlass,
+)
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Tabulated
 from small_scenes import box, paint, quad, session_of
 
@@ -148,6 +156,48 @@ def test_a_closed_room_takes_in_all_the_light_of_its_lamp(method):
     expected = 1000.0 / (1.0 - 0.6)
     assert abs(total - bias - expected) < 4.0 * errors
     assert total == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("levels", [(3, 5, 0), (3, 0, 5)], ids=["few over mirrors", "many"])
+def test_samples_over_mirrors_may_be_as_many_or_as_few_as_a_plan_wants(monkeypatch, levels):
+    """A ball over a black floor beside a mirror: both it and its image act like points; rays find them as well."""
+    from lumenray.engine.transport.lux_maps.job import KINDS, NO_SAMPLES, Levels
+
+    direct, gathered, mirrored = levels
+
+    def uneven(cls, count, samples, kinds):
+        assert KINDS.index("mirrored") in kinds
+        columns = np.full((len(KINDS), count), NO_SAMPLES, dtype=np.uint8)
+        for kind, level in (("direct", direct), ("gathered", gathered), ("mirrored", mirrored)):
+            columns[KINDS.index(kind)] = level
+        return cls(columns)
+
+    monkeypatch.setattr(Levels, "even", classmethod(uneven))
+    share, place = 0.9, np.array([0.6, 0.0, 1.0])
+    floor = quad("floor", (-1.0, -1.0, 0.0), (2.0, 0, 0), (0, 2.0, 0), "black")
+    items = (
+        floor,
+        quad("mirror", (1.2, -6.0, 0.0), (0, 0, 6.0), (0, 12.0, 0), "mirror"),
+        Material("black", "black", Black()),
+        Material("mirror", "mirror", Glossy(Constant(share), 0.0)),
+        lamp(place, radius=0.25),
+    )
+    result = bake(items, ("floor",), 32, density=16.0)
+    values = result.lumels(0)
+    points, _ = lumel_places(result, result.maps[0], floor)
+
+    def from_point(source):
+        away = source - points
+        return 1000.0 / (4.0 * np.pi) * away[:, 2] / np.linalg.norm(away, axis=1) ** 3
+
+    image = place * [-1.0, 1.0, 1.0] + [2.4, 0.0, 0.0]
+    straight, over = from_point(place), share * from_point(image)
+    assert over.mean() > 0.1 * straight.mean()
+    # The middle of a lumel stands for its mean within 0.1 %: curvature times the square of a lumel over 24.
+    off = (values.illuminance - straight - over).mean()
+    error = np.sqrt((values.standard_error.astype(float) ** 2).mean() / len(points))
+    assert error < 0.01 * over.mean()
+    assert abs(off) < 4.0 * error + 0.001 * straight.mean()
 
 
 @pytest.mark.slow

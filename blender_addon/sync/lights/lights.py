@@ -79,6 +79,20 @@ def convert_light(
     return light
 
 
+def is_tube(data) -> bool:
+    """Whether a light is a tube, if no file says how it shines."""
+    return data.type == "POINT" and data.lumenray.tube_length > 0.0
+
+
+def place_tube(data, matrix, scale: float) -> tuple[np.ndarray, float, float]:
+    """Frame (4, 4) of a tube along its x, length and radius, in the unit of ``scale`` for a Blender unit."""
+    matrix = np.array(matrix, dtype=np.float64)
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    frame = _frame(matrix[:3, :3] / np.maximum(lengths, 1e-30), matrix[:3, 3] * scale)
+    radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
+    return frame, data.lumenray.tube_length * float(lengths[0]) * scale, radius
+
+
 def _convert(source, place, efficacy, report, images, is_patient):
     """Convert a light by what decides how it shines."""
     if is_rayset(source) or is_luminaire(source):
@@ -124,13 +138,10 @@ def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images
     _tell_scales(data, name, lengths, scale, report)
     match data.type:
         case "POINT":
+            if is_tube(data):
+                placed = place_tube(data, matrix, scale)
+                return LineLight(light_id, name, output, *placed, source.visible_camera)
             radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
-            if data.lumenray.tube_length > 0.0:
-                length = data.lumenray.tube_length * lengths[0] * scale
-                frame = _frame(axes, position)
-                return LineLight(
-                    light_id, name, output, frame, length, radius, source.visible_camera
-                )
             return PointLight(light_id, name, output, position, radius, source.visible_camera)
         case "SPOT":
             return SpotLight(
@@ -267,7 +278,7 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
     spectrum = light_spectrum(rgb)
     spread_out = not getattr(data, "normalize", True)
     match data.type:
-        case "POINT" if settings.tube_length > 0.0:
+        case "POINT" if is_tube(data):
             # What a ball of the same settings sends, and of its luminance.
             if spread_out:
                 return Output(Quantity.LUMINANCE, lumens / np.pi, spectrum)

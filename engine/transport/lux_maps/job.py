@@ -45,7 +45,7 @@ KINDS = ("direct", "gathered", "guided", "mirrored")
 
 ALL_KINDS = DIRECT, GATHERED, GUIDED, MIRRORED = 0, 1, 2, 3
 
-COSTS = (1.0, 2.5, 1.5, 1.25)
+COSTS = (1.0, 2.5, 1.5, 1.1)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
 
 SAMPLE_COST = COSTS[DIRECT] + COSTS[GATHERED]
