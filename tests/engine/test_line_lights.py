@@ -1,5 +1,7 @@
 """Luminous tubes against integrals over their surface, and the closed form of a Lambertian line."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from baking_rooms import bake_in
@@ -156,3 +158,18 @@ def test_a_tube_without_a_body_is_refused():
         SceneError, match=r"'tube': its tube has a length of 1\.2 m and a radius of 0 m"
     ):
         session_of(light).measure([(0, 0, -1)], [(0, 0, 1)], StopRule(samples=16))
+
+
+def test_a_tube_that_is_moved_and_resized_gives_what_a_new_one_gives():
+    first = tube(place=(0.0, 0.3, 0.5))
+    other = tube(axis=(0.2, 1.0, -0.4), place=(-0.3, 0.0, 0.1), radius=0.05)
+    other = replace(other, length=0.7)
+    rule, where = StopRule(samples=256), ([(0.1, 0.2, -0.8)], [(0.0, 0.0, 1.0)])
+    session = session_of(first)
+    before = session.measure(*where, rule, seed=1).illuminance[0]
+    session.apply(SceneDelta(changed=(other,)))
+    after = session.measure(*where, rule, seed=1).illuminance[0]
+    assert after != pytest.approx(before, rel=0.01)
+    anew = session_of(other).measure(*where, rule, seed=1).illuminance[0]
+    # Its edges, as rays meet them, are rounded in another way.
+    assert after == pytest.approx(anew, rel=3e-4)
