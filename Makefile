@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-all validate mutations lint extension smoke viewer viewport panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check smoke viewer viewport panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -18,29 +18,32 @@ setup: ## make the virtual environment and check the system libraries (quick whe
 	@packaging/bootstrap.sh
 
 demo: setup ## render and bake a bundled scene into out/
-	$(VENV)/bin/lumenray demo -o $(OUT)
+	$(VENV)/bin/lumenray demo --force -o $(OUT)
 
 scenes: setup ## build the bundled scenes anew with a real Blender (root)
 	@tests/real_blender/write_library.sh scenes
 
-luminaires: setup ## render the library's luminaires anew and write their assets with a real Blender (root)
-	$(PYTHON_IN_VENV) -m lumenray.libraries.luminaires
+luminaires: setup ## compute the library's luminaires anew, render what has no picture, write assets with a real Blender (root)
+	$(PYTHON_IN_VENV) -m lumenray.tools.libraries.luminaires files
+	$(PYTHON_IN_VENV) -m lumenray.tools.libraries.luminaires assets
 	@tests/real_blender/write_library.sh luminaires
 
 materials: setup ## compute the library's materials anew, render them and write their assets with a real Blender (root)
-	$(PYTHON_IN_VENV) -m lumenray.libraries.materials tables
-	$(PYTHON_IN_VENV) -m lumenray.libraries.materials assets --pictures all --sheet docs/pictures/material_library.png
+	$(PYTHON_IN_VENV) -m lumenray.tools.libraries.materials files
+	$(PYTHON_IN_VENV) -m lumenray.tools.libraries.materials assets --pictures all --force --sheet docs/pictures/material_library.png
 	@tests/real_blender/write_library.sh materials
 
 # Two at a time: while one waits, for an engine that starts or a kernel that is compiled, the other computes.
 test: setup ## run the tests, all but the slow ones and those that need a real Blender
 	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal -m "not slow"
 
-test-all: setup ## run the slow tests too
-	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal
+test-slow: setup ## run the slow tests until one fails
+	$(PYTHON_IN_VENV) -m pytest -n 2 --dist worksteal -m slow --exitfirst
+
+test-all: test test-slow ## run all tests
 
 validate: setup ## run the whole validation suite, other programs too, and write its report into docs/validation
-	$(VENV)/bin/lumenray validate --peers -o docs/validation
+	$(VENV)/bin/lumenray validate --peers
 
 mutations: setup ## put faults of physics into the engine, see that the quick subset finds each, and write the table
 	$(PYTHON_IN_VENV) -m lumenray.validation.mutations -o docs/validation
@@ -53,8 +56,16 @@ lint: setup ## check style, format and the direction of imports
 extension: setup ## build the extension's zips for this platform into dist/
 	$(PYTHON_IN_VENV) packaging/build_extension.py
 
-smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time)
-	@tests/real_blender/run_smoke.sh
+denoiser: setup ## build the denoiser pack for this platform, an extension of its own, into dist/
+	$(PYTHON_IN_VENV) packaging/denoiser_pack.py
+
+zips-check: setup ## build the zips of all systems into dist/, check them by reading, and print what was found
+	$(PYTHON_IN_VENV) packaging/build_extension.py --all
+	$(PYTHON_IN_VENV) packaging/denoiser_pack.py --all
+	$(PYTHON_IN_VENV) packaging/platform_report.py
+
+smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time; BLENDER=5.2 for another)
+	@LUMENRAY_BLENDER="$(or $(BLENDER),4.3)" tests/real_blender/run_smoke.sh
 
 viewer: setup ## load an exported scene in three.js in a headless Chromium (root the first time)
 	@tests/viewer/setup.sh
@@ -68,3 +79,5 @@ panels: setup ## take pictures of every panel at default width into out/real-ble
 
 docs-screenshots: setup ## take the guide's pictures of Blender's window into docs/pictures (root)
 	@tests/real_blender/screenshots.sh
+	@tests/real_blender/start_panel.sh
+	@LUMENRAY_BLENDER=5.2 tests/real_blender/start_panel.sh

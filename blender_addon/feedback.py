@@ -17,7 +17,11 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..engine.accuracy.stopping import Progress, format_seconds
+from .foundation import engine_process
+from .foundation.handlers import leave, listen
+from .foundation.preferences import device
 from .foundation.probe import Probe
+from .foundation.redraw import redraw
 from .foundation.report import ConversionReport
 
 SEVERITIES = [
@@ -42,8 +46,12 @@ class LumenrayEngineStatus(PropertyGroup):
 
     checked: BoolProperty(name="Checked", description="Whether the engine was looked for")
     usable: BoolProperty(name="Usable", description="Whether the engine can run")
-    cause: StringProperty(name="Cause", description="What was found")
+    cause: StringProperty(name="Cause", description="What was found wrong")
     remedy: StringProperty(name="Remedy", description="What to do about it")
+    found: StringProperty(
+        name="Devices",
+        description="What was looked at to compute on, a line each, with what it showed",
+    )
 
 
 class LumenrayJob(PropertyGroup):
@@ -53,16 +61,20 @@ class LumenrayJob(PropertyGroup):
     is_stopping: BoolProperty(name="Stopping", description="Whether it is to end with what it has")
     progress: FloatProperty(
         name="Progress",
-        description="Part that is done",
+        description="Share of the work that is done, 0 to 1",
         min=0.0,
         max=1.0,
         subtype="FACTOR",
     )
     text: StringProperty(name="State", description="What the job is at")
     stage: StringProperty(name="Stage", description="Part of the work that is being done")
-    samples: IntProperty(name="Samples", description="Per point, so far", min=0)
-    error: FloatProperty(name="Error", description="Relative standard error so far; 0 is unknown")
-    left: StringProperty(name="Time Left", description="As forecast; empty while that is unknown")
+    samples: IntProperty(name="Samples", description="Number of samples per point, so far", min=0)
+    error: FloatProperty(
+        name="Error", description="Relative standard error so far, as a share; 0 is unknown"
+    )
+    left: StringProperty(
+        name="Time Left", description="Time left as forecast; empty while that is unknown"
+    )
 
 
 class LumenrayReportRow(PropertyGroup):
@@ -70,10 +82,12 @@ class LumenrayReportRow(PropertyGroup):
 
     severity: EnumProperty(name="Severity", description="How much it matters", items=SEVERITIES)
     datablock: StringProperty(name="Where", description="Object, material, light or world")
-    node: StringProperty(name="Node", description="Node inside it")
+    node: StringProperty(name="Node", description="Node inside the data-block")
     message: StringProperty(name="What", description="What could not be taken over")
     remedy: StringProperty(name="Instead", description="What was done instead")
-    count: IntProperty(name="Count", description="How often it occurred", default=1, min=1)
+    count: IntProperty(
+        name="Count", description="Number of times that it occurred", default=1, min=1
+    )
 
 
 class LumenrayFeedback(PropertyGroup):
@@ -106,10 +120,7 @@ def show_report(window_manager, report: ConversionReport) -> None:
 def show_render(window_manager, text: str) -> None:
     """Show how well the last picture is known, where it is looked at."""
     window_manager.lumenray.render = text
-    for window in window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"IMAGE_EDITOR", "PROPERTIES"}:
-                area.tag_redraw()
+    redraw("IMAGE_EDITOR", "PROPERTIES")
 
 
 def begin_job(window_manager) -> None:
@@ -132,7 +143,14 @@ def show_progress(window_manager, progress: Progress) -> None:
 
 def check_engine(window_manager) -> bool:
     """Find out whether the engine can run, note it and return it; takes some seconds."""
-    return note_status(window_manager, Probe().wait())
+    return note_status(window_manager, Probe(device()).wait())
+
+
+def check_again() -> None:
+    """Forget what was found and look again in the background, as after Blender's start."""
+    for window_manager in bpy.data.window_managers:
+        window_manager.lumenray.engine.checked = False
+    _start_check()
 
 
 def note_status(window_manager, status) -> bool:
@@ -140,9 +158,9 @@ def note_status(window_manager, status) -> bool:
     engine = window_manager.lumenray.engine
     engine.checked = True
     engine.usable, engine.cause, engine.remedy = status.usable, status.cause, status.remedy
-    for window in window_manager.windows:
-        for area in window.screen.areas:
-            area.tag_redraw()
+    engine.found = "\n".join(status.found)
+    engine_process.note_device(status.device)
+    redraw()
     return status.usable
 
 
@@ -156,31 +174,43 @@ def report_text(window_manager) -> str:
     return "\n".join(lines)
 
 
-def _first_check():
-    """Return a timer function that asks the engine once without holding up the window."""
-    probe = None
+_open_questions: list[Probe] = []
+"""The probe that runs, if any."""
 
-    def look():
-        nonlocal probe
-        managers = [wm for wm in bpy.data.window_managers if hasattr(wm, "lumenray")]
-        if not managers or managers[0].lumenray.engine.checked:
-            if probe is not None:
-                probe.close()
-            return None
-        if probe is None:
-            probe = Probe()
-        status = probe.poll()
-        if status is None:
-            return CHECK_INTERVAL
-        note_status(managers[0], status)
+
+def _look():
+    """Ask the engine once without holding up the window; for a timer."""
+    managers = [wm for wm in bpy.data.window_managers if hasattr(wm, "lumenray")]
+    if not managers or managers[0].lumenray.engine.checked:
+        _drop_question()
         return None
-
-    return look
+    if not _open_questions:
+        _open_questions.append(Probe(device()))
+    status = _open_questions[0].poll()
+    if status is None:
+        return CHECK_INTERVAL
+    _open_questions.clear()
+    note_status(managers[0], status)
+    return None
 
 
 def _start_check() -> None:
+    """Look anew; what was asked before may have been of another device."""
+    _end_check()
     if not bpy.app.background:
-        bpy.app.timers.register(_first_check(), first_interval=FIRST_CHECK)
+        bpy.app.timers.register(_look, first_interval=FIRST_CHECK)
+
+
+def _end_check() -> None:
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    _drop_question()
+
+
+def _drop_question() -> None:
+    for probe in _open_questions:
+        probe.close()
+    _open_questions.clear()
 
 
 @persistent
@@ -199,18 +229,20 @@ CLASSES = (
 )
 
 
+_HANDLERS = {"load_post": _forget}
+
+
 def attach():
     """Attach the group to Blender's window manager; the classes must be registered."""
     bpy.types.WindowManager.lumenray = PointerProperty(
         type=LumenrayFeedback, options={"HIDDEN", "SKIP_SAVE"}
     )
-    if _forget not in bpy.app.handlers.load_post:
-        bpy.app.handlers.load_post.append(_forget)
+    listen(_HANDLERS)
     _start_check()
 
 
 def detach():
     """Take the group off again."""
-    if _forget in bpy.app.handlers.load_post:
-        bpy.app.handlers.load_post.remove(_forget)
+    leave(_HANDLERS)
+    _end_check()
     del bpy.types.WindowManager.lumenray

@@ -2,22 +2,11 @@
 
 import bpy
 
-from ..engine.scene.light import (
-    AreaLight,
-    LineLight,
-    Luminaire,
-    PointLight,
-    Quantity,
-    SpotLight,
-    SunLight,
-)
-from . import readout
+from ..engine.scene.light import Quantity
 from .foundation.report import ConversionReport
 from .foundation.units import metres_per_unit
+from .sync.lights.kinds import kind_of, read_light
 from .sync.lights.lights import convert_light
-
-NOTHING = {"SUN": "ILLUMINANCE"}
-"""Quantity of a light that gives nothing; a flux where none is named."""
 
 SAME = 1e-5
 """Relative difference up to which a stated amount counts as the one that was found here; properties are single precision."""
@@ -31,24 +20,14 @@ def find_amount(light, scene) -> tuple[str, float]:
     light : bpy.types.Light
     scene : bpy.types.Scene    For the meaning of watts, and an object that has the light.
     """
-    made = _convert(light, scene)
-    if made is None:
-        return NOTHING.get(light.type, "LUMINOUS_FLUX"), 0.0
-    quantity, value = made.output.quantity, made.output.value
-    match made:
-        case SunLight():
-            return "ILLUMINANCE", value
-        case AreaLight() | LineLight() if quantity is Quantity.LUMINANCE:
-            # Not normalised by its size: this is what stays when it is made larger.
-            return "LUMINANCE", value
-        case AreaLight() | LineLight() | Luminaire():
-            return "LUMINOUS_FLUX", value
-        case PointLight():
-            return "LUMINOUS_FLUX", readout.read_point(quantity.name, value, made.radius).flux
-        case SpotLight():
-            reading = readout.read_spot(quantity.name, value, made.half_angle, made.blend)
-            return "LUMINOUS_FLUX", reading.flux
-    raise TypeError(f"{type(made).__name__} is no light that Blender's own settings make")
+    converted = _convert(light, scene)
+    if converted is None:
+        return kind_of(light).whole.name, 0.0
+    quantity, value = converted.output.quantity, converted.output.value
+    if quantity is Quantity.LUMINOUS_INTENSITY:
+        return Quantity.LUMINOUS_FLUX.name, read_light(converted).flux
+    # A luminance is that of a light which is not normalised by its size: it stays when the light is made larger.
+    return quantity.name, value
 
 
 def start(light, scene) -> None:

@@ -8,16 +8,16 @@ from functools import lru_cache
 import numpy as np
 
 from ..engine.accuracy.stopping import format_seconds
-from ..engine.photometry import units
 from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
+from ..engine.scene.light import Output, Quantity
 from ..engine.scene.spectrum import Rgb
 from ..engine.sky.cie import ground_luminance, zenith_luminance
 from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
 from .sky import angles, onto_horizon, towards_lamp
-from .sync.lights.lights import PHYSICAL_QUANTITIES, is_tube
+from .sync.lights.kinds import Kind, Place, is_spread_out, kind_of
 from .sync.meshes import MESH_TYPES
 from .sync.nodes.fields import luminance
 from .sync.spectra import convert_spectrum
@@ -30,14 +30,13 @@ UNITS = {
     "LUMINANCE": "cd/m²",
     "RADIANT_FLUX": "W",
 }
-"""Unit of every quantity of a light."""
+"""Unit of every quantity of a light; watts of a sun are per square metre."""
 
 NAMES = {
     "LUMINOUS_FLUX": "Luminous Flux",
     "LUMINOUS_INTENSITY": "Intensity",
     "ILLUMINANCE": "Illuminance",
     "LUMINANCE": "Luminance",
-    "RADIANT_FLUX": "Radiant Flux",
 }
 """What the amount of a light is called in each quantity."""
 
@@ -50,88 +49,11 @@ NEEDS_THE_ENGINE = "the amount in lumens depends on the spectrum and is known wh
 
 
 @dataclass(frozen=True)
-class Reading:
-    """One light in all units; None where a quantity has no meaning for it.
-
-    Parameters
-    ----------
-    flux : float or None    Total emitted. [lm]
-    intensity : float or None    On the axis. [cd]
-    illuminance : float or None    At 1 m on the axis by the inverse-square law; of a sun, facing it. [lx]
-    luminance : float or None    Of the luminous surface, on the axis. [cd/m2]
-    """
-
-    flux: float | None = None
-    intensity: float | None = None
-    illuminance: float | None = None
-    luminance: float | None = None
-
-
-@dataclass(frozen=True)
 class Description:
     """Lines (label, value) for a panel, and a ``problem`` in one sentence, empty if there is none."""
 
     lines: tuple[tuple[str, str], ...] = ()
     problem: str = ""
-
-
-def read_point(quantity: str, value: float, radius: float = 0.0) -> Reading:
-    """All quantities of a point or a uniform sphere.
-
-    Parameters
-    ----------
-    quantity : str    LUMINOUS_FLUX [lm], LUMINOUS_INTENSITY [cd], ILLUMINANCE [lx at 1 m] or LUMINANCE [cd/m2].
-    value : float    Its amount.
-    radius : float    0 is a point. [m]
-    """
-    per_lumen = units.intensity_from_flux_isotropic(1.0)
-    per_candela = units.luminance_from_intensity_sphere(1.0, radius) if radius > 0.0 else None
-    if quantity == "LUMINOUS_FLUX":
-        intensity = value * per_lumen
-    elif quantity == "LUMINANCE":
-        intensity = value / per_candela if per_candela else 0.0
-    else:
-        intensity = value
-    surface = intensity * per_candela if per_candela else None
-    return Reading(intensity / per_lumen, intensity, intensity, surface)
-
-
-def read_spot(quantity: str, value: float, half_angle: float, blend: float) -> Reading:
-    """All quantities of a spot. ``half_angle`` [rad]; ``blend``: share of the soft edge. [-]"""
-    solid_angle = units.spot_solid_angle(half_angle, blend)
-    intensity = value / solid_angle if quantity == "LUMINOUS_FLUX" else value
-    return Reading(intensity * solid_angle, intensity, intensity)
-
-
-def read_area(quantity: str, value: float, area: float, spread: float = np.pi) -> Reading:
-    """All quantities of a flat one-sided source. ``area`` [m2]; ``spread``: Blender's, pi is Lambertian. [rad]"""
-    per_lumen = units.luminance_from_flux_lambertian(1.0, area) * units.spread_axis_factor(spread)
-    if quantity == "LUMINOUS_FLUX":
-        surface = value * per_lumen
-    elif quantity == "LUMINANCE":
-        surface = value
-    else:
-        surface = value / area
-    return Reading(surface / per_lumen, surface * area, surface * area, surface)
-
-
-def read_line(quantity: str, value: float, length: float, radius: float) -> Reading:
-    """All quantities of a tube, whose axis for intensities is across it. ``length``, ``radius``: above 0 [m]."""
-    per_lumen = units.luminance_from_flux_lambertian(1.0, 2.0 * np.pi * radius * length)
-    seen = 2.0 * radius * length
-    if quantity == "LUMINOUS_FLUX":
-        surface = value * per_lumen
-    else:
-        surface = value if quantity == "LUMINANCE" else value / seen
-    return Reading(surface / per_lumen, surface * seen, surface * seen, surface)
-
-
-def read_sun(quantity: str, value: float, angle: float) -> Reading:
-    """All quantities of a sun. ``angle``: angular diameter. [rad]"""
-    per_lux = units.luminance_from_illuminance_disk(1.0, 0.5 * angle) if angle > 0.0 else None
-    if quantity == "LUMINANCE":
-        return Reading(illuminance=value / per_lux if per_lux else 0.0, luminance=value)
-    return Reading(illuminance=value, luminance=value * per_lux if per_lux else None)
 
 
 def title_case(label: str) -> str:
@@ -175,25 +97,24 @@ def format_amount(value: float, unit: str) -> str:
 
 
 def value_unit(light, quantity: str = "") -> str:
-    """Return the unit of a quantity, the stated one if none is named; watts of a sun are per square metre."""
-    quantity = quantity or light.lumenray.quantity
-    return "W/m²" if light.type == "SUN" and quantity == "RADIANT_FLUX" else UNITS[quantity]
+    """Return the unit of a quantity, the stated one if none is named."""
+    return _name_and_unit(light, quantity or light.lumenray.quantity)[1]
 
 
 def value_name(light) -> str:
     """Return what a physical light's value is called."""
-    quantity = light.lumenray.quantity
-    if light.type == "SUN" and quantity == "RADIANT_FLUX":
-        return "Irradiance"
-    return NAMES[quantity]
+    return _name_and_unit(light, light.lumenray.quantity)[0]
+
+
+def _name_and_unit(light, quantity: str) -> tuple[str, str]:
+    if quantity == "RADIANT_FLUX":
+        return kind_of(light).radiant
+    return NAMES[quantity], UNITS[quantity]
 
 
 def quantities_of(light) -> tuple[str, ...]:
-    """Return the quantities in which a light can be stated; a sun without a size has no luminance."""
-    named = PHYSICAL_QUANTITIES[light.type]
-    if light.type == "SUN" and light.angle <= 0.0:
-        return tuple(name for name in named if name != "LUMINANCE")
-    return named
+    """Return the quantities in which a light can be stated."""
+    return kind_of(light).quantities_of(light)
 
 
 def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0) -> Description:
@@ -206,18 +127,17 @@ def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0
     lengths : (3,) sequence    Scale of the light's object along its axes. [-]
     metres : float    Length of a Blender unit. [m]
     """
-    stated, problem = _stated_amount(light, settings, lengths)
-    if stated is None:
+    kind, place = kind_of(light), Place("", "", np.diag([*lengths, 1.0]), metres)
+    output, problem = _stated_output(light, kind, place, settings)
+    if output is None:
         return Description(problem=problem)
-    quantity, value = stated
-    reading = _read(light, quantity, value, np.abs(np.asarray(lengths, dtype=float)), metres)
+    reading = kind.read(kind.make(light, place, output))
     if reading is None:
         return Description(problem="the light has no size, so that it has no luminance")
-    at_one_metre = {"SUN": "Facing the sun", "AREA": "At 1 m (point)"}
     named = (
         ("Luminous flux", reading.flux, "lm"),
         ("Axial intensity", reading.intensity, "cd"),
-        (at_one_metre.get(light.type, "At 1 m on the axis"), reading.illuminance, "lx"),
+        (kind.place_of_illuminance, reading.illuminance, "lx"),
         ("Luminance", reading.luminance, "cd/m²"),
     )
     lines = [
@@ -385,36 +305,33 @@ def wrap(text: str, width: float, scale: float = 1.0) -> list[str]:
     return textwrap.wrap(printable(text), max(characters, 16)) or [""]
 
 
-def _stated_amount(light, settings, lengths):
-    """Return (quantity, value) in photometric units or None, and a problem."""
+def _stated_output(light, kind: Kind, place: Place, settings) -> tuple[Output | None, str]:
+    """Return what a light gives in a photometric quantity, or None, and a problem."""
     own = light.lumenray
     if not own.use_physical:
-        return _blender_amount(light, settings.efficacy, lengths)
-    if own.quantity not in PHYSICAL_QUANTITIES[light.type]:
-        allowed = ", ".join(UNITS[name] for name in PHYSICAL_QUANTITIES[light.type])
-        kind = light.type.lower()
-        return None, f"this quantity is not defined for a {kind} light; choose one of {allowed}"
+        return _blender_output(light, kind, place, settings.efficacy)
+    if own.quantity not in kind.quantities:
+        allowed = ", ".join(UNITS[name] for name in kind.quantities)
+        called = light.type.lower()
+        return None, f"this quantity is not defined for a {called} light; choose one of {allowed}"
     if own.quantity != "RADIANT_FLUX":
-        return (own.quantity, own.value), ""
+        return Output(Quantity[own.quantity], own.value), ""
     if own.spectrum == "FILE":
         return None, NEEDS_THE_ENGINE
     spectrum = convert_spectrum(own, _colour(light), ConversionReport(), light.name)
     if isinstance(spectrum, Rgb):
         return None, NEEDS_THE_ENGINE
-    quantity = "ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX"
-    return (quantity, own.value * _efficacy(spectrum)), ""
+    return Output(kind.whole, own.value * _efficacy(spectrum)), ""
 
 
-def _blender_amount(light, efficacy, lengths):
+def _blender_output(light, kind: Kind, place: Place, efficacy: float) -> tuple[Output | None, str]:
     """Return what Blender's own watts mean, and what of the light is left out of it."""
     amount = light.energy * 2.0 ** getattr(light, "exposure", 0.0) * efficacy
     amount *= float(luminance(_colour(light))[0])
     problem = "the light's own nodes come on top" if getattr(light, "use_nodes", False) else ""
-    if not getattr(light, "normalize", True):
+    if is_spread_out(light):
         return None, "not normalised by its size: the amount is known when rendering"
-    if light.type in {"POINT", "SPOT"} and not is_tube(light):
-        return ("LUMINOUS_INTENSITY", units.intensity_from_flux_isotropic(amount)), problem
-    return ("ILLUMINANCE" if light.type == "SUN" else "LUMINOUS_FLUX", amount), problem
+    return Output(*kind.amount(light, place, amount)), problem
 
 
 def _colour(light) -> np.ndarray:
@@ -427,29 +344,3 @@ def _colour(light) -> np.ndarray:
 @lru_cache(maxsize=64)
 def _efficacy(spectrum) -> float:
     return efficacy_of_spectrum(spectrum)
-
-
-def _read(light, quantity, value, lengths, metres) -> Reading | None:
-    if light.type == "SUN":
-        if quantity == "LUMINANCE" and light.angle <= 0.0:
-            return None
-        return read_sun(quantity, value, light.angle)
-    if light.type == "AREA":
-        area = _area(light, lengths) * metres**2
-        return read_area(quantity, value, area, light.spread) if area > 0.0 else None
-    if light.type == "SPOT":
-        return read_spot(quantity, value, 0.5 * light.spot_size, light.spot_blend)
-    radius = light.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * metres
-    if is_tube(light):
-        length = light.lumenray.tube_length * lengths[0] * metres
-        return read_line(quantity, value, length, radius) if radius > 0.0 else None
-    if quantity == "LUMINANCE" and radius <= 0.0:
-        return None
-    return read_point(quantity, value, radius)
-
-
-def _area(light, lengths) -> float:
-    """Luminous area in squares of Blender's unit."""
-    high = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
-    area = light.size * lengths[0] * high * lengths[1]
-    return area * np.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else area

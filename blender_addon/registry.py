@@ -8,21 +8,32 @@ from .rendering import render_engine
 
 def _groups():
     """Modules with something to register: classes, and functions that tie them to Blender and off again."""
-    from . import feedback, preferences
-    from .asset_library import registration as asset_libraries
+    from . import (
+        asset_libraries,
+        feedback,
+        first_steps,
+        migrate,
+        preferences,
+        setting_presets,
+        shown_lights,
+    )
     from .bake import results as baked_results
     from .bake import running as running_bake
-    from .foundation import engine_process, identity
-    from .raysets import files as ray_files
-    from .rendering import feed, view_drawing, viewport
-    from .scattering import files as scattering_files
+    from .foundation import engine_process, identity, running_trials
+    from .raysets.files import ray_files
+    from .rendering import light_mix, view_drawing, viewport
+    from .scattering.files import scattering_files
     from .sync import live
 
     return (
         properties,
+        migrate,
         preferences,
         asset_libraries,
+        setting_presets,
         feedback,
+        shown_lights,
+        first_steps,
         identity,
         baked_results,
         live,
@@ -30,7 +41,8 @@ def _groups():
         scattering_files,
         engine_process,
         running_bake,
-        feed,
+        running_trials,
+        light_mix,
         viewport,
         view_drawing,
         render_engine,

@@ -70,14 +70,20 @@ class LumenraySkySettings(PropertyGroup):
 
     type: EnumProperty(
         name="Type",
-        description="How the luminance is distributed over the sky, by CIE S 011 (ISO 15469)",
+        description=(
+            "How the luminance is distributed over the sky, by CIE S 011 (ISO 15469). Default 16: Overcast, "
+            "Traditional: the sky of the daylight factor"
+        ),
         items=TYPES,
         default="16",
         update=tag_owner,
     )
     illuminance: FloatProperty(
         name="Horizontal Illuminance",
-        description="By the sky alone, without the sun, on an unobstructed horizontal plane, in lx",
+        description=(
+            "By the sky alone, without the sun, on an unobstructed horizontal plane, in lx. Default 10000: an "
+            "overcast day"
+        ),
         default=10000.0,
         min=0.0,
         max=1e6,
@@ -89,16 +95,16 @@ class LumenraySkySettings(PropertyGroup):
     use_sun_lamp: BoolProperty(
         name="Scene's Sun",
         description=(
-            "Let the sky's sun stand where the scene's Sun light shines from: the first one by name if there are several. "
-            "Hidden ones and those inside instances do not count; one of strength 0 does. The two angles hold "
-            "if there is none"
+            "Let the sky's sun stand where the scene's Sun light shines from: the first one by name if there are "
+            "several. Hidden ones and those inside instances do not count; one of strength 0 does. The two angles "
+            "hold if there is none. Default on: sky and sun agree"
         ),
         default=True,
         update=tag_owner,
     )
     elevation: FloatProperty(
         name="Elevation",
-        description="Height of the sun above the horizon",
+        description="Height of the sun above the horizon. Default 45°: half way up, as on a summer morning",
         default=math.radians(45.0),
         min=0.0,
         max=math.radians(90.0),
@@ -108,7 +114,8 @@ class LumenraySkySettings(PropertyGroup):
     azimuth: FloatProperty(
         name="Azimuth",
         description=(
-            "Where the sun stands, as on a compass: 0° is north, along +Y; 90° is east, along +X; 180° is south"
+            "Where the sun stands, as on a compass: 0° is north, along +Y; 90° is east, along +X. Default 180°: "
+            "south, where it is at noon"
         ),
         default=math.radians(180.0),
         min=math.radians(-360.0),
@@ -119,7 +126,8 @@ class LumenraySkySettings(PropertyGroup):
     ground_reflectance: FloatProperty(
         name="Ground Reflectance",
         description=(
-            "Every direction below the horizon is as bright as a matt ground of this reflectance under the sky, 0 to 1"
+            "Every direction below the horizon is as bright as a matt ground of this reflectance under the sky, 0 "
+            "to 1. Default 0.2: grass and earth"
         ),
         default=0.2,
         min=0.0,
@@ -129,7 +137,10 @@ class LumenraySkySettings(PropertyGroup):
     )
     colour_temperature: FloatProperty(
         name="Colour Temperature",
-        description="Of the daylight that sky and ground give, in kelvins; it never changes the illuminance",
+        description=(
+            "Of the daylight that sky and ground give, in kelvins; it never changes the illuminance. Default 6500: "
+            "that of D65, average daylight"
+        ),
         default=6500.0,
         min=4000.0,
         max=25000.0,

@@ -4,8 +4,10 @@ import argparse
 from pathlib import Path
 
 from ..engine.errors import LumenrayError
-from .luminaire import say as tell
-from .terminal import quiet
+from .blend_file import quiet, start_blender
+from .options import numbers, real, size, whole, words
+from .output import add_force, check_free
+from .output import say as tell
 
 DOCUMENTS = Path("docs/benchmarks")
 """Where documents of whole benchmarks belong; those of parts go to `PARTS`."""
@@ -13,23 +15,22 @@ DOCUMENTS = Path("docs/benchmarks")
 PARTS = Path("out")
 
 
-def add_commands(commands, read_words, read_numbers, read_count) -> None:
-    """Describe the commands.
-
-    Parameters
-    ----------
-    commands : argparse's sub-parsers    To which ``benchmark`` is added.
-    read_words, read_numbers, read_count : callable    From text to words, whole numbers and a number from 1 on.
-    """
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
     benchmark = commands.add_parser("benchmark", help="measure the speed of this machine")
+    benchmark.set_defaults(run=run)
     kinds = benchmark.add_subparsers(dest="kind", required=True, metavar="KIND")
 
-    rooms = _add(kinds, "rooms", "random small rooms against paths from the lights", "of a part")
-    rooms.add_argument("--count", type=read_count, default=300, help="how many (default: 300)")
-    rooms.add_argument("--first", type=int, default=0, help="number of the first (default: 0)")
-    hidden = _add(kinds, "hidden", "light that is hard to find against closed forms", "of a part")
+    rooms = _add(
+        kinds, "rooms", _run_rooms, "random small rooms against paths from the lights", "of a part"
+    )
+    rooms.add_argument("--count", type=whole(), default=300, help="how many (default: 300)")
+    rooms.add_argument("--first", type=whole(0), default=0, help="number of the first (default: 0)")
+    hidden = _add(
+        kinds, "hidden", _run_hidden, "light that is hard to find against closed forms", "of a part"
+    )
     hidden.add_argument(
-        "--seeds", type=read_count, default=20, metavar="N", help="runs of each scene (default: 20)"
+        "--seeds", type=whole(), default=20, metavar="N", help="runs of each scene (default: 20)"
     )
     hidden.add_argument(
         "--scene",
@@ -38,20 +39,44 @@ def add_commands(commands, read_words, read_numbers, read_count) -> None:
         help="only this scene (may be repeated; default: all)",
     )
     for kind in (rooms, hidden):
-        kind.add_argument("--jobs", type=read_count, default=1, help="processes (default: 1)")
+        kind.add_argument("--jobs", type=whole(), default=1, help="processes (default: 1)")
 
-    sync = _add(kinds, "sync", "what edits cost, compared with sending the whole scene")
+    sync = _add(kinds, "sync", _run_sync, "what edits cost, compared with sending the whole scene")
     sync.add_argument(
-        "--scenes", type=read_words, metavar="A,B", help="triangles (default: 10k,100k,1M,3M)"
+        "--scenes", type=words, metavar="A,B", help="triangles (default: 10k,100k,1M,3M)"
     )
     sync.add_argument(
-        "--objects", type=read_numbers, metavar="N,M", help="numbers of objects (default: 100,1000)"
+        "--objects", type=numbers, metavar="N,M", help="numbers of objects (default: 100,1000)"
     )
-    _add(kinds, "raysets", "error over the size of ray files, convergence, speed")
-    _add(kinds, "scattering", "measured materials: storage over error, sampling, speed, pictures")
+    _add(kinds, "raysets", _run_raysets, "error over the size of ray files, convergence, speed")
+    _add(
+        kinds,
+        "scattering",
+        _run_scattering,
+        "measured materials: storage over error, sampling, speed, pictures",
+    )
+    denoising = _add(
+        kinds,
+        "denoising",
+        _run_denoising,
+        "denoised pictures of the office: error and means, beside Cycles at equal time",
+    )
+    denoising.add_argument(
+        "--keep",
+        type=Path,
+        metavar="FOLDER",
+        help="keep pictures here, and take those that are already there",
+    )
+    _add_with_peers(kinds)
+    _add_pictures(kinds)
+
+
+def _add_with_peers(kinds) -> None:
+    """Add the kinds that other programs are compared in."""
     luminaires = _add(
         kinds,
         "luminaires",
+        _run_luminaires,
         "agreement with Radiance, speed of look-up and noise of luminaires",
         "with --files",
     )
@@ -64,12 +89,14 @@ def add_commands(commands, read_words, read_numbers, read_count) -> None:
     accuracy = _add(
         kinds,
         "accuracy",
+        _run_accuracy,
         "error over time against exact values, beside Radiance and Cycles",
         "with --quick",
     )
     atlas = _add(
         kinds,
         "atlas",
+        _run_atlas,
         "stated errors, forecasts, speed and leaks of lux maps, beside references and other programs",
         "with --quick",
     )
@@ -94,6 +121,43 @@ def add_commands(commands, read_words, read_numbers, read_count) -> None:
     )
 
 
+def _add_pictures(kinds) -> None:
+    """Add the kind that compares pictures."""
+    pictures = _add(
+        kinds,
+        "pictures",
+        _run_pictures,
+        "time to an error of pictures, their bias, stated errors and forecasts, beside Cycles",
+        "of a part",
+    )
+    pictures.add_argument(
+        "--scenes", type=words, metavar="A,B", help="only these scenes (default: all six)"
+    )
+    pictures.add_argument(
+        "--size",
+        type=size(16, 4096),
+        metavar="WxH",
+        help="of the pictures in pixels (default: 640x400)",
+    )
+    pictures.add_argument(
+        "--budget",
+        type=real(),
+        metavar="SECONDS",
+        help="time for the pictures of each program in each scene (default: 240)",
+    )
+    pictures.add_argument(
+        "--peers",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="run Cycles too, where it is installed (default: yes)",
+    )
+    pictures.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; its scenes are not measured again",
+    )
+
+
 def run(options) -> int:
     """Run the command; 1 where a benchmark has a verdict and it is against us."""
     try:
@@ -102,21 +166,16 @@ def run(options) -> int:
         raise LumenrayError(
             "this installation has no benchmarks; they come with Lumenray's source code"
         ) from None
-    return {
-        "rooms": _run_rooms,
-        "hidden": _run_hidden,
-        "sync": _run_sync,
-        "raysets": _run_raysets,
-        "scattering": _run_scattering,
-        "luminaires": _run_luminaires,
-        "accuracy": _run_accuracy,
-        "atlas": _run_atlas,
-    }[options.kind](options, report_progress)
+    named = options.output and options.output / f"{options.kind}.md"
+    if not getattr(options, "resume", False):
+        check_free(options, named, options.json)
+    return options.measure(options, report_progress)
 
 
-def _add(kinds, name: str, words: str, part: str = ""):
-    """Begin a kind of benchmark. ``part``: when it is one whose document goes elsewhere."""
+def _add(kinds, name: str, measure, words: str, part: str = ""):
+    """Begin a kind of benchmark that ``measure`` runs. ``part``: when it is one whose document goes elsewhere."""
     kind = kinds.add_parser(name, help=words)
+    kind.set_defaults(measure=measure)
     kind.add_argument("--json", type=Path, metavar="OUT.json", help="write all numbers here")
     elsewhere = f", {part} {PARTS}" if part else ""
     kind.add_argument(
@@ -126,6 +185,7 @@ def _add(kinds, name: str, words: str, part: str = ""):
         metavar="DIR",
         help=f"folder for {name}.md and its pictures (default: {DOCUMENTS}{elsewhere})",
     )
+    add_force(kind)
     return kind
 
 
@@ -154,14 +214,10 @@ def _run_hidden(options, say) -> int:
 
 
 def _run_sync(options, say) -> int:
-    try:
-        import bpy  # noqa: F401
-    except ImportError as error:
-        raise LumenrayError(
-            f"Blender's Python module cannot be loaded ({error}); run 'make setup'"
-        ) from None
+    start_blender()
+    from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.sync import run as sync
-    from ..benchmarks.sync.bars import check_bars, tell_bars
+    from ..benchmarks.sync.bars import COLUMNS, check_bars
 
     scenes, objects = options.scenes or tuple(sync.SCENES), options.objects or sync.OBJECTS
     unknown = [name for name in scenes if name not in sync.SCENES]
@@ -171,7 +227,7 @@ def _run_sync(options, say) -> int:
         )
     with quiet():
         result = sync.run(scenes, objects, say=say)
-    tell(tell_bars(check_bars(result)))
+    tell(tell_bars(check_bars(result), COLUMNS))
     _write(sync, result, options)
     return 0
 
@@ -187,6 +243,18 @@ def _run_scattering(options, say) -> int:
     from ..benchmarks.scattering import run as scattering
 
     _write(scattering, scattering.run(say=say), options)
+    return 0
+
+
+def _run_denoising(options, say) -> int:
+    start_blender()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.denoising import run as denoising
+    from ..benchmarks.denoising.document import check_bars
+
+    result = denoising.run(options.keep, say=say)
+    tell(tell_bars(check_bars(result)))
+    _write(denoising, result, options)
     return 0
 
 
@@ -237,6 +305,40 @@ def _run_atlas(options, say) -> int:
     compared = compare_results(earlier, result)
     tell(tell_bars(compared))
     return int(not all(bar.passed for bar in compared))
+
+
+def _run_pictures(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.pictures import run as pictures
+
+    if options.resume and options.json is None:
+        raise LumenrayError("--resume needs --json: the file that is gone on with")
+    earlier = None
+    if options.resume and options.json.exists():
+        earlier = pictures.read_results(options.json)
+    _start_engine()
+    from ..benchmarks.pictures.bars import check_bars
+    from ..benchmarks.pictures.scenes import BUILDERS, SIZE
+
+    scenes = options.scenes or tuple(BUILDERS)
+    unknown = [name for name in scenes if name not in BUILDERS]
+    if unknown:
+        raise LumenrayError(
+            f"there is no scene {', '.join(unknown)}; choose from {', '.join(BUILDERS)}"
+        )
+    wanted, budget = options.size or SIZE, options.budget or pictures.BUDGET
+    is_part = set(scenes) != set(BUILDERS) or tuple(wanted) != SIZE or budget < pictures.BUDGET
+    folder = options.output or (PARTS if is_part else DOCUMENTS)
+
+    def keep(result: dict, key: str, pair) -> None:
+        if pair is not None:
+            pictures.write_pair(pair, key, folder)
+        pictures.write_results(result, folder, options.json)
+
+    result = pictures.measure(scenes, wanted, budget, keep, options.peers, earlier, say)
+    tell(tell_bars(check_bars(result)))
+    _write(pictures, result, options, is_part)
+    return 0
 
 
 def _start_engine() -> None:

@@ -1,56 +1,44 @@
 """The command ``lumenray explain``: how a scene is computed, and what that costs in exactness."""
 
-import json
 from dataclasses import asdict
 
 from ..blender_addon import assumptions
-from .luminaire import say
+from .blend_file import open_session
+from .options import add_scene, transport_of
+from .output import name_cell, percent, rounded, say, say_json, sheet, table
 
 NEAREST = 10
 """Objects of every ray set that are told of."""
 
 
-def add_command(commands):
-    """Describe the command, below argparse's sub-parsers ``commands``; return its parser."""
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
     explain = commands.add_parser(
         "explain", help="how a scene is computed: what is traced how, and what that costs"
     )
+    add_scene(explain)
     explain.add_argument("--json", action="store_true", help="JSON instead of text")
     explain.add_argument(
         "--all", action="store_true", help="all objects of every ray set, not the nearest ten"
     )
-    return explain
+    # What is missing is told, too.
+    explain.set_defaults(run=run, accept_missing=True)
 
 
-def run(options, depsgraph, transport: str) -> int:
-    """Explain an open file.
-
-    Raises
-    ------
-    LumenrayError    The scene cannot be computed.
-    """
-    from ..blender_addon.sync.scene import convert_scene
-    from ..engine.session import Session
-
-    converted = convert_scene(depsgraph)
-    session = Session()
-    session.apply(converted.delta)
-    made = session.explain(transport)
-    report = converted.report
+def run(options) -> int:
+    """Explain a file; return the exit code."""
+    settings, report, session = open_session(options)
+    made = session.explain(transport_of(options, settings))
     if options.json:
-        say(json.dumps({**asdict(made), "conversion": report.to_dicts()}, indent=2))
-        return 0
-    say(str(options.file))
-    for text in made.decisions:
-        say(f"  transport  {text}")
-    say(f"  traced     {made.traced}")
-    for text in made.notes:
-        say(f"  note       {text}")
+        say_json(rounded({**asdict(made), "conversion": report.to_dicts()}))
+        return assumptions.exit_code(report, is_accepted=False)
+    told = [("transport", made.decisions), ("traced", made.traced), ("notes", made.notes)]
+    say(sheet(str(options.file), told))
     most = None if options.all else NEAREST
     for light in dict.fromkeys(choice.light for choice in made.choices):
         _print_choices([choice for choice in made.choices if choice.light == light], most)
     assumptions.tell(report)
-    return 0
+    return assumptions.exit_code(report, is_accepted=False)
 
 
 def _print_choices(choices, most: int | None) -> None:
@@ -59,14 +47,19 @@ def _print_choices(choices, most: int | None) -> None:
     say(
         f"\nray set '{first.light}': in lux maps rays within {_length(first.limit)}, a point beyond"
     )
-    say(
-        f"  {'object':28} {'nearest':>9} {'sizes':>7}  {'lux maps':8} {'error':>7}  {'pictures, sensors':>17}"
-    )
-    for choice in choices[:most]:
-        say(
-            f"  {choice.receiver[:28]:28} {_length(choice.nearest):>9} {choice.sizes:7.1f}  {choice.method:8} "
-            f"{100 * choice.error:5.2g} %  {100 * choice.point_error:15.2g} %"
+    rows = [("object", "nearest", "sizes", "lux maps", "error", "pictures, sensors")]
+    rows += [
+        (
+            name_cell(choice.receiver),
+            _length(choice.nearest),
+            f"{choice.sizes:.1f}",
+            choice.method,
+            percent(choice.error, ".2g"),
+            percent(choice.seen_error, ".2g"),
         )
+        for choice in choices[:most]
+    ]
+    say(table(rows))
     if most is not None and len(choices) > most:
         say(f"  and {len(choices) - most} objects farther away (--all tells them)")
 

@@ -3,6 +3,8 @@
 import signal
 import sys
 
+from .output import complain
+
 
 class Interruption:
     """While it is entered, Ctrl-C is a word to a job; for the main thread.
@@ -31,4 +33,5 @@ class Interruption:
         else:
             text = "cancelling"
             self._job.cancel()
-        sys.stderr.write(f"\nlumenray: {text}\n")
+        sys.stderr.write("\n")
+        complain(text)

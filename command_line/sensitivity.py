@@ -1,12 +1,13 @@
 """The command ``lumenray sensitivity``: what illuminance at sensors changes per 1 % of what each material reflects."""
 
-import math
 from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.scene.sensor import SensorKind
-from .luminaire import say
-from .rayset import ShareBar
+from .blend_file import open_session
+from .options import add_scene, add_sensors, seed_of, share, transport_of, whole, words
+from .output import add_force, check_free, name_cell, percent, rounded, say, table
+from .progress import Bar
 
 SAMPLES = 4096
 """Paths per sensor and estimate, where nothing else is said."""
@@ -15,18 +16,13 @@ STRONG = 1.0
 """From here on an error of a material's reflectance shows larger in the result than it is. [-]"""
 
 
-def add_command(commands):
-    """Describe the command, below argparse's sub-parsers ``commands``; return its parser."""
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
     parser = commands.add_parser(
         "sensitivity", help="what illuminance at sensors changes per 1 %% of each material"
     )
-    parser.add_argument(
-        "--sensors",
-        required=True,
-        type=Path,
-        metavar="IN.csv",
-        help="x,y,z,nx,ny,nz in metres; the normal is where the sensor faces",
-    )
+    add_scene(parser)
+    add_sensors(parser)
     parser.add_argument(
         "-o",
         "--output",
@@ -35,121 +31,108 @@ def add_command(commands):
         help="report with the figures of every sensor",
     )
     parser.add_argument(
-        "--materials", default="", metavar="A,B", help="by name (default: all that are used)"
+        "--materials",
+        type=words,
+        default=(),
+        metavar="A,B",
+        help="by name (default: all that are used)",
     )
     parser.add_argument(
         "--uncertainty",
-        type=float,
+        type=share(),
         default=0.05,
         metavar="U",
-        help="relative uncertainty of each reflectance to tell the consequence of (default: 0.05)",
+        help="relative uncertainty of each reflectance to tell the consequence of (default: 5%%)",
     )
     parser.add_argument(
         "--samples",
-        type=int,
+        type=whole(),
         default=SAMPLES,
         metavar="N",
         help=f"paths per sensor and estimate, 8 estimates a material (default: {SAMPLES})",
     )
-    parser.add_argument(
-        "--kind",
-        choices=[kind.value for kind in SensorKind],
-        default=SensorKind.PLANAR.value,
-        help="which illuminance (default: planar)",
-    )
+    add_force(parser)
     assumptions.add_option(parser)
-    return parser
+    parser.set_defaults(run=run)
 
 
-def run(options, depsgraph, transport: str, seed: int) -> int:
-    """Find and tell the sensitivities of an open file.
-
-    Raises
-    ------
-    LumenrayError    The scene cannot be computed, a file not be read or written, or a material is unknown.
-    """
-    from ..blender_addon.sync.scene import convert_scene
+def run(options) -> int:
+    """Find and tell the sensitivities of a file."""
     from ..engine.accuracy.stopping import StopRule
-    from ..engine.errors import SceneError
     from ..engine.formats.report import write_json
     from ..engine.formats.sensors import read_sensors
     from ..engine.sensitivity import measure_sensitivities
-    from ..engine.session import Session
 
-    if not 0.0 < options.uncertainty <= 1.0:
-        raise SceneError(f"--uncertainty is {options.uncertainty:g}, expected above 0, at most 1")
+    check_free(options, options.output)
     sensors = read_sensors(options.sensors)
-    converted = convert_scene(depsgraph)
-    assumptions.refuse_missing(converted.report, options.accept_missing)
-    session = Session()
-    session.apply(converted.delta)
+    settings, report, session = open_session(options)
+    seed = seed_of(options, settings)
     chosen = _ids(session.scene, options.materials)
-    with ShareBar("sensitivity") as bar:
+    with Bar("sensitivity") as bar:
         made = measure_sensitivities(
             session,
             sensors[:, :3],
             sensors[:, 3:],
             StopRule(samples=options.samples),
             seed,
-            transport,
+            transport_of(options, settings),
             SensorKind(options.kind),
             chosen,
-            bar,
+            bar.share,
         )
-    say(
-        f"{'material':32} {'change per 1 %':>15} {'error':>8} {f'with {100 * options.uncertainty:g} %':>10}"
-    )
-    for one in made:
-        consequence = (1.0 + options.uncertainty) ** one.mean - 1.0
-        say(
-            f"{one.name[:32]:32} {one.mean:13.3f} % {one.mean_error:6.3f} % {100 * consequence:8.2f} %"
-        )
-    strong = [one.name for one in made if abs(one.mean) >= STRONG]
-    if strong:
-        say(f"errors grow on the way to the sensors for {', '.join(strong)}: measure these first")
+    _tell(made, options.uncertainty)
     if options.output is not None:
-        rows = [
-            {
-                "material": one.name,
-                "id": one.material,
-                "quantity": "relative change of illuminance over that of the reflectance",
-                "unit": "1",
-                "mean": one.mean,
-                "standard_error": one.mean_error,
-                "each": [_known(value) for value in one.each],
-                "each_standard_error": [_known(value) for value in one.each_error],
-            }
-            for one in made
-        ]
         content = {
             "scene": str(options.file),
             "seed": seed,
             "samples": options.samples,
             "sensors": len(sensors),
-            "sensitivities": rows,
-            "conversion": converted.report.to_dicts(),
+            "sensitivities": [_report(one) for one in made],
+            "conversion": report.to_dicts(),
         }
         write_json(options.output, content)
         say(f"written to {options.output}")
-    assumptions.tell(converted.report)
-    return assumptions.exit_code(converted.report, options.accept_missing)
+    assumptions.tell(report)
+    return assumptions.exit_code(report, options.accept_missing)
 
 
-def _ids(scene, names: str):
+def _tell(made, uncertainty: float) -> None:
+    """Print a table of sensitivities, and which materials to measure first."""
+    rows = [("material", "change per 1 %", "error", f"with {percent(uncertainty)}")]
+    for one in made:
+        consequence = percent((1.0 + uncertainty) ** one.mean - 1.0, ".2f")
+        cells = (f"{one.mean:.3f} %", f"{one.mean_error:.3f} %", consequence)
+        rows.append((name_cell(one.name), *cells))
+    say(table(rows))
+    strong = [one.name for one in made if abs(one.mean) >= STRONG]
+    if strong:
+        say(f"errors grow on the way to the sensors for {', '.join(strong)}: measure these first")
+
+
+def _report(one) -> dict:
+    """Row of a material for JSON."""
+    return {
+        "material": one.name,
+        "id": one.material,
+        "quantity": "relative change of illuminance over that of the reflectance",
+        "unit": "1",
+        "mean": one.mean,
+        "standard_error": one.mean_error,
+        "each": rounded(one.each),
+        "each_standard_error": rounded(one.each_error),
+    }
+
+
+def _ids(scene, names: tuple[str, ...]):
     """Ids of materials by name; None for all."""
     from ..engine.errors import SceneError
 
-    wanted = [name.strip() for name in names.split(",") if name.strip()]
-    if not wanted:
+    if not names:
         return None
     known = {material.name: key for key, material in scene.materials.items()}
-    for name in wanted:
+    for name in names:
         if name not in known:
             raise SceneError(
                 f"the scene has no material '{name}', expected one of {', '.join(sorted(known))}"
             )
-    return [known[name] for name in wanted]
-
-
-def _known(value) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return [known[name] for name in names]

@@ -14,13 +14,14 @@ class SceneError(LumenrayError):
 
 
 class FileFormatError(LumenrayError):
-    """A file cannot be read: names the file, the line, what was found and what was expected."""
+    """A file cannot be read: names file and line, what was found and what was expected; ``fault`` leaves out the file."""
 
     def __init__(self, path, message, line=None):
         place = f"{path}, line {line}" if line is not None else str(path)
         super().__init__(f"{place}: {message}")
         self.path = str(path)
         self.line = line
+        self.fault = message if line is None else f"line {line}: {message}"
 
 
 class Cancelled(LumenrayError):  # noqa: N818 - not a fault

@@ -12,29 +12,16 @@ the repetitions.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .accuracy.stopping import StopRule
 from .errors import SceneError
 from .scattering.data.surface import excess_of, usable
-from .scene.material import (
-    Coated,
-    Dielectric,
-    Diffuse,
-    Glossy,
-    Material,
-    Measured,
-    Mix,
-    TabulatedPane,
-    ThinGlass,
-    Transparent,
-)
+from .scene.material import Material, Measured
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
-from .scene.spectrum import Constant, Rgb, Tabulated
-from .scene.texture import ImageTexture
 from .session import Session
 
 STEP, LEAST_STEP = 0.02, 0.0005
@@ -91,7 +78,7 @@ def measure_sensitivities(
     Cancelled
     """
     chosen = _choose(session.scene, materials)
-    done, made = 0, []
+    done, sensitivities = 0, []
     for material in chosen:
         surface = material.surface
         if isinstance(surface, Measured):
@@ -101,22 +88,22 @@ def measure_sensitivities(
         readings: list[list[np.ndarray]] = []
         try:
             for factor in scheme.factors:
-                changed = replace(material, surface=scale_surface(surface, factor))
+                changed = replace(material, surface=surface.scaled(factor))
                 session.apply(SceneDelta((changed,)))
                 readings.append([])
                 for repetition in range(REPETITIONS):
-                    found = session.measure(
+                    measured = session.measure(
                         positions, normals, rule, seed + repetition, transport,
                         kind=kind, witness=False,
                     )  # fmt: skip
-                    readings[-1].append(found.illuminance)
+                    readings[-1].append(measured.illuminance)
                     done += 1
                     if progress is not None:
                         progress(min(done / (2.5 * REPETITIONS * len(chosen)), 1.0))
         finally:
             session.apply(SceneDelta((material,)))
-        made.append(_compare(material, scheme, np.array(readings, dtype=np.float64)))
-    return sorted(made, key=lambda each: -abs(each.mean))
+        sensitivities.append(_compare(material, scheme, np.array(readings, dtype=np.float64)))
+    return sorted(sensitivities, key=lambda each: -abs(each.mean))
 
 
 @dataclass(frozen=True)
@@ -137,7 +124,7 @@ def _choose_scheme(surface) -> _Scheme:
         ]
         largest = max(sides) * surface.factor
     else:
-        largest = _largest(surface)
+        largest = surface.largest
     if largest * (1.0 + STEP) <= 1.0:
         return _Scheme((1.0 - STEP, 1.0 + STEP), (-0.5 / STEP, 0.5 / STEP), (0.5, 0.5))
     # Light that is reflected often grows as 1 / (1 - rho): steps stay well below what is missing to 1.
@@ -171,85 +158,13 @@ def _choose(scene: Scene, materials: Sequence[str] | None) -> list[Material]:
     from .transport.requirements import used_materials
 
     if materials is None:
-        return [m for m in used_materials(scene) if scale_surface(m.surface, 1.0) is not None]
-    made = []
+        return [m for m in used_materials(scene) if m.surface.scaled(1.0) is not None]
+    chosen = []
     for key in materials:
         if key not in scene.materials:
             raise SceneError(f"the scene holds no material with the id {key}")
-        if scale_surface(scene.materials[key].surface, 1.0) is None:
+        if scene.materials[key].surface.scaled(1.0) is None:
             name = scene.materials[key].name
             raise SceneError(f"material '{name}' has no reflectance that could be changed")
-        made.append(scene.materials[key])
-    return made
-
-
-def scale_surface(surface, factor: float):
-    """Return a surface that reflects and lets through ``factor`` times as much of what it lacks no law for; None: nothing.
-
-    What follows from a refractive index is not changed: the mirror reflection of coats, panes and metals.
-    """
-    match surface:
-        case Measured():
-            return replace(surface, factor=surface.factor * factor)
-        case TabulatedPane():
-            return replace(
-                surface,
-                transmittance=np.asarray(surface.transmittance) * factor,
-                reflectance=np.asarray(surface.reflectance) * factor,
-            )
-        case Mix():
-            parts = [scale_surface(part, factor) for part in (surface.first, surface.second)]
-            if parts == [None, None]:
-                return None
-            first, second = (
-                old if new is None else new
-                for old, new in zip((surface.first, surface.second), parts, strict=True)
-            )
-            return replace(surface, first=first, second=second)
-        case Diffuse() | Coated() | Glossy() | ThinGlass() | Transparent() | Dielectric():
-            changed = {
-                name: _scale_colour(value, factor) for name, value in _colours(surface).items()
-            }
-            return replace(surface, **changed)
-    return None
-
-
-def _colours(surface) -> dict:
-    """Spectra of a surface that say how much it reflects or lets through, by their names."""
-    names = {"reflectance", "transmittance", "tint"}
-    found = {field.name: getattr(surface, field.name) for field in fields(surface)}
-    return {k: v for k, v in found.items() if k in names and v is not None}
-
-
-def _scale_colour(value, factor: float):
-    match value:
-        case Constant():
-            return Constant(value.value * factor)
-        case Rgb():
-            return Rgb(value.red * factor, value.green * factor, value.blue * factor)
-        case Tabulated():
-            return replace(value, values=value.values * factor)
-        case ImageTexture():
-            return replace(value, pixels=value.pixels * np.float32(factor))
-    return value
-
-
-def _largest(surface) -> float:
-    """Largest sum of what a surface's spectra say. [-]"""
-    match surface:
-        case Mix():
-            return max(_largest(surface.first), _largest(surface.second))
-        case TabulatedPane():
-            return float((np.asarray(surface.transmittance) + surface.reflectance).max())
-    largest = 0.0
-    for value in _colours(surface).values() if surface is not None else ():
-        match value:
-            case Constant():
-                largest += value.value
-            case Rgb():
-                largest += max(value.red, value.green, value.blue)
-            case Tabulated():
-                largest += float(value.values.max())
-            case ImageTexture():
-                largest += float(value.pixels.max())
-    return largest
+        chosen.append(scene.materials[key])
+    return chosen

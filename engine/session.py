@@ -8,229 +8,34 @@ import gc
 import threading
 import time
 from collections.abc import Callable
-from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
-from enum import Enum
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 import numpy as np
 
 from . import VERSION
+from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
 from .baking.order import BakeOrder, BakeResult
 from .errors import SceneError
+from .grouped_picture import Rendered, render_groups
+from .live import WatchedView
+from .measurements import Measurement, SurfaceProbe
 from .scene.camera import Camera
 from .scene.checks import check_item
+from .scene.light_groups import share_out
 from .scene.material import Surface
 from .scene.provenance import Provenance
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
-
-
-@dataclass(frozen=True)
-class ViewSettings:
-    """What a picture has to contain.
-
-    ``spectral_file``: where its bands are written as a spectral OpenEXR; ``transparent``: whether to tell what of it is the
-    surroundings behind everything.
-    """
-
-    rule: StopRule
-    seed: int = 0
-    illuminance: bool = False
-    bands: int = 0
-    transport: str = "auto"
-    spectral_file: str | None = None
-    transparent: bool = False
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A rendered view. Row 0 is the bottom row.
-
-    Parameters
-    ----------
-    tristimulus : (h, w, 3) float32    X, Y, Z with Y the luminance. [cd/m2]
-    luminance_error : (h, w) float32    Standard error of Y. [cd/m2]
-    relative_error : float    Root mean square over the pixels of their error over the larger of their own and the mean
-        luminance. [-]
-    depth : (h, w) float32    Along the view axis, at the pixel's centre; 1e10 where nothing is seen. [m]
-    normal : (h, w, 3) float32    World space, at the pixel's centre; 0 where nothing is seen.
-    object_index, material_index : (h, w) float32
-    albedo : (h, w, 3) float32    Diffuse reflectance at the pixel's centre, for filters; 1 without a matt part. [-]
-    illuminance, illuminance_error : (h, w) float32 or None
-        Of the surface that is seen, through panes. [lx]
-    bands : (h, w, b) float32 or None    Spectral radiance per band. [W/(m2 sr nm)]
-    band_edges : (b + 1,) float64 or None    [nm]
-    backdrop : (h, w, 3) float32 or None    Part of ``tristimulus`` by surroundings that are seen straight. [cd/m2]
-    coverage : (h, w) float32 or None    Share of a pixel that shows anything else. [-]
-    """
-
-    tristimulus: np.ndarray
-    luminance_error: np.ndarray
-    relative_error: float
-    depth: np.ndarray
-    normal: np.ndarray
-    object_index: np.ndarray
-    material_index: np.ndarray
-    albedo: np.ndarray
-    provenance: Provenance
-    illuminance: np.ndarray | None = None
-    illuminance_error: np.ndarray | None = None
-    bands: np.ndarray | None = None
-    band_edges: np.ndarray | None = None
-    backdrop: np.ndarray | None = None
-    coverage: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class LiveSettings:
-    """What a live view has to compute. ``samples`` per pixel are the most it goes to."""
-
-    samples: int = 1024
-    seed: int = 0
-    illuminance: bool = False
-    transport: str = "auto"
-
-
-class DisplayMode(Enum):
-    """What a live view shows."""
-
-    PICTURE = "picture"  # scene-linear colour, 1 at the white luminance
-    LUMINANCE = "luminance"  # the same without colour
-    FALSE_LUMINANCE = "false_luminance"  # cd/m2 in false colours
-    FALSE_ILLUMINANCE = "false_illuminance"  # lx in false colours
-
-
-@dataclass(frozen=True)
-class Display:
-    """How a live view turns numbers into what is seen.
-
-    Parameters
-    ----------
-    mode : DisplayMode
-    white : float or None    Luminance that becomes 1; None: from the picture itself. [cd/m2]
-    low, high : float    Ends of the false colours' scale; ``high`` 0: from the picture itself. [cd/m2 or lx]
-    logarithmic : bool    Whether the scale of the false colours is logarithmic.
-    """
-
-    mode: DisplayMode = DisplayMode.PICTURE
-    white: float | None = 200.0
-    low: float = 0.0
-    high: float = 0.0
-    logarithmic: bool = False
-
-
-@dataclass(frozen=True)
-class Commit:
-    """What bringing the engine's objects up to date took.
-
-    Parameters
-    ----------
-    items : int    Items that the deltas since the last time named.
-    action : str    For people: what had to be done.
-    seconds : float    For the objects.
-    first_sample_seconds : float    From then to the first samples.
-    """
-
-    items: int = 0
-    action: str = ""
-    seconds: float = 0.0
-    first_sample_seconds: float = 0.0
-
-
-@dataclass(frozen=True)
-class Frame:
-    """State of a live view. Row 0 is the bottom row; smaller than the view while it is coarse.
-
-    Parameters
-    ----------
-    pixels : (h, w, 4) float32
-        Scene-linear colour and 1 (pictures and luminance), or display colours in sRGB (false colours).
-    is_display_referred : bool    Whether ``pixels`` are display colours that no view transform must touch.
-    low, high : float    Ends of the scale, in ``unit``; ``is_logarithmic``: whether equal ratios are equal lengths.
-    revision : int    Number of the scene's state: how many deltas had been applied.
-    samples : int    Per pixel.
-    relative_error : float    As in `Picture`; infinite while unknown.
-    is_final : bool    Whether no better frame will come.
-    """
-
-    pixels: np.ndarray
-    is_display_referred: bool
-    is_logarithmic: bool
-    low: float
-    high: float
-    unit: str
-    revision: int
-    samples: int
-    relative_error: float
-    is_final: bool
-    commit: Commit
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """Illuminance at sensors.
-
-    Parameters
-    ----------
-    illuminance, standard_error : (n,) float64    [lx]
-    tristimulus : (n, 3) float64 or None    X, Y, Z with Y the illuminance, where colour was asked for. [lx]
-    tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
-    balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
-    """
-
-    illuminance: np.ndarray
-    standard_error: np.ndarray
-    provenance: Provenance
-    tristimulus: np.ndarray | None = None
-    tristimulus_error: np.ndarray | None = None
-    balance: dict | None = None
-
-
-@dataclass(frozen=True)
-class SurfaceProbe:
-    """What a goniometer reads of a surface.
-
-    Parameters
-    ----------
-    angles : (n,) float64 or None    Between the normal and the direction that light came from; None: even light. [deg]
-    reflectance, transmittance : (n,) float64    Shares of the arriving energy, into all directions together. [-]
-    reflectance_error, transmittance_error : (n,) float64    Standard errors. [-]
-    """
-
-    angles: np.ndarray | None
-    reflectance: np.ndarray
-    transmittance: np.ndarray
-    reflectance_error: np.ndarray
-    transmittance_error: np.ndarray
-
+from .views import Commit, Display, DisplayMode, Frame, LiveSettings, Picture, ViewSettings
 
 SENSOR_GROUPS = 16
 """Independent groups for sensors: enough for an error of each, within 18 % of itself."""
 
-FRAME_INTERVAL = 0.08
-"""Shortest time between two frames of a live view. [s]"""
-
-FRAME_SHARE = 0.25
-"""Largest share of a live view's time that is spent on making frames."""
-
 _ONE_AT_A_TIME = threading.RLock()
 """Mitsuba's variant belongs to the process, so jobs of several threads wait for each other."""
-
-
-@dataclass
-class _View:
-    """The live view that was asked for, and its state of work."""
-
-    camera: Camera
-    settings: LiveSettings
-    display: Display
-    work: object = None
-    revision: int = -1
-    is_shown: bool = False
-    shown_at: float = 0.0
-    frame_seconds: float = 0.0
 
 
 @contextmanager
@@ -266,7 +71,7 @@ class Session:
         self._variant = ""
         self._requirements: tuple | None = None
         self._pending: dict[str, None] = {}
-        self._view: _View | None = None
+        self._view: WatchedView | None = None
         self._cancel = self._stop = False
         self._is_busy = False
 
@@ -314,18 +119,21 @@ class Session:
         """
         check_item(camera)
         with self._engine(settings.transport) as compiled:
-            from .transport.light_tracing.bent_lights import bent_lights
-            from .transport.light_tracing.bright_spots import bright_spots
-            from .transport.paths import picture
-
             start = time.perf_counter()
-            seen = picture.look(compiled, picture.Film(camera, compiled.origin))
-            with bent_lights(compiled) as notes, bright_spots(compiled, *seen):
-                made, samples = picture.render(
-                    compiled, camera, settings, progress=progress, cancelled=self._cancelled
-                )
-            provenance = self._provenance(compiled, settings.seed, samples, start, notes)
-            finished = Picture(**made, provenance=provenance)
+            shares = share_out(self.scene, settings.groups) if settings.groups else []
+            if shares:
+
+                def render(own, follow):
+                    return self._render(compiled, camera, own, follow)
+
+                made = render_groups(compiled, shares, camera, settings, render, progress)
+            else:
+                made = self._render(compiled, camera, settings, progress)
+            notes = (*made.notes, *tell_lost(made.lost))
+            provenance = self._provenance(
+                compiled, settings.seed, made.samples, start, notes, made.decisions
+            )
+            finished = Picture(**made.fields, provenance=provenance)
             if settings.spectral_file and finished.bands is not None:
                 from .formats.exr import write_spectral
 
@@ -367,14 +175,20 @@ class Session:
         """
         with self._engine(transport) as compiled:
             from .transport.light_tracing.bent_lights import bent_lights
+            from .transport.light_tracing.blur import find_blur
             from .transport.light_tracing.bright_spots import bright_spots
+            from .transport.light_tracing.near_rays import near_rays
             from .transport.paths.illuminance import Receivers, compute
 
             start = time.perf_counter()
             receivers = Receivers.at_points(positions, normals, kind)
             heard = None
             seen = receivers.outlooks(compiled)
-            with bent_lights(compiled) as notes, bright_spots(compiled, *seen):
+            with (
+                near_rays(compiled, seen[0]) as kept,
+                bent_lights(compiled) as notes,
+                bright_spots(compiled, *seen),
+            ):
                 estimate = compute(
                     compiled,
                     receivers,
@@ -386,6 +200,11 @@ class Session:
                     reflections,
                     colour,
                 )
+                blur = find_blur(
+                    compiled, receivers, estimate.samples, seed, reflections, self._cancelled
+                )
+                if blur.any():
+                    estimate = estimate.widened(blur)
                 if witness and self._has_witness and len(estimate.mean):
                     from .transport.witness.sensors import hear_sensors
 
@@ -401,6 +220,8 @@ class Session:
                         self._cancelled,
                     )
                     estimate = estimate.widened(heard.floors)
+            made = estimate.samples * len(estimate.mean)
+            notes = (*notes, *kept, *tell_lost({"samples": (estimate.lost, made)}))
             provenance = self._provenance(compiled, seed, estimate.samples, start, notes)
         mean, error, balance = estimate.mean, estimate.standard_error, None
         if heard is not None:
@@ -509,7 +330,7 @@ class Session:
         ----------
         order : BakeOrder
         progress : callable or None    Gets a `Progress`, with the history of the error once there is one.
-        options : transport.lux_job.Options or None    For measuring how the parts of the method tell; None: the order's.
+        options : transport.lux_maps.job.Options or None    For measuring what parts of the method tell; None: the order's.
 
         Raises
         ------
@@ -517,7 +338,8 @@ class Session:
         Cancelled    After `cancel`; the order's checkpoint stays.
         """
         self._cancel = False
-        from .baking.run import Bake, Host
+        from .baking.host import Host
+        from .baking.run import bake
 
         if not self._has_witness:
             order = replace(order, witness=False)
@@ -530,7 +352,7 @@ class Session:
             lambda: self._stop,
         )
         try:
-            return Bake(host, order, progress, options).run()
+            return bake(host, order, progress, options)
         finally:
             self._stop = False
 
@@ -541,13 +363,15 @@ class Session:
         check_item(camera)
         if display.mode is DisplayMode.FALSE_ILLUMINANCE:
             settings = replace(settings, illuminance=True)
-        old = self._view
-        self._view = _View(camera, settings, display)
-        if old is not None and old.settings == settings and _is_same_view(old.camera, camera):
-            self._view = replace(old, camera=camera, display=display, is_shown=False)
+        if self._view is None:
+            self._view = WatchedView(camera, settings, display)
+        else:
+            self._view = self._view.changed(camera, settings, display)
 
     def unwatch(self) -> None:
         """End the live view."""
+        if self._view is not None:
+            self._view.leave()
         self._view = None
 
     @property
@@ -556,9 +380,9 @@ class Session:
         view = self._view
         if view is None or self._is_busy:
             return False
-        if view.revision != self.revision or view.work is None:
+        if not view.has_begun(self.revision):
             return True
-        return not (view.work.is_complete and view.is_shown)
+        return not view.is_done
 
     def refine(self) -> Frame | None:
         """Do one short slice of work on the live view.
@@ -575,37 +399,42 @@ class Session:
             return None
         view = self._view
         with self._engine(view.settings.transport, is_live=True) as compiled:
-            from .analysis.display import show
-            from .transport.paths.live_view import LiveView
-
             start = time.perf_counter()
-            is_new = view.revision != self.revision or view.work is None
+            is_new = not view.has_begun(self.revision)
             if is_new:
-                view.revision, view.work, view.is_shown = self.revision, None, False
-                view.work = LiveView(compiled, view.camera, view.settings)
-            is_pass_done = not view.work.is_complete and view.work.refine()
-            now = time.perf_counter()
+                view.begin(compiled, self.scene, self.revision)
+            is_due = view.refine()
             if is_new:
-                self.commit = replace(self.commit, first_sample_seconds=now - start)
-            waits = max(FRAME_INTERVAL, view.frame_seconds / FRAME_SHARE)
-            is_final = view.work.is_complete
-            is_due = now - view.shown_at > waits and (is_pass_done or view.work.factor == 1)
-            if not (is_new or is_final or is_due or not view.is_shown):
-                return None
-            image = view.work.image()
-            frame = Frame(
-                **show(image, view.display.mode.value, view.display),
-                revision=view.revision,
-                samples=view.work.samples,
-                relative_error=view.work.error,
-                is_final=is_final,
-                commit=self.commit,
-            )
-            view.is_shown, view.shown_at = True, time.perf_counter()
-            view.frame_seconds = view.shown_at - now
-        return frame
+                seconds = time.perf_counter() - start
+                self.commit = replace(self.commit, first_sample_seconds=seconds)
+            return view.frame(self.commit) if is_new or is_due else None
 
     # ---- private ----
+
+    def _render(self, compiled, camera: Camera, settings: ViewSettings, progress) -> Rendered:
+        """Render what shines of a compiled scene."""
+        from .transport.light_tracing.bent_lights import bent_lights
+        from .transport.light_tracing.bright_spots import bright_spots
+        from .transport.light_tracing.camera_light import CameraLight
+        from .transport.light_tracing.near_rays import near_rays
+        from .transport.paths.film import Film, look
+        from .transport.pictures import picture
+
+        uses_cells, reason = picture.choose_method(compiled, camera, settings)
+        film = Film(camera, compiled.origin)
+        seen = look(compiled, film)
+        with ExitStack() as lights:
+            kept = lights.enter_context(near_rays(compiled, seen[0]))
+            notes = lights.enter_context(bent_lights(compiled))
+            if not uses_cells:
+                lights.enter_context(bright_spots(compiled, *seen))
+            light = CameraLight(compiled, film, settings, self._cancelled)
+            traced = light if light.is_needed else None
+            made, samples, lost, more = picture.render(
+                compiled, camera, settings, uses_cells, progress, self._cancelled, traced
+            )
+        lost["paths of light"] = light.lost
+        return Rendered(made, samples, lost, (*notes, *light.notes, *kept, *more), (reason,))
 
     @contextmanager
     def _engine(self, transport: str, is_live: bool = False):
@@ -613,6 +442,7 @@ class Session:
         with self._alone(is_live):
             compiled = self._prepare(transport, is_live)
             if not is_live:
+                compiled.shine()
                 compiled.settle()
             yield compiled
 
@@ -652,7 +482,8 @@ class Session:
             # A live scene stays spectral, so that no change of colour costs a new start.
             needs = replace(needs, spectral=True)
         variant = backend.start(needs.spectral)
-        from .transport.compiled.compile import CompiledScene, Outgrown
+        from .transport.compiled.changes import Outgrown
+        from .transport.compiled.compile import CompiledScene
 
         start = time.perf_counter()
         compiled, self._compiled = self._compiled, None
@@ -695,7 +526,13 @@ class Session:
         return self._requirements[1]
 
     def _provenance(
-        self, compiled, seed: int, samples: int, start: float, notes: tuple[str, ...] = ()
+        self,
+        compiled,
+        seed: int,
+        samples: int,
+        start: float,
+        notes: tuple[str, ...] = (),
+        decisions: tuple[str, ...] = (),
     ) -> Provenance:
         return Provenance(
             engine_version=VERSION,
@@ -704,12 +541,6 @@ class Session:
             seed=seed,
             samples=samples,
             seconds=time.perf_counter() - start,
-            decisions=compiled.requirements.reasons,
+            decisions=(*compiled.requirements.reasons, *decisions),
             notes=(*compiled.notes, *notes),
         )
-
-
-def _is_same_view(a: Camera, b: Camera) -> bool:
-    return all(
-        np.array_equal(getattr(a, entry.name), getattr(b, entry.name)) for entry in fields(Camera)
-    )

@@ -5,7 +5,8 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatVectorProperty, StringProperty
 
-from ..blender_addon.luminaires import files, placing
+from ..blender_addon.luminaires import placing
+from ..blender_addon.luminaires.files import EXTENSIONS, photometric_files
 from ..blender_addon.luminaires.settings import settings_of
 from ..engine.errors import LumenrayError
 from .luminaire_files import FILTER, describe
@@ -14,12 +15,27 @@ from .luminaire_files import FILTER, describe
 class FileChoice:
     """Operator on one or several files, as Blender's browser and its drag and drop hand them over."""
 
-    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
-    directory: StringProperty(subtype="DIR_PATH", options={"SKIP_SAVE"})
-    files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"SKIP_SAVE"})
+    filepath: StringProperty(
+        description="Path of the photometric file; empty asks for files",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
+    )
+    directory: StringProperty(
+        description="Folder of the files that are chosen",
+        subtype="DIR_PATH",
+        options={"SKIP_SAVE"},
+    )
+    files: CollectionProperty(
+        description="Names of the files that are chosen",
+        type=bpy.types.OperatorFileListElement,
+        options={"SKIP_SAVE"},
+    )
     use_embed: BoolProperty(
         name="Embed",
-        description="Keep the content of the files in the Blender file; else only their paths",
+        description=(
+            "Keep the content of the files in the Blender file; else only their paths. Default on: the file can be "
+            "given away alone"
+        ),
         default=True,
     )
 
@@ -52,7 +68,7 @@ class FileChoice:
             return {"CANCELLED"}
         for empty in made:
             settings = settings_of(empty)
-            self.report(*describe(files.read(settings), settings, self.use_embed))
+            self.report(*describe(settings, photometric_files.obtain(settings), self.use_embed))
         return {"FINISHED"}
 
 
@@ -84,7 +100,7 @@ class LUMENRAY_OT_drop_luminaire(FileChoice, bpy.types.Operator):
 
     point: FloatVectorProperty(
         name="Place",
-        description="Where the first luminaire is mounted",
+        description="Where the first luminaire is mounted, in units of Blender",
         subtype="TRANSLATION",
         options={"SKIP_SAVE"},
     )
@@ -96,7 +112,9 @@ class LUMENRAY_OT_drop_luminaire(FileChoice, bpy.types.Operator):
     )
     on_surface: BoolProperty(
         name="On a Surface",
-        description="Stand on a surface at the place; else the 3D cursor is the place",
+        description=(
+            "Stand on a surface at the place; else the 3D cursor is the place. Default off: the mouse decides it"
+        ),
         default=False,
         options={"SKIP_SAVE"},
     )
@@ -118,7 +136,7 @@ class LUMENRAY_FH_luminaire(bpy.types.FileHandler):
     bl_idname = "LUMENRAY_FH_luminaire"
     bl_label = "Photometric File"
     bl_import_operator = "lumenray.drop_luminaire"
-    bl_file_extensions = ";".join(files.EXTENSIONS)
+    bl_file_extensions = ";".join(EXTENSIONS)
 
     @classmethod
     def poll_drop(cls, context):

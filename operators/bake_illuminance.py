@@ -14,11 +14,18 @@ from ..blender_addon.bake import results as baked_results
 from ..blender_addon.bake import running as running_bake
 from ..blender_addon.bake.error_graph import graph
 from ..blender_addon.foundation import engine_process
+from ..blender_addon.foundation.redraw import redraw
 from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
 
 ONCE = {"SKIP_SAVE"}
 """Options of what a call is told: the next one is not to find it again unseen."""
+
+RESUME = (
+    "Go on with the interrupted bake in the folder; error, time and samples may be others, all other settings must be as "
+    "they were"
+)
+"""What the button does that goes on with a bake."""
 
 
 class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
@@ -31,23 +38,27 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
 
     objects: StringProperty(
         name="Objects",
-        description="Names separated by commas; empty takes the selected objects",
+        description="Names of objects, separated by commas; empty takes the selected objects",
         options=ONCE,
     )
     density: FloatProperty(
         name="Lumels per Metre",
-        description="0 takes the scene's",
+        description="Density of the maps in lumels per metre. Default 0: the scene's density counts",
         default=0.0,
         min=0.0,
         max=1000.0,
         options=ONCE,
     )
     samples: IntProperty(
-        name="Samples", description="0 takes the scene's rule", default=0, min=0, options=ONCE
+        name="Samples",
+        description="Number of samples per lumel after which it ends. Default 0: the scene's ends count",
+        default=0,
+        min=0,
+        options=ONCE,
     )
     error: FloatProperty(
         name="Relative Error",
-        description="0 takes the scene's rule",
+        description="Relative standard error at which it ends, as a share. Default 0: the scene's ends count",
         default=0.0,
         min=0.0,
         max=1.0,
@@ -55,16 +66,23 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     )
     absolute: FloatProperty(
         name="Absolute Error",
-        description="In lx; 0 takes the scene's rule",
+        description="Standard error in lx at which it ends. Default 0: the scene's ends count",
         default=0.0,
         min=0.0,
         options=ONCE,
     )
     time: FloatProperty(
-        name="Seconds", description="0 takes the scene's rule", default=0.0, min=0.0, options=ONCE
+        name="Seconds",
+        description="Time in seconds after which it ends. Default 0: the scene's ends count",
+        default=0.0,
+        min=0.0,
+        options=ONCE,
     )
     folder: StringProperty(
-        name="Folder", description="Empty takes the scene's", subtype="DIR_PATH", options=ONCE
+        name="Folder",
+        description="Where the maps are written; empty takes the scene's folder",
+        subtype="DIR_PATH",
+        options=ONCE,
     )
     gltf: StringProperty(
         name="glTF",
@@ -74,10 +92,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     )
     resume: BoolProperty(
         name="Resume",
-        description=(
-            "Go on with the interrupted bake in the folder; error, time and samples may be others, all other settings must "
-            "be as they were"
-        ),
+        description=f"{RESUME}. Default off: a bake begins anew",
         default=False,
         options=ONCE,
     )
@@ -92,7 +107,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         """Say what the button does, which is one of two things."""
-        return cls.bl_rna.properties["resume"].description if properties.resume else ""
+        return RESUME if properties.resume else ""
 
     def execute(self, context):
         """Bake at once and return when done; for scripts."""
@@ -131,9 +146,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             return {"PASS_THROUGH"}
         bake_, manager = self._bake, context.window_manager
         bake_.show(manager)
-        for area in context.screen.areas:
-            if area.type in {"VIEW_3D", "PROPERTIES"}:
-                area.tag_redraw()
+        redraw("VIEW_3D", "PROPERTIES")
         if bake_.is_alive:
             return {"PASS_THROUGH"}
         bake_.end(manager)
@@ -153,10 +166,10 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         scene = context.scene
         settings = scene.lumenray
         chosen = self._objects(context)
-        folder = bake_folders.folder_of(settings, self.folder)
-        made = bake.read_settings(settings, chosen, self._rule(settings), folder)
+        folder = bake_folders.folder_of(settings.bake, self.folder)
+        made = bake.read_settings(settings, chosen, self._rule(settings.bake), folder)
         if self.density:
-            made = replace(made, density=self.density, densities={})
+            made = replace(made.ask(density=self.density), densities={})
         if self.gltf:
             made = replace(made, gltf=bake.gltf_path(bpy.path.abspath(self.gltf)))
         if self.resume:

@@ -10,9 +10,18 @@ class LUMENRAY_OT_check_engine(bpy.types.Operator):
 
     bl_idname = "lumenray.check_engine"
     bl_label = "Check Engine"
-    bl_options = {"REGISTER"}
+    # Not REGISTER: Blender would repeat it while the window waits.
+    bl_options = set()
+
+    def invoke(self, context, event):
+        """Look in the background: the panels tell what is found."""
+        if bpy.app.background:
+            return self.execute(context)
+        feedback.check_again()
+        return {"FINISHED"}
 
     def execute(self, context):
+        """Look and return when it is known; for scripts."""
         manager = context.window_manager
         if feedback.check_engine(manager):
             self.report({"INFO"}, "The engine is ready")

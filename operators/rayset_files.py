@@ -5,96 +5,72 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ..blender_addon.luminaires.files import stored_path
-from ..blender_addon.raysets import files
-from ..blender_addon.raysets import readout as rayset_readout
+from ..blender_addon.file_assets.kind import NotReadyError
+from ..blender_addon.foundation.selection import select_only
+from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import active_rays, rays_of
-from ..blender_addon.raysets.source import name_of
 from ..blender_addon.readout import title_case
 from ..engine.errors import LumenrayError
+from ..engine.raysets.reader import ENDINGS
 from ..libraries.raysets import PREFIX
 from ..libraries.raysets.catalogue import ENTRIES
+from .file_operators import FileOperator, LoadFile, ReloadFile
 
-FILTER = "*.tm25ray;*.ray;*.dat;*.dis;*.txt;*.rsf;*.src;*.sdf"
+FILTER = ";".join(f"*{ending}" for ending in ENDINGS)
 """Names that the file browser shows; what a file is follows from its content."""
-
-
-class ActiveRays:
-    """Operator on the ray file of the active light."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        settings = active_rays(context)
-        if settings is None:
-            cls.poll_message_set("Select a point, spot or area light")
-        elif settings.id_data.library is not None:
-            cls.poll_message_set("It is linked from another file, where it can be changed")
-        else:
-            return True
-        return False
 
 
 def choose(settings, path: str) -> None:
     """Let settings name a file: one of ours, or one on disk."""
-    settings.filepath = path if path.startswith((PREFIX, "//")) else stored_path(path)
+    settings.filepath = ray_files.stored(path)
     settings.use_file = True
-
-
-class LUMENRAY_OT_load_rayset(ActiveRays, bpy.types.Operator):
-    """Let the active light shine as the rays of a measured or computed source do: TM-25, Zemax, LightTools, SPEOS, ASAP"""
-
-    bl_idname = "lumenray.load_rayset"
-    bl_label = "Load Ray File"
-
-    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
-    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
-
-    def invoke(self, context, event):
-        if self.filepath:
-            return self.execute(context)
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context):
-        settings = active_rays(context)
-        before = settings.filepath, settings.use_file
-        choose(settings, self.filepath)
-        try:
-            light = files.obtain(settings, bpy.app.background)
-        except files.NotReadyError:
-            self.report({"INFO"}, f"{name_of(settings)}: its rays are being prepared")
-            return {"FINISHED"}
-        except LumenrayError as error:
-            settings.filepath, settings.use_file = before
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, describe(settings, light))
-        return {"FINISHED"}
 
 
 def describe(settings, light) -> str:
     """Say what was loaded."""
     flux = "no lumens stated" if light.luminous_flux is None else f"{light.luminous_flux:.4g} lm"
-    return f"{name_of(settings)}: {light.rays} rays, {flux}"
+    return f"{ray_files.name_of(settings)}: {light.rays} rays, {flux}"
 
 
-class LUMENRAY_OT_reload_rayset(ActiveRays, bpy.types.Operator):
+class ActiveRays(FileOperator):
+    """Operator on the ray file of the active light."""
+
+    kind = ray_files
+    nobody = "Select a point, spot or area light"
+    find = staticmethod(active_rays)
+
+    def take_up(self, settings) -> tuple[set[str], str]:
+        """Have the rays prepared, and say so, or what they are."""
+        try:
+            light = ray_files.obtain(settings, bpy.app.background)
+        except NotReadyError:
+            return {"INFO"}, f"{ray_files.name_of(settings)}: its rays are being prepared"
+        return {"INFO"}, describe(settings, light)
+
+
+class LUMENRAY_OT_load_rayset(ActiveRays, LoadFile, bpy.types.Operator):
+    """Let the active light shine as the rays of a measured or computed source do: TM-25, Zemax, LightTools, SPEOS, ASAP"""
+
+    bl_idname = "lumenray.load_rayset"
+    bl_label = "Load Ray File"
+
+    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
+
+    def work(self, context, settings):
+        before = settings.filepath, settings.use_file
+        choose(settings, self.filepath)
+        try:
+            return self.take_up(settings)
+        except LumenrayError:
+            settings.filepath, settings.use_file = before
+            raise
+
+
+class LUMENRAY_OT_reload_rayset(ActiveRays, ReloadFile, bpy.types.Operator):
     """Read the ray file anew and prepare its rays"""
 
     bl_idname = "lumenray.reload_rayset"
     bl_label = "Reload Ray File"
-
-    def execute(self, context):
-        settings = active_rays(context)
-        files.forget(settings)
-        settings.id_data.update_tag()
-        state = rayset_readout.state_of(settings)
-        if state.problem:
-            self.report({"ERROR"}, state.problem)
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
 class LUMENRAY_OT_add_rayset(bpy.types.Operator):
@@ -106,13 +82,17 @@ class LUMENRAY_OT_add_rayset(bpy.types.Operator):
 
     entry: EnumProperty(
         name="Ray Set",
-        description="Which source",
+        description="Source of the library, or a file. Default LED with Dome: the first of them",
         items=[
             *((entry.name, title_case(entry.title), entry.description) for entry in ENTRIES),
             ("FILE", "File…", "A file"),
         ],
     )
-    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filepath: StringProperty(
+        description="Path of the ray file; empty asks for one",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
+    )
     filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
 
     @classmethod
@@ -139,8 +119,8 @@ class LUMENRAY_OT_add_rayset(bpy.types.Operator):
             _set_spectrum(data.lumenray, ours.spectrum)
             settings.spectrum_source = "LIGHT"
         try:
-            light = files.obtain(settings, bpy.app.background)
-        except files.NotReadyError:
+            light = ray_files.obtain(settings, bpy.app.background)
+        except NotReadyError:
             light = None
         except LumenrayError as error:
             bpy.data.lights.remove(data)
@@ -149,10 +129,7 @@ class LUMENRAY_OT_add_rayset(bpy.types.Operator):
         made = bpy.data.objects.new(title, data)
         made.location = context.scene.cursor.location
         context.collection.objects.link(made)
-        for thing in context.selected_objects:
-            thing.select_set(False)
-        made.select_set(True)
-        context.view_layer.objects.active = made
+        select_only(context.view_layer, [made])
         if light is not None:
             self.report({"INFO"}, describe(settings, light))
         return {"FINISHED"}
@@ -178,8 +155,8 @@ class LUMENRAY_OT_parent_rayset_body(bpy.types.Operator):
     is_lit: BoolProperty(
         name="Part of the Light Calculation",
         description=(
-            "The body reflects and shades like any other mesh; right where the file's rays start outside of it. Else it "
-            "only shows where the light is"
+            "The body reflects and shades like any other mesh; right where the file's rays start outside of it. "
+            "Else it only shows where the light is. Default off: most rays start inside the body"
         ),
         default=False,
     )

@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon.foundation import engine_process
+from ..blender_addon.foundation.redraw import redraw
 
 
 class LUMENRAY_OT_restart_engine(bpy.types.Operator):
@@ -14,10 +15,7 @@ class LUMENRAY_OT_restart_engine(bpy.types.Operator):
 
     def execute(self, context):
         engine_process.close()
-        for window in context.window_manager.windows:
-            for area in window.screen.areas:
-                if area.type == "VIEW_3D":
-                    area.tag_redraw()
+        redraw("VIEW_3D")
         self.report({"INFO"}, "The engine was ended; the next action starts it again")
         return {"FINISHED"}
 

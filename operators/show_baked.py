@@ -6,11 +6,11 @@ from bpy.props import EnumProperty
 from ..blender_addon.bake import images as baked_images
 from ..blender_addon.bake import look as baked_look
 from ..blender_addon.bake import results as baked_results
+from ..blender_addon.bake.settings import LumenrayLookSettings
 from ..blender_addon.foundation.report import Severity
-from ..blender_addon.properties import LumenraySceneSettings
 from ..engine.errors import LumenrayError
 
-LOOKS = LumenraySceneSettings.__annotations__["baked_look"].keywords["items"]
+LOOKS = LumenrayLookSettings.__annotations__["kind"].keywords["items"]
 
 
 MOST_NAMES = 4
@@ -24,7 +24,11 @@ class LUMENRAY_OT_show_baked(bpy.types.Operator):
     bl_label = "Show in EEVEE"
     bl_options = {"REGISTER", "UNDO"}
 
-    look: EnumProperty(name="Look", description="How baked light is shown", items=LOOKS)
+    look: EnumProperty(
+        name="Look",
+        description="How baked light is shown. Default Light: as an eye would see it",
+        items=LOOKS,
+    )
 
     @classmethod
     def poll(cls, context):
@@ -34,11 +38,13 @@ class LUMENRAY_OT_show_baked(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        self.look = context.scene.lumenray.baked_look
+        # A button may ask for one of the looks.
+        if not self.properties.is_property_set("look"):
+            self.look = context.scene.lumenray.look.kind
         return self.execute(context)
 
     def execute(self, context):
-        context.scene.lumenray.baked_look = self.look
+        context.scene.lumenray.look.kind = self.look
         try:
             with baked_results.unchanged(context.scene):
                 report = baked_look.show(context.scene)
@@ -74,7 +80,7 @@ class LUMENRAY_OT_hide_baked(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not context.scene.lumenray.is_baked_shown:
+        if not context.scene.lumenray.look.is_shown:
             cls.poll_message_set("No baked light is shown")
             return False
         return True

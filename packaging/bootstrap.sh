@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Sets up everything that Lumenray's development needs, and says in one line per step what it did:
-# Python 3.11, the virtual environment, the system libraries that Dr.Jit and bpy load, LLVM for Dr.Jit.
+# Python 3.11, the virtual environment, LLVM for Dr.Jit, the system libraries that Dr.Jit and bpy load.
 # Run it as often as you like: what is there already is only looked at.
 #
 #   VENV     where the virtual environment lies (default: .venv in the repository)
 #   PYTHON   the Python 3.11 to make it with (default: python3.11 on the PATH)
-#   DRJIT_LIBLLVM_PATH   an LLVM library of your own, if it lies where Dr.Jit does not look
+#   DRJIT_LIBLLVM_PATH   an LLVM library of your own, instead of the one that is found
 #
 # As root on Debian or Ubuntu, missing system packages are installed; otherwise the command that
 # installs them is printed and the script ends with an error.
@@ -87,7 +87,7 @@ install_python_packages() {
     say packages "as in requirements.lock (nothing to do)"
     return
   fi
-  say packages "installing requirements.lock (about 600 MB the first time) ..."
+  say packages "installing requirements.lock (about 630 MB the first time) ..."
   local quiet=(--disable-pip-version-check --no-input -q)
   if [ -n "${CI:-}" ] || [ ! -t 1 ]; then quiet+=(--progress-bar off); fi
   "$venv/bin/python" -m pip install "${quiet[@]}" -r "$lock" \
@@ -102,29 +102,27 @@ install_python_packages() {
   say packages "installed $(grep -c == "$lock") packages and the project itself"
 }
 
-# The engine's own check decides: it knows which versions Dr.Jit takes but cannot work with.
-llvm_status() {
-  "$venv/bin/python" -c '
+# The LLVM library that the extension ships, where there is one for this system.
+install_llvm() {
+  [ "$(uname -sm)" = "Linux x86_64" ] || return 0
+  local stamp="$venv/lumenray-llvm.txt" wheel
+  wheel="$("$venv/bin/python" "$root/packaging/llvm_wheel.py" linux-x64)" || fail "there is no LLVM"
+  [ "$(cat "$stamp" 2>/dev/null)" != "$wheel" ] || return 0
+  "$venv/bin/python" -m pip install --disable-pip-version-check --no-input -q --no-deps \
+    --force-reinstall "$wheel" || fail "pip could not install $wheel"
+  echo "$wheel" >"$stamp"
+}
+
+# The engine's own check decides, by a small job.
+check_engine() {
+  local status
+  status="$("$venv/bin/python" -c '
 import sys
 from lumenray.engine.transport import backend
 found = backend.status()
 print(found.cause if found.usable else f"{found.cause}; {found.remedy}")
-sys.exit(not found.usable)'
-}
-
-check_llvm() {
-  local status package
-  if ! status="$(llvm_status 2>&1)"; then
-    if [ "$(uname -s)" != Linux ] || [ -n "${DRJIT_LIBLLVM_PATH:-}" ] || ! has_apt; then
-      fail "$status"
-    fi
-    if [ "$(id -u)" -eq 0 ]; then refresh_apt; fi
-    package="$(first_available libllvm{19,18,17,22,21,20})" \
-      || fail "$status (apt knows no libllvm17 or newer)"
-    install_packages "no LLVM library that Dr.Jit can use" "$package"
-    status="$(llvm_status 2>&1)" || fail "$status"
-  fi
-  say LLVM "$status"
+sys.exit(not found.usable)' 2>&1)" || fail "$status"
+  say engine "$status"
 }
 
 # package_of SONAME: the Debian package that holds it
@@ -198,5 +196,6 @@ echo "Lumenray setup"
 make_venv
 install_python_packages
 check_libraries
-check_llvm
+install_llvm
+check_engine
 check_bpy

@@ -1,15 +1,125 @@
 """Fixtures of all tests; small scenes live in `helpers`."""
 
+import importlib.util
 import sys
 from pathlib import Path
 
 import pytest
+from lumenray.engine import llvm
 
 # Test folders are no packages, so shared helpers are found by their folder.
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
+
+HAS_BLENDER = importlib.util.find_spec("bpy") is not None
+
+# Before any test imports Mitsuba.
+llvm.settle()
+
+# Where every test needs Blender's Python module.
+WITH_BLENDER = (
+    "benchmarks/test_sync_benchmark.py",
+    "blender_addon/*",
+    "command_line/asset_library/*",
+    "command_line/test_bake_command.py",
+    "command_line/test_bake_in_background.py",
+    "command_line/test_option_names.py",
+    "command_line/test_overwriting.py",
+    "command_line/test_scene_commands.py",
+    "libraries/test_scenes.py",
+    "operators/*",
+    "ui/*",
+)
+
+collect_ignore_glob = [] if HAS_BLENDER else list(WITH_BLENDER)
+
+
+def pytest_report_header():
+    """Say what is missing from a run, and why."""
+    return None if HAS_BLENDER else f"bpy is not installed, left out: {', '.join(WITH_BLENDER)}"
 
 
 @pytest.fixture(params=["mono", "spectral"])
 def transport(request):
     """Run with both kinds of transport."""
     return request.param
+
+
+@pytest.fixture(scope="session")
+def registered():
+    """Register the extension's property groups once."""
+    from lumenray.blender_addon import registry
+
+    registry.register()
+
+
+@pytest.fixture
+def empty_file(registered):
+    """Start from an empty file in Blender, and leave one."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    yield
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+@pytest.fixture
+def extension(empty_file):
+    """Start with the whole extension, its operators and panels too."""
+    import lumenray
+
+    lumenray.register()
+
+
+@pytest.fixture
+def write_photometry(tmp_path):
+    """Return a function that writes a photometric file and returns its path."""
+    from photometric_files import EVEN
+    from text_files import written
+
+    return lambda content=EVEN, name="even.ies": str(written(tmp_path, content, name))
+
+
+@pytest.fixture
+def new_luminaire(write_photometry):
+    """Return a function that makes a light, or an empty, which shines as a file says."""
+    import bpy
+    from blender_luminaires import add_luminaire
+    from lumenray.blender_addon.luminaires.settings import settings_of
+    from mathutils import Matrix
+
+    def make(content, kind="POINT", matrix=None, name="lamp.ies"):
+        source = add_luminaire(kind, write_photometry(content, name))
+        source.matrix_world = matrix or Matrix()
+        bpy.context.view_layer.update()
+        return source, settings_of(source)
+
+    return make
+
+
+@pytest.fixture
+def write_scattering(tmp_path):
+    """Return a function that writes a scattering file and returns its path."""
+    from blender_scattering import matt
+    from lumenray.blender_addon.scattering.files import scattering_files
+    from lumenray.engine.scattering.data import store
+    from lumenray.engine.scattering.data.record import ScatteringFile
+
+    def save(name="paint.lumbsdf", **sides):
+        path = tmp_path / name
+        sides = sides or {"front_reflection": matt(0.5)}
+        store.write_store(path, ScatteringFile(path, "test", sides, name="Paint", source="made"))
+        return str(path)
+
+    yield save
+    scattering_files.detach()
+
+
+@pytest.fixture
+def fake_engine(monkeypatch):
+    """Let a fake engine bake for Blender, and return it."""
+    from fake_bakes import FakeSession
+    from lumenray.blender_addon.foundation import engine_process
+
+    session = FakeSession()
+    monkeypatch.setattr(engine_process, "open_session", lambda _: session)
+    return session

@@ -1,22 +1,26 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
 from ..blender_addon.bake import error_graph as error_graphs
-from ..blender_addon.luminaires import preview as luminaire_pictures
-from ..blender_addon.scattering import preview as scattering_pictures
+from ..blender_addon.luminaires.preview import pictures as luminaire_pictures
+from ..blender_addon.scattering.preview import pictures as scattering_pictures
 from . import (
     add_menu,
     bake,
     compatibility,
     image_header,
     light,
+    light_list,
+    light_mix,
     luminaire,
     luminaire_overlay,
     material,
+    presets,
     rayset,
     rayset_overlay,
     render,
     scattering,
     sidebar,
+    start,
     tube_overlay,
     world,
 )
@@ -28,8 +32,12 @@ CLASSES = (
     *material.CLASSES,
     *scattering.CLASSES,
     *world.CLASSES,
+    *presets.CLASSES,
     *render.CLASSES,
+    *start.CLASSES,
     *sidebar.CLASSES,
+    *light_list.CLASSES,
+    *light_mix.CLASSES,
     *bake.CLASSES,
     *add_menu.CLASSES,
 )

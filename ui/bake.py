@@ -7,12 +7,11 @@ from ..blender_addon.bake import folders as bake_folders
 from ..blender_addon.bake import images as baked_images
 from ..blender_addon.bake import job as bake
 from ..blender_addon.bake.error_graph import graph
-from ..blender_addon.luminaires.preview import has_dark_theme, side_of
 from ..blender_addon.luminaires.settings import is_luminaire
 from .light import LightPanel
-from .luminaire import ICON_BORDER, ICON_UNIT, MARGIN
 from .material import MaterialPanel
-from .parts import PropertiesPanel, draw_choice, draw_lines, draw_text
+from .parts import PropertiesPanel, draw_choice, draw_icon, draw_lines, draw_text
+from .presets import draw_presets
 from .sidebar import SidebarPanel
 from .world import WorldPanel
 
@@ -33,23 +32,23 @@ def draw_stop(layout, settings) -> None:
     column = layout.column(align=True)
     for name, amount, label in STOPS:
         row = column.row(align=True, heading=label)
-        row.prop(settings, f"bake_use_{name}", text="")
+        row.prop(settings, f"use_{name}", text="")
         part = row.row(align=True)
-        part.active = getattr(settings, f"bake_use_{name}")
-        part.prop(settings, f"bake_{amount}", text="")
-    if not any(getattr(settings, f"bake_use_{name}") for name, *_ in STOPS):
+        part.active = getattr(settings, f"use_{name}")
+        part.prop(settings, amount, text="")
+    if not any(getattr(settings, f"use_{name}") for name, *_ in STOPS):
         layout.label(text="Switch one on: it would never end", icon="ERROR")
 
 
 def draw_buttons(layout, context, is_ready: bool) -> None:
     """Draw what starts a bake, and what goes on with an interrupted one."""
-    settings = context.scene.lumenray
     column = layout.column()
     column.scale_y = 1.4
     column.enabled = is_ready
     column.operator("lumenray.bake_illuminance", icon="RENDER_STILL")
+    settings = context.scene.lumenray.bake
     wanted = bake_folders.folder_of(settings)
-    if bake_folders.find_interrupted(wanted, settings.bake_overwrite) is None:
+    if bake_folders.find_interrupted(wanted, settings.overwrite) is None:
         return
     column = layout.column()
     column.enabled = is_ready
@@ -70,15 +69,8 @@ def draw_state(layout, context, baked) -> None:
 
 def draw_graph(layout, context) -> None:
     """Draw the graph of the error over time about as wide as the panel."""
-    if not graph.has_history:
-        return
-    scale = context.preferences.system.ui_scale
-    side = side_of(context.region.width - MARGIN * scale)
-    icon = graph.icon(side, has_dark_theme(context.preferences))
-    if icon == 0:
-        layout.label(text="Drawing the graph…", icon="TIME")
-        return
-    layout.template_icon(icon, scale=(side / scale + ICON_BORDER) / ICON_UNIT)
+    if graph.has_history:
+        draw_icon(layout, context, graph.icon, "graph")
 
 
 # ---- render tab ----
@@ -93,7 +85,7 @@ class BakePanel(PropertiesPanel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        self.draw_settings(layout, context, context.scene.lumenray)
+        self.draw_settings(layout, context, context.scene.lumenray.bake)
 
 
 class LUMENRAY_PT_lux_bake(BakePanel, bpy.types.Panel):
@@ -103,7 +95,7 @@ class LUMENRAY_PT_lux_bake(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw density, ends and the button."""
-        layout.prop(settings, "bake_density", text="Lumels per m")
+        layout.prop(settings, "density", text="Lumels per m")
         draw_stop(layout, settings)
         draw_buttons(layout, context, not context.window_manager.lumenray.job.running)
 
@@ -117,13 +109,13 @@ class LUMENRAY_PT_lux_bake_layout(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw pages and charts."""
-        layout.prop(settings, "bake_from_textures", text="Match Textures")
+        layout.prop(settings, "from_textures", text="Match Textures")
         column = layout.column(align=True)
-        column.prop(settings, "bake_size", text="Page Size [px]")
-        column.prop(settings, "bake_pages", text="Most Pages")
-        column.prop(settings, "bake_margin", text="Margin [px]")
-        layout.prop(settings, "bake_cone")
-        layout.prop(settings, "bake_detail", text="Detail")
+        column.prop(settings, "largest", text="Page Size [px]")
+        column.prop(settings, "pages", text="Most Pages")
+        column.prop(settings, "margin", text="Margin [px]")
+        layout.prop(settings, "cone")
+        layout.prop(settings, "detail", text="Detail")
 
 
 class LUMENRAY_PT_lux_bake_light(BakePanel, bpy.types.Panel):
@@ -135,11 +127,13 @@ class LUMENRAY_PT_lux_bake_light(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw layers, exitance and method."""
-        layout.prop(settings, "bake_layers")
-        layout.prop(settings, "bake_exitance")
-        layout.prop(settings, "bake_method")
-        layout.prop(settings, "bake_caustics")
-        layout.prop(settings, "bake_smooth")
+        layout.prop(settings, "layers")
+        layout.prop(settings, "exitance")
+        column = layout.column()
+        column.active = settings.exitance
+        column.prop(settings, "denoise")
+        layout.prop(settings, "method")
+        layout.prop(settings, "caustics")
 
 
 class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
@@ -150,20 +144,20 @@ class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
 
     def draw_settings(self, layout, context, settings):
         """Draw the folder and what else goes there."""
-        layout.prop(settings, "bake_folder")
+        layout.prop(settings, "folder")
         if not bpy.data.filepath:
             draw_text(
                 layout, context, "Not saved: lux maps go with Blender's temporary folder", "INFO"
             )
-        elif not settings.bake_folder:
+        elif not settings.folder:
             draw_text(layout, context, f"Empty: {bake_folders.default_folder()}", "INFO")
-        layout.prop(settings, "bake_overwrite")
-        layout.prop(settings, "bake_checkpoint")
-        layout.prop(settings, "bake_gltf", text=f"glTF ({bake.GLTF})")
+        layout.prop(settings, "overwrite")
+        layout.prop(settings, "use_checkpoint")
+        layout.prop(settings, "use_gltf", text=f"glTF ({bake.GLTF})")
         column = layout.column(align=True)
-        column.active = settings.bake_gltf
-        column.prop(settings, "bake_gltf_textures")
-        column.prop(settings, "bake_gltf_size")
+        column.active = settings.use_gltf
+        column.prop(settings, "gltf_textures")
+        column.prop(settings, "gltf_size")
 
 
 # ---- light groups ----
@@ -180,9 +174,9 @@ class LightGroupPanel:
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(getattr(context, self.owner).lumenray, "light_group", text="Group")
-        if context.scene.lumenray.bake_layers != "GROUPS":
+        if context.scene.lumenray.bake.layers != "GROUPS":
             draw_choice(
-                layout, context.scene.lumenray, "bake_layers", "GROUPS", "Bake Groups as Layers"
+                layout, context.scene.lumenray.bake, "layers", "GROUPS", "Bake Groups as Layers"
             )
 
 
@@ -227,6 +221,9 @@ class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Bake Illuminance"
 
+    def draw_header_preset(self, context):
+        draw_presets(self.layout, context)
+
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
@@ -250,21 +247,21 @@ class LUMENRAY_PT_bake(SidebarPanel, bpy.types.Panel):
         layout.label(text=text, icon="INFO")
 
     def _draw_settings(self, layout, context):
-        settings, engine = context.scene.lumenray, context.window_manager.lumenray.engine
+        settings, engine = context.scene.lumenray.bake, context.window_manager.lumenray.engine
         count, text = readout.describe_selection(context)
         layout.label(text=text, icon="OBJECT_DATA" if count else "INFO")
         column = layout.column()
-        column.prop(settings, "bake_density", text="Lumels per m")
+        column.prop(settings, "density", text="Lumels per m")
         if readout.is_bakeable(context.object):
             own = context.object.lumenray
             row = column.row(heading="Own Density")
             row.prop(own, "use_density", text="")
             part = row.row()
             part.active = own.use_density
-            shown = (own, "density") if own.use_density else (settings, "bake_density")
+            shown = (own, "density") if own.use_density else (settings, "density")
             part.prop(*shown, text="")
             column.prop(context.object.lumenray, "two_sided")
-        column.prop(settings, "bake_layers")
+        column.prop(settings, "layers")
         draw_stop(layout, settings)
         draw_buttons(layout, context, bool(count) and (engine.usable or not engine.checked))
         if engine.checked and not engine.usable:
@@ -338,32 +335,31 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        settings = context.scene.lumenray
-        if settings.baked.changed:
+        settings = context.scene.lumenray.look
+        if context.scene.lumenray.baked.changed:
             layout.label(text="Out of date, see Lux Maps", icon="ERROR")
-        if not settings.is_baked_shown:
+        if not settings.is_shown:
             layout.operator("lumenray.show_baked", icon="SHADING_TEXTURE")
             return
         layout.operator("lumenray.hide_baked", icon="LOOP_BACK")
         shading = context.space_data.shading
         if shading.type not in {"MATERIAL", "RENDERED"}:
             draw_choice(layout, shading, "type", "MATERIAL", "Show Material Preview")
-        layout.row().prop(settings, "baked_look", expand=True)
-        if settings.baked_look == "FALSE":
+        layout.row().prop(settings, "kind", expand=True)
+        if settings.kind == "FALSE":
             self._draw_scale(layout, context)
-        elif settings.baked_layers and settings.baked_look == "LIGHT":
+        elif settings.layers and settings.kind == "LIGHT":
             layout.template_list(
-                "LUMENRAY_UL_layers", "", settings, "baked_layers", settings, "baked_layer_index",
-                rows=3,
-            )  # fmt: skip
+                "LUMENRAY_UL_layers", "", settings, "layers", settings, "layer_index", rows=3
+            )
 
     def _draw_scale(self, layout, context):
-        settings = context.scene.lumenray
+        settings = context.scene.lumenray.look
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(align=True)
-        column.prop(settings, "baked_low", text="From [lx]")
-        column.prop(settings, "baked_high", text="To [lx]")
+        column.prop(settings, "low", text="From [lx]")
+        column.prop(settings, "high", text="To [lx]")
         view = context.scene.view_settings
         if view.view_transform != PLAIN_VIEW:
             draw_text(

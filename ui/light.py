@@ -3,36 +3,26 @@
 import bpy
 
 from ..blender_addon import readout
-from ..blender_addon.luminaires import readout as luminaire_readout
-from ..blender_addon.raysets import readout as rayset_readout
+from ..blender_addon.file_assets.settings import settings_used
+from ..blender_addon.sync.lights.kinds import kind_of
 from ..blender_addon.sync.lights.portals import is_portal
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum, draw_wide
 
 
 def draw_shape(layout, light) -> None:
     """Draw what Blender knows about a light's size and beam, as far as it counts."""
-    if rayset_readout.settings_used(light) is not None:
+    if settings_used(light, "rayset") is not None:
         return
-    luminaire = luminaire_readout.settings_used(light)
+    luminaire = settings_used(light, "luminaire")
     if luminaire is not None:
         if luminaire.emission == "LIGHT":
             _draw_size(layout, light)
         return
-    if light.type == "SUN":
-        layout.prop(light, "angle")
-        return
-    _draw_size(layout, light)
-    if light.type == "POINT":
-        layout.prop(light.lumenray, "tube_length")
-    if light.type == "SPOT":
-        layout.prop(light, "spot_size", text="Beam Angle")
-        layout.prop(light, "spot_blend", text="Soft Edge", slider=True)
-        layout.prop(light, "show_cone")
-    if light.type == "AREA":
-        if hasattr(light, "cycles"):
-            layout.prop(light.cycles, "is_portal", text="Portal")
-        if not is_portal(light):
-            layout.prop(light, "spread")
+    for name in kind_of(light).settings:
+        if name in DRAWN:
+            DRAWN[name](layout, light)
+        else:
+            layout.prop(light, name)
 
 
 def _draw_size(layout, light) -> None:
@@ -46,6 +36,36 @@ def _draw_size(layout, light) -> None:
         column.prop(light, "size_y", text="Y")
     else:
         column.prop(light, "size")
+
+
+def _draw_tube_length(layout, light) -> None:
+    layout.prop(light.lumenray, "tube_length")
+
+
+def _draw_beam(layout, light) -> None:
+    layout.prop(light, "spot_size", text="Beam Angle")
+    layout.prop(light, "spot_blend", text="Soft Edge", slider=True)
+    layout.prop(light, "show_cone")
+
+
+def _draw_portal(layout, light) -> None:
+    if hasattr(light, "cycles"):
+        layout.prop(light.cycles, "is_portal", text="Portal")
+
+
+def _draw_spread(layout, light) -> None:
+    if not is_portal(light):
+        layout.prop(light, "spread")
+
+
+DRAWN = {
+    "size": _draw_size,
+    "tube_length": _draw_tube_length,
+    "beam": _draw_beam,
+    "portal": _draw_portal,
+    "spread": _draw_spread,
+}
+"""What is drawn for settings of a kind of light that are more than one property with its own name."""
 
 
 def draw_amount(layout, light) -> None:
@@ -106,9 +126,9 @@ class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
         if not super().poll(context) or is_portal(context.light):
             return False
         light = context.light
-        if rayset_readout.settings_used(light) is not None:
+        if settings_used(light, "rayset") is not None:
             return False
-        return luminaire_readout.settings_used(light) is None
+        return settings_used(light, "luminaire") is None
 
     def draw(self, context):
         layout = self.layout

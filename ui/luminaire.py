@@ -3,9 +3,11 @@
 import bpy
 
 from ..blender_addon.luminaires import readout
-from ..blender_addon.luminaires.preview import has_dark_theme, pictures, side_of
+from ..blender_addon.luminaires.files import photometric_files
+from ..blender_addon.luminaires.preview import pictures
 from ..blender_addon.luminaires.settings import active_settings
 from ..blender_addon.raysets.settings import is_rayset
+from .file_parts import LABELS, draw_file, draw_picture, draw_remarks
 from .parts import (
     PropertiesPanel,
     draw_description,
@@ -15,66 +17,14 @@ from .parts import (
     draw_wide,
 )
 
-ICON_UNIT, ICON_BORDER = 20.0, 6.0
-"""Width of an icon of scale 1, and what of an icon is left free around its picture. [pixel]"""
-
-MARGIN = 40.0
-"""What a panel's borders take of the region's width. [pixel]"""
-
 BOTH = "A ray set is on too and gives the light: switch one off"
 """Said of a luminaire that a file from elsewhere holds together with a ray set."""
 
-LABELS = 0.42
-"""Share of the width that the labels of a file's figures take."""
 
-
-def draw_file(layout, context, settings, state) -> None:
+def draw_luminaire_file(layout, context, settings, state) -> None:
     """Draw which file it is, what can be done with it, and why it cannot be used."""
-    if not state.name:
-        row = layout.row()
-        row.scale_y = 1.4
-        row.operator("lumenray.load_luminaire_file", text="Open IES, EULUMDAT or TM-33")
-        return
-    row = layout.row(align=True)
-    row.operator("lumenray.load_luminaire_file", text="", icon="FILEBROWSER")
-    if settings.text is None:
-        row.prop(settings, "filepath", text="")
-        row.operator("lumenray.pack_luminaire_file", text="", icon="UGLYPACKAGE")
-    else:
-        row.prop(settings, "text", text="")
-        row.operator("lumenray.unpack_luminaire_file", text="", icon="PACKAGE")
-    row.operator("lumenray.reload_luminaire_file", text="", icon="FILE_REFRESH")
-    if state.problem:
-        box = layout.box()
-        box.alert = True
-        draw_text(box, context, state.problem, "ERROR")
-        draw_text(box, context, readout.REMEDY)
-    else:
-        draw_text(layout, context, state.notice, "INFO")
-
-
-def draw_picture(layout, context, reading) -> None:
-    """Draw the polar diagram about as wide as the panel, point by point as it was made."""
-    scale = context.preferences.system.ui_scale
-    side = side_of(context.region.width - MARGIN * scale)
-    icon = pictures.icon(reading, side, has_dark_theme(context.preferences))
-    if icon == 0:
-        layout.label(text="Drawing the diagram…", icon="TIME")
-        return
-    layout.template_icon(icon, scale=(side / scale + ICON_BORDER) / ICON_UNIT)
-
-
-def draw_remarks(layout, context, remarks) -> None:
-    """Draw the warnings of the reader, folded if they are many."""
-    if not remarks:
-        return
-    text = "1 warning" if len(remarks) == 1 else f"{len(remarks)} warnings"
-    is_folded = len(remarks) > readout.FEW_REMARKS
-    header, body = layout.panel("lumenray_luminaire_remarks", default_closed=is_folded)
-    header.label(text=f"{text} about the file", icon="ERROR")
-    if body:
-        for remark in remarks:
-            draw_text(body, context, str(remark), "DOT")
+    invitation = "Open IES, EULUMDAT or TM-33"
+    draw_file(layout, context, settings, state, "luminaire_file", invitation, readout.REMEDY)
 
 
 def draw_flux(layout, settings) -> None:
@@ -138,9 +88,9 @@ class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = active_settings(context)
-        state = readout.state_of(settings)
+        state = photometric_files.state_of(settings)
         layout.active = settings.use_file or not state.name
-        draw_file(layout, context, settings, state)
+        draw_luminaire_file(layout, context, settings, state)
         if is_rayset(context.object):
             if settings.use_file:
                 draw_text(layout, context, BOTH, "ERROR")
@@ -148,9 +98,9 @@ class LUMENRAY_PT_luminaire(LuminairePanel, bpy.types.Panel):
                 draw_text(layout, context, "Off: the ray set gives the light", "INFO")
         if state.reading is None:
             return
-        draw_picture(layout, context, state.reading)
+        draw_picture(layout, context, pictures, state.reading)
         draw_lines(layout, readout.describe_file(state.reading), LABELS)
-        draw_remarks(layout, context, state.reading.file.remarks)
+        draw_remarks(layout, context, state.reading.file.remarks, "luminaire")
 
 
 class LUMENRAY_PT_luminaire_amount(LuminaireChild, bpy.types.Panel):

@@ -15,12 +15,13 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender_addon.foundation import preferences
+from ..blender_addon.foundation.handlers import leave, listen
 from ..blender_addon.foundation.units import metres_per_unit
 from ..blender_addon.luminaires import places as luminaire_places
 from ..blender_addon.luminaires.solid import PLANES, make_curve, make_outline, make_solid
 
 SOLID_COLOUR = (1.0, 0.86, 0.48)
-"""Colour of what faces the light of `luminaire_solid`; darker where it does not."""
+"""Colour of what faces the light of the solid; darker where it does not."""
 
 SOLID_OPACITY = 0.55
 
@@ -213,16 +214,13 @@ def forget_views(*_) -> None:
 _handles = []
 
 
-def _handlers() -> list:
-    """Return Blender's lists of handlers, and what of ours belongs into each."""
-    handlers = bpy.app.handlers
-    return [
-        (handlers.depsgraph_update_post, note_update),
-        (handlers.frame_change_post, note_update),
-        (handlers.undo_post, forget_views),
-        (handlers.redo_post, forget_views),
-        (handlers.load_post, forget_views),
-    ]
+_HANDLERS = {
+    "depsgraph_update_post": note_update,
+    "frame_change_post": note_update,
+    "undo_post": forget_views,
+    "redo_post": forget_views,
+    "load_post": forget_views,
+}
 
 
 def attach():
@@ -230,15 +228,13 @@ def attach():
     if _handles or bpy.app.background:
         return
     _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW"))
-    for handlers, ours in _handlers():
-        handlers.append(ours)
+    listen(_HANDLERS)
 
 
 def detach():
     """Draw no more."""
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
-        for handlers, ours in _handlers():
-            handlers.remove(ours)
+    leave(_HANDLERS)
     for kept in (_cache.views, _cache.solids, _cache.curves):
         kept.clear()

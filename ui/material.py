@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..blender_addon.sync.materials.overrides import MODELS
 from .parts import PropertiesPanel, draw_spectrum, draw_surface, draw_wide
 
 
@@ -27,6 +28,10 @@ def _draw_reflectance(layout, settings):
     layout.prop(settings, name, text=label)
 
 
+def _draw_transmittance(layout, settings):
+    draw_wide(layout, settings, "transmittance", "Transmittance")
+
+
 def _draw_index(layout, settings):
     layout.prop(settings, "ior_source", text="Index n")
     if settings.ior_source == "FILE":
@@ -35,27 +40,6 @@ def _draw_index(layout, settings):
     layout.prop(settings, "ior", text="A" if settings.ior_source == "CAUCHY" else "Value")
     if settings.ior_source == "CAUCHY":
         layout.prop(settings, "cauchy_b", text="B [µm²]")
-
-
-def _draw_diffuse(layout, settings):
-    _draw_reflectance(layout, settings)
-    draw_wide(layout, settings, "transmittance", "Transmittance")
-
-
-def _draw_coated(layout, settings):
-    _draw_reflectance(layout, settings)
-    layout.prop(settings, "roughness")
-    _draw_index(layout, settings)
-
-
-def _draw_conductor(layout, settings):
-    layout.prop(settings, "metal")
-    layout.prop(settings, "roughness")
-
-
-def _draw_dielectric(layout, settings):
-    layout.prop(settings, "roughness")
-    _draw_index(layout, settings)
 
 
 def _draw_pane(layout, settings):
@@ -67,9 +51,11 @@ def _draw_pane(layout, settings):
     _draw_index(layout, settings)
 
 
-def _draw_emitter(layout, settings):
+def _draw_luminance(layout, settings):
     draw_wide(layout, settings, "luminance", "Luminance [cd/m²]")
-    layout.prop(settings, "two_sided")
+
+
+def _draw_spectrum(layout, settings):
     draw_spectrum(layout, settings)
     if settings.spectrum == "RGB":
         layout.prop(settings, "reflectance_color", text="Colour")
@@ -80,15 +66,24 @@ def _draw_measured(layout, settings):
 
 
 DRAWN = {
-    "DIFFUSE": _draw_diffuse,
-    "COATED": _draw_coated,
-    "CONDUCTOR": _draw_conductor,
-    "DIELECTRIC": _draw_dielectric,
-    "THIN_GLASS": _draw_pane,
-    "EMITTER": _draw_emitter,
-    "MEASURED": _draw_measured,
+    "reflectance": _draw_reflectance,
+    "transmittance": _draw_transmittance,
+    "ior": _draw_index,
+    "pane": _draw_pane,
+    "luminance": _draw_luminance,
+    "spectrum": _draw_spectrum,
+    "measured": _draw_measured,
 }
-"""What is drawn for each model of a surface."""
+"""What is drawn for settings of a model that are more than one property with its own name."""
+
+
+def draw_model(layout, settings) -> None:
+    """Draw the settings of a material's model of a surface."""
+    for name in MODELS[settings.model].settings:
+        if name in DRAWN:
+            DRAWN[name](layout, settings)
+        else:
+            layout.prop(settings, name)
 
 
 class LUMENRAY_PT_material_override(MaterialPanel, bpy.types.Panel):
@@ -107,7 +102,7 @@ class LUMENRAY_PT_material_override(MaterialPanel, bpy.types.Panel):
             layout.label(text="Off: the nodes below are used", icon="INFO")
             return
         layout.prop(settings, "model")
-        DRAWN[settings.model](layout.column(), settings)
+        draw_model(layout.column(), settings)
 
 
 class LUMENRAY_PT_material_surface(MaterialPanel, bpy.types.Panel):

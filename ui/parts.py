@@ -6,10 +6,18 @@ import textwrap
 import bpy
 
 from ..blender_addon import readout
+from ..blender_addon.file_assets.pictures import has_dark_theme, side_of
 from .compatibility import ENGINE
 
 BORDERS, CHARACTER = 36.0, 6.4
 """What the borders of a panel take of its region's width, and the mean width of a character. [pixel]"""
+
+
+ICON_UNIT, ICON_BORDER = 20.0, 6.0
+"""Width of an icon of scale 1, and what of an icon is left free around its picture. [pixel]"""
+
+MARGIN = 40.0
+"""What a panel's borders take of the region's width. [pixel]"""
 
 
 class PropertiesPanel:
@@ -82,6 +90,20 @@ def draw_text(layout, context, text, icon="NONE") -> None:
             column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 
+def draw_icon(layout, context, icon_of, noun: str) -> None:
+    """Draw a picture about as wide as the panel, point by point as it was made.
+
+    ``icon_of``, given the side [pixel] and whether the ground is dark, returns an icon's number, 0 while there is none.
+    """
+    scale = context.preferences.system.ui_scale
+    side = side_of(context.region.width - MARGIN * scale)
+    icon = icon_of(side, has_dark_theme(context.preferences))
+    if icon == 0:
+        layout.label(text=f"Drawing the {noun}…", icon="TIME")
+        return
+    layout.template_icon(icon, scale=(side / scale + ICON_BORDER) / ICON_UNIT)
+
+
 def draw_description(layout, context, description) -> None:
     """Draw what a `Description` says, the problem last."""
     draw_lines(layout, description.lines)
@@ -113,16 +135,15 @@ def draw_colour(layout, data) -> None:
             layout.prop(data, "temperature", text="Kelvin")
 
 
-def draw_stop(layout, settings, prefix="") -> None:
-    """Draw a stopping rule; ``prefix`` of its properties' names."""
-    stop = getattr(settings, f"{prefix}stop")
-    layout.prop(settings, f"{prefix}stop")
-    if stop == "SAMPLES":
-        layout.prop(settings, f"{prefix}samples", text="Samples")
-    elif stop == "ERROR":
-        layout.prop(settings, f"{prefix}error_percent")
+def draw_stop(layout, settings) -> None:
+    """Draw a stopping rule."""
+    layout.prop(settings, "stop")
+    if settings.stop == "SAMPLES":
+        layout.prop(settings, "samples", text="Samples")
+    elif settings.stop == "ERROR":
+        layout.prop(settings, "error_percent")
     else:
-        layout.prop(settings, f"{prefix}time")
+        layout.prop(settings, "time")
 
 
 def draw_surface(layout, tree) -> None:

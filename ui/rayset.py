@@ -2,16 +2,13 @@
 
 import bpy
 
+from ..blender_addon.file_assets.settings import settings_used
 from ..blender_addon.luminaires.settings import is_luminaire
 from ..blender_addon.raysets import readout
+from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import active_rays
+from .file_parts import LABELS, draw_file_row, draw_problem, draw_remarks
 from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text, draw_wide
-
-LABELS = 0.42
-"""Share of the width that labels take."""
-
-FEW_REMARKS = 2
-"""Up to so many remarks are shown unfolded."""
 
 
 class RaysetPanel(PropertiesPanel):
@@ -35,7 +32,7 @@ class RaysetChild(RaysetPanel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and readout.settings_used(context.light) is not None
+        return super().poll(context) and settings_used(context.light, "rayset") is not None
 
     def draw(self, context):
         layout = self.layout
@@ -56,50 +53,27 @@ class LUMENRAY_PT_rayset(RaysetPanel, bpy.types.Panel):
         settings = active_rays(context)
         if not settings.use_file and is_luminaire(context.object):
             draw_text(layout, context, "Off: the photometric file gives the light", "INFO")
-        if not settings.filepath:
-            row = layout.row()
-            row.scale_y = 1.4
-            row.operator("lumenray.load_rayset", text="Open Ray File")
+        if not draw_file_row(layout, settings, "rayset", "Open Ray File"):
             return
-        row = layout.row(align=True)
-        row.operator("lumenray.load_rayset", text="", icon="FILEBROWSER")
-        row.prop(settings, "filepath", text="")
-        row.operator("lumenray.reload_rayset", text="", icon="FILE_REFRESH")
         layout.active = settings.use_file
         if not settings.use_file:
             return
-        draw_state(layout, context, settings, readout.state_of(settings))
+        draw_state(layout, context, settings, ray_files.state_of(settings))
 
 
 def draw_state(layout, context, settings, state) -> None:
     """Draw how far the preparation is, what is wrong, or what was found out."""
     if state.problem:
-        box = layout.box()
-        box.alert = True
-        draw_text(box, context, state.problem, "ERROR")
-        draw_text(box, context, readout.REMEDY)
-    elif state.light is None:
+        draw_problem(layout, context, state.problem, readout.REMEDY)
+    elif state.reading is None:
         text = f"Preparing rays, {100.0 * state.share:.0f} %"
         if hasattr(layout, "progress"):
             layout.progress(factor=state.share, text=text)
         else:
             layout.label(text=text, icon="TIME")
     else:
-        draw_lines(layout, readout.describe(settings, state.light), LABELS)
-        _draw_remarks(layout, context, state.light.remarks)
-
-
-def _draw_remarks(layout, context, remarks) -> None:
-    if not remarks:
-        return
-    text = "1 warning" if len(remarks) == 1 else f"{len(remarks)} warnings"
-    header, body = layout.panel(
-        "lumenray_rayset_remarks", default_closed=len(remarks) > FEW_REMARKS
-    )
-    header.label(text=f"{text} about the file", icon="ERROR")
-    if body:
-        for remark in remarks:
-            draw_text(body, context, str(remark), "DOT")
+        draw_lines(layout, readout.describe(settings, state.reading), LABELS)
+        draw_remarks(layout, context, state.reading.remarks, "rayset")
 
 
 class LUMENRAY_PT_rayset_amount(RaysetChild, bpy.types.Panel):
@@ -114,8 +88,8 @@ class LUMENRAY_PT_rayset_amount(RaysetChild, bpy.types.Panel):
             draw_wide(layout, settings, "luminous_flux", "Luminous Flux [lm]")
         layout.prop(settings, "dimming")
         layout.prop(settings, "spectrum_source", text="Spectrum Of")
-        state = readout.state_of(settings)
-        has_own = state.light is not None and state.light.spectrum is not None
+        light = ray_files.state_of(settings).reading
+        has_own = light is not None and light.spectrum is not None
         if settings.spectrum_source == "LIGHT" or not has_own:
             lamp = context.light.lumenray
             layout.prop(lamp, "use_physical", text="Physical")

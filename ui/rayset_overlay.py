@@ -9,6 +9,7 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
+from ..blender_addon.foundation.handlers import leave, listen
 from ..blender_addon.foundation.pose import pose_of
 from ..blender_addon.foundation.units import metres_per_unit
 from ..blender_addon.raysets import readout as rayset_readout
@@ -102,18 +103,20 @@ def _forget(*_) -> None:
 
 _handles = []
 
+_HANDLERS = {"load_post": _forget}
+
 
 def attach():
     """Draw in every 3D view from now on."""
     if _handles or bpy.app.background:
         return
     _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW"))
-    bpy.app.handlers.load_post.append(_forget)
+    listen(_HANDLERS)
 
 
 def detach():
     """Draw no more."""
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
-        bpy.app.handlers.load_post.remove(_forget)
+    leave(_HANDLERS)
     _batches.clear()

@@ -3,7 +3,14 @@
 import bpy
 
 from ..blender_addon import readout
+from ..engine.analysis.denoiser import find_denoiser
 from .parts import PropertiesPanel, draw_stop, draw_text
+from .presets import draw_presets
+
+NO_DENOISER = (
+    "Not installed: install the zip lumenray-denoiser for this platform as you did Lumenray's. Until then pictures are "
+    "shown as computed"
+)
 
 
 class RenderPanel(PropertiesPanel):
@@ -23,9 +30,13 @@ class LUMENRAY_PT_sampling(RenderPanel, bpy.types.Panel):
 
     bl_label = "Sampling"
 
+    def draw_header_preset(self, context):
+        draw_presets(self.layout, context)
+
     def draw_settings(self, layout, context, settings):
-        """Draw the stopping rule, and what the last picture came to."""
-        draw_stop(layout, settings)
+        """Draw the stopping rule, the method, and what the last picture came to."""
+        draw_stop(layout, settings.render)
+        layout.prop(settings.render, "method")
         text = context.window_manager.lumenray.render
         if text:
             draw_text(layout, context, f"Last: {text}", "INFO")
@@ -45,11 +56,13 @@ class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):
             layout.prop(settings, "ev100")
         if settings.exposure != "LUMINANCE":
             draw_text(layout, context, readout.describe_exposure(settings), "INFO")
-        layout.prop(settings, "use_smoothing")
-        layout.prop(settings, "use_spectral_file")
+        layout.prop(settings.render, "use_denoising")
+        if settings.render.use_denoising and find_denoiser() is None:
+            draw_text(layout, context, NO_DENOISER, "INFO")
+        layout.prop(settings.render, "use_spectral_file")
         column = layout.column()
-        column.active = settings.use_spectral_file
-        column.prop(settings, "spectral_bands")
+        column.active = settings.render.use_spectral_file
+        column.prop(settings.render, "spectral_bands")
 
 
 class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
@@ -61,8 +74,9 @@ class LUMENRAY_PT_passes(RenderPanel, bpy.types.Panel):
         """Draw the photometric passes."""
         layout.use_property_split = False
         column = layout.column()
-        column.prop(settings, "use_pass_luminance", text="Luminance [cd/m²]")
-        column.prop(settings, "use_pass_illuminance", text="Illuminance [lx]")
+        column.prop(settings.render, "use_pass_luminance", text="Luminance [cd/m²]")
+        column.prop(settings.render, "use_pass_illuminance", text="Illuminance [lx]")
+        column.prop(settings.render, "use_pass_denoising", text="Denoising Data")
         column = layout.column()
         column.prop(context.view_layer, "use_pass_z", text="Depth")
         column.prop(context.view_layer, "use_pass_normal", text="Normal")

@@ -2,17 +2,22 @@
 
 import bpy
 
-from ..blender_addon import readout
+from ..blender_addon import first_steps, readout
+from ..blender_addon.file_assets.settings import settings_used
 from ..blender_addon.foundation import engine_process
 from ..blender_addon.luminaires import readout as luminaire_readout
+from ..blender_addon.luminaires.files import photometric_files
+from ..blender_addon.luminaires.preview import pictures
 from ..blender_addon.luminaires.settings import settings_of
-from ..blender_addon.raysets import readout as rayset_readout
+from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import rays_of
 from ..blender_addon.rendering import viewport
 from ..blender_addon.sync.lights.portals import is_portal
+from ..engine.analysis.denoiser import find_denoiser
 from .compatibility import ENGINE
+from .file_parts import LABELS, draw_picture
 from .light import draw_amount, draw_shape
-from .luminaire import LABELS, draw_file, draw_flux, draw_mounting, draw_picture
+from .luminaire import draw_flux, draw_luminaire_file, draw_mounting
 from .parts import draw_choice, draw_description, draw_lines, draw_text, draw_wide
 from .rayset import draw_state
 
@@ -31,26 +36,35 @@ class SidebarPanel:
     bl_category = "Lumenray"
 
 
+def draw_engine(layout, context) -> None:
+    """Draw whether the engine can run, and what to do if not."""
+    engine = context.window_manager.lumenray.engine
+    if not engine.checked:
+        layout.label(text="Looking for the engine…", icon="TIME")
+    elif engine.usable and engine_process.why_lost():
+        layout.label(text="Engine ended; the next action starts it", icon="INFO")
+    elif engine.usable:
+        layout.label(text="Engine ready", icon="CHECKMARK")
+    else:
+        box = layout.box()
+        box.label(text="The engine cannot run", icon="ERROR")
+        draw_text(box, context, f"Cause: {engine.cause}")
+        draw_text(box, context, f"Remedy: {engine.remedy}")
+        layout.operator("lumenray.check_engine", text="Check Again", icon="FILE_REFRESH")
+
+
 class LUMENRAY_PT_engine(SidebarPanel, bpy.types.Panel):
-    """Whether the engine can run, and what to do if not."""
+    """State of the engine, while the first steps do not show it."""
 
     bl_label = "Engine"
 
+    @classmethod
+    def poll(cls, context):
+        return not first_steps.are_shown(context.scene)
+
     def draw(self, context):
         layout = self.layout
-        engine = context.window_manager.lumenray.engine
-        if not engine.checked:
-            layout.label(text="Looking for the engine…", icon="TIME")
-        elif engine.usable and engine_process.why_lost():
-            layout.label(text="Ended; the next action starts it", icon="INFO")
-        elif engine.usable:
-            layout.label(text="Ready", icon="CHECKMARK")
-        else:
-            box = layout.box()
-            box.label(text="The engine cannot run", icon="ERROR")
-            draw_text(box, context, f"Cause: {engine.cause}")
-            draw_text(box, context, f"Remedy: {engine.remedy}")
-            layout.operator("lumenray.check_engine", text="Check Again", icon="FILE_REFRESH")
+        draw_engine(layout, context)
         if context.engine != ENGINE:
             draw_text(layout, context, "This scene is rendered by another engine", "INFO")
             draw_choice(layout, context.scene.render, "engine", ENGINE, "Render with Lumenray")
@@ -69,17 +83,21 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        settings = context.scene.lumenray
+        settings = context.scene.lumenray.viewport
         column = layout.column()
-        column.prop(settings, "viewport_display", text="Show")
-        unit = UNITS.get(settings.viewport_display)
+        column.prop(settings, "display", text="Show")
+        unit = UNITS.get(settings.display)
         if unit is not None:
-            column.prop(settings, "viewport_automatic")
-            if not settings.viewport_automatic:
-                column.prop(settings, "viewport_low", text=f"From [{unit}]")
-                column.prop(settings, "viewport_high", text=f"To [{unit}]")
-            column.prop(settings, "viewport_logarithmic")
-        column.prop(settings, "viewport_samples", text="Samples")
+            column.prop(settings, "automatic")
+            if not settings.automatic:
+                column.prop(settings, "low", text=f"From [{unit}]")
+                column.prop(settings, "high", text=f"To [{unit}]")
+            column.prop(settings, "logarithmic")
+        column.prop(settings, "samples", text="Samples")
+        if settings.display == "PICTURE":
+            row = column.row()
+            row.active = find_denoiser() is not None
+            row.prop(settings, "use_denoising")
         if context.space_data.shading.type != "RENDERED":
             draw_choice(layout, context.space_data.shading, "type", "RENDERED", "Show Rendered")
             return
@@ -109,9 +127,9 @@ class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
         source = context.object
         if source is None or source.type != "LIGHT":
             return False
-        if rayset_readout.settings_used(source.data) is not None:
+        if settings_used(source.data, "rayset") is not None:
             return False
-        return luminaire_readout.settings_used(source.data) is None
+        return settings_used(source.data, "luminaire") is None
 
     def draw(self, context):
         layout = self.layout
@@ -148,13 +166,13 @@ class LUMENRAY_PT_active_luminaire(SidebarPanel, bpy.types.Panel):
         layout = self.layout
         source = context.object
         settings = settings_of(source)
-        state = luminaire_readout.state_of(settings)
+        state = photometric_files.state_of(settings)
         layout.active = settings.use_file or not state.name
         layout.label(text=source.name, icon=f"{source.type}_DATA")
-        draw_file(layout, context, settings, state)
+        draw_luminaire_file(layout, context, settings, state)
         if state.reading is None:
             return
-        draw_picture(layout, context, state.reading)
+        draw_picture(layout, context, pictures, state.reading)
         draw_lines(layout, luminaire_readout.describe_briefly(state.reading), LABELS)
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -176,7 +194,7 @@ class LUMENRAY_PT_active_rayset(SidebarPanel, bpy.types.Panel):
         source = context.object
         if source is None or source.type != "LIGHT":
             return False
-        return rayset_readout.settings_used(source.data) is not None
+        return settings_used(source.data, "rayset") is not None
 
     def draw(self, context):
         layout = self.layout
@@ -186,7 +204,7 @@ class LUMENRAY_PT_active_rayset(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("lumenray.load_rayset", text="", icon="FILEBROWSER")
         row.prop(settings, "filepath", text="")
-        draw_state(layout, context, settings, rayset_readout.state_of(settings))
+        draw_state(layout, context, settings, ray_files.state_of(settings))
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(settings, "amount")

@@ -5,9 +5,8 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..blender_addon.luminaires import readout as luminaire_readout
-from ..blender_addon.raysets import readout as rayset_readout
-from ..blender_addon.sync.lights.lights import is_tube, place_tube
+from ..blender_addon.file_assets.settings import settings_used
+from ..blender_addon.sync.lights.kinds import Place, Tube
 
 COLOUR, CHOSEN_COLOUR = (1.0, 0.86, 0.48, 0.6), (1.0, 0.86, 0.48, 1.0)
 """Of tubes, and of selected ones."""
@@ -32,8 +31,8 @@ def make_outline(length: float, radius: float) -> np.ndarray:
 
 def place_outline(thing) -> np.ndarray:
     """Outline of a light object in the world, as the engine places it. (n, 3), in Blender's units"""
-    frame, length, radius = place_tube(thing.data, thing.matrix_world, 1.0)
-    return make_outline(length, radius) @ frame[:3, :3].T + frame[:3, 3]
+    tube = Tube().make(thing.data, Place("", "", thing.matrix_world, 1.0), None)
+    return make_outline(tube.length, tube.radius) @ tube.frame[:3, :3].T + tube.frame[:3, 3]
 
 
 def shown_tubes(context) -> list:
@@ -45,8 +44,8 @@ def shown_tubes(context) -> list:
 
 
 def _is_drawn(light) -> bool:
-    files = rayset_readout.settings_used(light), luminaire_readout.settings_used(light)
-    return is_tube(light) and files == (None, None)
+    files = settings_used(light, "rayset"), settings_used(light, "luminaire")
+    return Tube.fits(light) and files == (None, None)
 
 
 def draw() -> None:

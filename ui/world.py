@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon import readout
+from ..blender_addon.foundation.node_trees import uses_nodes
 from ..blender_addon.sky import depends_on_sun, find_sun_lamp
 from .parts import PropertiesPanel, draw_description, draw_surface, draw_wide
 
@@ -67,7 +68,7 @@ class LUMENRAY_PT_world_surface(BackgroundPanel, bpy.types.Panel):
         if bpy.app.version < (5, 0, 0):
             layout.prop(world, "use_nodes", icon="NODETREE")
         layout.use_property_split = True
-        if world.node_tree is None or (bpy.app.version < (5, 0, 0) and not world.use_nodes):
+        if not uses_nodes(world):
             layout.prop(world, "color")
             return
         draw_surface(layout, world.node_tree)

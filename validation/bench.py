@@ -11,7 +11,8 @@ import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorKind
-from lumenray.engine.session import Picture, Session, ViewSettings
+from lumenray.engine.session import Session
+from lumenray.engine.views import Picture, ViewSettings
 
 from .reference import Group, groups_of
 

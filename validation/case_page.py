@@ -164,7 +164,6 @@ def _state_group(run: Run, group: Group) -> str:
 
 def _compose_family(run: Run, members: list[Group]) -> list[str]:
     """One table for groups that differ in the sky only: values, and the worst errors."""
-    parts = []
     labels = members[0].labels
     shared = all(group.labels == labels for group in members)
     scored = [run.engine.verdicts[g.id] for g in members if g.id in run.engine.verdicts]
@@ -179,10 +178,10 @@ def _compose_family(run: Run, members: list[Group]) -> list[str]:
         if failed
         else f"All {len(members)} groups pass."
     )
-    parts.append(
+    parts = [
         f"{word} Class {members[0].tolerance_class} ({_tolerance(members[0])}). "
         f"Error: largest {largest} %, RMS {rms} %."
-    )
+    ]
     faults = [_state_group(run, group) for group in members if group.id in failed]
     parts += [f"`{key}`: {fault}" for key, fault in zip(failed, faults, strict=True)]
     points = (
@@ -190,6 +189,28 @@ def _compose_family(run: Run, members: list[Group]) -> list[str]:
         if shared
         else tuple(str(i + 1) for i in range(max(map(len, (g.labels for g in members)))))
     )
+    parts.append(f"Values of {OURS}:")
+    parts.append(_lay_values(run, members, points))
+    reference = lay_table(
+        ("sky", *map(escape, points)),
+        [
+            (
+                _sky(group.id),
+                *(tell_number(value, 4) for value in group.values),
+                *["–"] * (len(points) - len(group.values)),
+            )
+            for group in members
+        ],
+    )
+    parts.append(f"<details><summary>Reference values</summary>\n\n{reference}\n\n</details>")
+    if shared and np.isfinite(members[0].positions).all():
+        places = _lay_points(members[0])
+        parts.append(f"<details><summary>Points</summary>\n\n{places}\n\n</details>")
+    return parts
+
+
+def _lay_values(run: Run, members: list[Group], points) -> str:
+    """Table of what was found at the points under every sky, with the verdicts of all programs."""
     columns = ["sky", *map(escape, points), "largest error %", "standard error %", "verdict"]
     columns += [f"{name}, largest %" for name in run.peers]
     rows = []
@@ -213,39 +234,27 @@ def _compose_family(run: Run, members: list[Group]) -> list[str]:
             has = group.id in peer.verdicts
             cells.append(plain_percent(peer.verdicts[group.id].largest) if has else "–")
         rows.append(tuple(cells))
-    parts.append(f"Values of {OURS}:")
-    parts.append(lay_table(columns, rows))
-    reference = lay_table(
-        ("sky", *map(escape, points)),
+    return lay_table(columns, rows)
+
+
+def _lay_points(group: Group) -> str:
+    """Table of a group's points: where they are, and what is allowed there."""
+    rows = zip(
+        group.labels,
+        group.positions,
+        group.normals,
+        group.allowed,
+        group.values,
+        is_nought(group),
+        strict=True,
+    )
+    return lay_table(
+        ("point", "position [m]", "normal", "allowed %"),
         [
-            (
-                _sky(group.id),
-                *(tell_number(value, 4) for value in group.values),
-                *["–"] * (len(points) - len(group.values)),
-            )
-            for group in members
+            (escape(label), tell_vector(p), tell_vector(n), tell_part(a, v, bool(z)))
+            for label, p, n, a, v, z in rows
         ],
     )
-    parts.append(f"<details><summary>Reference values</summary>\n\n{reference}\n\n</details>")
-    positions = members[0].positions
-    if shared and np.isfinite(positions).all():
-        places = lay_table(
-            ("point", "position [m]", "normal", "allowed %"),
-            [
-                (escape(label), tell_vector(p), tell_vector(n), tell_part(a, v, bool(z)))
-                for label, p, n, a, v, z in zip(
-                    labels,
-                    positions,
-                    members[0].normals,
-                    members[0].allowed,
-                    members[0].values,
-                    is_nought(members[0]),
-                    strict=True,
-                )
-            ],
-        )
-        parts.append(f"<details><summary>Points</summary>\n\n{places}\n\n</details>")
-    return parts
 
 
 def _sky(key: str) -> str:

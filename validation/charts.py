@@ -124,7 +124,7 @@ class _ErrorPlot:
     def _share_width(self) -> list[tuple[float, float]]:
         """Ends of each family along x: room for its name, and what is left by the number of values."""
         counts = np.array([p.error.size for p in self.points], dtype=np.float64)
-        wide = np.array([self.canvas.measure(name, 11)[0] + 10.0 for name in self.names])
+        wide = np.array([self.canvas.measure(name, 11) + 10.0 for name in self.names])
         room = self.right - self.left
         if wide.sum() > 0.9 * room:
             wide *= 0.5 * room / wide.sum()
@@ -133,8 +133,8 @@ class _ErrorPlot:
         return list(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
 
     def _draw_axes(self) -> None:
-        write = self.canvas.text
-        write((self.left - 4, 14), "relative error [%]", 12, SOFT, "lm")
+        write = self.canvas.write
+        write((self.left - 4, 14), "relative error [%]", 12, "lm", SOFT)
         x = self.right
         for text, mark in (
             ("outside", "bad"),
@@ -142,18 +142,18 @@ class _ErrorPlot:
             ("tolerance", "band"),
             ("bar: one standard error either way", ""),
         ):
-            width = self.canvas.measure(text, 11)[0]
-            write((x - width, 14), text, 11, SOFT, "lm")
+            width = self.canvas.measure(text, 11)
+            write((x - width, 14), text, 11, "lm", SOFT)
             x -= width + 9
             if mark == "band":
                 self.canvas.box((x - 10, 9), (x + 2, 19), BAND, "#b8cfe6")
             elif mark:
-                self.canvas.dot((x - 2, 14), 3.0, BAD if mark == "bad" else OURS)
+                self.canvas.dot((x - 2, 14), BAD if mark == "bad" else OURS, 3.0)
             x -= 24
         for tick in self._ticks():
             y = self.y(tick)
             self.canvas.line([(self.left, y), (self.right, y)], RULE, 0.75)
-            write((self.left - 6, y), f"{tick:+g}" if tick else "0", 11, SOFT, "rm")
+            write((self.left - 6, y), f"{tick:+g}" if tick else "0", 11, "rm", SOFT)
 
     def _ticks(self) -> list[float]:
         if self.is_bent:
@@ -186,14 +186,14 @@ class _ErrorPlot:
                 )
             self._mark(x, error, colour, radius, bool(points.is_zero[k]))
         room = right - left - 4
-        size = next((s for s in (11, 10, 9) if self.canvas.measure(name, s)[0] <= room), None)
+        size = next((s for s in (11, 10, 9) if self.canvas.measure(name, s) <= room), None)
         if size is not None:
-            self.canvas.text((0.5 * (left + right), self.bottom + 14), name, size, INK, "mm")
+            self.canvas.write((0.5 * (left + right), self.bottom + 14), name, size, "mm", INK)
         else:
             # Names without room hang below in a second and a third row.
             row = 1 + self.names.index(name) % 2
-            self.canvas.text(
-                (0.5 * (left + right), self.bottom + 14 + 14 * row), name, 9, INK, "mm"
+            self.canvas.write(
+                (0.5 * (left + right), self.bottom + 14 + 14 * row), name, 9, "mm", INK
             )
 
     def _mark(self, x: float, error: float, colour: str, radius: float, is_zero: bool) -> None:
@@ -202,9 +202,9 @@ class _ErrorPlot:
             way = -1.0 if error < 0.0 else 1.0
             self.canvas.shape([(x - 4, y + 6 * way), (x + 4, y + 6 * way), (x, y)], colour)
         elif is_zero:
-            self.canvas.dot((x, y), radius + 0.6, "white", colour)
+            self.canvas.dot((x, y), "white", radius + 0.6, colour)
         else:
-            self.canvas.dot((x, y), radius, colour)
+            self.canvas.dot((x, y), colour, radius)
 
 
 def draw_bands(series: dict[str, dict[int, float]]) -> Image.Image:
@@ -219,7 +219,7 @@ def draw_bands(series: dict[str, dict[int, float]]) -> Image.Image:
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         y = bottom - share * (bottom - top)
         canvas.line([(left, y), (right, y)], RULE, 0.75)
-        canvas.text((left - 6, y), f"{100 * share:.0f} %", 11, SOFT, "rm")
+        canvas.write((left - 6, y), f"{100 * share:.0f} %", 11, "rm", SOFT)
     group = (right - left) / len(BANDS)
     width = min(0.82 * group / max(len(series), 1), 44.0)
     for i, band in enumerate(BANDS):
@@ -230,12 +230,12 @@ def draw_bands(series: dict[str, dict[int, float]]) -> Image.Image:
             canvas.box((x + 1, y), (x + width - 1, bottom), colour)
             # Cut and not rounded: 100 means all.
             text = f"{np.floor(shares[band] * 1e4 + 1e-7) / 100.0:.4g}"
-            canvas.text((x + 0.5 * width, y - 7), text, 10, INK, "mm")
-        canvas.text((middle, bottom + 14), f"less than {band} % off", 12, INK, "mm")
+            canvas.write((x + 0.5 * width, y - 7), text, 10, "mm", INK)
+        canvas.write((middle, bottom + 14), f"less than {band} % off", 12, "mm", INK)
     for k, (colour, name) in enumerate(zip(_colours(series), series, strict=True)):
         x, y = left + 414.0 * (k % 2), bottom + 40 + 20 * (k // 2)
         canvas.box((x, y - 5), (x + 14, y + 5), colour)
-        canvas.text((x + 20, y), name, 12, INK, "lm")
+        canvas.write((x + 20, y), name, 12, "lm", INK)
     return canvas.finish()
 
 
@@ -262,20 +262,22 @@ def draw_published(ours: dict[str, float], results: Sequence[Result]) -> Image.I
         x = place(percent / 100.0)
         canvas.line([(x, top), (x, bottom)], RULE, 0.75)
         text = "0.001 % or less" if percent == 0.001 else f"{percent:g} %"
-        canvas.text((x, bottom + 12), text, 11, SOFT, {0.001: "lm", 100.0: "rm"}.get(percent, "mm"))
+        canvas.write(
+            (x, bottom + 12), text, 11, {0.001: "lm", 100.0: "rm"}.get(percent, "mm"), SOFT
+        )
     colours = dict(zip(programs, (*SERIES[2:], "#b04a7a", "#3a9a9a"), strict=False))
     for row, test in enumerate(tests):
         y = top + 26.0 * (row + 0.5)
-        canvas.text((left - 8, y), test, 12, INK, "rm")
+        canvas.write((left - 8, y), test, 12, "rm", INK)
         canvas.box((left, y - 4), (place(ours[test]), y + 4), OURS)
         for result in shown:
             if result.test == test:
-                canvas.dot((place(result.largest), y), 5.0, colours[result.program], "#ffffff")
+                canvas.dot((place(result.largest), y), colours[result.program], 5.7, "#ffffff")
     x = left
     for name, colour in {"Lumenray, this run": OURS, **colours}.items():
-        canvas.dot((x + 5, bottom + 40), 5.0, colour)
-        canvas.text((x + 15, bottom + 40), name, 12, INK, "lm")
-        x += canvas.measure(name, 12)[0] + 36
+        canvas.dot((x + 5, bottom + 40), colour, 5.0)
+        canvas.write((x + 15, bottom + 40), name, 12, "lm", INK)
+        x += canvas.measure(name, 12) + 36
     return canvas.finish()
 
 

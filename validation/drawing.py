@@ -15,7 +15,7 @@ from lumenray.engine.scene.light import (
 from PIL import Image
 
 from .bench import Setup
-from .canvas import INK, SOFT, Canvas
+from .canvas import INK, SCALE, SOFT, Canvas
 from .facets import LOOKS, MARGIN, collect_meshes, collect_sheets, light_places, region_of_interest
 from .layers import paint_sheets
 from .view import choose_view
@@ -35,6 +35,9 @@ LONG_LABEL, SHORT_LABEL, FEW_LABELS = 9, 5, 8
 
 MOST_LABELS = 32
 """Points that are labelled; of more only some."""
+
+LABEL_HEIGHT = 12.0
+"""Of the place that a label takes. [pixel]"""
 
 SYMBOL = 6.0
 """Radius of a light's symbol. [pixel]"""
@@ -169,7 +172,7 @@ def _draw_grid(canvas: Canvas, scene: _Scene) -> None:
         canvas.line(scene.view.project([(low[0], y, ground), (high[0], y, ground)]), GRID, 0.75)
     for place in scene.places if len(scene.places) <= 12 else ():
         foot = (place[0], place[1], ground)
-        canvas.dashes(*scene.view.project([place, foot]), "#b8a060", 0.75)
+        canvas.dashed(scene.view.project([place, foot]), "#b8a060", 0.75, (4.0, 4.0))
 
 
 def _draw_legend(canvas: Canvas, scene: _Scene) -> None:
@@ -186,13 +189,13 @@ def _draw_legend(canvas: Canvas, scene: _Scene) -> None:
         _lamp(canvas, (x + 7, y), 5.0)
         x = _write_on(canvas, (x + 20, y), "light")
     if len(scene.sensors):
-        canvas.dot((x + 6, y), 3.5, SENSOR)
+        canvas.dot((x + 6, y), SENSOR, 3.5)
         _write_on(canvas, (x + 16, y), "sensor")
 
 
 def _write_on(canvas: Canvas, place, text: str) -> float:
-    canvas.text(place, text, 12, INK)
-    return place[0] + canvas.measure(text, 12)[0] + 18
+    canvas.write(place, text, 12, "lm", INK)
+    return place[0] + canvas.measure(text, 12) + 18
 
 
 def _draw_sky(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
@@ -208,11 +211,12 @@ def _draw_sky(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
         return
     x = 14.0
     if world is not None:
-        canvas.pen.pieslice([28, 16, 72, 60], 180, 360, fill="#d6e6f6", outline=SKY, width=2)
+        dome = [SCALE * v for v in (14, 8, 36, 30)]
+        canvas.pen.pieslice(dome, 180, 360, fill="#d6e6f6", outline=SKY, width=SCALE)
         x = 46.0
     for row, line in enumerate(lines):
-        canvas.text((x, 14 + 16 * row), line, 12, SKY if world is not None else INK)
-    wide = max(canvas.measure(line, 12)[0] for line in lines)
+        canvas.write((x, 14 + 16 * row), line, 12, "lm", SKY if world is not None else INK)
+    wide = max(canvas.measure(line, 12) for line in lines)
     spots.take((10, 4, x + wide + 6, 14 + 16 * len(lines)))
 
 
@@ -278,13 +282,13 @@ def _draw_light(canvas: Canvas, scene: _Scene, light, spots: _Spots) -> None:
     if side is not None and many <= 12:
         end = np.array((x, y)) + 22.0 * view.turn(side)
         canvas.line([(x, y), end], LAMP_EDGE, 1.0)
-        canvas.text(end + 7.0 * view.turn(side), "C0", 10, LAMP_EDGE, "mm", 1.5)
+        canvas.write(end + 7.0 * view.turn(side), "C0", 10, "mm", LAMP_EDGE, has_halo=True)
         spots.take((end[0] - 12, end[1] - 8, end[0] + 12, end[1] + 8))
     if many <= 60:
         _lamp(canvas, (x, y), radius)
         spots.take((x - 1.5 * radius, y - 1.5 * radius, x + 1.5 * radius, y + 1.5 * radius))
     else:
-        canvas.dot((x, y), radius, LAMP, LAMP_EDGE)
+        canvas.dot((x, y), LAMP, radius, LAMP_EDGE)
 
 
 def _lamp(canvas: Canvas, place, radius: float) -> None:
@@ -292,7 +296,7 @@ def _lamp(canvas: Canvas, place, radius: float) -> None:
     for angle in np.arange(8) * np.pi / 4.0:
         ray = np.array((np.cos(angle), np.sin(angle)))
         canvas.line([place + 1.3 * radius * ray, place + 1.75 * radius * ray], LAMP_EDGE, 1.0)
-    canvas.dot(place, radius, LAMP, LAMP_EDGE)
+    canvas.dot(place, LAMP, radius, LAMP_EDGE)
 
 
 def _draw_sun(canvas: Canvas, scene: _Scene, sun: SunLight) -> None:
@@ -318,12 +322,12 @@ def _draw_sensors(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
     for k, normal in enumerate(scene.normals):
         if np.isfinite(normal).all() and np.linalg.norm(normal) > 0.0:
             tips[k] += long * scene.view.turn(normal / np.linalg.norm(normal))
-    radius = 3.5 if len(places) <= 40 else 2.0
+    radius = 4.2 if len(places) <= 40 else 2.7
     for place, tip in zip(places, tips, strict=True):
         canvas.arrow(place, tip, SENSOR, 1.2, 5.0)
         spots.take_line(place, tip)
     for x, y in places:
-        canvas.dot((x, y), radius, SENSOR, "#ffffff")
+        canvas.dot((x, y), SENSOR, radius, "#ffffff")
         spots.take((x - radius - 1, y - radius - 1, x + radius + 1, y + radius + 1))
     # Sensors that are drawn on top of each other share a label.
     keys = np.round(np.concatenate([places, tips], axis=1) / 3.0).astype(int)
@@ -347,8 +351,7 @@ def _join(labels: list[str], is_numbered: bool) -> str:
 
 def _draw_label(canvas: Canvas, label: str, place, tip, is_alone: bool, spots: _Spots) -> None:
     """Write a label where it covers least: behind a lonely sensor, else before its normal; or nowhere."""
-    width, height = canvas.measure(label, 12)
-    width, height = width + 3, height + 3
+    width, height = canvas.measure(label, 12) + 3, LABEL_HEIGHT
     away = (place - tip) if is_alone else (tip - place)
     length = np.linalg.norm(away)
     anchor = place if is_alone else tip
@@ -372,7 +375,7 @@ def _draw_label(canvas: Canvas, label: str, place, tip, is_alone: bool, spots: _
         return
     if distance > 16.0:
         canvas.line([anchor, anchor + 0.7 * (centre - anchor)], "#e08a96", 0.75)
-    canvas.text(centre, label, 12, INK, "mm", 2.0)
+    canvas.write(centre, label, 12, "mm", INK, has_halo=True)
     spots.take(box)
 
 
@@ -399,19 +402,19 @@ def _draw_scale(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
     for way, name, colour in zip(ways, "xyz", ("#a02020", "#207020", "#2040a0"), strict=True):
         canvas.arrow(middle, middle + way, colour, 1.5, 6.0)
         reach = max(float(np.linalg.norm(way)), 1e-9)
-        canvas.text(middle + way * (1.0 + 9.0 / reach), name, 12, colour, "mm", 1.5)
+        canvas.write(middle + way * (1.0 + 9.0 / reach), name, 12, "mm", colour, has_halo=True)
     y = low[1] + high - 6
     start, end = low[0] + 0.5 * (wide - arm), low[0] + 0.5 * (wide + arm)
     canvas.line([(start, y), (end, y)], INK, 1.5)
     told = _length(length) if scene.grid is None else f"grid {_length(length)}"
     for x in (start, end):
         canvas.line([(x, y - 4), (x, y + 4)], INK, 1.5)
-    canvas.text((0.5 * (start + end), y - 10), told, 12, SOFT, "mm", 1.5)
+    canvas.write((0.5 * (start + end), y - 10), told, 12, "mm", SOFT, has_halo=True)
 
 
 def _darkness(pixels: np.ndarray, corner, wide: float, high: float) -> float:
-    x, y = (int(2 * v) for v in corner)
-    part = pixels[max(y, 0) : y + int(2 * high), max(x, 0) : x + int(2 * wide)]
+    x, y = (int(SCALE * v) for v in corner)
+    part = pixels[max(y, 0) : y + int(SCALE * high), max(x, 0) : x + int(SCALE * wide)]
     return float((255 - part).mean() * 40.0)
 
 

@@ -168,11 +168,6 @@ def write_outcome(outcome: dict, path: Path) -> Path:
     return path
 
 
-def read_outcome(path: Path) -> dict:
-    """Read what `write_outcome` wrote."""
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
 def _counts(summary: Summary) -> dict:
     return {
         "values": summary.values,

@@ -1,8 +1,7 @@
 """What others published: figures of programs on the CIE tests, and the printed tables of CIE 171:2006.
 
 The facts lie in ``reference/published.json``: ``reference_system`` (``values``, ``bands``: share of them below so many
-percent), ``sources`` (text by key), ``results`` (a `Result` each), ``tables`` (a `PrintedTable` each) and ``masks`` (by
-mask, sky type and point; percent of the horizontal illuminance).
+percent), ``sources`` (text by key), ``results`` (a `Result` each), ``tables`` (a `PrintedTable` each) and ``tables_remark``.
 """
 
 import json
@@ -70,8 +69,7 @@ class Published:
     sources : dict of str
     results : tuple of Result
     tables : tuple of PrintedTable
-    masks : dict    Tables B.21 to B.26: by mask (H05, H10, H20, V3, V6, V9), sky type and point. [%]
-    remarks : dict of str    On ``tables`` and ``masks``.
+    remark : str    On ``tables``.
     """
 
     values: int
@@ -79,8 +77,7 @@ class Published:
     sources: dict[str, str]
     results: tuple[Result, ...]
     tables: tuple[PrintedTable, ...]
-    masks: dict[str, dict[str, dict[str, float]]]
-    remarks: dict[str, str]
+    remark: str
 
     def results_of(self, case: str) -> tuple[Result, ...]:
         """Results on the subject of a case."""
@@ -108,6 +105,5 @@ def load_published() -> Published:
             Result(**{**entry, "cases": tuple(entry["cases"])}) for entry in data["results"]
         ),
         tables=tuple(PrintedTable(**entry) for entry in data["tables"]),
-        masks=data["masks"],
-        remarks={"tables": data["tables_remark"], "masks": data["masks_remark"]},
+        remark=data["tables_remark"],
     )

@@ -303,7 +303,7 @@ def _compose_published(run: Run, published: Published) -> str:
         )
     parts.append(table_results(published, published.results, ours))
     parts.append("### The printed tables")
-    parts.append(published.remarks["tables"])
+    parts.append(published.remark)
     rows = [_compare_printed(table) for table in published.tables]
     parts.append(
         lay_table(

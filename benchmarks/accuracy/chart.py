@@ -3,8 +3,7 @@
 import math
 from pathlib import Path
 
-from PIL import Image, ImageDraw, ImageFont
-
+from ..common.chart import Picture
 from .statistics import Curve, make_curve, slope_of
 
 STYLES = {
@@ -18,9 +17,6 @@ STYLES = {
 }
 """Colours, which people who see few colours tell apart (Okabe and Ito), and shapes."""
 
-SCALE = 2
-"""Pictures are drawn so many times larger, for smooth lines."""
-
 PANEL = (500, 360)
 """Size of a panel. [pixel]"""
 
@@ -30,9 +26,9 @@ LEFT, RIGHT, TOP, BOTTOM = 66, 18, 34, 50
 HEAD = 40
 """Height of the legend. [pixel]"""
 
-INK, GRID, FINE_GRID, GUIDE = "#222222", "#cccccc", "#eeeeee", "#999999"
+GRID, FINE_GRID, GUIDE = "#cccccc", "#eeeeee", "#999999"
 
-VEIL = 60
+BAND = 60
 """Opacity of bands, of 255."""
 
 
@@ -54,10 +50,11 @@ def _used(rows: dict) -> dict:
 def _draw(panels: list[tuple[str, dict]], path: Path) -> None:
     columns = min(len(panels), 2)
     lines = -(-len(panels) // columns)
-    width, height = columns * PANEL[0], HEAD + lines * PANEL[1]
-    picture = _Picture(width, height)
+    picture = Picture((columns * PANEL[0], HEAD + lines * PANEL[1]))
     names = list(dict.fromkeys(name for _, rows in panels for name in rows))
-    picture.legend(names)
+    x = picture.legend(20.0, HEAD / 2, [(name, *STYLES[name]) for name in names])
+    _dash(picture, (x, HEAD / 2), (x + 28, HEAD / 2))
+    picture.write(x + 36, HEAD / 2, "slope -1/2", "lm")
     curves = [{name: make_curve(row) for name, row in rows.items()} for _, rows in panels]
     ends = _ends([curve for made in curves for curve in made.values()])
     for number, ((title, rows), made) in enumerate(zip(panels, curves, strict=True)):
@@ -82,70 +79,7 @@ def _ends(curves: list[Curve]) -> tuple[tuple[int, int], tuple[int, int]]:
     return made[0], made[1]
 
 
-class _Picture:
-    """What is drawn on, in pixels of the finished picture."""
-
-    def __init__(self, width: int, height: int):
-        self.size = (width, height)
-        self.image = Image.new("RGB", (width * SCALE, height * SCALE), "white")
-        self.pen = ImageDraw.Draw(self.image, "RGBA")
-        self.font = ImageFont.load_default(13 * SCALE)
-
-    def write(self, x: float, y: float, text: str, anchor: str, colour: str = INK) -> None:
-        self.pen.text((SCALE * x, SCALE * y), text, fill=colour, font=self.font, anchor=anchor)
-
-    def write_upwards(self, x: float, y: float, text: str) -> None:
-        """Write about a middle, turned by a quarter."""
-        left, top, right, bottom = (round(v) for v in self.font.getbbox(text))
-        strip = Image.new("L", (right - left + 4, bottom - top + 4))
-        ImageDraw.Draw(strip).text((2 - left, 2 - top), text, fill=255, font=self.font)
-        strip = strip.rotate(90, expand=True)
-        place = (round(SCALE * x - strip.width / 2), round(SCALE * y - strip.height / 2))
-        self.image.paste(Image.new("RGB", strip.size, INK), place, strip)
-
-    def line(self, places, colour: str, width: float = 1.0) -> None:
-        scaled = [(SCALE * x, SCALE * y) for x, y in places]
-        self.pen.line(scaled, fill=colour, width=round(width * SCALE), joint="curve")
-
-    def veil(self, places, colour: str) -> None:
-        """Fill a polygon so that what is below shows."""
-        red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
-        self.pen.polygon([(SCALE * x, SCALE * y) for x, y in places], (red, green, blue, VEIL))
-
-    def mark(self, x: float, y: float, name: str, radius: float = 4.5) -> None:
-        """Draw the shape of a curve."""
-        colour, shape = STYLES[name]
-        corners = {
-            "square": [(-0.85, -0.85), (0.85, -0.85), (0.85, 0.85), (-0.85, 0.85)],
-            "triangle": [(0.0, -1.15), (1.05, 0.75), (-1.05, 0.75)],
-            "diamond": [(0.0, -1.2), (1.0, 0.0), (0.0, 1.2), (-1.0, 0.0)],
-        }
-        if shape == "disk":
-            box = [SCALE * (v + s * radius) for s in (-1, 1) for v in (x, y)]
-            self.pen.ellipse(box, fill=colour)
-            return
-        places = [(SCALE * (x + radius * u), SCALE * (y + radius * v)) for u, v in corners[shape]]
-        self.pen.polygon(places, fill=colour)
-
-    def legend(self, names: list[str]) -> None:
-        """Name the curves, and the guide."""
-        x = 20.0
-        for name in names:
-            self.line([(x, HEAD / 2), (x + 28, HEAD / 2)], STYLES[name][0], 2)
-            self.mark(x + 14, HEAD / 2, name)
-            self.write(x + 36, HEAD / 2, name, "lm")
-            x += 36 + self.font.getlength(name) / SCALE + 22
-        _dash(self, (x, HEAD / 2), (x + 28, HEAD / 2))
-        self.write(x + 36, HEAD / 2, "slope -1/2", "lm")
-
-    def save(self, path: Path) -> None:
-        small = self.image.resize(self.size, Image.Resampling.LANCZOS)
-        small.quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
-            path, optimize=True
-        )
-
-
-def _dash(picture: _Picture, start, end) -> None:
+def _dash(picture: Picture, start, end) -> None:
     """Draw the guide's broken line."""
     length = math.dist(start, end)
     for k in range(int(length / 9) + 1):
@@ -159,7 +93,7 @@ def _dash(picture: _Picture, start, end) -> None:
 class _Panel:
     """Axes in a part of a picture."""
 
-    def __init__(self, picture: _Picture, x: float, y: float, ends):
+    def __init__(self, picture: Picture, x: float, y: float, ends):
         self.picture, self.x, self.y = picture, x, y
         self.seconds, self.errors = ends
 
@@ -208,17 +142,17 @@ class _Panel:
         shown = [k for k in range(len(curve.work)) if curve.is_timed[k]]
         if not shown:
             place = self.place(curve.resolution, curve.errors[-1])
-            self.picture.mark(*place, name)
+            self.picture.mark(*place, *STYLES[name])
             self.picture.write(place[0] - 8, place[1], "<", "rm", colour)
             return
         lower = [self.place(curve.seconds[k], curve.low[k]) for k in shown]
         upper = [self.place(curve.seconds[k], curve.high[k]) for k in shown]
         if len(shown) > 1:
-            self.picture.veil(lower + upper[::-1], colour)
+            self.picture.fill(lower + upper[::-1], colour, BAND)
         middle = [self.place(curve.seconds[k], curve.errors[k]) for k in shown]
         self.picture.line(middle, colour, 2)
         for place in middle:
-            self.picture.mark(*place, name)
+            self.picture.mark(*place, *STYLES[name])
 
     def slopes(self, slopes: dict[str, float]) -> None:
         """Write the slopes into the upper right corner."""
@@ -229,7 +163,7 @@ class _Panel:
         for name, slope in slopes.items():
             y += 18
             self.picture.write(x, y, f"{slope:.2f}", "rm")
-            self.picture.mark(x - 44, y, name)
+            self.picture.mark(x - 44, y, *STYLES[name])
 
 
 def _share(value: float, ends: tuple[int, int]) -> float:

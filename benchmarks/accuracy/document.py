@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ..common.document import BEARABLE_LOAD, make_table, tell_demands
 from .bars import check_bars
 from .programs import OURS, PEERS
 from .statistics import (
@@ -16,9 +17,6 @@ from .statistics import (
     start_up,
     tell_ratio,
 )
-
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take."""
 
 PIXEL_TARGET = 0.1
 """Relative error of pixels to which times are compared."""
@@ -95,7 +93,7 @@ def write_document(result: dict, path: Path) -> None:
         TITLE.format(options=options, rounds=result["rounds"]),
         _machine(result),
         _warnings(result),
-        _bars(result),
+        tell_demands(check_bars(result)),
         TIMES,
         _times(result["scenes"]),
         DETAILS,
@@ -142,23 +140,6 @@ def _warnings(result: dict) -> str:
     return f"**{' '.join(said)}**\n" if said else ""
 
 
-def _bars(result: dict) -> str:
-    bars = check_bars(result)
-    rows = [f"| {bar.demand} | {bar.limit} | {bar.measured} | {bar.verdict} |" for bar in bars]
-    missed = [bar for bar in bars if bar.passed is False]
-    end = "Every demand that was measured is met.\n"
-    if missed:
-        end = "Not met: " + "; ".join(f"{bar.demand}: {bar.measured}" for bar in missed) + ".\n"
-    head = "| demand | limit | measured | verdict |"
-    return f"## Demands\n\n{_table(head, rows, 4)}\n{end}"
-
-
-def _table(head: str, rows: list[str], words: int) -> str:
-    """Markdown table; the first ``words`` columns are to the left."""
-    columns = head.count("|") - 1
-    return "\n".join([head, "|---" * words + "|--:" * (columns - words) + "|", *rows]) + "\n"
-
-
 def _times(scenes: list[dict]) -> str:
     others = [*OURS[1:], *(name for name in PEERS if any(name in s["programs"] for s in scenes))]
     head = f"| scene | sensors | error | {OURS[0]}, s | " + " | ".join(others) + " |"
@@ -171,7 +152,7 @@ def _times(scenes: list[dict]) -> str:
             words += [f"{100 * target:g} %", f"{own.bound} {own.value:.2g}".strip()]
             words += [_ratio(programs, name, target) for name in others]
             lines.append("| " + " | ".join(words) + " |")
-    return _table(head, lines, 1)
+    return make_table(head, lines, 1)
 
 
 def _ratio(programs: dict, name: str, target: float) -> str:
@@ -196,7 +177,7 @@ def _details(scenes: list[dict]) -> str:
             words += [f"{100 * curve.errors[0]:.2g}", f"{100 * curve.errors[-1]:.2g}"]
             words += [f"{curve.seconds[0]:.2g}", f"{curve.seconds[-1]:.2g}"]
             lines.append("| " + " | ".join(words) + " |")
-    return _table(head, lines, 2)
+    return make_table(head, lines, 2)
 
 
 def _honesty(scenes: list[dict]) -> str:
@@ -206,7 +187,7 @@ def _honesty(scenes: list[dict]) -> str:
         for scene in scenes
         for row in scene["honesty"]
     ]
-    return _table(head, lines, 1)
+    return make_table(head, lines, 1)
 
 
 def _plain(figure: Figure) -> str:
@@ -238,7 +219,7 @@ def _forecasts(scenes: list[dict]) -> str:
                 words += [f"{100 * row['share']:.0f} %", f"{row['forecast']:.2f}"]
                 words += [f"{row['left']:.2f}", f"x {row['forecast'] / row['left']:.2f}"]
             lines.append("| " + " | ".join(words) + " |")
-    return _table(head, lines, 1)
+    return make_table(head, lines, 1)
 
 
 def _views(views: dict) -> str:
@@ -254,4 +235,4 @@ def _views(views: dict) -> str:
         words = [way, f"{own.bound} {own.value:.2g}".strip(), ratio]
         words += [_plain(slope_of(row)), _plain(honesty_of(row))]
         lines.append("| " + " | ".join(words) + " |")
-    return f"{VIEWS.format(side=PIXELS, scene=f'`{SCENE}`')}\n{_table(head, lines, 1)}"
+    return f"{VIEWS.format(side=PIXELS, scene=f'`{SCENE}`')}\n{make_table(head, lines, 1)}"

@@ -1,12 +1,10 @@
 """Error over time: how long Lumenray and other programs take to come near exact values, in one run."""
 
-import json
 import time
 from pathlib import Path
 
-from ...engine.errors import LumenrayError
 from ..common.machine import OtherLoad, describe_machine
-from ..common.output import write_numbers
+from ..common.output import read_numbers, write_numbers
 from .forecast import measure_forecasts
 from .honesty import measure_honesty
 from .programs import Lumenray, find_peers, measure_scene
@@ -73,19 +71,8 @@ def run(
 
 
 def read_results(path: Path) -> dict:
-    """Read the numbers of an earlier run.
-
-    Raises
-    ------
-    LumenrayError    The file is not there or not one of ours.
-    """
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise LumenrayError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(result, dict) or not {"scenes", "views", "rounds"} <= result.keys():
-        raise LumenrayError(f"{path}: holds no results of this benchmark")
-    return result
+    """Read the numbers of an earlier run; as `read_numbers`."""
+    return read_numbers(path, {"scenes", "views", "rounds"})
 
 
 def write_results(result: dict, folder: Path, path: Path | None) -> None:

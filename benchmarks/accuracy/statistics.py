@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-STUDENT = {1: 63.66, 2: 9.925, 3: 5.841, 4: 4.604, 5: 4.032, 6: 3.707, 7: 3.499, 8: 3.355, 9: 3.250}
-"""Student's t of a 99 % interval by degrees of freedom."""
+from ...engine.accuracy.student import t_quantile
 
 LEAST_SPREAD = 0.05
 """Spread of a ratio of times that is stated at least: clocks of processors change."""
@@ -176,7 +175,7 @@ def _jackknife(row: dict, figure: Callable) -> float | None:
         return None
     values = np.array([part.value for part in parts])
     variance = (count - 1) / count * ((values - values.mean()) ** 2).sum()
-    return STUDENT[min(count - 1, max(STUDENT))] * math.sqrt(variance)
+    return t_quantile(0.995, count - 1) * math.sqrt(variance)
 
 
 # ---- the whole result ----

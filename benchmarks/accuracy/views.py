@@ -7,7 +7,8 @@ import numpy as np
 from ...engine.accuracy.stopping import StopRule
 from ...engine.scene.camera import Camera, Projection
 from ...engine.scene.material import Diffuse, Material
-from ...engine.session import Display, DisplayMode, LiveSettings, Session, ViewSettings
+from ...engine.session import Session
+from ...engine.views import Display, DisplayMode, LiveSettings, ViewSettings
 from ...validation.bench import Engine
 from .programs import FIRST_SEED, GROWTH
 from .scenes import ExactScene, load_scene

@@ -33,7 +33,7 @@ EXACT = 0.05
 
 
 def check_bars(result: dict) -> list[Bar]:
-    """Judge results of `atlas.measure`."""
+    """Judge results of `run.measure`."""
     bars = [
         _between("true over stated error, mean", result["calibration"], *CALIBRATION, 1.0, ""),
         _check_scenes(result["scenes"]),

@@ -6,8 +6,8 @@ from ...engine.scene.light import AreaLight, Output, Quantity
 from ...engine.scene.material import Diffuse, Material
 from ...engine.scene.mesh import Mesh
 from ...engine.scene.spectrum import Constant
+from ..common.pieces import Piece, grid, make_mesh, rigid_frame
 from .scenes import AtlasScene
-from .shapes import Piece, grid, make_mesh, rigid_frame
 
 ROOM = np.array([5.0, 4.0, 3.0])
 """Size of a room. [m]"""

@@ -3,10 +3,10 @@
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
+from ...engine.accuracy.student import t_quantile
 from ...engine.baking.order import BakeResult
 from .ours import Judge, Made, Ours, find_judge
 from .scenes import AtlasScene
-from .statistics import CONFIDENCE, student_quantile
 
 LEVELS = (0.02, 0.01)
 """Relative standard errors that are asked for. [-]"""
@@ -28,6 +28,9 @@ FORECASTS, QUICK_FORECASTS = 2, 1
 
 LONGEST = 30.0
 """A finer level is left out where its bakes would take longer. [s]"""
+
+CONFIDENCE = 0.95
+"""Of the intervals that are held against references."""
 
 FIRST_SEED = 201
 
@@ -108,7 +111,7 @@ def covered_share(differences, errors, reference_errors, freedom: float) -> floa
 
     The reference's own error is small and widens the interval by its share.
     """
-    half = student_quantile(0.5 + 0.5 * CONFIDENCE, freedom)
+    half = t_quantile(0.5 + 0.5 * CONFIDENCE, freedom)
     return float((np.abs(differences) <= half * np.hypot(errors, reference_errors)).mean())
 
 

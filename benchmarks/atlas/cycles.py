@@ -1,10 +1,5 @@
 """Cycles as a rival: it bakes the same page with the same texture coordinates."""
 
-import secrets
-import subprocess
-import sys
-from importlib import util
-from multiprocessing.connection import Client
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +9,11 @@ from ...engine.scene.mesh import Mesh
 from ...engine.scene.scene import Scene, SceneDelta
 from ...validation.bench import CannotStateError
 from ...validation.peers.contents import sort_items
-from ...validation.peers.cycles import SERVER as BUILDER
 from ...validation.peers.cycles_scene import describe
+from ..common.cycles_process import CyclesProcess
 from .scenes import AtlasScene
 
-SERVER = Path(__file__).with_name("cycles_server.py")
+TASK = Path(__file__).with_name("cycles_page.py")
 
 PATIENCE = 900.0
 """Longest that one page may take. [s]"""
@@ -40,46 +35,18 @@ class CyclesBake:
     """
 
     def __init__(self, scene: AtlasScene, result: BakeResult):
-        if util.find_spec("bpy") is None:
-            raise CannotStateError("bpy is not installed (run 'make setup')")
         if len(result.pages) != 1:
             raise CannotStateError("more than one page is not translated")
         self._request = _describe(scene, result)
-        # Without -P its folder would be searched first, and Blender's add-on is called cycles too.
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", str(SERVER)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        )
-        key = secrets.token_bytes(16)
-        self._process.stdin.write(f"{key.hex()} {BUILDER}\n".encode())
-        self._process.stdin.close()
-        address = self._process.stdout.readline().decode().strip()
-        self._process.stdout.close()
-        if not address:
-            code = self._process.wait()
-            raise CannotStateError(f"Blender's process ended at once (exit code {code})")
-        self._link = Client(address, authkey=key)
+        self._process = CyclesProcess(TASK, PATIENCE)
 
     def run(self, samples: int) -> tuple[np.ndarray, float]:
         """Page (h, w) of illuminances [lx], and the seconds that the bake took by Blender's own clock."""
-        self._link.send(self._request | {"samples": samples, "seed": SEED})
-        if not self._link.poll(PATIENCE):
-            raise CannotStateError(f"Cycles took longer than {PATIENCE:g} s")
-        try:
-            answer = self._link.recv()
-        except (EOFError, OSError) as error:
-            raise CannotStateError(f"Blender's process ended ({error!r})") from None
-        if isinstance(answer, str):
-            raise CannotStateError(f"Blender refuses: {answer}")
-        return answer
+        return self._process.ask(self._request | {"samples": samples, "seed": SEED})
 
     def close(self) -> None:
         """End the process."""
-        self._link.close()
-        self._process.kill()
-        self._process.wait()
+        self._process.close()
 
 
 def _describe(scene: AtlasScene, result: BakeResult) -> dict:

@@ -4,14 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ..common.document import BEARABLE_LOAD, tell_demands
 from .bars import check_bars
-from .race import OURS, RIVALS, SWITCHES, reach, ways_of
+from .race import OURS, RIVALS, SWITCHES, TARGETS, reach, ways_of
 from .scale import growth
-from .statistics import TARGETS
 from .summary import ratio
-
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take."""
 
 TITLE = """# Lux maps: accuracy that is stated, time that is forecast
 
@@ -94,7 +91,7 @@ per lumel and written to files, each in a process of its own. *Memory* is the mo
 
 
 def write_document(result: dict, path: Path) -> None:
-    """Write the document of results of `atlas.measure`."""
+    """Write the document of results of `run.measure`."""
     from .lumels import FINENESS
     from .ours import REFERENCE_ERROR, REFERENCE_SECONDS
 
@@ -108,7 +105,7 @@ def write_document(result: dict, path: Path) -> None:
         title,
         _machine(result),
         _warnings(result),
-        _bars(result),
+        tell_demands(check_bars(result)),
         *_calibration(result["scenes"], result["unsteadiness"]),
         *_races(result["races"]),
         *_geometry(result["geometry"]),
@@ -136,16 +133,6 @@ def _warnings(result: dict) -> str:
             f"Times are not to be relied on: other processes took {100 * load:.0f} % of the processors meanwhile."
         )
     return f"**{' '.join(said)}**\n" if said else ""
-
-
-def _bars(result: dict) -> str:
-    bars = check_bars(result)
-    rows = [[bar.demand, bar.limit, bar.measured, bar.verdict] for bar in bars]
-    missed = [bar for bar in bars if bar.passed is False]
-    end = "Every demand that was measured is met.\n"
-    if missed:
-        end = "Not met: " + "; ".join(f"{bar.demand}: {bar.measured}" for bar in missed) + ".\n"
-    return f"## Demands\n\n{_table(('demand', 'limit', 'measured', 'verdict'), rows, 4)}\n{end}"
 
 
 def _table(head, rows, words: int) -> str:

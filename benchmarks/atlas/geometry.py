@@ -13,8 +13,8 @@ from ...engine.scene.mesh import Mesh
 from ...engine.scene.scene import SceneDelta
 from ...engine.scene.spectrum import Constant
 from ...engine.session import Session
+from ..common.pieces import box, grid, make_mesh, quad
 from .lumels import find_places
-from .shapes import box, grid, make_mesh, quad
 
 SEED = 401
 

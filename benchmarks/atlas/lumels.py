@@ -87,10 +87,6 @@ class LumelPlaces:
         """Stated standard errors. (n,) [lx]"""
         return self._read(result, "standard_error")
 
-    def are_covered(self, result: BakeResult) -> np.ndarray:
-        """Whether the lumels were computed. (n,)"""
-        return self._read(result, "covered") > 0.0
-
     def _read(self, result: BakeResult, name: str) -> np.ndarray:
         made = np.zeros(len(self))
         for page in result.pages:

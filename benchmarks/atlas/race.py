@@ -4,10 +4,10 @@ import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
 from ...validation.bench import CannotStateError
+from ..common.statistics import Reach, seconds_to
 from .ours import Judge, Ours, find_judge
 from .scenes import AtlasScene
 from .stage import Stage
-from .statistics import Reach, seconds_to
 
 OURS = "Lumenray"
 
@@ -17,6 +17,9 @@ RIVALS = {
     "radiance": "Radiance",
 }
 """Names in results, and for people."""
+
+TARGETS = (0.02, 0.01)
+"""Relative errors to which programs race. [-]"""
 
 LEVELS = (0.04, 0.02, 0.01)
 """Errors that ours is asked for. [-]"""

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...engine import VERSION
 from ...engine.accuracy.stopping import StopRule
+from ...engine.reading.whole_file import write_whole
 from .lumels import LumelPlaces
 from .stage import Stage
 
@@ -104,14 +105,14 @@ def find_reference(
     say(
         f"reference of {len(places)} lumels: {100 * made.relative_error:.2f} % in {made.seconds:.0f} s"
     )
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savez(
-        path,
-        values=made.values,
-        errors=made.errors,
-        samples=np.int64(made.samples),
-        seconds=np.float64(made.seconds),
-    )
+    with write_whole(path) as file:
+        np.savez(
+            file,
+            values=made.values,
+            errors=made.errors,
+            samples=np.int64(made.samples),
+            seconds=np.float64(made.seconds),
+        )
     return made
 
 

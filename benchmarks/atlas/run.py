@@ -1,12 +1,10 @@
 """Lux maps beside references and other programs: stated errors, forecasts, speed, leaks, scale; in one run."""
 
-import json
 import time
 from pathlib import Path
 
-from ...engine.errors import LumenrayError
 from ..common.machine import OtherLoad, describe_machine, measure_unsteadiness
-from ..common.output import write_numbers
+from ..common.output import read_numbers, write_numbers
 
 
 def measure(
@@ -78,19 +76,8 @@ def measure(
 
 
 def read_results(path: Path) -> dict:
-    """Read the numbers of an earlier run.
-
-    Raises
-    ------
-    LumenrayError    The file is not there or not one of ours.
-    """
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise LumenrayError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(result, dict) or not {"calibration", "speedup", "races"} <= result.keys():
-        raise LumenrayError(f"{path}: holds no results of this benchmark")
-    return result
+    """Read the numbers of an earlier run; as `read_numbers`."""
+    return read_numbers(path, {"calibration", "speedup", "races"})
 
 
 def write_results(result: dict, folder: Path, path: Path | None) -> None:

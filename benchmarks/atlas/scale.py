@@ -56,9 +56,6 @@ RUNS = (
 )
 """Triangles grow first, then lumels."""
 
-SMALL = (Specification(20_000, 360, 1),)
-"""For a trial."""
-
 
 def measure_scale(say, runs: tuple[Specification, ...] = RUNS, cache: Path = CACHE) -> dict:
     """Measure all runs and keep them. What was ended before its last run is gone on with.

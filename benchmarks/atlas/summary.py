@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .race import OURS, RIVALS, SWITCHES, Reach, reach
-from .statistics import TARGETS, geometric_mean, median
+from ..common.statistics import Reach, geometric_mean, median
+from .race import OURS, RIVALS, SWITCHES, TARGETS, reach
 
 
 def summarise(calibration: list[dict], races: list[dict]) -> dict:

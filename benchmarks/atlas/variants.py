@@ -24,8 +24,8 @@ from ...engine.scene.mesh import Geometry, Mesh
 from ...engine.scene.scene import Item, Scene, SceneDelta
 from ...engine.scene.spectrum import Constant, Rgb
 from ...engine.scene.texture import ImageTexture
+from ..common.pieces import make_mesh, quad
 from .scenes import AtlasScene
-from .shapes import make_mesh, quad
 
 METAL = 0.6
 """Reflectance that stands for metals. [-]"""

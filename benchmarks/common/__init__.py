@@ -1,1 +1,1 @@
-"""What benchmarks share: the machine, bars, plain shapes, other programs, output."""
+"""What benchmarks share: the machine, bars, charts, documents, plain shapes, other programs, output."""

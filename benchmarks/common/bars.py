@@ -18,9 +18,8 @@ class Bar:
         return {True: "pass", False: "FAIL", None: "not measured"}[self.passed]
 
 
-def tell_bars(bars: list[Bar]) -> str:
+def tell_bars(bars: list[Bar], columns=("demand", "limit", "measured", "verdict")) -> str:
     """Return a table for a terminal."""
-    columns = ("demand", "limit", "measured", "verdict")
     table = [columns, *([getattr(bar, name) for name in columns] for bar in bars)]
     widths = [max(len(row[i]) for row in table) for i in range(len(columns))]
     return "\n".join(

@@ -127,8 +127,10 @@ def _run(folder: Path, program: str, *options: str, sent: str = "") -> bytes:
             timeout=PATIENCE,
             check=False,
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise LumenrayError(f"Radiance's {program} cannot be run ({error})") from None
+    except subprocess.TimeoutExpired:
+        raise LumenrayError(f"Radiance's {program} takes longer than {PATIENCE:g} s") from None
+    except OSError as error:
+        raise LumenrayError(f"Radiance's {program} cannot be run ({error.strerror})") from None
     if made.returncode:
         said = made.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
         raise LumenrayError(f"Radiance's {program}: {'; '.join(said)}")

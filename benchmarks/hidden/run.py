@@ -16,7 +16,8 @@ from ...engine.accuracy.stopping import StopRule
 from ...engine.baking.order import BakeOrder
 from ...engine.errors import LumenrayError
 from ...engine.scene.scene import SceneDelta
-from ...engine.session import Session, ViewSettings
+from ...engine.session import Session
+from ...engine.views import ViewSettings
 from ..common.machine import describe_machine
 from ..common.output import write_numbers
 from ..common.processes import spread

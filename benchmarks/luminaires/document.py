@@ -4,11 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..common.document import BEARABLE_LOAD, make_table, tell_demands
 from . import agreement, speed, variance
 from .bars import check_bars
-
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take while speed is measured."""
 
 TITLE = """# Luminaires: agreement with Radiance, speed, noise
 
@@ -87,7 +85,7 @@ def write_document(result: dict, path: Path) -> None:
         TITLE,
         _machine(result),
         _other_load(result["other_load"]),
-        _bars(result),
+        tell_demands(check_bars(result)),
         _agreement(result),
         _openings(result["agreement"]["openings"]),
         _speed(result["speed"]),
@@ -110,24 +108,6 @@ def _other_load(load: dict) -> str:
     if share is None or share <= BEARABLE_LOAD:
         return ""
     return f"**Speeds are not to be relied on: other processes took {100 * share:.0f} % of the processors meanwhile.**\n"
-
-
-def _table(head: str, rows: list[str], words: int = 1) -> str:
-    """Markdown table; the first ``words`` columns are to the left."""
-    columns = head.count("|") - 1
-    return "\n".join([head, "|---" * words + "|--:" * (columns - words) + "|", *rows]) + "\n"
-
-
-def _bars(result: dict) -> str:
-    bars = check_bars(result)
-    rows = [f"| {bar.demand} | {bar.limit} | {bar.measured} | {bar.verdict} |" for bar in bars]
-    missed = [bar for bar in bars if bar.passed is False]
-    end = "Every demand that was measured is met.\n"
-    if missed:
-        end = "Not met: " + "; ".join(f"{bar.demand}: {bar.measured}" for bar in missed) + ".\n"
-    return (
-        "## Demands\n\n" + _table("| demand | limit | measured | verdict |", rows, 4) + "\n" + end
-    )
 
 
 # ---- agreement ----
@@ -167,7 +147,7 @@ def _agreement(result: dict) -> str:
             cured,
         ]
         rows.append("| " + " | ".join(words) + " |")
-    return text + "\n" + _table(AGREEMENT_TABLE, rows, 3)
+    return text + "\n" + make_table(AGREEMENT_TABLE, rows, 3)
 
 
 def _reasons(files: list[dict]) -> str:
@@ -219,7 +199,7 @@ def _openings(rows: list[dict]) -> str:
             _percent(row["point"]),
         ]
         lines.append("| " + " | ".join(words) + " |")
-    return text + "\n" + _table(OPENINGS_TABLE, lines, 3)
+    return text + "\n" + make_table(OPENINGS_TABLE, lines, 3)
 
 
 # ---- speed and noise ----
@@ -263,7 +243,7 @@ def _speed(rows: list[dict]) -> str:
             rate = rates[way]
             words.append(f"x {speed.times(rates['vectorised'] / rate)}" if rate else "-")
         lines.append("| " + " | ".join(words) + " |")
-    return text + "\n" + _table(head, lines, 2)
+    return text + "\n" + make_table(head, lines, 2)
 
 
 def _noise(rows: list[dict]) -> str:
@@ -280,4 +260,4 @@ def _noise(rows: list[dict]) -> str:
         end += (
             "; ".join(f"{row['title']}, {row['opening']}, {row['patch']}" for row in over) + ".\n"
         )
-    return NOISE.format(height=variance.HEIGHT) + "\n" + _table(head, lines, 3) + "\n" + end
+    return NOISE.format(height=variance.HEIGHT) + "\n" + make_table(head, lines, 3) + "\n" + end

@@ -115,7 +115,7 @@ def measure(lights: list[Luminaire], side: float, lanes: int, groups: int):
     from ...engine.transport.compiled.compile import CompiledScene
     from ...engine.transport.paths import gather
     from ...engine.transport.paths.light_learning import learn
-    from ...engine.transport.paths.path_loop import sample_emitter
+    from ...engine.transport.paths.next_event import sample_emitter
     from ...engine.transport.requirements import analyse
 
     scene = Scene()

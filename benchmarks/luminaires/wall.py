@@ -20,7 +20,8 @@ from ...engine.scene.material import Diffuse, Material
 from ...engine.scene.mesh import Mesh
 from ...engine.scene.scene import SceneDelta
 from ...engine.scene.spectrum import Constant
-from ...engine.session import Session, ViewSettings
+from ...engine.session import Session
+from ...engine.views import ViewSettings
 
 FOLDER = Path(__file__).resolve().parents[2] / "libraries" / "luminaires" / "photometry"
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take while speed is measured."""
+from ..common.bars import Bar
+from ..common.document import BEARABLE_LOAD, tell_demands
 
 GENERATED_BAR, REPEATED_BAR, LEAST_DISTANCE, COUNT = 0.02, 0.1, 2.0, 10_000
 """Generated rays shall be within the first where those of the file repeated are beyond the second, from so many sizes on."""
@@ -61,13 +61,18 @@ Sets of {rays} rays. *Host*: NumPy on one processor. *Kernels*: as light is trac
 
 def write_document(result: dict, path: Path) -> None:
     """Write the document."""
-    parts = [TITLE, _bars(result), _errors(result["errors"]), _convergence(result["convergence"])]
+    parts = [
+        TITLE,
+        tell_demands(check_bars(result)),
+        _errors(result["errors"]),
+        _convergence(result["convergence"]),
+    ]
     parts += [_maps(result["maps"]), _speed(result), _machine(result)]
     path.write_text("\n".join(parts), encoding="utf-8")
 
 
-def check_bars(result: dict) -> list[tuple[str, str, str, bool]]:
-    """What is demanded: (what, bar, measured, whether met)."""
+def check_bars(result: dict) -> list[Bar]:
+    """What is demanded, and whether it is met."""
     bars = []
     for kind in ("even", "random"):
         asked = [
@@ -81,7 +86,7 @@ def check_bars(result: dict) -> list[tuple[str, str, str, bool]]:
         worst = max(asked, key=lambda row: row["generated"])
         told = f"{100 * worst['generated']:.2f} % ({worst['source']}, {worst['distance']:g} sizes)"
         bars.append(
-            (
+            Bar(
                 f"largest error of 10 000 {kind} rays from two sizes on, where repeated ones are beyond 10 %",
                 f"{100 * GENERATED_BAR:g} %",
                 told,
@@ -91,23 +96,16 @@ def check_bars(result: dict) -> list[tuple[str, str, str, bool]]:
     products = [row["generated_variance"] * row["rays"] for row in result["convergence"]["rows"]]
     apart = max(abs(p / np.mean(products) - 1.0) for p in products)
     bars.append(
-        (
+        Bar(
             "variance times rays, largest deviation from its mean",
             f"{100 * VARIANCE_BAR:g} %",
             f"{100 * apart:.1f} %",
-            apart <= VARIANCE_BAR,
+            bool(apart <= VARIANCE_BAR),
         )
     )
     held = max(row["bytes_per_ray"] for row in result["speed"]["rows"])
-    bars.append(("bytes held for a ray", f"{MEMORY_BAR:g}", f"{held:.1f}", held <= MEMORY_BAR))
+    bars.append(Bar("bytes held for a ray", f"{MEMORY_BAR:g}", f"{held:.1f}", held <= MEMORY_BAR))
     return bars
-
-
-def _bars(result) -> str:
-    lines = ["| demand | bar | measured | |", "|---|---|---|---|"]
-    for what, bar, measured, is_met in check_bars(result):
-        lines.append(f"| {what} | {bar} | {measured} | {'met' if is_met else '**FAIL**'} |")
-    return "\n".join([*lines, ""])
 
 
 def _errors(rows) -> str:

@@ -13,7 +13,7 @@ from ...engine.raysets.writers import write_tm25
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
 from .sizes import DISTANCES, DRAWN, MAP_SAMPLES, MAP_SIDE, PIECE, REPLICATES, SERIES_RAYS
-from .sources import RADIUS, SOURCES, disk, even_numbers, landing, numbers
+from .sources import RADIUS, SOURCES, disk, even_numbers, landed_shares, numbers
 
 SIZE = 2.0 * RADIUS
 """Of the sources. [m]"""
@@ -76,7 +76,7 @@ def measure_errors(told) -> list[dict]:
                     made = _land(cloud)
                     for distance, truth in truths.items():
                         mean = truth.mean()
-                        raw = landing(position, direction, height_of(distance), CELLS)
+                        raw = landed_shares(position, direction, height_of(distance), CELLS)
                         raws[distance].append(((raw - truth) ** 2).mean() / mean**2)
                         square = ((made[distance] - truth) ** 2).mean() / mean**2
                         # What is due to the number of generated rays.
@@ -109,7 +109,7 @@ def _land(cloud) -> dict[float, np.ndarray]:
     for _ in range(DRAWN // PIECE):
         drawn = cloud.draw(PIECE, rng)
         for distance in DISTANCES:
-            made[distance] += landing(
+            made[distance] += landed_shares(
                 drawn.position, drawn.direction, height_of(distance), CELLS, drawn.flux
             )
     return {distance: cells * (PIECE / DRAWN) for distance, cells in made.items()}
@@ -129,9 +129,11 @@ def measure_convergence(told) -> dict:
         for seed in range(REPLICATES):
             rng = np.random.default_rng(seed)
             drawn = cloud.draw(count, rng)
-            generated.append(landing(drawn.position, drawn.direction, height, CELLS, drawn.flux))
+            generated.append(
+                landed_shares(drawn.position, drawn.direction, height, CELLS, drawn.flux)
+            )
             chosen = rng.integers(0, SERIES_RAYS, count)
-            repeated.append(landing(position[chosen], direction[chosen], height, CELLS))
+            repeated.append(landed_shares(position[chosen], direction[chosen], height, CELLS))
         row = {"rays": count, "factor": factor}
         for name, cells in (("generated", generated), ("repeated", repeated)):
             found = np.array(cells)

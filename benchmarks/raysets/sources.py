@@ -71,7 +71,7 @@ def _lambert(u, normal):
     return (made + np.sqrt(1.0 - u[:, 2:3]) * normal).astype(np.float32)
 
 
-def landing(position, direction, height: float, cells: int, flux=None) -> np.ndarray:
+def landed_shares(position, direction, height: float, cells: int, flux=None) -> np.ndarray:
     """Share of the light that lands in each cell of a square of 1.5 times its height, at a height over the origin."""
     rate = np.where(np.abs(direction[:, 2]) < 1e-9, 1e-9, direction[:, 2]).astype(np.float64)
     way = (height - position[:, 2]) / rate

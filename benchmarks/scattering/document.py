@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take while speed is measured."""
+from ..common.bars import Bar
+from ..common.document import BEARABLE_LOAD, tell_demands
 
 VECTOR_BAR = 20.0
 """Look-ups in kernels over those one by one."""
@@ -70,7 +70,12 @@ luminance of the sheet: {luminance:.0f} cd/m2. `lumenray sensitivity` says what 
 
 def write_document(result: dict, path: Path) -> None:
     """Write the document."""
-    parts = [TITLE, _bars(result), _storage(result["storage"]), _sampling(result["sampling"])]
+    parts = [
+        TITLE,
+        tell_demands(check_bars(result)),
+        _storage(result["storage"]),
+        _sampling(result["sampling"]),
+    ]
     parts += [_speed(result), _pictures(result["pictures"]), _backlight(result["backlight"])]
     parts.append(_machine(result))
     path.write_text("\n".join(parts), encoding="utf-8")
@@ -84,14 +89,14 @@ def _kernel(result, surface: str, spectral: bool = True) -> dict:
     )
 
 
-def check_bars(result: dict) -> list[tuple[str, str, str, bool]]:
-    """What is demanded: (what, bar, measured, whether met)."""
+def check_bars(result: dict) -> list[Bar]:
+    """What is demanded, and whether it is met."""
     speed = result["speed"]
     ours, theirs = _kernel(result, "table"), _kernel(result, "Mitsuba's measured")
     bars = []
 
     def add(what, bar, told, is_met):
-        bars.append((what, bar, told, bool(is_met)))
+        bars.append(Bar(what, bar, told, bool(is_met)))
 
     ratio = ours["values"] / speed["python"]
     add(
@@ -150,13 +155,6 @@ def check_bars(result: dict) -> list[tuple[str, str, str, bool]]:
             f"{100 * row['foretold']:+.2f} % for {100 * row['computed']:+.2f} %", apart <= SENSITIVITY_BAR,
         )  # fmt: skip
     return bars
-
-
-def _bars(result) -> str:
-    lines = ["| demand | bar | measured | |", "|---|---|---|---|"]
-    for what, bar, measured, is_met in check_bars(result):
-        lines.append(f"| {what} | {bar} | {measured} | {'met' if is_met else '**FAIL**'} |")
-    return "\n".join([*lines, ""])
 
 
 def _storage(rows) -> str:

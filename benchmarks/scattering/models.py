@@ -1,6 +1,10 @@
-"""Materials of the benchmark of measured materials, in closed form: what tables are compared with."""
+"""Materials in closed form, which tables are compared with, and tables made of them."""
+
+from functools import cache
 
 import numpy as np
+
+from ...engine.scattering.data.resampling import resample
 
 WAVELENGTHS = np.arange(400.0, 701.0, 10.0)
 """Bands of the coloured ones. [nm]"""
@@ -75,3 +79,16 @@ MATERIALS = {
     ),
 }
 """Evaluator, wavelengths [nm] and further arguments of `resample`, by name."""
+
+
+@cache
+def table_of(name: str, tolerance: float):
+    """Table of a material with an error."""
+    exact, wavelengths, more = MATERIALS[name]
+    return resample(exact, wavelengths, tolerance=tolerance, **more)
+
+
+def cosine_directions(draw) -> np.ndarray:
+    """Directions about +z by their cosine, from numbers (2, n) in 0..1. (n, 3)"""
+    sine, turn = np.sqrt(draw[0]), 2.0 * np.pi * draw[1]
+    return np.stack([sine * np.cos(turn), sine * np.sin(turn), np.sqrt(1.0 - draw[0])], axis=1)

@@ -1,9 +1,10 @@
 """What the times have to be, and whether they are."""
 
 from dataclasses import dataclass
+from statistics import median
 
+from ..common import bars as common
 from .edits import OBJECTS, PARAMETERS
-from .figures import median
 
 PARAMETER_SHARE = 0.02
 """Most that an edit of a parameter may take of a full sync of the largest scene."""
@@ -17,24 +18,20 @@ FIRST_SHARE = 1.10
 GROWTH = 1.5
 """Most that an edit may grow from the smallest scene to the largest and still count as independent of the size."""
 
+COLUMNS = ("demand", "edit", "limit", "measured", "verdict")
+"""Of the table of all bars."""
+
 
 @dataclass(frozen=True)
-class Bar:
-    """One demand and what was measured; ``passed`` None: there is nothing to judge by."""
+class Bar(common.Bar):
+    """A demand on an edit."""
 
-    demand: str
     edit: str
-    limit: str
-    measured: str
-    passed: bool | None
-
-    @property
-    def verdict(self) -> str:
-        """One word."""
-        return {True: "pass", False: "FAIL", None: "not measured"}[self.passed]
 
 
-def check_bars(result: dict, small: str = "10k", large: str = "3M", objects: int = 1000) -> list:
+def check_bars(
+    result: dict, small: str = "10k", large: str = "3M", objects: int = 1000
+) -> list[Bar]:
     """Judge results of `sync.run` by all bars."""
     bars = [
         _check_share(result, edit, large, count) for count in _counts(result) for edit in PARAMETERS
@@ -58,17 +55,6 @@ def check_bars(result: dict, small: str = "10k", large: str = "3M", objects: int
     return bars
 
 
-def tell_bars(bars: list) -> str:
-    """Return a table for a terminal."""
-    columns = ("demand", "edit", "limit", "measured", "verdict")
-    table = [columns, *([getattr(bar, name) for name in columns] for bar in bars)]
-    widths = [max(len(row[i]) for row in table) for i in range(len(columns))]
-    return "\n".join(
-        "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
-        for row in table
-    )
-
-
 def _counts(result) -> list[int]:
     return sorted({row["objects"] for row in result["edits"]})
 
@@ -83,11 +69,11 @@ def _rows(result, edit: str, scene: str, objects: int) -> list[dict]:
 
 def _compare(demand: str, title: str, value: float | None, limit: float, spread=()) -> Bar:
     if value is None:
-        return Bar(demand, title, f"{100 * limit:.0f} %", "-", None)
+        return Bar(demand, f"{100 * limit:.0f} %", "-", None, title)
     measured = f"{100 * value:.1f} %"
     if spread:
         measured += f" ({100 * min(spread):.1f} to {100 * max(spread):.1f} %)"
-    return Bar(demand, title, f"{100 * limit:.0f} %", measured, value <= limit)
+    return Bar(demand, f"{100 * limit:.0f} %", measured, value <= limit, title)
 
 
 def _check_share(result, edit: str, scene: str, objects: int) -> Bar:
@@ -102,11 +88,11 @@ def _check_growth(result, edit: str, small: str, large: str, objects: int) -> Ba
     demand, title = "independent of triangles", f"{edit}, {small} to {large}, {objects} objects"
     low, high = (_rows(result, edit, scene, objects) for scene in (small, large))
     if not low or not high:
-        return Bar(demand, title, f"x {GROWTH}", "-", None)
+        return Bar(demand, f"x {GROWTH}", "-", None, title)
     (work_low, rest_low), (work_high, rest_high) = _work_and_rest(low), _work_and_rest(high)
     growth = work_high / work_low
     measured = f"x {growth:.2f} ({work_low:.0f} to {work_high:.0f} ms; rest {rest_low:.0f} and {rest_high:.0f} ms)"
-    return Bar(demand, title, f"x {GROWTH}", measured, growth <= GROWTH)
+    return Bar(demand, f"x {GROWTH}", measured, growth <= GROWTH, title)
 
 
 def _work_and_rest(rows) -> tuple[float, float]:
@@ -119,4 +105,4 @@ def _check_silence(result, edit: str) -> Bar:
     sent = [row["sent"] for row in result["edits"] if row["edit"] == edit]
     passed = not any(sent) if sent else None
     measured = f"{max(sent)} items in {len(sent)} edits" if sent else "-"
-    return Bar("nothing is sent", f"{edit}, all scenes", "0 items", measured, passed)
+    return Bar("nothing is sent", "0 items", measured, passed, f"{edit}, all scenes")

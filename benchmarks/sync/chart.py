@@ -2,10 +2,10 @@
 
 import math
 from pathlib import Path
+from statistics import median
 
-from PIL import Image, ImageDraw, ImageFont
-
-from .figures import SCENES, median
+from ..common.chart import Picture
+from .figures import SCENES
 
 CURVES = {
     "move": "#1f77b4",
@@ -23,9 +23,6 @@ FULL = "#000000"
 SIZE, MARGINS = (900, 520), (80, 30, 190, 60)
 """Size of the picture; free space left, above, right and below. [pixel]"""
 
-SCALE = 2
-"""The picture is drawn so many times larger, for smooth lines."""
-
 
 def draw_chart(result: dict, path: Path, objects: int | None = None) -> None:
     """Draw the times of scenes with ``objects`` objects; None: with the most there are."""
@@ -38,7 +35,7 @@ def draw_chart(result: dict, path: Path, objects: int | None = None) -> None:
     chart.draw_axes(f"{count} objects: time from edit to first sample, second and later edits [ms]")
     for row, (name, (points, colour)) in enumerate(curves.items()):
         chart.draw_curve(row, name, points, colour)
-    chart.image.resize(SIZE, Image.Resampling.LANCZOS).quantize(64).save(path, optimize=True)
+    chart.save(path)
 
 
 def _times(rows, objects: int) -> list[tuple[float, float]]:
@@ -51,17 +48,15 @@ def _times(rows, objects: int) -> list[tuple[float, float]]:
     return points
 
 
-class _Chart:
-    """Axes that hold all points, and the picture they are drawn in."""
+class _Chart(Picture):
+    """Axes that hold all points."""
 
     def __init__(self, points):
+        super().__init__(SIZE, 14)
         x = [math.log10(point[0]) for point in points] or [4.0]
         y = [math.log10(point[1]) for point in points] or [1.0]
         self.low = (min(x) - 0.1, math.floor(min(y)))
         self.high = (max(x) + 0.1, max(math.ceil(max(y)), math.floor(min(y)) + 1))
-        self.image = Image.new("RGB", (SIZE[0] * SCALE, SIZE[1] * SCALE), "white")
-        self.pen = ImageDraw.Draw(self.image)
-        self.font = ImageFont.load_default(14 * SCALE)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
         """Pixel of a point whose logarithms are given."""
@@ -69,37 +64,33 @@ class _Chart:
         across = (x - self.low[0]) / (self.high[0] - self.low[0])
         up = (y - self.low[1]) / (self.high[1] - self.low[1])
         return (
-            SCALE * (left + across * (SIZE[0] - left - right)),
-            SCALE * (SIZE[1] - bottom - up * (SIZE[1] - top - bottom)),
+            left + across * (SIZE[0] - left - right),
+            SIZE[1] - bottom - up * (SIZE[1] - top - bottom),
         )
 
     def draw_axes(self, title: str) -> None:
         """Draw a line for every power of ten of the time and every scene."""
         for power in range(self.low[1], self.high[1] + 1):
             start, end = self.place(self.low[0], power), self.place(self.high[0], power)
-            self.pen.line([start, end], fill="#cccccc", width=SCALE)
-            self._write((start[0] - 8 * SCALE, start[1]), f"{10**power:g}", "rm")
+            self.line([start, end], "#cccccc")
+            self.write(start[0] - 8, start[1], f"{10**power:g}", "rm")
         for name, triangles in SCENES.items():
             x = math.log10(triangles)
             if self.low[0] <= x <= self.high[0]:
                 start, end = self.place(x, self.low[1]), self.place(x, self.high[1])
-                self.pen.line([start, end], fill="#eeeeee", width=SCALE)
-                self._write((start[0], start[1] + 16 * SCALE), name, "mm")
+                self.line([start, end], "#eeeeee")
+                self.write(start[0], start[1] + 16, name, "mm")
         middle = self.place(0.5 * (self.low[0] + self.high[0]), self.low[1])
-        self._write((middle[0], middle[1] + 40 * SCALE), "triangles", "mm")
-        self._write((SCALE * MARGINS[0], SCALE * 14), title, "lm")
+        self.write(middle[0], middle[1] + 40, "triangles", "mm")
+        self.write(MARGINS[0], 14, title, "lm")
 
     def draw_curve(self, row: int, name: str, points, colour: str) -> None:
         """Draw a line with dots, and its name on the right."""
         places = [self.place(math.log10(x), math.log10(y)) for x, y in points]
         if len(places) > 1:
-            self.pen.line(places, fill=colour, width=2 * SCALE)
+            self.line(places, colour, 2)
         for x, y in places:
-            radius = 4 * SCALE
-            self.pen.ellipse([x - radius, y - radius, x + radius, y + radius], fill=colour)
-        x, y = SCALE * (SIZE[0] - MARGINS[2] + 20), SCALE * (60 + 26 * row)
-        self.pen.line([(x, y), (x + 24 * SCALE, y)], fill=colour, width=3 * SCALE)
-        self._write((x + 32 * SCALE, y), name, "lm")
-
-    def _write(self, place, text: str, anchor: str) -> None:
-        self.pen.text(place, text, fill="#222222", font=self.font, anchor=anchor)
+            self.mark(x, y, colour, radius=4)
+        x, y = SIZE[0] - MARGINS[2] + 20, 60 + 26 * row
+        self.line([(x, y), (x + 24, y)], colour, 3)
+        self.write(x + 32, y, name, "lm")

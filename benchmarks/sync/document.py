@@ -1,14 +1,13 @@
 """The document of the benchmark of edits, made of its numbers."""
 
 from pathlib import Path
+from statistics import median
 
+from ..common.document import BEARABLE_LOAD
 from .bars import FIRST_SHARE, GROWTH, OBJECT_SHARE, PARAMETER_SHARE, check_bars
 from .edits import NAMES
-from .figures import PARTS, SCENES, median
+from .figures import PARTS, SCENES
 from .grid_scene import VIEW
-
-BEARABLE_LOAD = 0.1
-"""Largest share of the processors that others may take."""
 
 INTRODUCTION = """# What an edit costs
 

@@ -9,6 +9,7 @@ import random
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
 import bpy
 
@@ -16,12 +17,12 @@ from ...blender_addon import registry
 from ...blender_addon.foundation.report import ConversionReport
 from ...blender_addon.rendering.feed import SceneFeed
 from ...engine.errors import LumenrayError
-from ...engine.session import Display, LiveSettings
+from ...engine.views import Display, LiveSettings
 from ...engine.worker.client import Worker
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
 from .edits import GROUPS, Answer, Desk, turned
-from .figures import PARTS, SCENES, median
+from .figures import PARTS, SCENES
 from .grid_scene import build_scene, count_triangles
 
 ROOT = Path(__file__).resolve().parents[2]

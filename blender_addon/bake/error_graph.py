@@ -13,6 +13,7 @@ import numpy as np
 
 from ...engine.accuracy.history import History
 from ...engine.analysis.error_graph import BASE, LEAST_ZOOM, graph_pixels
+from ..foundation.redraw import redraw
 
 INTERVAL = 1.0
 """Shortest time between two graphs. [s]"""
@@ -96,7 +97,7 @@ class ErrorGraph:
         elif self._future.done():
             future, self._future = self._future, None
             self._keep(future.result())
-            _redraw_panels()
+            redraw("PROPERTIES", "VIEW_3D")
         return POLL_INTERVAL
 
     def _keep(self, pixels: np.ndarray) -> None:
@@ -115,13 +116,6 @@ def _draw(history: History, side: int, is_dark: bool) -> np.ndarray:
     # The words make the picture higher, and so larger themselves.
     head = round(max(HEAD * height / (BASE - HEAD), HEAD * LEAST_ZOOM))
     return graph_pixels(history, size=(side, height + head), dark=is_dark)[:height]
-
-
-def _redraw_panels() -> None:
-    for window in (w for manager in bpy.data.window_managers for w in manager.windows):
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
 
 
 graph = ErrorGraph()

@@ -4,14 +4,14 @@ A bake of the same file, scene, objects and settings takes the place of the one 
 and goes to the next one: ``lux_office``, ``lux_office_2`` and so on.
 """
 
-import json
 from pathlib import Path
 
 import bpy
 
 from ...engine.baking.order import BakeOrder
-from ...engine.errors import FileFormatError
 from ...engine.formats.checkpoint import digest
+from ...engine.formats.report import write_json
+from ...libraries.plain_files import UnreadableError, read_object
 
 CHECKPOINT = "bake.checkpoint"
 """Name of the file, in the bake's folder, that an interrupted bake goes on from."""
@@ -44,7 +44,7 @@ def folder_of(settings, wanted: str = "") -> Path:
 
     A file that was never saved has no place of its own: its bakes go to Blender's temporary folder, and with it.
     """
-    text = wanted or settings.bake_folder or default_folder()
+    text = wanted or settings.folder or default_folder()
     if text.startswith("//") and not bpy.data.filepath:
         return Path(bpy.app.tempdir) / text[2:]
     path = Path(bpy.path.abspath(text))
@@ -87,13 +87,8 @@ def claim(folder, order: BakeOrder) -> None:
     ------
     FileFormatError    Nothing can be written there.
     """
-    path = Path(folder) / CLAIM
-    text = {"file": order.file, "scene": order.scene, "settings": _identity(order)}
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(text, indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
+    content = {"file": order.file, "scene": order.scene, "settings": _identity(order)}
+    write_json(Path(folder) / CLAIM, content)
 
 
 def _number(wanted: Path, number: int) -> Path:
@@ -118,12 +113,7 @@ def _identity(order: BakeOrder) -> str:
 
 def _read_claim(folder: Path) -> str | None:
     """Identity of the bake that a folder holds; None where it is not known."""
-    path = folder / CLAIM
     try:
-        if not path.is_file():
-            return None
-        with path.open("rb") as file:
-            text = json.loads(file.read(LARGEST_CLAIM))
-    except (OSError, ValueError, RecursionError):
+        return read_object(folder / CLAIM, LARGEST_CLAIM).get("settings")
+    except UnreadableError:
         return None
-    return text.get("settings") if isinstance(text, dict) else None

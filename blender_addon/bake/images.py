@@ -11,6 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...engine.analysis.looking import WORDS
 from ...engine.baking.order import AtlasPage, BakeResult
 from ...engine.photometry.colour import scene_linear
 from ..foundation.report import ConversionReport
@@ -152,6 +153,8 @@ def _facts(result: BakeResult, content: Content) -> dict:
         facts["relative_standard_error"] = result.relative_standard_error
     if not is_whole:
         facts["mean"] = _mean(result.pages, content)
+    if content.quantity == LEAVING and any(page.is_denoised for page in result.pages):
+        facts["filter"] = WORDS
     for made in result.maps[:1]:
         facts |= {"scene_hash": made.provenance.scene_hash, "seed": made.provenance.seed}
     areas = sum(made.lumels for made in result.maps)

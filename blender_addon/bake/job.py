@@ -4,7 +4,7 @@ Three steps: `prepare` reads Blender's data (main thread), `BakeJob.run` lets th
 no bpy), `store` puts UV maps and images into the file (main thread).
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import bpy
@@ -18,6 +18,7 @@ from ...engine.errors import Cancelled, LumenrayError, SceneError
 from ...engine.scene.scene import Scene
 from ..foundation.exposure import white_luminance
 from ..foundation.report import ConversionReport
+from ..light_groups import find_groups
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
 from ..sync.step import PART_BYTES, split
@@ -27,7 +28,6 @@ from . import look as baked_look
 from . import results as baked_results
 from . import uv_maps as baked_layout
 from .folders import checkpoint_path
-from .light_groups import find_groups
 
 GLTF = "baked.glb"
 """Name of the glTF file, where no other is asked for."""
@@ -39,47 +39,39 @@ GLTF_ENDINGS = (".glb", ".gltf")
 
 @dataclass(frozen=True)
 class BakeSettings:
-    """What a bake is asked for; most as in `BakeOrder`.
+    """What a bake is asked for: an order that names no objects yet, and what is done around it.
 
     Parameters
     ----------
-    densities : dict of str to float    Lumels per metre by object name, where it is not ``density``.
+    order : BakeOrder    Without objects, groups and names of files.
+    folder : Path    Where maps are written.
+    densities : dict of str to float    Lumels per metre by object name, where it is not the order's.
     two_sided : tuple of str    Names of the objects whose back sides are wanted.
     layers : str    ``none``, ``groups`` or ``each``.
     overwrite : bool    Whether results of other bakes in the folder may be replaced; else a folder beside it is taken.
-    checkpoint : bool    Whether the state is kept in the folder.
+    use_checkpoint : bool    Whether the state is kept in the folder.
     resume : bool    Whether an interrupted bake there goes on; else it is forgotten.
     gltf : Path or None    Where the objects are written with their light.
     gltf_textures, gltf_size : int    Most textures of that file, and the largest side of one. [-, texel]
     white : float or None    Luminance that becomes white there; None: found from the maps. [cd/m2]
     """
 
-    density: float
-    largest: int
-    margin: int
-    rule: StopRule
-    seed: int
-    transport: str
+    order: BakeOrder
     folder: Path
     densities: dict[str, float] = field(default_factory=dict)
-    from_textures: bool = False
-    pages: int = 0
-    cone: float = 1.0
-    detail: float = 0.0
     two_sided: tuple[str, ...] = ()
     layers: str = "none"
-    exitance: bool = False
-    smooth: bool = False
-    method: str = "auto"
-    caustics: str = "auto"
     overwrite: bool = False
-    checkpoint: bool = False
+    use_checkpoint: bool = False
     resume: bool = False
     gltf: Path | None = None
     gltf_textures: int = 16
     gltf_size: int = 2048
     white: float | None = None
-    witness: bool = True
+
+    def ask(self, **changes) -> "BakeSettings":
+        """Return the same with changes of the order."""
+        return replace(self, order=replace(self.order, **changes))
 
 
 @dataclass
@@ -214,48 +206,50 @@ def bakeable(objects) -> list:
 
 
 def rule_of(settings) -> StopRule:
-    """Return the stopping rule of a scene's bakes.
+    """Return the stopping rule of bakes by their settings, a `LumenrayBakeSettings`.
 
     Raises
     ------
     SceneError    None is on.
     """
     return StopRule(
-        samples=settings.bake_samples if settings.bake_use_samples else None,
-        error=settings.bake_error if settings.bake_use_error else None,
-        seconds=settings.bake_time if settings.bake_use_time else None,
-        absolute=settings.bake_absolute if settings.bake_use_absolute else None,
+        samples=settings.samples if settings.use_samples else None,
+        error=settings.error if settings.use_error else None,
+        seconds=settings.time if settings.use_time else None,
+        absolute=settings.absolute if settings.use_absolute else None,
     )
 
 
 def read_settings(settings, objects, rule: StopRule, folder: Path) -> BakeSettings:
     """Return what a scene (its `LumenraySceneSettings`) and the objects' own settings ask for."""
-    return BakeSettings(
-        density=settings.bake_density,
-        largest=settings.bake_size,
-        margin=settings.bake_margin,
+    own = settings.bake
+    order = BakeOrder(
+        objects=(),
         rule=rule,
         seed=settings.seed,
         transport=settings.transport.lower(),
+        **_shared(own, BakeOrder),
+    )
+    return BakeSettings(
+        order=order,
         folder=folder,
+        **_shared(own, BakeSettings),
         densities={s.name_full: s.lumenray.density for s in objects if s.lumenray.density > 0.0},
-        from_textures=settings.bake_from_textures,
-        pages=settings.bake_pages,
-        cone=settings.bake_cone,
-        detail=settings.bake_detail,
         two_sided=tuple(s.name_full for s in objects if s.lumenray.two_sided),
-        layers=settings.bake_layers.lower(),
-        exitance=settings.bake_exitance,
-        smooth=settings.bake_smooth,
-        method=settings.bake_method.lower(),
-        caustics=settings.bake_caustics.lower(),
-        overwrite=settings.bake_overwrite,
-        checkpoint=settings.bake_checkpoint,
-        gltf=folder / GLTF if settings.bake_gltf else None,
-        gltf_textures=settings.bake_gltf_textures,
-        gltf_size=settings.bake_gltf_size,
+        gltf=folder / GLTF if own.use_gltf else None,
         white=white_luminance(settings),
     )
+
+
+def _shared(settings, record) -> dict:
+    """Values of the settings that fields of a dataclass have their names from; the folder is the caller's."""
+    known = settings.bl_rna.properties
+    names = [each.name for each in fields(record) if each.name in known and each.name != "folder"]
+    values = {name: getattr(settings, name) for name in names}
+    return {
+        name: value.lower() if known[name].type == "ENUM" else value
+        for name, value in values.items()
+    }
 
 
 def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
@@ -269,7 +263,7 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
     if not chosen:
         raise SceneError("nothing to bake: select at least one mesh object")
     converted = convert_scene(depsgraph)
-    found = {}
+    names = {}
     for name in chosen:
         key = converted.objects.get(name)
         if key is None:
@@ -277,44 +271,27 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
                 name, "the object has no surface that is rendered", "it is not baked"
             )
         else:
-            found[key] = name
-    order = BakeOrder(
-        objects=tuple(found),
-        rule=settings.rule,
-        density=settings.density,
-        densities={
-            key: settings.densities[name]
-            for key, name in found.items()
-            if name in settings.densities
-        },
-        from_textures=settings.from_textures,
-        largest=settings.largest,
-        pages=settings.pages,
-        margin=settings.margin,
-        cone=settings.cone,
-        detail=settings.detail,
-        two_sided=tuple(key for key, name in found.items() if name in settings.two_sided),
-        groups=find_groups(converted.delta.changed, depsgraph.scene.world, settings.layers),
-        exitance=settings.exitance,
-        smooth=settings.smooth,
-        method=settings.method,
-        caustics=settings.caustics,
-        witness=settings.witness,
-        seed=settings.seed,
-        transport=settings.transport,
+            names[key] = name
+    own = settings.densities
+    order = replace(
+        settings.order,
+        objects=tuple(names),
+        densities={key: own[name] for key, name in names.items() if name in own},
+        two_sided=tuple(key for key, name in names.items() if name in settings.two_sided),
+        groups=find_groups(converted.luminous, depsgraph.scene.world, settings.layers),
         file=Path(bpy.data.filepath).name if bpy.data.filepath else "(not saved)",
         scene=depsgraph.scene.name,
         conversion=tuple(converted.report.to_dicts()),
     )
     settings = _settle(settings, order)
-    keeps_state = settings.checkpoint or settings.resume
+    keeps_state = settings.use_checkpoint or settings.resume
     order = replace(
         order,
         folder=str(settings.folder),
         checkpoint=str(checkpoint_path(settings.folder)) if keeps_state else None,
     )
     parts = list(split(converted.delta, PART_BYTES))
-    return BakeJob(parts, found, settings, converted.report, order)
+    return BakeJob(parts, names, settings, converted.report, order)
 
 
 def _settle(settings: BakeSettings, order: BakeOrder) -> BakeSettings:
@@ -345,7 +322,7 @@ def store(job: BakeJob, scene) -> list[str]:
 
 
 def _store(job: BakeJob, scene) -> list:
-    was_shown = scene.lumenray.is_baked_shown
+    was_shown = scene.lumenray.look.is_shown
     baked_look.hide()
     result = job.result
     sources = {key: bpy.data.objects.get(name) for key, name in job.names.items()}
@@ -355,10 +332,10 @@ def _store(job: BakeJob, scene) -> list:
     images = baked_images.store_images(result, placed, job.report)
     for source in placed:
         source.lumenray.baked_image = images[0]
-    settings = scene.lumenray
-    baked_look.list_layers(settings, images)
-    settings.baked_low = 0.0
-    settings.baked_high = _scale_top(result)
+    look = scene.lumenray.look
+    baked_look.list_layers(look, images)
+    look.low = 0.0
+    look.high = _scale_top(result)
     if was_shown:
         baked_look.show(scene)
     return images

@@ -19,8 +19,9 @@ from ...engine.photometry.spectra import (
     illuminant,
     observer,
 )
-from ...engine.scene.material import Coated, Diffuse
+from ...engine.scene.material import Coated, Diffuse, Fabric
 from ...engine.scene.spectrum import Constant, Rgb
+from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
 from ..sync.materials.materials import DEFAULT_REFLECTANCE
 from ..sync.materials.overrides import convert_override
@@ -90,14 +91,14 @@ def list_layers(settings, images) -> None:
     names = [each["group"] for each in facts if each["quantity"] == baked_images.LAYER]
     atlases = {source.lumenray.baked_image for source in baked_objects(settings.id_data)}
     wanted = {*names, *(name for image in atlases for name in baked_images.layers_of(image))}
-    rows = settings.baked_layers
+    rows = settings.layers
     for number in reversed(range(len(rows))):
         if rows[number].name not in wanted:
             rows.remove(number)
     for name in names:
         if name not in rows:
             rows.add().name = name
-    settings.baked_layer_index = 0
+    settings.layer_index = 0
 
 
 def show(scene) -> ConversionReport:
@@ -136,7 +137,7 @@ def show(scene) -> ConversionReport:
             )
             continue
         _wire(material, [shown.groups[number - 1] for number in sorted(numbers)], report)
-    scene.lumenray.is_baked_shown = True
+    scene.lumenray.look.is_shown = True
     return report
 
 
@@ -158,13 +159,13 @@ def hide() -> None:
     baked_nodes.remove_groups()
     # Scenes share materials.
     for each in bpy.data.scenes:
-        each.lumenray.is_baked_shown = False
+        each.lumenray.look.is_shown = False
 
 
 @contextmanager
 def hidden(scene):
     """Let a scene be as it is without the look for the time being."""
-    was_shown = scene.lumenray.is_baked_shown
+    was_shown = scene.lumenray.look.is_shown
     if was_shown:
         hide()
     try:
@@ -216,7 +217,7 @@ def _placeholder():
 
 def _wire(material, groups, report: ConversionReport) -> None:
     """Add an output for EEVEE that ends in baked light where the material is matt or glows by itself."""
-    if not _uses_nodes(material):
+    if not uses_nodes(material):
         # Blender makes a tree of its own then, which is not used again when this is off.
         material.use_nodes = True
         material[MARK_NODES] = True
@@ -243,11 +244,6 @@ def _remove_nodes(tree) -> None:
         tree.nodes.remove(node)
         if before is not None:
             before.is_active_output = True
-
-
-def _uses_nodes(material) -> bool:
-    # Blender 5 always uses nodes and will drop the property in 6.
-    return bpy.app.version >= (5, 0, 0) or material.use_nodes
 
 
 class _Wiring:
@@ -340,7 +336,7 @@ class _Wiring:
         settings = self.material.lumenray
         surface, emission = convert_override(settings, ConversionReport(), self.material.name)
         given = {}
-        if isinstance(surface, Diffuse | Coated):
+        if isinstance(surface, Diffuse | Coated | Fabric):
             given["Base Color"] = (*_reflected_colour(surface.reflectance), 1.0)
         elif emission is not None:
             given["Base Color"] = (0.0, 0.0, 0.0, 1.0)

@@ -43,7 +43,7 @@ RAMP = 3 * (len(STOPS) - 1) + 1
 """Colours of Blender's ramp, which holds 32 at most: all of the scale's own are among them."""
 
 LIGHT, EXITANCE, FALSE = 0.0, 1.0, 2.0
-"""Numbers of the looks, as in ``LumenraySceneSettings.baked_look``."""
+"""Numbers of the looks, as in ``LumenrayLookSettings.kind``."""
 
 
 @dataclass(frozen=True)
@@ -131,17 +131,17 @@ def make_levels(scene, names, automatic_white: float):
     variables = {"mode": "exposure", "white": "white_luminance", "ev": "ev100"}
     for name, expression, paths in (
         ("White", white, variables),
-        ("Look", "look", {"look": "baked_look"}),
-        ("Low", "low", {"low": "baked_low"}),
-        ("High", "high", {"high": "baked_high"}),
+        ("Look", "look", {"look": "look.kind"}),
+        ("Low", "low", {"low": "look.low"}),
+        ("High", "high", {"high": "look.high"}),
         ("Efficacy", "efficacy", {"efficacy": "efficacy"}),
     ):
         node = group.add("ShaderNodeValue", label=name)
         driver.drive(node.outputs[0], expression, paths)
         outputs.append((name, "NodeSocketFloat", node.outputs[0]))
-    known = [layer.name for layer in scene.lumenray.baked_layers]
+    known = [layer.name for layer in scene.lumenray.look.layers]
     for name in names:
-        path = f"baked_layers[{known.index(name)}]"
+        path = f"look.layers[{known.index(name)}]"
         colour = group.add("ShaderNodeCombineXYZ", label=name)
         for axis in range(3):
             driver.drive(colour.inputs[axis], "part", {"part": f"{path}.colour[{axis}]"})

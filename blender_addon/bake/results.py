@@ -14,6 +14,8 @@ from bpy.app.handlers import persistent
 
 from ...engine.baking.order import BakeResult
 from ...engine.scene.scene import Scene
+from ..foundation import open_file
+from ..foundation.handlers import leave, listen
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
 from ..sync.visibility import LIGHT_RAYS
@@ -144,7 +146,6 @@ def _store_map(item, made) -> None:
     item.bias, item.bias_error = made.bias, _known(made.bias_error)
     item.samples, item.lumels = round(made.samples), made.lumels
     item.density, item.invalid = made.density, made.invalid
-    item.is_smoothed = made.smoothed
 
 
 def _known(error: float) -> float:
@@ -203,9 +204,9 @@ def _settings_of(scene) -> tuple:
 def _sliders_of(scene) -> tuple:
     """Settings of how baked light is shown, which the nodes of its materials follow."""
     own = scene.lumenray
-    layers = tuple((row.name, row.strength, *row.colour) for row in own.baked_layers)
+    layers = tuple((row.name, row.strength, *row.colour) for row in own.look.layers)
     exposure = (own.exposure, own.white_luminance, own.ev100)
-    return (own.baked_look, own.baked_low, own.baked_high, own.efficacy, exposure, layers)
+    return (own.look.kind, own.look.low, own.look.high, own.efficacy, exposure, layers)
 
 
 def _rays_of(item) -> tuple:
@@ -276,7 +277,7 @@ def _after_update(scene, depsgraph):
         return
     own = scene.original if scene.is_evaluated else scene
     sliders = _sliders_of(own)
-    is_look = own.lumenray.is_baked_shown and _tracker.sliders.get(own.session_uid) != sliders
+    is_look = own.lumenray.look.is_shown and _tracker.sliders.get(own.session_uid) != sliders
     _tracker.sliders[own.session_uid] = sliders
     blocks = [update.id.original for update in depsgraph.updates if _is_light(update, is_look)]
     if any(update.id.id_type == "SCENE" for update in depsgraph.updates):
@@ -327,19 +328,12 @@ _HANDLERS = {
 
 def attach():
     """Listen to Blender."""
-    # While Blender starts there is no data to look at.
-    if hasattr(bpy.data, "objects"):
-        _remember()
-    for name, function in _HANDLERS.items():
-        known = getattr(bpy.app.handlers, name)
-        if function not in known:
-            known.append(function)
+    open_file.look(_remember)
+    listen(_HANDLERS)
 
 
 def detach():
     """Listen no longer."""
-    for name, function in _HANDLERS.items():
-        known = getattr(bpy.app.handlers, name)
-        if function in known:
-            known.remove(function)
+    leave(_HANDLERS)
+    open_file.look_no_more(_remember)
     _tracker.watches.clear()

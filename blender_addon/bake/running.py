@@ -13,6 +13,7 @@ from bpy.app.handlers import persistent
 from ...engine.accuracy.stopping import Progress
 from ...engine.errors import Cancelled, LumenrayError
 from .. import feedback
+from ..foundation.handlers import leave, listen
 from .error_graph import graph
 
 INTERVAL = 0.1
@@ -132,10 +133,12 @@ def _end_with_file(*_):
     end()
 
 
+_HANDLERS = {"load_pre": _end_with_file}
+
+
 def attach():
     """Tie the bake to the file; what an earlier life of the extension left in the window is forgotten."""
-    if _end_with_file not in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.append(_end_with_file)
+    listen(_HANDLERS)
     # While Blender starts there is no data to look at, and nothing is left.
     for window_manager in getattr(bpy.data, "window_managers", ()):
         if not _running:
@@ -144,6 +147,5 @@ def attach():
 
 def detach():
     """End the bake for good."""
-    if _end_with_file in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_end_with_file)
+    leave(_HANDLERS)
     end()

@@ -17,39 +17,61 @@ class LumenrayResultRow(PropertyGroup):
     """One lux map. ``relative_error`` is that of its lumels, ``mean_error`` that of ``mean``."""
 
     name: StringProperty(name="Name", description="Object that the map lies on")
-    mean: FloatProperty(name="Mean", description="Area-weighted mean")
+    mean: FloatProperty(name="Mean", description="Mean over the area, in the unit of the row")
     minimum: FloatProperty(
-        name="Minimum", description="Smallest value on the surface, without what noise adds"
+        name="Minimum",
+        description="Smallest value on the surface, without what noise adds, in the unit of the row",
     )
-    minimum_low: FloatProperty(name="From", description="The smallest value is hardly below this")
-    minimum_high: FloatProperty(name="To", description="The smallest value is hardly above this")
+    minimum_low: FloatProperty(
+        name="From", description="The smallest value is hardly below this, in the unit of the row"
+    )
+    minimum_high: FloatProperty(
+        name="To", description="The smallest value is hardly above this, in the unit of the row"
+    )
     maximum: FloatProperty(
-        name="Maximum", description="Largest value on the surface, without what noise adds"
+        name="Maximum",
+        description="Largest value on the surface, without what noise adds, in the unit of the row",
     )
-    maximum_low: FloatProperty(name="From", description="The largest value is hardly below this")
-    maximum_high: FloatProperty(name="To", description="The largest value is hardly above this")
-    uniformity: FloatProperty(name="Uniformity", description="Smallest value over the mean")
-    uniformity_low: FloatProperty(name="From", description="The uniformity is hardly below this")
-    uniformity_high: FloatProperty(name="To", description="The uniformity is hardly above this")
-    mean_error: FloatProperty(name="Error of the Mean", description="Standard error of the mean")
+    maximum_low: FloatProperty(
+        name="From", description="The largest value is hardly below this, in the unit of the row"
+    )
+    maximum_high: FloatProperty(
+        name="To", description="The largest value is hardly above this, in the unit of the row"
+    )
+    uniformity: FloatProperty(
+        name="Uniformity", description="Smallest value over the mean, as a share"
+    )
+    uniformity_low: FloatProperty(
+        name="From", description="The uniformity is hardly below this share"
+    )
+    uniformity_high: FloatProperty(
+        name="To", description="The uniformity is hardly above this share"
+    )
+    mean_error: FloatProperty(
+        name="Error of the Mean", description="Standard error of the mean, in the unit of the row"
+    )
     relative_error: FloatProperty(
         name="Relative Error",
-        description="Standard error of the single values divided by the mean",
+        description="Standard error of the single values divided by the mean, as a share",
     )
     bias: FloatProperty(
-        name="Bias", description="What the method adds to the mean on the whole, as measured"
+        name="Bias",
+        description="What the method adds to the mean on the whole, as measured, in the unit of the row",
     )
-    bias_error: FloatProperty(name="Error of the Bias", description="Standard error of the bias")
-    samples: IntProperty(name="Samples", description="Samples per lumel")
-    lumels: IntProperty(name="Lumels", description="How many lie on the surface")
+    bias_error: FloatProperty(
+        name="Error of the Bias", description="Standard error of the bias, in the unit of the row"
+    )
+    samples: IntProperty(name="Samples", description="Number of samples per lumel")
+    lumels: IntProperty(name="Lumels", description="Number of lumels on the surface")
     density: FloatProperty(name="Density", description="Lumels per metre that were reached")
     invalid: IntProperty(
-        name="Inside Solids", description="Lumels that were filled from their neighbours"
+        name="Inside Solids", description="Number of lumels that were filled from their neighbours"
     )
     is_smoothed: BoolProperty(
-        name="Smoothed", description="Whether the map was smoothed after its error was known"
+        name="Smoothed",
+        description="Whether an older version smoothed the map after its error was known",
     )
-    unit: StringProperty(name="Unit", description="Unit of the values", default="lx")
+    unit: StringProperty(name="Unit", description="Unit of the values of this row", default="lx")
 
 
 class LumenrayBakedResults(PropertyGroup):
@@ -58,18 +80,23 @@ class LumenrayBakedResults(PropertyGroup):
     rows: CollectionProperty(type=LumenrayResultRow)
     row_index: IntProperty(name="Active Map", description="Map whose details are shown", min=0)
     relative_error: FloatProperty(
-        name="Relative Error", description="Standard error of all lumels divided by the mean"
+        name="Relative Error",
+        description="Standard error of all lumels divided by the mean, as a share",
     )
-    mean: FloatProperty(name="Mean", description="Of everything, in lx")
-    seconds: FloatProperty(name="Time", description="Time that it took", subtype="TIME_ABSOLUTE")
-    pages: IntProperty(name="Pages", description="Of the atlas")
+    mean: FloatProperty(name="Mean", description="Mean of everything that was baked, in lx")
+    seconds: FloatProperty(
+        name="Time", description="Time that the bake took, in seconds", subtype="TIME_ABSOLUTE"
+    )
+    pages: IntProperty(name="Pages", description="Number of pages of the atlas")
     shrink: FloatProperty(
         name="Shrink", description="Factor on all densities that made the charts fit"
     )
-    seam_pairs: IntProperty(name="Seam Points", description="Places where charts meet")
-    seam_before: FloatProperty(name="Steps", description="At seams before matching, in lx")
-    seam_after: FloatProperty(name="Steps Left", description="At seams after matching, in lx")
-    seam_noise: FloatProperty(name="Noise of Steps", description="Their standard error, in lx")
+    seam_pairs: IntProperty(name="Seam Points", description="Number of places where charts meet")
+    seam_before: FloatProperty(name="Steps", description="Steps at seams before matching, in lx")
+    seam_after: FloatProperty(name="Steps Left", description="Steps at seams after matching, in lx")
+    seam_noise: FloatProperty(
+        name="Noise of Steps", description="Standard error of the steps at seams, in lx"
+    )
     shortfall: StringProperty(name="Shortfall", description="What of its rule the bake has not met")
     folder: StringProperty(name="Folder", description="Where the files were written")
     scene_hash: StringProperty(

@@ -3,11 +3,11 @@
 import atexit
 from pathlib import Path
 
-import bpy
 from bpy.app.handlers import persistent
 
 from ...engine.worker.client import RemoteSession, Worker
-from .preferences import memory_limit
+from .handlers import leave, listen
+from .preferences import device, memory_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the package, which has other names inside Blender."""
@@ -24,8 +24,15 @@ def open_session(name: str) -> RemoteSession:
     """
     if not _worker.is_alive:
         _worker.memory_limit = memory_limit()
+        if device():
+            _worker.device = device()
         _worker.start()
     return _worker.session(name)
+
+
+def note_device(key: str) -> None:
+    """Take the device that the probe found to work when the engine starts next; empty: try them then."""
+    _worker.device = key
 
 
 def is_running() -> bool:
@@ -53,16 +60,17 @@ def _end_with_file(*_):
     close()
 
 
+_HANDLERS = {"load_pre": _end_with_file}
+
+
 def attach():
     """Tie the worker to the file and to Blender."""
-    if _end_with_file not in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.append(_end_with_file)
+    listen(_HANDLERS)
     atexit.register(close)
 
 
 def detach():
     """End the worker for good."""
-    if _end_with_file in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_end_with_file)
+    leave(_HANDLERS)
     atexit.unregister(close)
     close()

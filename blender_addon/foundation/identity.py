@@ -12,6 +12,8 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
+from .handlers import leave, listen
+
 COLLECTIONS = ("objects", "lights", "materials", "worlds", "cameras")
 """Names of the collections of ``bpy.data`` whose members carry an identity."""
 
@@ -23,7 +25,6 @@ _TYPES = {
     bpy.types.Camera: "cameras",
 }
 _NAMESPACE = uuid.UUID("5d0cb5bb-2a3c-4c6e-8d0b-6f2d7b1f5f11")
-_HANDLERS = ("load_post", "save_pre", "undo_post", "redo_post", "render_init", "render_pre")
 
 
 class _Memory:
@@ -205,25 +206,23 @@ def _check_all(*_):
     ensure_ids()
 
 
+_HANDLERS = {
+    "depsgraph_update_post": _after_update,
+    "load_post": _after_load,
+    "save_pre": _check_all,
+    "undo_post": _check_all,
+    "redo_post": _check_all,
+    "render_init": _check_all,
+    "render_pre": _check_all,
+}
+
+
 def attach():
     """Have identities written as data-blocks come."""
-    handlers = bpy.app.handlers
-    _add(handlers.depsgraph_update_post, _after_update)
-    for name in _HANDLERS:
-        _add(getattr(handlers, name), _after_load if name == "load_post" else _check_all)
+    listen(_HANDLERS)
 
 
 def detach():
     """Stop it; identities stay in the file."""
-    handlers = bpy.app.handlers
-    for name in ("depsgraph_update_post", *_HANDLERS):
-        known = getattr(handlers, name)
-        for function in (_after_update, _after_load, _check_all):
-            if function in known:
-                known.remove(function)
+    leave(_HANDLERS)
     forget()
-
-
-def _add(handlers, function) -> None:
-    if function not in handlers:
-        handlers.append(function)

@@ -11,27 +11,41 @@ SOLID_RADIUS = 0.5
 """Size of the solids of luminaires before anybody has changed it. [m]"""
 
 
-def _preferences():
+def own():
+    """Return the extension's preferences, None where Blender has none of it."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     return addon.preferences if addon is not None else None
 
 
+def shows_steps() -> bool:
+    """Whether the sidebar shows the first steps that are left to do."""
+    preferences = own()
+    return preferences is None or preferences.show_steps
+
+
 def solid_radius() -> float:
     """Return how far the largest intensity reaches in the solids of luminaires. [m]"""
-    preferences = _preferences()
+    preferences = own()
     return preferences.solid_radius if preferences is not None else SOLID_RADIUS
 
 
 def luminaire_folder() -> Path | None:
     """Return the folder of the user's own luminaires, None if there is none."""
-    preferences = _preferences()
+    preferences = own()
     name = preferences.luminaire_folder if preferences is not None else ""
     folder = Path(bpy.path.abspath(name)) if name else None
     return folder if folder is not None and folder.is_dir() else None
 
 
+def device() -> str:
+    """Return the key of the device that the user has chosen, empty for the first that works."""
+    preferences = own()
+    choice = preferences.device if preferences is not None else "AUTO"
+    return "" if choice == "AUTO" else choice.lower()
+
+
 def memory_limit() -> int | None:
     """Return the limit, None without one. [byte]"""
-    preferences = _preferences()
+    preferences = own()
     limit = preferences.memory_limit if preferences is not None else 0.0
     return int(limit * (1 << 30)) or None

@@ -4,6 +4,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...libraries import spectra
+from .redraw import redraw
 
 PATH_OPTIONS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 """Options of paths that may start with ``//``; older versions of Blender ask no leave for it."""
@@ -12,6 +13,52 @@ PATH_OPTIONS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) 
 def tag_owner(self, context):
     """Tell the dependency graph: properties of add-ons do not do it by themselves (Blender #138071)."""
     self.id_data.update_tag()
+
+
+def redraw_views(self, context):
+    """Draw the 3D views again: what they show depends on the property, the scene does not."""
+    redraw("VIEW_3D")
+
+
+def identity_property():
+    """Property of the identity; `identity` alone writes it."""
+    return StringProperty(name="Identity", options={"HIDDEN"})
+
+
+def light_group_property(of: str):
+    """Property that names the light group that a light belongs to."""
+    return StringProperty(
+        name="Light Group",
+        description=(
+            f"Light group that {of} belongs to, a layer of lux maps and of the light mix; empty: Blender's own light "
+            "group; all without a group share one"
+        ),
+        maxlen=63,
+        update=tag_owner,
+    )
+
+
+def percentage(name: str, title: str, description: str):
+    """Property that shows a share, which scripts and files have, in per cent."""
+
+    def read(self):
+        return 100.0 * getattr(self, name)
+
+    def write(self, value):
+        setattr(self, name, 0.01 * value)
+
+    return FloatProperty(
+        name=title,
+        description=description,
+        min=0.01,
+        max=100.0,
+        soft_max=10.0,
+        precision=2,
+        subtype="PERCENTAGE",
+        get=read,
+        set=write,
+        options={"SKIP_SAVE"},
+    )
 
 
 def enum_from_names(names) -> list[tuple[str, str, str, int]]:
@@ -33,21 +80,24 @@ class SpectrumSettings:
 
     spectrum: EnumProperty(
         name="Spectrum",
-        description="How the light is distributed over the wavelengths",
+        description="How the light is distributed over the wavelengths. Default Colour: as Blender shows the light",
         items=SPECTRA,
         default="RGB",
         update=tag_owner,
     )
     illuminant: EnumProperty(
         name="Illuminant",
-        description="CIE standard illuminant",
+        description="CIE standard illuminant by its name. Default D65: average daylight, the white of screens",
         items=enum_from_names(spectra.illuminant_names()),
         default="D65",
         update=tag_owner,
     )
     colour_temperature: FloatProperty(
         name="Colour Temperature",
-        description="In kelvins; daylight is defined from 4000 K to 25000 K",
+        description=(
+            "Of the radiator or the daylight, in kelvins; daylight is defined from 4000 K to 25000 K. Default 4000: "
+            "neutral white, usual in offices"
+        ),
         default=4000.0,
         min=500.0,
         max=40000.0,
@@ -58,16 +108,19 @@ class SpectrumSettings:
     )
     spectrum_file: StringProperty(
         name="Spectrum File",
-        description="Text or CSV with wavelength [nm] and relative power, or an IES TM-27 .spdx file",
+        description="Text or CSV with wavelength [nm] and relative power, CGATS or .sp of instruments, or IES TM-27 .spdx",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
         update=tag_owner,
     )
     spectrum_column: IntProperty(
         name="Column",
-        description="Which column of values of the file counts; 0 takes the first, with a warning if there are others",
+        description=(
+            "Number of the column or sample of the file that counts; 0 takes the first, with a warning if there are "
+            "others. Default 0: most files have one"
+        ),
         default=0,
         min=0,
-        max=1000,
+        max=200_000,
         update=tag_owner,
     )

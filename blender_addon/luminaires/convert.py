@@ -16,7 +16,7 @@ from ...engine.scene.light import Luminaire, Output, Quantity
 from ...engine.scene.spectrum import Illuminant, Spectrum
 from ..foundation.pose import Pose, pose_of
 from ..foundation.report import ConversionReport
-from . import files
+from .files import Reading, photometric_files
 
 LEFT_OUT = "the light is left out"
 """What is done about a luminaire that cannot be taken over: none at all is better than a wrong one."""
@@ -54,7 +54,7 @@ def convert_luminaire(
     Luminaire or None    None when it emits nothing, or its file cannot be read.
     """
     try:
-        reading = files.read(settings)
+        reading = photometric_files.obtain(settings)
         pose = pose_of(matrix, scale)
         spectrum = _find_spectrum(source, settings, reading, own_spectrum)
         amount = find_amount(settings, reading, pose.frame, spectrum)
@@ -133,9 +133,7 @@ def _can_be_seen(reading, spectrum, amount: Amount, name, report) -> bool:
     return False
 
 
-def find_amount(
-    settings, reading: files.Reading, matrix, spectrum: Spectrum | None = None
-) -> Amount:
+def find_amount(settings, reading: Reading, matrix, spectrum: Spectrum | None = None) -> Amount:
     """Return how much light a luminaire gives, with every factor.
 
     Parameters
@@ -159,7 +157,7 @@ def find_amount(
     )
 
 
-def _lumens_of(reading: files.Reading, spectrum: Spectrum | None) -> float:
+def _lumens_of(reading: Reading, spectrum: Spectrum | None) -> float:
     if reading.file.quantity != RADIANT:
         return reading.flux
     return 0.0 if spectrum is None else reading.flux * efficacy_of_all(spectrum)
@@ -204,11 +202,11 @@ def own_opening(data, pose: Pose) -> Opening:
 def _remark(settings, reading, name, report) -> None:
     """Note what is to be known of the file; under its own name, so that lights that share it share the rows."""
     for remark in reading.file.remarks:
-        report.info(files.name_of(settings), str(remark), "the file is read so")
-    if files.has_changed(settings, reading):
+        report.info(photometric_files.name_of(settings), str(remark), "the file is read so")
+    if photometric_files.has_changed(settings, reading):
         what = "embedded photometric file" if settings.text is not None else "photometric file"
         report.warn(
             name,
-            f"the {what} '{files.name_of(settings)}' was edited since it was loaded",
+            f"the {what} '{photometric_files.name_of(settings)}' was edited since it was loaded",
             "what it says now is used",
         )

@@ -9,8 +9,8 @@ from mathutils import Matrix
 from ...engine.errors import LumenrayError
 from ...engine.scene.distribution import IntensityDistribution, Opening
 from ..foundation.pose import Pose, pose_of
-from . import files
 from .convert import find_opening, orient, reflected
+from .files import Reading, photometric_files
 from .settings import is_luminaire, settings_of
 
 LEVELS = ((150.0, 96, 72), (45.0, 48, 36), (10.0, 24, 20))
@@ -91,7 +91,7 @@ def _place(source, matrix, scale, readings) -> Place | None:
     """Place a luminaire; None if its file or its scale cannot be used, which its panel or the report tells."""
     settings = settings_of(source)
     # Embedded content is told apart by its bytes, too many to look at for every one of hundreds.
-    key = settings.text or files.absolute_path(settings)
+    key = settings.text or photometric_files.absolute_path(settings)
     if key not in readings:
         readings[key] = _read(settings)
     reading, pose = readings[key], _pose(matrix.copy().freeze(), scale)
@@ -109,9 +109,9 @@ def _place(source, matrix, scale, readings) -> Place | None:
     )
 
 
-def _read(settings) -> files.Reading | None:
+def _read(settings) -> Reading | None:
     try:
-        return files.read(settings)
+        return photometric_files.obtain(settings)
     except LumenrayError:
         return None
 

@@ -10,9 +10,10 @@ from bpy_extras import view3d_utils
 from mathutils import Matrix, Vector
 
 from ...engine.luminaires.formats.record import LuminaireFile
+from ..foundation.selection import select_only
 from ..foundation.units import metres_per_unit
-from . import files
 from .body import body_extent, build_body
+from .files import photometric_files
 
 GAP = 0.2
 """Between luminaires that are placed side by side. [m]"""
@@ -85,13 +86,13 @@ def add_luminaires(context, paths: Iterable[str], mount: Mount, is_embedded: boo
     """
     paths = [str(path) for path in paths]
     for path in paths:
-        files.read_path(bpy.path.abspath(path))
+        photometric_files.obtain_path(bpy.path.abspath(path))
     scale = metres_per_unit(context.scene)
     turn = _shining_to(Vector(mount.normal))
     made, end = [], None
     for path in paths:
         empty = bpy.data.objects.new(Path(path).stem, None)
-        file = files.load(empty.lumenray.luminaire, path, is_embedded).file
+        file = photometric_files.load(empty.lumenray.luminaire, path, is_embedded).file
         least, largest = body_extent(file)
         offset = 0.0 if end is None else end + GAP - least[0]
         end = offset + largest[0]
@@ -103,11 +104,7 @@ def add_luminaires(context, paths: Iterable[str], mount: Mount, is_embedded: boo
         context.collection.objects.link(empty)
         add_body(context, empty, file)
         made.append(empty)
-    for thing in context.selected_objects:
-        thing.select_set(False)
-    for empty in made:
-        empty.select_set(True)
-    context.view_layer.objects.active = made[-1]
+    select_only(context.view_layer, made)
     return made
 
 

@@ -1,114 +1,12 @@
-"""Polar diagrams as icons for panels: drawn once for every content, on a thread beside Blender's own.
-
-Panels ask at every redraw. The first time there is no icon yet: the thread draws it, and a timer takes it over and has the
-panels drawn again. All but the drawing is on Blender's main thread.
-"""
-
-from concurrent.futures import ThreadPoolExecutor
-
-import bpy
-import bpy.utils.previews
+"""Polar diagrams of photometric files for panels."""
 
 from ...engine.analysis.polar_diagram import diagram_pixels
-
-STEP, SMALLEST, LARGEST = 32, 160, 480
-"""Sides that pictures have: multiples of the first, between the others. [pixel]"""
-
-KEPT = 64
-"""Pictures that are kept; one more, and they are drawn anew as they are asked for."""
-
-POLL_INTERVAL = 0.05
-"""How often the timer looks for pictures that are drawn. [s]"""
+from ..file_assets.pictures import Pictures
 
 
-class Pictures:
-    """Icons by content, and what is still to be drawn."""
-
-    def __init__(self):
-        self._icons = None
-        self._painter = None
-        self._drawing = {}
-        # Blender knows a timer by the object, and every look at a method makes a new one.
-        self.timer = self._take_over
-
-    def icon(self, reading, side: float, is_dark: bool) -> int:
-        """Return the number of the icon of a file's polar diagram.
-
-        While it is not drawn yet, it is that of another size, or 0 if there is none.
-
-        Parameters
-        ----------
-        reading : luminaires.files.Reading
-        side : float    Of the picture on the screen, see `side_of`. [pixel]
-        is_dark : bool    On a dark ground.
-        """
-        content = f"{reading.digest} {'dark' if is_dark else 'light'}"
-        name = f"{content} {side}"
-        icons = self._icons or {}
-        if name in icons:
-            return icons[name].icon_id
-        if name not in self._drawing:
-            if self._painter is None:
-                self._painter = ThreadPoolExecutor(1, "polar diagrams")
-            self._drawing[name] = self._painter.submit(
-                diagram_pixels, reading.file, size=(side, side), dark=is_dark
-            )
-        if not bpy.app.timers.is_registered(self.timer):
-            bpy.app.timers.register(self.timer, first_interval=POLL_INTERVAL)
-        return next((icons[other].icon_id for other in icons if other.startswith(content)), 0)
-
-    def close(self) -> None:
-        """Let go of all pictures, and of the thread."""
-        if bpy.app.timers.is_registered(self.timer):
-            bpy.app.timers.unregister(self.timer)
-        if self._painter is not None:
-            self._painter.shutdown(cancel_futures=True)
-            self._painter = None
-        self._drawing.clear()
-        if self._icons is not None:
-            bpy.utils.previews.remove(self._icons)
-            self._icons = None
-
-    def _take_over(self) -> float | None:
-        """Make icons of the pictures that are drawn; time until the next look, None after the last. [s]"""
-        done = [name for name, picture in self._drawing.items() if picture.done()]
-        for name in done:
-            self._add(name, self._drawing.pop(name).result())
-        if done:
-            _redraw_panels()
-        return POLL_INTERVAL if self._drawing else None
-
-    def _add(self, name, pixels) -> None:
-        """Keep a picture (h, w, 4), row 0 at the bottom."""
-        if self._icons is None:
-            self._icons = bpy.utils.previews.new()
-        if len(self._icons) >= KEPT:
-            self._icons.clear()
-        icon = self._icons.new(name)
-        icon.image_size = pixels.shape[1::-1]
-        icon.image_pixels_float.foreach_set(pixels.reshape(-1))
+def draw_diagram(reading, side: int, is_dark: bool):
+    """Draw the polar diagram of a file. Returns (h, w, 4), row 0 at the bottom."""
+    return diagram_pixels(reading.file, size=(side, side), dark=is_dark)
 
 
-def _redraw_panels() -> None:
-    for window in (w for manager in bpy.data.window_managers for w in manager.windows):
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
-
-
-def side_of(room: float) -> int:
-    """Return the largest side of a picture that fits into a width. [pixel]"""
-    return min(max(int(room) // STEP * STEP, SMALLEST), LARGEST)
-
-
-def has_dark_theme(preferences) -> bool:
-    """Whether texts in panels are lighter than what they stand on."""
-    return sum(preferences.themes[0].user_interface.wcol_regular.text) > 1.5
-
-
-pictures = Pictures()
-
-
-def close():
-    """Let go of all pictures."""
-    pictures.close()
+pictures = Pictures("diagram", draw_diagram)

@@ -1,10 +1,9 @@
-"""What panels say of a luminaire: the state of its file, the file's figures, and the way to its flux, as short text.
+"""What panels say of a luminaire: its file's figures, and the way to its flux, as short text.
 
 Cheap enough for every redraw: the figures of a file are found once.
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -17,9 +16,8 @@ from ...engine.reading.printable import printable
 from ...engine.scene.distribution import Opening
 from ..foundation.units import format_lengths
 from ..readout import Description, format_amount, format_number
-from . import files
 from .convert import find_amount, states_spectrum
-from .settings import LIGHT_TYPES
+from .files import Reading, photometric_files
 
 SYMMETRIES = {
     "rotational": "rotational",
@@ -33,56 +31,14 @@ SYMMETRIES = {
 REMEDY = "The light is left out until the file is mended and reloaded, or another one is chosen."
 """What is said below a problem with a file."""
 
-FEW_REMARKS = 2
-"""So many warnings are shown without being asked for."""
 
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A luminaire's file at the time of a redraw.
-
-    Parameters
-    ----------
-    name : str    Of the file, empty if none is chosen.
-    notice : str    Where the file is kept, and whether it was edited.
-    reading : Reading or None    None if none is chosen, or it cannot be used.
-    problem : str    Why it cannot be used, empty if it can.
-    """
-
-    name: str
-    notice: str = ""
-    reading: files.Reading | None = None
-    problem: str = ""
-
-
-def settings_used(light):
-    """Return the luminaire settings of a light that shines as a photometric file says, None of other lights."""
-    settings = light.lumenray.luminaire
-    return settings if light.type in LIGHT_TYPES and settings.use_file else None
-
-
-def state_of(settings) -> State:
-    """Find out the state of the file that settings choose."""
-    name = files.name_of(settings)
-    if not name:
-        return State(name)
-    notice = "Embedded in the Blender file" if settings.text is not None else "Linked by its path"
-    try:
-        reading = files.read(settings)
-    except LumenrayError as error:
-        return State(name, notice, problem=str(error))
-    if files.has_changed(settings, reading):
-        notice += ", edited since it was loaded"
-    return State(name, notice, reading)
-
-
-def reading_used(settings) -> files.Reading | None:
+def reading_used(settings) -> Reading | None:
     """Return the file that something shines by, None if it does not or the file cannot be used."""
-    return state_of(settings).reading if settings.use_file else None
+    return photometric_files.state_of(settings).reading if settings.use_file else None
 
 
 @lru_cache(maxsize=128)
-def summary_of(reading: files.Reading) -> Summary:
+def summary_of(reading: Reading) -> Summary:
     """Return the figures of a file, found once for every content."""
     return summarise(reading.file)
 
@@ -117,7 +73,7 @@ def _describe_watts(settings, reading, source, amount: Amount) -> Description:
     return Description(lines, "its colour is no spectrum: it lights nothing visible")
 
 
-def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
+def describe_file(reading: Reading) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of all figures of a file."""
     file, summary = reading.file, summary_of(reading)
     return (
@@ -129,7 +85,7 @@ def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
     )
 
 
-def describe_briefly(reading: files.Reading) -> tuple[tuple[str, str], ...]:
+def describe_briefly(reading: Reading) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of the figures that tell files apart."""
     summary, units = summary_of(reading), reading.file.units
     return (

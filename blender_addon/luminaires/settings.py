@@ -1,21 +1,16 @@
 """What the user sets about a luminaire: its photometric file, how it is read, and how much light it gives."""
 
-import bpy
 from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
-    IntProperty,
-    PointerProperty,
     StringProperty,
 )
 from bpy.types import PropertyGroup
 
+from ..file_assets.settings import EmbeddableSettings, settings_of_light, switch, unload
 from ..foundation.settings import PATH_OPTIONS, SpectrumSettings, tag_owner
-
-LIGHT_TYPES = ("POINT", "SPOT", "AREA")
-"""Kinds of Blender's lights that can take a photometric file."""
 
 EMISSIONS = [
     ("OPENING", "Opening", "From the luminous opening that the file states", 0),
@@ -35,32 +30,22 @@ SPECTRUM_SOURCES = [
 
 
 def _unload(self, context):
-    """Another path names another file than the one that is embedded."""
-    if self.text is not None:
-        self.text = None
+    """Nothing is known of the file at another path."""
     self.digest = ""
-    tag_owner(self, context)
+    unload(self, context)
 
 
-def _switch(self, context):
-    """A light shines by one file: switching this one on switches a ray file off."""
-    rays = getattr(self.id_data.lumenray, "rayset", None)
-    if self.use_file and rays is not None and rays.use_file:
-        rays.use_file = False
-    tag_owner(self, context)
-
-
-class LuminaireSettings:
+class LuminaireSettings(EmbeddableSettings):
     """Mix-in of what lights and empties have in common."""
 
-    version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
         name="Photometric File",
         description=(
-            "Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts. Switches a ray set off"
+            "Shine as an IES, EULUMDAT or TM-33 file says, in place of Blender's own beam and watts. Switches a ray "
+            "set off. Default off: there is no file at first"
         ),
         default=False,
-        update=_switch,
+        update=switch,
     )
     filepath: StringProperty(
         name="File",
@@ -72,12 +57,6 @@ class LuminaireSettings:
         options=PATH_OPTIONS,
         update=_unload,
     )
-    text: PointerProperty(
-        name="Embedded File",
-        description="Text data-block with the content of the file; without one it is read from its path",
-        type=bpy.types.Text,
-        update=tag_owner,
-    )
     digest: StringProperty(
         name="Content Hash",
         description="SHA-256 of the file's bytes when it was loaded, to tell when a linked file has changed",
@@ -85,7 +64,10 @@ class LuminaireSettings:
     )
     emission: EnumProperty(
         name="Shines From",
-        description="What emits the light; seen from afar all of them give the file's distribution",
+        description=(
+            "What emits the light; seen from afar all of them give the file's distribution. Default Opening: near "
+            "by it is right too"
+        ),
         items=EMISSIONS,
         default="OPENING",
         update=tag_owner,
@@ -93,8 +75,9 @@ class LuminaireSettings:
     rotation: FloatProperty(
         name="Turn C0",
         description=(
-            "Direction of the C0 plane, turned about the beam from the local X axis, counter-clockwise seen from behind "
-            "the beam. The opening stays: IES files usually put C0 along the luminaire, EULUMDAT files across it"
+            "Direction of the C0 plane, turned about the beam from the local X axis, counter-clockwise seen from "
+            "behind the beam. The opening stays: IES files usually put C0 along the luminaire, EULUMDAT files "
+            "across it. Default 0°: as the file has it"
         ),
         default=0.0,
         subtype="ANGLE",
@@ -102,26 +85,35 @@ class LuminaireSettings:
     )
     mirror: BoolProperty(
         name="C Clockwise",
-        description="Count the C planes of a type C file the other way, as some laboratories do",
+        description=(
+            "Count the C planes of a type C file the other way, as some laboratories do. Default off: as the "
+            "standards count them"
+        ),
         default=False,
         update=tag_owner,
     )
     flip_h: BoolProperty(
         name="Flip H",
-        description="Take the horizontal angles of a type B file in opposite order, left for right",
+        description=(
+            "Take the horizontal angles of a type B file in opposite order, left for right. Default off: as the "
+            "standards count them"
+        ),
         default=False,
         update=tag_owner,
     )
     amount: EnumProperty(
         name="Flux From",
-        description="What states the amount of light before dimming",
+        description="What states the amount of light before dimming. Default File: that is what was measured",
         items=AMOUNTS,
         default="FILE",
         update=tag_owner,
     )
     luminous_flux: FloatProperty(
         name="Luminous Flux",
-        description="Flux that leaves the luminaire, before dimming and the other factors, in lumens",
+        description=(
+            "Flux that leaves the luminaire, before dimming and the other factors, in lumens. Default 1000: "
+            "about what a lamp of 75 W with a filament gave"
+        ),
         default=1000.0,
         min=0.0,
         max=1e9,
@@ -130,7 +122,7 @@ class LuminaireSettings:
     )
     dimming: FloatProperty(
         name="Dimming",
-        description="Share of the full flux that the luminaire is set to",
+        description="Share of the full flux that the luminaire is set to, 0 to 1. Default 1: it is not dimmed",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -139,7 +131,10 @@ class LuminaireSettings:
     )
     maintenance_factor: FloatProperty(
         name="Maintenance Factor",
-        description="Share of the flux that is left by ageing and dirt before the next service (CIE 97)",
+        description=(
+            "Share of the flux that is left by ageing and dirt before the next service (CIE 97), 0 to 1. Default 1: "
+            "a new, clean installation; plans usually take 0.8"
+        ),
         default=1.0,
         min=0.0,
         max=1.0,
@@ -148,7 +143,10 @@ class LuminaireSettings:
     )
     lamp_factor: FloatProperty(
         name="Lamp Factor",
-        description="Flux of the lamps in use over that of the lamps that the file was measured with",
+        description=(
+            "Flux of the lamps in use over that of the lamps that the file was measured with, as a factor. Default "
+            "1: the same lamps"
+        ),
         default=1.0,
         min=0.0,
         max=1000.0,
@@ -157,14 +155,19 @@ class LuminaireSettings:
     )
     spectrum_source: EnumProperty(
         name="Spectrum From",
-        description="What states how the light is distributed over the wavelengths",
+        description=(
+            "What states how the light is distributed over the wavelengths. Default File: the maker knows it best"
+        ),
         items=SPECTRUM_SOURCES,
         default="FILE",
         update=tag_owner,
     )
     show_solid: BoolProperty(
         name="Show Solid",
-        description="Draw the file's intensity distribution as a solid in the 3D view",
+        description=(
+            "Draw the file's intensity distribution as a solid in the 3D view. Default on: it shows where the light "
+            "goes"
+        ),
         default=True,
         update=tag_owner,
     )
@@ -179,7 +182,9 @@ class LumenrayEmptySettings(LuminaireSettings, SpectrumSettings, PropertyGroup):
 
     color: FloatVectorProperty(
         name="Colour",
-        description="Linear colour of the light; it never changes the amount of light",
+        description=(
+            "Linear colour of the light; it never changes the amount of light. Default white: it tints nothing"
+        ),
         subtype="COLOR",
         size=3,
         default=(1.0, 1.0, 1.0),
@@ -204,16 +209,14 @@ def settings_of(thing):
         return None
     if thing.type == "EMPTY":
         return thing.lumenray.luminaire
-    if thing.type == "LIGHT" and thing.data.type in LIGHT_TYPES:
-        return thing.data.lumenray.luminaire
-    return None
+    return settings_of_light(thing.data, "luminaire") if thing.type == "LIGHT" else None
 
 
 def active_settings(context):
     """Return the luminaire settings of the light or empty that a panel or an operator is about, None if there is none."""
     light = getattr(context, "light", None)
     if light is not None:
-        return light.lumenray.luminaire if light.type in LIGHT_TYPES else None
+        return settings_of_light(light, "luminaire")
     return settings_of(getattr(context, "object", None))
 
 

@@ -9,12 +9,15 @@ from ...engine.errors import LumenrayError
 from ...engine.scene.light import Luminaire, Output, Quantity
 from ...engine.scene.ray_emission import RayEmission
 from ...engine.scene.spectrum import Spectrum, Tabulated
+from ..file_assets.kind import NotReadyError
 from ..foundation.pose import pose_of
 from ..foundation.report import ConversionReport
-from . import files
-from .source import name_of
+from .files import ray_files
 
 LEFT_OUT = "the light is left out"
+
+JOINS = "the light joins when they are ready"
+"""What is done about a light whose rays are being prepared."""
 
 
 def convert_rays(
@@ -46,16 +49,16 @@ def convert_rays(
     Luminaire or None    None when it emits nothing, its file cannot be read, or is not ready yet.
     """
     try:
-        made = files.obtain(settings, is_patient)
+        made = ray_files.obtain(settings, is_patient)
         pose = pose_of(matrix, scale)
-    except files.NotReadyError as error:
-        report.info(name, str(error), "the light joins when they are ready")
+    except NotReadyError as error:
+        report.info(name, str(error), JOINS)
         return None
     except LumenrayError as error:
         report.fault(name, error, LEFT_OUT)
         return None
     for remark in made.remarks:
-        report.info(name_of(settings), str(remark), "the file is read so")
+        report.info(ray_files.name_of(settings), str(remark), "the file is read so")
     flux = luminous_flux(settings, made)
     if flux is None:
         report.error(name, "the ray file states no lumens", f"{LEFT_OUT}; state the flux")
@@ -70,7 +73,7 @@ def convert_rays(
     frame[:3, 3] += frame[:3, :3] @ made.centre
     if settings.spectrum_source == "FILE" and made.spectrum is not None:
         spectrum = Tabulated(
-            *(np.asarray(each, np.float64) for each in made.spectrum), name_of(settings)
+            *(np.asarray(each, np.float64) for each in made.spectrum), ray_files.name_of(settings)
         )
         emission = made.emission
     else:
@@ -96,7 +99,7 @@ def convert_rays(
 
 
 def without_rays(emission: RayEmission) -> RayEmission:
-    """Return an emission for pictures, which see a point: what a moved light sends to the engine stays small."""
+    """Return an emission for the live view, which sees a point: what a moved light sends to the engine stays small."""
     return replace(
         emission,
         position=emission.position[:0],

@@ -1,15 +1,13 @@
 """What the user sets about a ray file: how it is read, how its rays fluctuate, and how much light it gives."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from ...engine.errors import LumenrayError
+from ..file_assets.settings import settings_of_light, switch
 from ..foundation.settings import PATH_OPTIONS, tag_owner
 from ..foundation.units import metres_per_unit
-
-LIGHT_TYPES = ("POINT", "SPOT", "AREA")
-"""Kinds of Blender's lights that can take a ray file."""
 
 AMOUNTS = [
     ("FILE", "File", "The flux that the file states, or that its rays sum up to", 0),
@@ -46,12 +44,12 @@ def _write_spread(self, value):
 
 def _keep(self, context):
     """What is ready already is written at once."""
-    from . import files
+    from .files import ray_files
 
     if not (self.keep_index and self.filepath):
         return
     try:
-        files.keep(self)
+        ray_files.keep(self)
     except LumenrayError as error:
         text = str(error)
         self.keep_index = False
@@ -60,26 +58,17 @@ def _keep(self, context):
         )
 
 
-def _switch(self, context):
-    """A light shines by one file: switching this one on switches a photometric file off."""
-    luminaire = self.id_data.lumenray.luminaire
-    if self.use_file and luminaire.use_file:
-        luminaire.use_file = False
-    tag_owner(self, context)
-
-
 class LumenrayRaysetSettings(PropertyGroup):
     """Ray file of a point, spot or area light, whose own kind, size and beam do not count then."""
 
-    version: IntProperty(default=1, options={"HIDDEN"})
     use_file: BoolProperty(
         name="Ray File",
         description=(
-            "Shine as the rays of a measured or computed source do, in place of Blender's own light. Switches a luminaire's "
-            "photometric file off"
+            "Shine as the rays of a measured or computed source do, in place of Blender's own light. Switches a "
+            "luminaire's photometric file off. Default off: there is no file at first"
         ),
         default=False,
-        update=_switch,
+        update=switch,
     )
     filepath: StringProperty(
         name="File",
@@ -93,14 +82,14 @@ class LumenrayRaysetSettings(PropertyGroup):
     )
     amount: EnumProperty(
         name="Flux From",
-        description="What states the amount of light before dimming",
+        description="What states the amount of light before dimming. Default File: that is what was measured",
         items=AMOUNTS,
         default="FILE",
         update=tag_owner,
     )
     luminous_flux: FloatProperty(
         name="Luminous Flux",
-        description="Flux of the source before dimming, in lumens",
+        description="Flux of the source before dimming, in lumens. Default 100: a small white LED",
         default=100.0,
         min=0.0,
         max=1e9,
@@ -109,7 +98,7 @@ class LumenrayRaysetSettings(PropertyGroup):
     )
     dimming: FloatProperty(
         name="Dimming",
-        description="Share of the full flux that the source is set to",
+        description="Share of the full flux that the source is set to, 0 to 1. Default 1: it is not dimmed",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -118,27 +107,38 @@ class LumenrayRaysetSettings(PropertyGroup):
     )
     spectrum_source: EnumProperty(
         name="Spectrum From",
-        description="What states how the light is distributed over the wavelengths",
+        description=(
+            "What states how the light is distributed over the wavelengths. Default File: the maker knows it best"
+        ),
         items=SPECTRUM_SOURCES,
         default="FILE",
         update=tag_owner,
     )
     symmetry: EnumProperty(
         name="Symmetry",
-        description="Whether every ray stands for all that differ from it by a turn: few rays then tell far more",
+        description=(
+            "Whether every ray stands for all that differ from it by a turn: few rays then tell far more. Default "
+            "As Found: the rays themselves decide it"
+        ),
         items=SYMMETRIES,
         default="AUTO",
         update=tag_owner,
     )
     use_widths: BoolProperty(
         name="Own Fluctuation",
-        description="State how far new rays differ from those of the file, instead of finding it from their neighbours",
+        description=(
+            "State how far new rays differ from those of the file, instead of finding it from their neighbours. "
+            "Default off: the neighbours tell it well"
+        ),
         default=False,
         update=tag_owner,
     )
     width_position: FloatProperty(
         name="Position",
-        description="Standard deviation of the starting points of new rays from those of the file, in millimetres",
+        description=(
+            "Standard deviation of the starting points of new rays from those of the file, in millimetres. Default "
+            "0: they start at the same points"
+        ),
         default=0.0,
         min=0.0,
         max=1e6,
@@ -156,7 +156,10 @@ class LumenrayRaysetSettings(PropertyGroup):
     )
     width_direction: FloatProperty(
         name="Direction",
-        description="Standard deviation of the directions of new rays from those of the file",
+        description=(
+            "Standard deviation of the directions of new rays from those of the file. Default 0°: they go the same "
+            "way"
+        ),
         default=0.0,
         min=0.0,
         max=1.0,
@@ -165,29 +168,35 @@ class LumenrayRaysetSettings(PropertyGroup):
     )
     unit: EnumProperty(
         name="Length Unit",
-        description="Of text files that do not tell theirs",
+        description="Unit of length of text files that do not tell theirs. Default mm: most programs write it",
         items=UNITS,
         default="mm",
         update=tag_owner,
     )
     is_luminous: BoolProperty(
         name="Lumens",
-        description="Text files that do not tell it have rays in lumens instead of watts",
+        description=(
+            "Text files that do not tell it have rays in lumens instead of watts. Default off: most programs write "
+            "watts"
+        ),
         default=False,
         update=tag_owner,
     )
     keep_index: BoolProperty(
         name="Keep Prepared Rays",
         description=(
-            "Write what is found out about the rays into a file beside theirs (its name and '.prepared'), so that it need "
-            "not be found out again"
+            "Write what is found out about the rays into a file beside theirs (its name and '.prepared'), so that "
+            "it need not be found out again. Default off: no file is written unasked"
         ),
         default=False,
         update=_keep,
     )
     show_rays: BoolProperty(
         name="Show Rays",
-        description="Draw where the light starts, and some of its rays, in the 3D view",
+        description=(
+            "Draw where the light starts, and some of its rays, in the 3D view. Default on: it shows where the "
+            "light goes"
+        ),
         default=True,
         update=tag_owner,
     )
@@ -195,16 +204,15 @@ class LumenrayRaysetSettings(PropertyGroup):
 
 def rays_of(thing) -> LumenrayRaysetSettings | None:
     """Return the settings of an object's ray file, the evaluated ones of an evaluated object; None where none can be."""
-    if thing is not None and thing.type == "LIGHT" and thing.data.type in LIGHT_TYPES:
-        return thing.data.lumenray.rayset
-    return None
+    is_light = thing is not None and thing.type == "LIGHT"
+    return settings_of_light(thing.data, "rayset") if is_light else None
 
 
 def active_rays(context) -> LumenrayRaysetSettings | None:
     """Return the settings of the ray file that a panel or an operator is about."""
     light = getattr(context, "light", None)
     if light is not None:
-        return light.lumenray.rayset if light.type in LIGHT_TYPES else None
+        return settings_of_light(light, "rayset")
     return rays_of(getattr(context, "object", None))
 
 

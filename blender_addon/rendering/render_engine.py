@@ -10,17 +10,19 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from ...engine.accuracy.stopping import StopRule, format_seconds
-from ...engine.analysis.noise_filter import smooth
+from ...engine.analysis.denoiser import find_denoiser
+from ...engine.analysis.looking import filter_noise
 from ...engine.errors import Cancelled, LumenrayError
 from ...engine.photometry.colour import automatic_white, scene_linear
-from ...engine.session import ViewSettings
+from ...engine.views import ViewSettings
 from .. import assumptions, readout
 from ..feedback import show_render, show_report
 from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
+from ..foundation.handlers import leave, listen
 from ..foundation.report import ConversionReport
 from ..sync.camera import region
-from . import view_drawing
+from . import light_mix, view_drawing
 from .feed import SceneFeed
 from .viewport import Viewport
 
@@ -32,28 +34,37 @@ PASSES = (
     ("IndexMA", "X", "VALUE"),
     ("Luminance", "X", "VALUE"),
     ("Illuminance", "X", "VALUE"),
+    ("Denoising Albedo", "RGB", "COLOR"),
+    ("Denoising Normal", "XYZ", "VECTOR"),
+    ("Denoising Depth", "Z", "VALUE"),
 )
 """Name, channels and kind of every pass that we can deliver."""
 
+GUIDES = ("Denoising Albedo", "Denoising Normal", "Denoising Depth")
+"""Passes that guide filters of noise, as Cycles calls them."""
 
-PREVIEW_INTERVAL = 1.0
-"""Shortest time between two previews; each copies the whole picture. [s]"""
-
-OWN_PASSES = ("Luminance", "Illuminance")
+OWN_PASSES = ("Luminance", "Illuminance", *GUIDES)
 """Passes that Blender does not know by itself; they are added to every result."""
 
 
-def view_settings(scene, spectral_file: str | None = None) -> ViewSettings:
-    """Read what a scene's settings ask of a picture. ``spectral_file``: where its bands are written."""
-    settings = scene.lumenray
+def view_settings(scene, spectral_file: str | None = None, luminous=()) -> ViewSettings:
+    """Read what a scene's settings ask of a picture.
+
+    ``spectral_file``: where its bands are written; ``luminous``: as of `SceneSync.luminous`, what may be kept apart.
+    """
+    settings, own = scene.lumenray, scene.lumenray.render
     return ViewSettings(
-        rule=stop_rule(settings.stop, settings.samples, settings.error, settings.time),
+        rule=stop_rule(own.stop, own.samples, own.error, own.time),
         seed=settings.seed,
-        illuminance=settings.use_pass_illuminance,
-        bands=settings.spectral_bands if settings.use_spectral_file else 0,
+        illuminance=own.use_pass_illuminance,
+        bands=own.spectral_bands if own.use_spectral_file else 0,
         transport=settings.transport.lower(),
         spectral_file=spectral_file,
         transparent=scene.render.film_transparent,
+        groups=light_mix.groups_of(scene, luminous),
+        preview=light_mix.levels_of(scene),
+        method=own.method.lower(),
+        guides=own.use_pass_denoising or (own.use_denoising and find_denoiser() is not None),
     )
 
 
@@ -74,8 +85,9 @@ def wanted_passes(scene, view_layer) -> set[str]:
         "Normal": view_layer.use_pass_normal,
         "IndexOB": view_layer.use_pass_object_index,
         "IndexMA": view_layer.use_pass_material_index,
-        "Luminance": scene.lumenray.use_pass_luminance,
-        "Illuminance": scene.lumenray.use_pass_illuminance,
+        "Luminance": scene.lumenray.render.use_pass_luminance,
+        "Illuminance": scene.lumenray.render.use_pass_illuminance,
+        **dict.fromkeys(GUIDES, scene.lumenray.render.use_pass_denoising),
     }
     return {name for name, wanted in chosen.items() if wanted}
 
@@ -87,19 +99,12 @@ def shown_light(picture) -> np.ndarray:
     return np.maximum(picture.tristimulus - picture.backdrop, 0.0)
 
 
-def picture_layers(picture, white: float | None, smoothed: bool = False) -> dict[str, np.ndarray]:
-    """Name the layers of a `Picture` as passes, (h, w, c) float32. ``white`` None: found from the picture."""
-    if white is None:
-        white = automatic_white(picture.tristimulus[..., 1])
+def picture_layers(picture, white: float) -> dict[str, np.ndarray]:
+    """Name the layers of a `Picture` as passes, (h, w, c) float32. ``white``: luminance that becomes 1. [cd/m2]"""
     combined = np.ones((*picture.depth.shape, 4), dtype=np.float32)
     combined[..., :3] = scene_linear(shown_light(picture), white)
     if picture.coverage is not None:
         combined[..., 3] = picture.coverage
-    if smoothed:
-        error = picture.luminance_error / white
-        combined[..., :3] = smooth(
-            combined[..., :3], error, picture.normal, picture.depth, picture.albedo
-        )
     layers = {
         "Combined": combined,
         "Depth": picture.depth[..., None],
@@ -110,6 +115,10 @@ def picture_layers(picture, white: float | None, smoothed: bool = False) -> dict
     }
     if picture.illuminance is not None:
         layers["Illuminance"] = picture.illuminance[..., None]
+    if picture.denoising_albedo is not None:
+        depth = picture.denoising_depth[..., None]
+        guides = picture.denoising_albedo, picture.denoising_normal, depth
+        layers |= zip(GUIDES, guides, strict=True)
     return layers
 
 
@@ -134,6 +143,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         for name, channels, kind in PASSES:
             if name in wanted:
                 self.register_pass(scene, view_layer, name, len(channels), channels, kind)
+        for name in light_mix.pass_names(scene):
+            self.register_pass(scene, view_layer, name, 4, "RGBA", "COLOR")
 
     def render(self, depsgraph):
         """Render the current frame; faults become one sentence in Blender's report."""
@@ -172,33 +183,41 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         for name, channels, _ in PASSES:
             if name in wanted and name in OWN_PASSES:
                 self.add_pass(name, len(channels), channels, layer=depsgraph.view_layer_eval.name)
+        asked = view_settings(scene, _spectral_path(scene), feed.sync.luminous)
         result = self.begin_result(*place, layer=depsgraph.view_layer_eval.name)
-        asked = view_settings(scene, _spectral_path(scene))
         finished = False
         try:
             picture = session.render(
                 camera,
                 asked,
                 self._follow(session, result, white),
-                preview_interval=PREVIEW_INTERVAL,
                 idle=lambda: self.test_break() and session.cancel(),
             )
             finished = True
         finally:
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
-        layers = picture_layers(picture, white, scene.lumenray.use_smoothing)
-        self._deliver(place, depsgraph.view_layer_eval.name, layers, wanted)
-        text = describe_picture(picture, report)
-        # Into the file's metadata, beside the pixels.
-        self.get_result().stamp_data_add_field("Lumenray", text)
-        shortfall = asked.rule.shortfall(picture.relative_error)
+        whole, (picture, told) = picture, light_mix.mix_picture(scene, picture)
+        white = white or automatic_white(picture.tristimulus[..., 1])
+        layers = picture_layers(picture, white)
+        of_groups = light_mix.group_layers(picture, white)
+        for name in of_groups:
+            self.add_pass(name, 4, "RGBA", layer=depsgraph.view_layer_eval.name)
+        words = ""
+        if scene.lumenray.render.use_denoising:
+            words = self._filter(layers["Combined"], picture, camera)
+        shown = {name: layers[name] for name in wanted if name in layers} | of_groups
+        self._deliver(place, depsgraph.view_layer_eval.name, shown)
+        text = describe_picture(picture, report, words, told)
+        _stamp(self.get_result(), text, picture.provenance)
+        shortfall = asked.rule.shortfall(whole.relative_error)
         self._write_beside(scene, picture, report, shortfall)
         if bpy.app.background:
             notes = picture.provenance.notes
             assumptions.tell(ConversionReport(), notes, shortfall, stream=sys.stdout)
         self.update_stats("", text)
         _on_main_thread(lambda manager: show_render(manager, text))
+        _on_main_thread(lambda _, original=scene.original: light_mix.keep(original, whole))
 
     def _follow(self, session, result, white):
         """Return the function that follows the engine's progress."""
@@ -219,16 +238,24 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
 
         return follow
 
-    def _deliver(self, place, layer_name, layers, wanted):
+    def _filter(self, combined, picture, camera) -> str:
+        """Filter the noise of what is shown, and say how."""
+        self.update_stats("", "Denoising")
+        made = filter_noise(combined[..., :3], picture, camera.aperture_radius > 0.0)
+        combined[..., :3] = made.colour
+        if made.problem:
+            self.report({"WARNING"}, made.problem)
+        return made.words
+
+    def _deliver(self, place, layer_name, layers):
         result = self.begin_result(*place, layer=layer_name)
         passes = result.layers[0].passes
-        for name, _, _ in PASSES:
-            if name in wanted and name in layers:
-                target = passes.get(name)
-                if target is None:
-                    self.report({"WARNING"}, f"Blender offers no pass named {name}")
-                    continue
-                _fill(target, layers[name])
+        for name, values in layers.items():
+            target = passes.get(name)
+            if target is None:
+                self.report({"WARNING"}, f"Blender offers no pass named {name}")
+                continue
+            _fill(target, values)
         self.end_result(result)
 
     def _write_beside(self, scene, picture, report, shortfall):
@@ -301,7 +328,7 @@ def close_final_feed(*_) -> None:
 
 def _spectral_path(scene) -> str | None:
     """Where the bands of a picture go, None when none are wanted."""
-    if not scene.lumenray.use_spectral_file:
+    if not scene.lumenray.render.use_spectral_file:
         return None
     path = Path(scene.render.frame_path(frame=scene.frame_current)).with_suffix("")
     return str(path.with_name(path.name + "_spectral.exr"))
@@ -311,8 +338,8 @@ def _fill(render_pass, values):
     render_pass.rect.foreach_set(np.ascontiguousarray(values, dtype=np.float32).reshape(-1))
 
 
-def describe_picture(picture, report: ConversionReport) -> str:
-    """Say how well a picture is known, and how much of its scene is not as Blender has it."""
+def describe_picture(picture, report: ConversionReport, *words: str) -> str:
+    """Say how well a picture is known, how it was filtered and mixed, and how much of its scene is not as Blender has it."""
     made = picture.provenance
     parts = [
         f"{made.samples} samples",
@@ -320,7 +347,14 @@ def describe_picture(picture, report: ConversionReport) -> str:
         format_seconds(made.seconds),
     ]
     counts = readout.describe_counts(row.severity.name for row, _ in report.rows)
-    return ", ".join([*parts, counts] if counts else parts)
+    return ", ".join(part for part in (*parts, *words, counts) if part)
+
+
+def _stamp(result, text: str, provenance) -> None:
+    """Write into the file's metadata, beside the pixels, what is said of a picture."""
+    result.stamp_data_add_field("Lumenray", text)
+    result.stamp_data_add_field("Lumenray Decisions", "; ".join(provenance.decisions))
+    result.stamp_data_add_field("Lumenray Notes", "; ".join(provenance.notes))
 
 
 def _on_main_thread(tell) -> None:
@@ -342,18 +376,17 @@ def _rendered(*_):
     close_final_feed()
 
 
+_HANDLERS = {"render_complete": _rendered, "render_cancel": _rendered}
+
+
 def attach():
     """Listen for the ends of animations."""
-    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
-        if _rendered not in handlers:
-            handlers.append(_rendered)
+    listen(_HANDLERS)
 
 
 def detach():
     """Listen no longer."""
-    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
-        if _rendered in handlers:
-            handlers.remove(_rendered)
+    leave(_HANDLERS)
     close_final_feed()
 
 

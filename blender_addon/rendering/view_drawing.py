@@ -64,7 +64,7 @@ def draw_scale() -> None:
 
 @dataclass(frozen=True)
 class Scale:
-    """What a scale of false colours tells, as a `session.Frame` does."""
+    """What a scale of false colours tells, as a `views.Frame` does."""
 
     low: float
     high: float
@@ -74,13 +74,13 @@ class Scale:
 
 def _baked_scale() -> Scale | None:
     """Return the scale of baked light in false colours, None where the view shows none."""
-    settings = bpy.context.scene.lumenray
-    if not settings.is_baked_shown or settings.baked_look != "FALSE":
+    look = bpy.context.scene.lumenray.look
+    if not look.is_shown or look.kind != "FALSE":
         return None
     kind = bpy.context.space_data.shading.type
     if kind != "MATERIAL" and (kind != "RENDERED" or bpy.context.engine not in EEVEE):
         return None
-    return Scale(settings.baked_low, settings.baked_high, "lx")
+    return Scale(look.low, look.high, "lx")
 
 
 def _view_in_false_colours():
@@ -115,7 +115,7 @@ def _texture(view):
 
 def _draw_display_colours(texture) -> None:
     """Draw a texture whose colours are what the screen shall show over the whole region."""
-    shader = gpu.shader.from_builtin("IMAGE")
+    shader = _linear_image_shader()
     batch = batch_for_shader(
         shader,
         "TRI_FAN",
@@ -127,6 +127,14 @@ def _draw_display_colours(texture) -> None:
     shader.uniform_sampler("image", texture)
     gpu.state.blend_set("NONE")
     batch.draw(shader)
+
+
+def _linear_image_shader():
+    """Blender's shader for images of linear light, which in older versions is the one for all images."""
+    try:
+        return gpu.shader.from_builtin("IMAGE_SCENE_LINEAR_TO_REC709_SRGB")
+    except ValueError:
+        return gpu.shader.from_builtin("IMAGE")
 
 
 def _draw_scale(frame, region) -> None:

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import bpy
 
 from ...engine.errors import LumenrayError
-from ...engine.session import Display, DisplayMode, Frame, LiveSettings
+from ...engine.views import Display, DisplayMode, Frame, LiveSettings
 from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
+from ..foundation.redraw import areas
+from . import light_mix
 from .feed import SceneFeed
 from .view_camera import view_camera
 
@@ -75,6 +77,7 @@ class Viewport:
         self._feed: SceneFeed | None = None
         self._scene_key = None
         self._asked = None
+        self._groups = ("NONE", ())
         _views[self.number] = self
         _start_timer()
 
@@ -89,6 +92,7 @@ class Viewport:
         try:
             feed = self._current_feed(context, depsgraph)
             edit = feed.update(depsgraph, _visible(context.space_data))
+            self._find_groups(context.scene)
         except LumenrayError as error:
             self._fail(str(error))
             return
@@ -105,7 +109,10 @@ class Viewport:
         """Ask the engine for the view as it is drawn now; nothing is sent when it is the same as before."""
         self.region = context.region.as_pointer()
         scene = context.scene
-        wanted = (view_camera(context, depsgraph), live_settings(scene), display_of(scene))
+        if self._groups[0] != scene.lumenray.light_mix.groups:
+            self._find_groups(scene)
+        settings = live_settings(scene, self._groups[1])
+        wanted = (view_camera(context, depsgraph), settings, display_of(scene))
         if self._feed is not None and not self._feed.session.is_lost and wanted == self._asked:
             return
         if self._feed is None or self._feed.session.is_lost:
@@ -124,6 +131,25 @@ class Viewport:
         except LumenrayError as error:
             self._fail(str(error))
 
+    def _find_groups(self, scene) -> None:
+        """Find the light groups that are to be kept apart, and have those listed that are new."""
+        mode = scene.lumenray.light_mix.groups
+        self._groups = (mode, ())
+        if self._feed is None or mode == "NONE":
+            return
+        luminous = self._feed.sync.luminous
+        try:
+            groups = light_mix.groups_of(scene, luminous)
+        except LumenrayError as error:
+            self._fail(str(error))
+            return
+        self._groups = (mode, groups)
+        names = light_mix.names_of(groups, luminous)
+        if not light_mix.is_listed(scene, names):
+            # Nothing may be written while Blender draws.
+            uid = scene.session_uid
+            bpy.app.timers.register(lambda: _list_rows(uid, names))
+
     def text(self) -> str:
         """One line for the corner of the view."""
         status = self.status
@@ -134,6 +160,8 @@ class Viewport:
         parts = [f"{status.samples} samples" if status.samples else "coarse"]
         if status.error < 1e6:
             parts.append(f"error {100.0 * status.error:.1f} %")
+        if self.frame.words:
+            parts.append(self.frame.words)
         if self.frame.is_final:
             parts.append("done")
         return ", ".join(parts)
@@ -194,25 +222,28 @@ class Viewport:
         self.status.message, self.status.is_error = message, True
 
 
-def live_settings(scene) -> LiveSettings:
-    """Read what the scene's settings ask of a live view."""
+def live_settings(scene, groups=()) -> LiveSettings:
+    """Read what the scene's settings ask of a live view. ``groups``: light groups that are kept apart."""
     settings = scene.lumenray
     return LiveSettings(
-        samples=settings.viewport_samples,
+        samples=settings.viewport.samples,
         seed=settings.seed,
         transport=settings.transport.lower(),
+        groups=groups,
+        denoise=settings.viewport.use_denoising,
     )
 
 
 def display_of(scene) -> Display:
     """Read how the live view is shown."""
-    settings = scene.lumenray
+    view = scene.lumenray.viewport
     return Display(
-        mode=DisplayMode[settings.viewport_display],
-        white=white_luminance(settings),
-        low=settings.viewport_low,
-        high=0.0 if settings.viewport_automatic else settings.viewport_high,
-        logarithmic=settings.viewport_logarithmic,
+        mode=DisplayMode[view.display],
+        white=white_luminance(scene.lumenray),
+        low=view.low,
+        high=0.0 if view.automatic else view.high,
+        logarithmic=view.logarithmic,
+        mix=light_mix.levels_of(scene),
     )
 
 
@@ -264,6 +295,12 @@ def _show_report(report) -> None:
         show_report(manager, report)
 
 
+def _list_rows(uid: int, names) -> None:
+    for scene in bpy.data.scenes:
+        if scene.session_uid == uid:
+            light_mix.list_rows(scene, names)
+
+
 # ---- timer ----
 
 
@@ -279,13 +316,10 @@ def _pump():
     # A copy: views also leave when Python collects garbage, which may be while they are looked at.
     news = {view.region for view in list(_views.values()) if view.poll()}
     if news:
-        for window in (w for manager in bpy.data.window_managers for w in manager.windows):
-            for area in window.screen.areas:
-                if area.type != "VIEW_3D":
-                    continue
-                for region in area.regions:
-                    if region.as_pointer() in news or region.type == "UI":
-                        region.tag_redraw()
+        for area in areas("VIEW_3D"):
+            for region in area.regions:
+                if region.as_pointer() in news or region.type == "UI":
+                    region.tag_redraw()
     return POLL_INTERVAL
 
 

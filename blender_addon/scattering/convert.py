@@ -2,12 +2,12 @@
 
 from ...engine.errors import LumenrayError, SceneError
 from ...engine.scattering.data.record import SIDES, ScatteringFile
-from ...engine.scattering.data.surface import ROUNDING, excess_of, is_grained
+from ...engine.scattering.data.surface import ROUNDING, excess_of
 from ...engine.scene.material import Measured
 from ...engine.scene.scattering import Scatter
+from ..file_assets.kind import NotReadyError
 from ..foundation.report import ConversionReport
-from . import files
-from .source import name_of
+from .files import scattering_files
 
 LARGE_ERROR = 0.1
 """Stated error of a table from which the user is warned."""
@@ -30,16 +30,16 @@ def convert_measured(
     Measured or None    None when its file cannot be read, or is not read yet.
     """
     try:
-        reading = files.obtain(settings, is_patient)
+        reading = scattering_files.obtain(settings, is_patient)
         sides = find_sides(reading.file, settings)
-    except files.NotReadyError as error:
+    except NotReadyError as error:
         report.info(datablock, str(error), f"{remedy} until it is read")
         return None
     except LumenrayError as error:
         report.miss(datablock, str(error), remedy)
         return None
     for remark in reading.file.remarks:
-        report.info(name_of(settings), str(remark), "the file is read so")
+        report.info(scattering_files.name_of(settings), str(remark), "the file is read so")
     surface = Measured(**sides, rotation=settings.rotation)
     _remark(surface, report, datablock)
     return surface
@@ -88,7 +88,7 @@ def _remark(surface: Measured, report: ConversionReport, datablock: str) -> None
             f"its data could be brought onto another grid to {100.0 * error:.0f} % only",
             "they are used as they came out",
         )
-    if is_grained(surface):
+    if surface.has_grain:
         report.info(
             datablock,
             "its scattering has a direction, which follows the UV map",

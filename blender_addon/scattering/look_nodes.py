@@ -9,8 +9,9 @@ import bpy
 from ...engine.errors import LumenrayError
 from ...engine.scattering.look import Look
 from ..bake.nodes import MARK
-from . import files
-from .source import is_measured
+from ..file_assets.kind import NotReadyError
+from ..foundation.node_trees import uses_nodes
+from .files import is_measured, scattering_files
 
 PREFIX = "Lumenray Look"
 """How the names of the look's nodes begin."""
@@ -32,8 +33,8 @@ def show_look(material, look: Look) -> None:
         settings.has_look = True
         settings.own_colour = material.diffuse_color
         settings.own_metallic, settings.own_roughness = material.metallic, material.roughness
-        settings.own_use_nodes = _uses_nodes(material)
-    if not _uses_nodes(material):
+        settings.own_use_nodes = uses_nodes(material)
+    if not uses_nodes(material):
         material.use_nodes = True
     tree = material.node_tree
     _remove_look(tree)
@@ -65,7 +66,7 @@ def hide_look(material) -> None:
 
 def wear_look(material, look: Look) -> None:
     """Make the look a material's own: for one that has never had another."""
-    if not _uses_nodes(material):
+    if not uses_nodes(material):
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
@@ -96,21 +97,17 @@ def show_when_ready(material) -> None:
         if found is None or not is_measured(found):
             return True
         try:
-            show_look(found, files.obtain(found.lumenray.measured, is_patient=False).look)
-        except files.NotReadyError:
+            show_look(
+                found, scattering_files.obtain(found.lumenray.measured, is_patient=False).look
+            )
+        except NotReadyError:
             return False
         except LumenrayError:
             # The panel says what is wrong with the file.
             return True
         return True
 
-    files.call_when_ready(show)
-
-
-def _uses_nodes(material) -> bool:
-    """Whether nodes count; since Blender 5.0 they always do."""
-    has_tree = material.node_tree is not None
-    return has_tree and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
+    scattering_files.call_when_ready(show)
 
 
 def _is_output(node) -> bool:

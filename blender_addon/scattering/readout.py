@@ -1,23 +1,15 @@
-"""What panels say of a measured material: the state of its file, the file's figures, and its colour, as short text."""
-
-from dataclasses import dataclass
+"""What panels say of a measured material: its file's figures, and its colour, as short text."""
 
 import numpy as np
 
-from ...engine.errors import LumenrayError
 from ...engine.photometry.colour import XYZ_TO_REC709, chromaticity, cie_lab
 from ...engine.reading.printable import printable
 from ...engine.scattering.data.tristimulus import weights_of
 from ...engine.scattering.summary import NEAR_NORMAL, SideSummary
-from ...libraries.materials import PREFIX
-from . import files
-from .source import absolute_path, name_of
+from .files import Reading, scattering_files
 
 REMEDY = "A plain grey is used until the file is mended and reloaded, or another one is chosen."
 """What is said below a problem with a file."""
-
-FEW_REMARKS = 2
-"""So many warnings are shown without being asked for."""
 
 SHORTER = ("sides of the plane of incidence differ", "uneven sides")
 """Words about symmetry, and those that panels have room for."""
@@ -31,44 +23,7 @@ NAMES = {
 """What a file may tell, for people."""
 
 
-@dataclass(frozen=True, eq=False)
-class State:
-    """A material's file at the time of a redraw.
-
-    Parameters
-    ----------
-    name : str    Of the file, empty if none is chosen.
-    notice : str    Where the file is kept.
-    reading : Reading or None    None if none is chosen, it is being read, or cannot be used.
-    problem : str    Why it cannot be used, empty if it can.
-    """
-
-    name: str
-    notice: str = ""
-    reading: files.Reading | None = None
-    problem: str = ""
-
-
-def state_of(settings) -> State:
-    """Find out the state of the file that settings choose; it is read in the background if it is not."""
-    name = name_of(settings)
-    if not name:
-        return State(name)
-    if settings.text is not None:
-        notice = "Embedded in the Blender file"
-    else:
-        is_ours = settings.filepath.startswith(PREFIX)
-        notice = "From Lumenray's library" if is_ours else "Linked by its path"
-    try:
-        return State(name, notice, files.obtain(settings, is_patient=False))
-    except files.NotReadyError:
-        return State(name, notice)
-    except LumenrayError as error:
-        text = str(error)
-        return State(name, notice, problem=text.removeprefix(f"{absolute_path(settings)}: "))
-
-
-def describe_file(reading: files.Reading) -> tuple[tuple[str, str], ...]:
+def describe_file(reading: Reading) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of the figures of a file: what all sides have in common, then each side."""
     first = next(iter(reading.sides.values()))
     lines = [("Format", reading.file.format)]
@@ -102,13 +57,13 @@ def _describe_side(name: str, side: SideSummary, is_named: bool) -> list[tuple[s
     return lines
 
 
-def describe_words(reading: files.Reading) -> tuple[str, ...]:
+def describe_words(reading: Reading) -> tuple[str, ...]:
     """What the file tells in words."""
     words = (reading.file.description, reading.file.source)
     return tuple(" ".join(text.split()) for text in words if text.strip())
 
 
-def describe_colour(reading: files.Reading, illuminant: str) -> tuple[tuple[str, str], ...]:
+def describe_colour(reading: Reading, illuminant: str) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) of the colour of all light near the normal under an illuminant, against the perfect diffuser."""
     x, y, z = seen = _shown(reading).tristimulus(illuminant)
     if y <= 0.0:
@@ -125,7 +80,7 @@ def describe_colour(reading: files.Reading, illuminant: str) -> tuple[tuple[str,
 
 def swatch(settings) -> tuple[float, float, float]:
     """Linear colour of the file under its illuminant, as far as a screen shows it; black while it is not known."""
-    reading = state_of(settings).reading
+    reading = scattering_files.state_of(settings).reading
     if reading is None:
         return (0.0, 0.0, 0.0)
     seen = _shown(reading).tristimulus(settings.illuminant)
@@ -135,16 +90,16 @@ def swatch(settings) -> tuple[float, float, float]:
     return tuple(float(v) for v in np.clip(XYZ_TO_REC709 @ (seen / white * screen), 0.0, 1.0))
 
 
-def _shown_name(reading: files.Reading) -> str:
+def _shown_name(reading: Reading) -> str:
     """The side whose colour is told."""
     return next(name for name in NAMES if name in reading.sides)
 
 
-def _shown(reading: files.Reading) -> SideSummary:
+def _shown(reading: Reading) -> SideSummary:
     return reading.sides[_shown_name(reading)]
 
 
-def _common(reading: files.Reading, describe) -> str:
+def _common(reading: Reading, describe) -> str:
     """What is the same of all sides, or that it differs."""
     told = dict.fromkeys(describe(side) for side in reading.sides.values())
     return next(iter(told)) if len(told) == 1 else "differ by side"

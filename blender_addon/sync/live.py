@@ -2,8 +2,9 @@
 
 from weakref import WeakSet
 
-import bpy
 from bpy.app.handlers import persistent
+
+from ..foundation.handlers import leave, listen
 
 _live = WeakSet()
 
@@ -46,15 +47,9 @@ _HANDLERS = {
 
 def attach():
     """Listen to Blender."""
-    for name, function in _HANDLERS.items():
-        known = getattr(bpy.app.handlers, name)
-        if function not in known:
-            known.append(function)
+    listen(_HANDLERS)
 
 
 def detach():
     """Listen no longer."""
-    for name, function in _HANDLERS.items():
-        known = getattr(bpy.app.handlers, name)
-        if function in known:
-            known.remove(function)
+    leave(_HANDLERS)

@@ -5,10 +5,7 @@ from dataclasses import dataclass, field
 from ...engine.scene.camera import Camera
 from ...engine.scene.scene import SceneDelta
 from ..foundation.report import ConversionReport
-from ..foundation.units import metres_per_unit
 from .scene_sync import SceneSync
-
-__all__ = ["ConvertedScene", "convert_scene", "metres_per_unit"]
 
 
 @dataclass(frozen=True)
@@ -22,12 +19,14 @@ class ConvertedScene:
     report : ConversionReport
     objects : dict of str to str
         Engine ids of the objects with a surface by their full names; instances are not among them.
+    luminous : tuple of (str, str)    Ids and names of all that gives light, see `SceneSync.luminous`.
     """
 
     delta: SceneDelta
     camera: Camera | None
     report: ConversionReport
     objects: dict[str, str] = field(default_factory=dict)
+    luminous: tuple[tuple[str, str], ...] = ()
 
 
 def convert_scene(depsgraph, report: ConversionReport | None = None) -> ConvertedScene:
@@ -40,4 +39,4 @@ def convert_scene(depsgraph, report: ConversionReport | None = None) -> Converte
     report = ConversionReport() if report is None else report
     report.include(step.report)
     camera = sync.camera(depsgraph, report)
-    return ConvertedScene(step.delta, camera, report, sync.objects)
+    return ConvertedScene(step.delta, camera, report, sync.objects, sync.luminous)

@@ -140,7 +140,7 @@ def read_file(
         chosen = f" ('{made.names[0][:40]}')" if made.names else ""
         report.warn(
             datablock,
-            f"{made.path.name} has {made.columns} columns of values, of which the first one{chosen} is taken",
+            f"{made.path.name} has {made.columns} {made.spectra}, of which the first one{chosen} is taken",
             "no other one can be chosen here; if another is meant, put it into a file of its own",
         )
     return _tell_remarks(made, report.info, datablock)

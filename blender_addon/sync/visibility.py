@@ -10,6 +10,9 @@ LIGHT_RAYS = {
 }
 """Blender's switches for rays that carry light in surfaces' scenes, and what people know them by."""
 
+NO_ID = 0x7FFFFFFF
+"""Fills up an instance's identity where it lies less deep than it could."""
+
 WHOLE = "it takes part in light whole; switch these rays off together to leave it out of the light, or all on"
 """What is done about an object that light meets in part."""
 
@@ -57,6 +60,23 @@ def find_unrendered(view_layer) -> set[int]:
             rendered |= own if renders else set()
         waiting += [(child, renders) for child in layer.children]
     return everyone - rendered
+
+
+def is_rendered(instance, unrendered: set[int]) -> bool:
+    """Whether renders show an instance.
+
+    Parameters
+    ----------
+    instance : bpy.types.DepsgraphObjectInstance
+    unrendered : set of int    As of `find_unrendered`.
+    """
+    parent = instance.parent if instance.is_instance else None
+    if instance.object.hide_render or (parent is not None and parent.hide_render):
+        return False
+    # What is instanced within instances need not be shown by itself.
+    is_within = parent is not None and instance.persistent_id[1] != NO_ID
+    top = instance.object if parent is None else parent
+    return is_within or top.original.session_uid not in unrendered
 
 
 def tell_visibility(found: Visibility, name: str, report) -> None:

@@ -10,6 +10,7 @@ from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.cie import sun_direction
 from ...engine.sky.picture import describe_faults, find_illuminance
+from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .images.cache import ImageCache
@@ -118,7 +119,7 @@ def convert_sky(
 
 def _background(world, report, images):
     """Colour socket, strength and groups of the Background node; None when nothing is there."""
-    tree = world.node_tree if getattr(world, "use_nodes", True) else None
+    tree = world.node_tree if uses_nodes(world) else None
     if tree is None:
         return None, 1.0, ()
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")

@@ -1,6 +1,6 @@
 """Means with their standard errors from independent groups of samples."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,13 +69,15 @@ class Estimate:
     """Values with their standard errors.
 
     ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as$
-    how many samples of the largest one's size the squares of all add up to; None where nobody counted.
+    how many samples of the largest one's size the squares of all add up to; None where nobody counted. ``lost``: how many
+    samples of all values together were no numbers.
     """
 
     mean: np.ndarray
     standard_error: np.ndarray
     samples: int
     events: np.ndarray | None = None
+    lost: int = 0
 
     @classmethod
     def from_groups(cls, means: np.ndarray, samples: int) -> "Estimate":
@@ -91,12 +93,13 @@ class Estimate:
 
     def channel(self, number: int) -> "Estimate":
         """One column of an estimate of shape (n, channels)."""
-        return Estimate(self.mean[:, number], self.standard_error[:, number], self.samples)
+        mean, error = self.mean[:, number], self.standard_error[:, number]
+        return Estimate(mean, error, self.samples, lost=self.lost)
 
     def widened(self, floors: np.ndarray) -> "Estimate":
-        """With errors that hold differences (n,) from another witness as well, in all channels."""
+        """With errors that hold what values (n,) may be off by as well, in all channels."""
         floors = floors.reshape(len(floors), *[1] * (self.mean.ndim - 1))
-        return Estimate(self.mean, np.hypot(self.standard_error, floors), self.samples)
+        return replace(self, standard_error=np.hypot(self.standard_error, floors))
 
     def relative_error(self, weights: np.ndarray | None = None) -> float:
         """Standard error of the map: root mean square of the errors over the mean, both weighted by area.
@@ -126,3 +129,14 @@ class Estimate:
         if unknown.any():
             return float("inf")
         return float((self.standard_error / np.where(scale > 0.0, scale, 1.0)).max(initial=0.0))
+
+
+def relative_error(luminance: np.ndarray, standard_error: np.ndarray) -> float:
+    """Error of a picture: root mean square of the pixels' over the larger of their own and the mean luminance. [-]
+
+    So a lamp in view counts by its own luminance, and its edge does not hide what happens elsewhere.
+    """
+    mean = luminance.mean()
+    if mean <= 0.0:
+        return float("inf")
+    return float(np.sqrt(((standard_error / np.maximum(luminance, mean)) ** 2).mean()))

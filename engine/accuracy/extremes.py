@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .calibration import t_quantile
+from .student import t_quantile
 
 PROBABILITY = 0.95
 """Of the ranges. [-]"""

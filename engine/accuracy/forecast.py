@@ -6,12 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import SceneError
-from .calibration import t_quantile
 from .history import History, Mark
 from .stopping import Progress, StopRule
-
-GROUPS = 512
-"""Groups into which parts of a map are put by how much their earlier samples are worth."""
+from .student import t_quantile
 
 LEAST_STEPS = 3
 """Passes that must have shown how much their errors scatter before a forecast gets bounds."""
@@ -23,11 +20,11 @@ by the square of its samples, less than a half would add nothing to the passes b
 PART = 0.75
 """A pass with less than such a share of the samples expected counts as a part of one. [-]"""
 
-TRUST = 0.5
-"""Passes that the error foretold for a new spread of samples is worth, against those that have shown it since."""
-
 FARTHEST = 1e12
 """Passes beyond which a rule counts as never met."""
+
+TRUST = 0.5
+"""Passes that the error foretold for new ones is worth, against those that have shown it since."""
 
 MARK_FIELDS = 4
 """Numbers of a mark."""
@@ -55,89 +52,13 @@ class Forecast:
     reason: str
 
 
-class Spread:
-    """How the square of the error falls while every pass spreads its samples alike.
-
-    With v_t the share of the square of the error that part t of the maps holds at the beginning, W_t its samples by then and
-    w_t those of every further pass, the square is after k passes in proportion to
-
-        f(k) = sum v_t W_t / (W_t + k w_t) = sum q_t / (r_t + k),   r_t = W_t / w_t,  q_t = v_t r_t.
-
-    Parts that get no more samples keep their share. Without earlier samples f(k) = 1 / k.
-
-    Parameters
-    ----------
-    numerators, offsets : (n,) array    q and r.
-    constant : float    Sum of the shares of parts without further samples.
-    """
-
-    def __init__(self, numerators=(1.0,), offsets=(0.0,), constant: float = 0.0):
-        self.numerators = np.asarray(numerators, dtype=np.float64)
-        self.offsets = np.asarray(offsets, dtype=np.float64)
-        self.constant = float(constant)
-
-    @classmethod
-    def after(cls, variances, samples, per_pass) -> "Spread":
-        """Spread of maps whose parts have samples already; parameters as of `Forecaster.respread`."""
-        shares, before, more = np.broadcast_arrays(
-            *(
-                np.atleast_1d(np.asarray(each, dtype=np.float64))
-                for each in (variances, samples, per_pass)
-            )
-        )
-        counts = np.isfinite(shares) & (shares > 0.0) & (before > 0.0)
-        goes_on = counts & (more > 0.0)
-        constant = shares[counts & ~goes_on].sum()
-        if not goes_on.any():
-            return cls((), (), constant)
-        shares, offsets = shares[goes_on], before[goes_on] / more[goes_on]
-        # Parts count in the hundred thousands, but only the ratio of their samples matters.
-        place = np.log(offsets)
-        low, width = place.min(), max(float(np.ptp(place)), 1e-9)
-        group = np.minimum((place - low) / width * GROUPS, GROUPS - 1).astype(np.int64)
-        total = np.bincount(group, shares, GROUPS)
-        used = total > 0.0
-        mean = np.bincount(group, shares * offsets, GROUPS)[used] / total[used]
-        return cls(total[used] * mean, mean, constant)
-
-    def square(self, passes: float) -> float:
-        """f(k), in the scale of the shares; infinite before any sample."""
-        under = self.offsets + passes
-        if (under <= 0.0).any():
-            return math.inf
-        return float((self.numerators / under).sum()) + self.constant
-
-    def worth(self, passes: float) -> float:
-        """Number of passes of this kind that all samples so far are worth: -f / f'."""
-        under = self.offsets + passes
-        slope = float((self.numerators / under**2).sum())
-        return self.square(passes) / slope if slope > 0.0 else math.inf
-
-    def passes_to(self, square: float, start: float) -> float:
-        """Number k from ``start`` on at which f(k) has come down to ``square``; infinite if it never does."""
-        if self.square(start) <= square:
-            return start
-        high = max(start, 1.0)
-        while self.square(high) > square:
-            high *= 2.0
-            if high > FARTHEST:
-                return math.inf
-        low = start
-        while high - low > 1e-9 * high:
-            middle = 0.5 * (low + high)
-            if self.square(middle) > square:
-                low = middle
-            else:
-                high = middle
-        return high
-
-
 class Forecaster:
     """Follows a bake whose passes are independent replicates, and says when its rule will be met.
 
-    The square of the error falls as `Spread` says, scaled to the error that was measured last; for a spread that has
-    just begun also to the error that was foretold for it, as two passes at least must show how they differ. A pass takes
-    as long as those before it. The last one may be a part, so that a bake does not go far beyond its rule.
+    The square of the error falls as 1 / (r + k) over k passes of the present kind, where r is how many of them the samples
+    before are worth. It is scaled to the error that was measured last; for passes of a kind that has just begun also to the
+    error that was foretold for it, as two passes at least must show how they differ. A pass takes as long as those before
+    it. The last one may be a part, so that a bake does not go far beyond its rule.
 
     Parameters
     ----------
@@ -146,7 +67,7 @@ class Forecaster:
     earlier_seconds : float    Spent in earlier parts of a resumed bake; `from_state` knows them. [s]
     finest : float    Smallest part of a pass that the last one may be, a power of two; 1: whole passes only. [-]
     planned : int    Passes after which the error should be met; the last of them is a whole one, whatever is thought to be
-        missing before it. 0: there is no such plan. `respread` may tell another number.
+        missing before it. 0: there is no such plan. `replan` may tell another number.
 
     Raises
     ------
@@ -178,10 +99,11 @@ class Forecaster:
         self._mean: float | None = None
         self._passes = 0.0
         self._is_whole = True
-        self._spread = Spread()
-        # Ratio of the square of the error to that of the spread, as it was foretold.
+        # What is worth as many passes of the present kind as were made before them.
+        self._before = 0.0
+        # Square of the error of a single pass, as it was foretold.
         self._foretold: float | None = None
-        # Of the passes of the present spread; the first of a process also makes kernels.
+        # Of the passes of the present kind; the first of a process also makes kernels.
         self._durations: list[float] = []
         self._first_duration: float | None = None
         self._is_timed = False
@@ -197,7 +119,6 @@ class Forecaster:
         seconds: float,
         samples: float,
         error: float,
-        pass_seconds: float | None = None,
         absolute: float | None = None,
         passes: int = 1,
         extra_seconds: float = 0.0,
@@ -209,7 +130,6 @@ class Forecaster:
         seconds : float    Since the start of this part of the bake. [s]
         samples : float    Mean number per lumel, of all parts of the bake.
         error : float    Relative standard error of everything, infinite while unknown. [-]
-        pass_seconds : float or None    What a pass took; None: the time since the last note. [s]
         absolute : float or None    Standard error of everything, root mean square by area. [lx]
         passes : int    How many have ended since the last note.
         extra_seconds : float
@@ -221,8 +141,7 @@ class Forecaster:
         Mark    With the forecast that was made.
         """
         before = self._marks[-1].samples if self._marks else 0.0
-        if pass_seconds is None:
-            pass_seconds = max(seconds - self._until - extra_seconds, 0.0) / passes
+        pass_seconds = max(seconds - self._until - extra_seconds, 0.0) / passes
         self._until = seconds
         added, worth = (samples - before) / passes, 1.0
         if self._pass_samples and added < PART * self._pass_samples:
@@ -243,27 +162,22 @@ class Forecaster:
         self._marks.append(replace(now, forecast=self.forecast()))
         return self._marks[-1]
 
-    def respread(
+    def replan(
         self,
-        variances,
-        samples,
-        per_pass,
-        pass_samples: float | None = None,
+        worth: float,
+        pass_samples: float,
         pass_seconds: float | None = None,
         seconds: float | None = None,
         planned: int | None = None,
     ) -> None:
-        """Say that passes from now on spread their samples otherwise.
+        """Say that passes from now on are of another kind.
 
         Parameters
         ----------
-        variances : (t,) array or float
-            What each part of the maps adds to the square of the error at present, in any scale: its area times the mean
-            square of its lumels' errors.
-        samples, per_pass : (t,) array or float
-            Samples of a lumel of each part so far, and in every pass to come. Where only the error e1 of a single new pass
-            is known, 1, (e1 / e)^2 and 1 say so, with the present error e.
-        pass_samples : float or None    Mean number per lumel in a pass to come; None: as before.
+        worth : float
+            How many of them all samples so far are worth: (e1 / e)^2 with the error e1 of a single one and the present
+            error e.
+        pass_samples : float    Mean number per lumel in a pass to come.
         pass_seconds : float or None    What a pass to come will take; None: in proportion to its samples. [s]
         seconds : float or None    Present time, as `note` counts it, where something else than passes has taken time
             since; None: unknown, and the time until the next note tells nothing of a pass. [s]
@@ -276,14 +190,13 @@ class Forecaster:
         else:
             self._until = seconds
         if pass_seconds is None and self.pass_seconds is not None:
-            scale = 1.0
-            if pass_samples is not None and self._pass_samples:
-                scale = pass_samples / self._pass_samples
-            pass_seconds = self.pass_seconds * scale
+            pass_seconds = self.pass_seconds
+            if self._pass_samples:
+                pass_seconds *= pass_samples / self._pass_samples
         self._pass_seconds = pass_seconds
-        self._pass_samples = self._pass_samples if pass_samples is None else pass_samples
+        self._pass_samples = pass_samples
         self._durations = []
-        self._spread, self._passes = Spread.after(variances, samples, per_pass), 0.0
+        self._before, self._passes = worth, 0.0
         self._steps = self._all_steps()
         self._own_steps, self._running, self._foretold = [], None, None
         if self._marks:
@@ -384,7 +297,6 @@ class Forecaster:
         numbers = (
             self._setup,
             self._passes,
-            self._spread.constant,
             self._is_whole,
             self._planned,
         )
@@ -394,14 +306,13 @@ class Forecaster:
             self._pass_samples,
             self._mean,
             self._foretold,
+            self._before,
             *running,
         )
         return {
             "marks": np.array(marks, dtype=np.float64).reshape(-1, MARK_FIELDS),
             "numbers": np.array(numbers, dtype=np.float64),
             "known": np.array([math.nan if each is None else each for each in known]),
-            "numerators": self._spread.numerators,
-            "offsets": self._spread.offsets,
             "steps": np.array(self._steps, dtype=np.float64),
             "own_steps": np.array(self._own_steps, dtype=np.float64),
         }
@@ -424,8 +335,6 @@ class Forecaster:
             "marks": 2,
             "numbers": 1,
             "known": 1,
-            "numerators": 1,
-            "offsets": 1,
             "steps": 1,
             "own_steps": 1,
         }
@@ -437,8 +346,7 @@ class Forecaster:
         marks, numbers, known = state["marks"], state["numbers"], state["known"]
         fits = (
             marks.shape[1] == MARK_FIELDS
-            and (len(numbers), len(known)) == (5, 6)
-            and state["numerators"].shape == state["offsets"].shape
+            and (len(numbers), len(known)) == (4, 7)
             and np.isfinite(numbers).all()
             and np.isfinite(marks[:, :2]).all()
         )
@@ -450,18 +358,23 @@ class Forecaster:
             Mark(seconds, samples, error, None if math.isnan(forecast) else forecast)
             for seconds, samples, error, forecast in marks.tolist()
         ]
-        setup, passes, constant, is_whole, planned = numbers.tolist()
+        setup, passes, is_whole, planned = numbers.tolist()
         made._setup = setup if len(marks) else made._setup
         made._passes, made._is_whole, made._planned = passes, bool(is_whole), int(planned)
-        made._spread = Spread(state["numerators"], state["offsets"], constant)
-        made._pass_seconds, made._pass_samples, made._mean, made._foretold, *running = (
+        made._pass_seconds, made._pass_samples, made._mean, made._foretold, before, *running = (
             None if math.isnan(each) else each for each in known.tolist()
         )
+        made._before = before or 0.0
         made._running = None if running[0] is None else tuple(running)
         made._steps, made._own_steps = state["steps"].tolist(), state["own_steps"].tolist()
         if made._marks:
             made.outlook = made._forecast(made._marks[-1])
         return made
+
+    @property
+    def _worth(self) -> float:
+        """How many passes of the present kind all samples so far are worth."""
+        return self._before + self._passes
 
     def _target(self) -> float:
         """Relative error that satisfies the rule; 0: none does."""
@@ -471,14 +384,13 @@ class Forecaster:
         return max(targets)
 
     def _measured(self, error: float) -> float | None:
-        """Ratio of the square of a measured error to that of the spread; None while the error says nothing."""
-        square = self._spread.square(self._passes)
-        if 0.0 < error < math.inf and 0.0 < square < math.inf:
-            return error**2 / square
+        """Square of the error of a single pass by a measured error; None while that says nothing."""
+        if 0.0 < error < math.inf and self._worth > 0.0:
+            return error**2 * self._worth
         return None
 
     def _scale(self, error: float) -> float | None:
-        """Ratio of the square of the error to that of the spread, as measured and as foretold."""
+        """Square of the error of a single pass, as measured and as foretold."""
         measured = self._measured(error)
         if self._foretold is None or self._foretold <= 0.0:
             return measured
@@ -500,8 +412,8 @@ class Forecaster:
         elif target > 0.0 and scale is not None:
             # As long as the measured error is not low enough, a part of a pass at least is due; where that has not been
             # enough, a whole one, as parts may add little.
-            end = self._spread.passes_to(target**2 / scale, self._passes)
-            needed["error"] = max(end - self._passes, self._finest if self._is_whole else 1.0)
+            missing = scale / target**2 - self._worth
+            needed["error"] = max(missing, self._finest if self._is_whole else 1.0)
         return needed
 
     def _forecast(self, now: Mark) -> Forecast | None:
@@ -516,7 +428,7 @@ class Forecaster:
         scale = self._scale(now.error)
         error = math.inf
         if scale is not None:
-            error = math.sqrt(scale * self._spread.square(self._passes + passes))
+            error = math.sqrt(scale / (self._worth + passes))
         low = high = seconds = now.seconds + passes * each
         if reason == "error":
             rest = min((value for name, value in needed.items() if name != "error"), default=None)
@@ -543,8 +455,8 @@ class Forecaster:
         normal, so their scatter tells how far y may be off, however much the errors of neighbouring lumels go together.
         """
         measured = self._measured(error)
-        number = self._spread.worth(self._passes) - 1.0
-        if measured is None or not 0.0 < number < math.inf:
+        number = self._worth - 1.0
+        if measured is None or number <= 0.0:
             return
         total = measured * number
         if self._running is None:
@@ -557,19 +469,18 @@ class Forecaster:
         self._running = (number, total)
 
     def _all_steps(self) -> list[float]:
-        """Contributions over their mean, of all spreads so far."""
+        """Contributions over their mean, of all kinds of passes so far."""
         own = np.array(self._own_steps)
         mean = own.mean() if len(own) else 0.0
         return [*self._steps, *(own / mean).tolist()] if mean > 0.0 else list(self._steps)
 
-    def _half_width(self, passes: int) -> float | None:
+    def _half_width(self, passes: float) -> float | None:
         """Half width of the 95 % interval of the number of passes still to go."""
         steps = self._all_steps()
         count = len(steps)
-        number = self._spread.worth(self._passes)
-        if count < LEAST_STEPS or not number < math.inf:
+        if count < LEAST_STEPS:
             return None
-        end = self._spread.worth(self._passes + passes)
+        end = self._worth + passes
         # The end is decided by the error measured then, which holds the passes of now as well.
         variance = float(np.var(steps, ddof=1)) * max(1.0 / count - 1.0 / max(end, count), 0.0)
         return t_quantile(0.975, count - 1) * math.sqrt(variance) * end

@@ -1,4 +1,4 @@
-"""Means and standard errors of many values from independent replicates, and the error of a whole map.
+"""Means and standard errors of many values from independent replicates.
 
 A replicate is an unbiased estimate of every value that owes nothing to the other replicates: it has random numbers of
 its own. Its samples are its weight.
@@ -7,9 +7,6 @@ its own. Its samples are its weight.
 import numpy as np
 
 from ..errors import SceneError
-
-NORMS = ("arithmetic", "quadratic")
-"""Means of a map to which its error may be related."""
 
 LEAST_PART = 1e-4
 """Where a single replicate has all but such a part of the weight, nothing is known of the error. [-]"""
@@ -142,9 +139,9 @@ class ReplicateSums:
         """Share of each value's samples that the passes 0, 2, 4 and so on have; 0 without any. (count,) [-]"""
         return _ratio(self._of(self._weights[0], part).astype(np.float64), self.samples(part))
 
-    def further_means(self, part=slice(None)) -> np.ndarray:
+    def further_means(self) -> np.ndarray:
         """Mean of the channels beyond the first. (count, channels - 1) float32"""
-        return self._further[part].copy()
+        return self._further.copy()
 
     def replicates(self, part=slice(None)) -> np.ndarray:
         """Number of equal replicates that would be worth as much, W^2 / sum w_k^2. (count,)"""
@@ -162,7 +159,7 @@ class ReplicateSums:
 
         Its square is unbiased, so the root mean square over a map is right as it stands. That of a single value is a root
         of few degrees of freedom, on the average 8 % too small with 4 replicates and 1.6 % with 16; intervals by Student's t
-        (`calibration.t_quantile` with `degrees_of_freedom`) take care of that.
+        (`student.t_quantile` with `degrees_of_freedom`) take care of that.
         """
         return np.sqrt(self.variance(part))
 
@@ -220,69 +217,6 @@ class ReplicateSums:
             raise SceneError("the state of the sums holds no number of passes")
         made.passes = int(passes[0])
         return made
-
-
-def relative_error(mean, error, area, norm: str = "arithmetic") -> float:
-    """Standard error of a map: root mean square of its values' errors over their mean, all weighted by area.
-
-    Parameters
-    ----------
-    mean, error : (n,) array    Values and their standard errors. [lx]
-    area : (n,) array    [m2]
-    norm : str    ``arithmetic`` mean of the values, or ``quadratic``: their root mean square.
-
-    Returns
-    -------
-    float    Infinite when nothing but zeros was found so far. [-]
-    """
-    return _relative(absolute_error(error, area), mean, area, norm)
-
-
-def absolute_error(error, area) -> float:
-    """Root mean square of standard errors over the area; 0 without any. [lx]"""
-    return _root_mean_square(error, area)
-
-
-def half_difference_error(even, odd, area, norm: str = "arithmetic") -> float:
-    """Standard error of a map by its halves: sqrt(integral (E_odd - E_even)^2 dA / S) / 2 over the mean.
-
-    The factor 1/2 is that of a mean of two: each half has sqrt(2) times the error of the whole, and their difference
-    sqrt(2) times that of a half. Halves with equally many samples are supposed.
-
-    Parameters
-    ----------
-    even, odd : (n,) array    Maps of the halves. [lx]
-    area : (n,) array    [m2]
-    norm : str    As in `relative_error`.
-
-    Returns
-    -------
-    float    [-]
-    """
-    even, odd = np.asarray(even, dtype=np.float64), np.asarray(odd, dtype=np.float64)
-    return _relative(0.5 * _root_mean_square(odd - even, area), 0.5 * (even + odd), area, norm)
-
-
-def _relative(error: float, mean, area, norm: str) -> float:
-    if norm == "quadratic":
-        scale = _root_mean_square(mean, area)
-    elif norm == "arithmetic":
-        scale = _ratio_of_sums(np.asarray(mean, dtype=np.float64), area)
-    else:
-        raise SceneError(f"the error is to be related to a mean {norm!r}, expected {NORMS}")
-    return error / scale if scale > 0.0 else float("inf")
-
-
-def _root_mean_square(values, area) -> float:
-    return float(np.sqrt(_ratio_of_sums(np.asarray(values, dtype=np.float64) ** 2, area)))
-
-
-def _ratio_of_sums(values, area) -> float:
-    """Mean by area; 0 where there is none."""
-    total = float(np.sum(area, dtype=np.float64))
-    # Not by dot: 0 m2 of something infinite counts as nothing, and the order of sums stays numpy's own.
-    weighted = np.multiply(values, area, out=np.zeros(np.shape(values)), where=np.asarray(area) > 0)
-    return float(weighted.sum()) / total if total > 0.0 else 0.0
 
 
 def _ratio(over: np.ndarray, under: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .calibration import t_quantile
+from .student import t_quantile
 
 CHANCE = 6.3e-5
 """Probability of finding any difference at all that stems from the second's errors: that of four standard errors."""

@@ -1,18 +1,63 @@
 """A pen for charts: smooth lines, arrows, letters and legends, in pixels of the finished picture."""
 
+from dataclasses import dataclass
+from pathlib import Path
+
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from .polar_diagram import DARK, LIGHT
+from ..errors import FileFormatError
+from ..reading.whole_file import write_whole
 
 SCALE = 3
 """The picture is drawn so many times larger, for smooth lines."""
 
-BASE = 480
-"""Shorter side of a picture whose lines and letters have their nominal size. [pixel]"""
+CHART = 480
+"""Shorter side of a chart whose lines and letters have their nominal size. [pixel]"""
 
 SMALLEST, LARGEST = 160, 4096
-"""Sides that can be drawn. [pixel]"""
+"""Sides of a chart. [pixel]"""
+
+
+@dataclass(frozen=True)
+class Colours:
+    """Colours of a diagram as hexadecimal RGB."""
+
+    background: str
+    grid: str
+    axis: str
+    text: str
+    caption: str
+    curves: tuple[str, str, str]
+
+
+LIGHT = Colours(
+    "#ffffff", "#dfe3e8", "#b4bbc4", "#20252c", "#66707c", ("#d0331f", "#1d68b3", "#5f6b78")
+)
+DARK = Colours(
+    "#1e2024", "#3a3e45", "#5a606a", "#eceef1", "#a3abb6", ("#ff7d60", "#5fb4ff", "#a8b2bd")
+)
+
+
+def save_picture(picture: Image.Image, path, **options) -> Path:
+    """Write a picture as the kind of file that its name ends in, with options of Pillow.
+
+    Raises
+    ------
+    FileFormatError    The name ends in no such kind, or the file cannot be written.
+    """
+    with write_whole(path) as file:
+        try:
+            picture.save(file, **options)
+        except ValueError:
+            raise FileFormatError(path, "expected a name that ends in .png") from None
+    return Path(path)
+
+
+def to_pixels(picture: Image.Image) -> np.ndarray:
+    """A picture as Blender keeps images: (h, w, 4) float32, display-encoded RGBA 0..1, the bottom row first."""
+    pixels = np.asarray(picture.convert("RGBA"))
+    return np.ascontiguousarray(pixels[::-1], dtype=np.float32) / np.float32(255.0)
 
 
 class Canvas:
@@ -20,16 +65,16 @@ class Canvas:
 
     Parameters
     ----------
-    size : (int, int)    Width and height, brought within what can be drawn. [pixel]
-    dark : bool    Light lines on a dark ground.
+    size : (int, int)    Width and height. [pixel]
+    colours : Colours
+    zoom : float    Width of lines and size of letters over the nominal ones. [-]
+    least : int    Size of the smallest letters. [pixel]
     """
 
-    def __init__(self, size, dark: bool):
-        self.size = tuple(min(max(int(side), SMALLEST), LARGEST) for side in size)
-        self.zoom = min(self.size) / BASE
-        self.colours = DARK if dark else LIGHT
-        scaled = tuple(side * SCALE for side in self.size)
-        self.image = Image.new("RGB", scaled, self.colours.background)
+    def __init__(self, size, colours: Colours, zoom: float, least: int = 8):
+        self.size, self.colours, self.zoom, self.least = size, colours, zoom, least
+        scaled = tuple(side * SCALE for side in size)
+        self.image = Image.new("RGB", scaled, colours.background)
         self.pen = ImageDraw.Draw(self.image)
 
     def finish(self) -> Image.Image:
@@ -38,13 +83,17 @@ class Canvas:
 
     def line(self, path, colour: str, width: float = 1.0) -> None:
         """Draw a path (n, 2)."""
+        points = [(float(x) * SCALE, float(y) * SCALE) for x, y in path]
+        self.pen.line(points, colour, max(1, round(width * self.zoom * SCALE)), joint="curve")
+
+    def curve(self, path, colour: str, width: float = 1.0) -> None:
+        """Draw a path (n, 2) whose points may lie closer than pixels."""
         path = np.asarray(path, dtype=np.float64)
         # Closer points than a pixel would make wide lines rough, as they are drawn on whole ones.
         step = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
         kept = np.append(True, np.diff(np.floor(step / 1.5)) > 0.0)
         kept[-1] = True
-        points = [(float(x) * SCALE, float(y) * SCALE) for x, y in path[kept]]
-        self.pen.line(points, colour, max(1, round(width * self.zoom * SCALE)), joint="curve")
+        self.line(path[kept], colour, width)
 
     def dashed(self, path, colour: str, width: float, dash: tuple[float, float]) -> None:
         """Draw a path (n, 2) with dashes of a length and a gap."""
@@ -59,10 +108,11 @@ class Canvas:
                 np.stack([np.interp(along, length, path[:, i]) for i in (0, 1)], 1), colour, width
             )
 
-    def dot(self, at, colour: str, radius: float = 3.5) -> None:
-        """Draw a full circle."""
+    def dot(self, at, colour: str, radius: float = 3.5, rim: str | None = None) -> None:
+        """Draw a full circle, perhaps with a rim of another colour."""
         (x, y), r = (float(c) * SCALE for c in at), radius * self.zoom * SCALE
-        self.pen.ellipse([x - r, y - r, x + r, y + r], colour)
+        width = 0 if rim is None else round(1.8 * self.zoom * SCALE)
+        self.pen.ellipse([x - r, y - r, x + r, y + r], colour, rim, width)
 
     def arrow(self, start, end, colour: str) -> None:
         """Draw an arrow that points at its end."""
@@ -107,13 +157,18 @@ class Canvas:
         """Width of a text."""
         return self._font(size).getlength(text) / SCALE
 
-    def write(self, at, text, size, anchor, is_caption=False, has_halo=False, room=None) -> float:
-        """Write a text, smaller where there is no room for it, and return where it ends on the right."""
+    def write(
+        self, at, text, size, anchor, colour=None, is_caption=False, has_halo=False, room=None
+    ) -> float:
+        """Write a text, smaller where there is no room for it, and return where it ends on the right.
+
+        ``has_halo`` keeps lines off it.
+        """
         if room is not None:
             size *= min(1.0, room / max(self.measure(text, size), 1e-9))
         font = self._font(size)
         place = float(at[0]) * SCALE, float(at[1]) * SCALE
-        colour = self.colours.caption if is_caption else self.colours.text
+        colour = colour or (self.colours.caption if is_caption else self.colours.text)
         halo = (
             {"stroke_width": 2 * SCALE, "stroke_fill": self.colours.background} if has_halo else {}
         )
@@ -121,4 +176,10 @@ class Canvas:
         return self.pen.textbbox(place, text, font=font, anchor=anchor)[2] / SCALE
 
     def _font(self, size: float):
-        return ImageFont.load_default(max(round(size * self.zoom * SCALE), 7 * SCALE))
+        return ImageFont.load_default(max(round(size * self.zoom * SCALE), self.least * SCALE))
+
+
+def open_chart(size, dark: bool) -> Canvas:
+    """Return the canvas of a chart; its width and height are brought within what can be drawn. [pixel]"""
+    size = tuple(min(max(int(side), SMALLEST), LARGEST) for side in size)
+    return Canvas(size, DARK if dark else LIGHT, min(size) / CHART, least=7)

@@ -19,18 +19,20 @@ def _make_scale() -> np.ndarray:
 SCALE = _make_scale()
 
 
-def show(image: np.ndarray, mode: str, display) -> dict:
+def show(image: np.ndarray, mode: str, display, denoised=None) -> dict:
     """Turn an image into pixels.
 
     Parameters
     ----------
     image : (h, w, c) float32 array    X, Y, Z [cd/m2] and, for false colours of it, illuminance [lx].
-    mode : str    Value of a `session.DisplayMode`.
-    display : session.Display
+    mode : str    Value of a `views.DisplayMode`.
+    display : views.Display
+    denoised : (h, w, 3) array or None
+        Copy without noise that a picture shows instead, linear Rec. 709, 1 at 1 cd/m2; the image alone decides on its white.
 
     Returns
     -------
-    dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `session.Frame`.
+    dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `views.Frame`.
     """
     luminance = image[..., 1]
     if mode.startswith("false"):
@@ -50,6 +52,8 @@ def show(image: np.ndarray, mode: str, display) -> dict:
     white = display.white if display.white else automatic_white(luminance)
     if mode == "luminance":
         pixels[..., :3] = (luminance / np.float32(white))[..., None]
+    elif denoised is not None:
+        pixels[..., :3] = denoised / np.float32(white)
     else:
         pixels[..., :3] = scene_linear(image[..., :3], white)
     return _fields(pixels, False, False, 0.0, white, "cd/m²")

@@ -2,17 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from ..accuracy.history import History, Mark
 from ..accuracy.stopping import format_seconds
-from ..errors import FileFormatError
-
-SCALE = 3
-"""The picture is drawn so many times larger, for smooth lines."""
+from . import canvas
+from .canvas import Canvas, save_picture, to_pixels
 
 BASE = 400
 """Height of a picture whose lines and letters have their nominal size. [pixel]"""
@@ -43,42 +40,15 @@ DONE = 1.0 + 1e-9
 
 
 @dataclass(frozen=True)
-class Colours:
-    """Colours of a graph as hexadecimal RGB."""
+class Colours(canvas.Colours):
+    """Colours of a graph, with those of the target and of earlier forecasts; the error has that of the second curve."""
 
-    background: str
-    grid: str
-    axis: str
-    text: str
-    caption: str
-    measured: str
-    forecast: str
     target: str
     earlier: str
 
 
-LIGHT = Colours(
-    "#ffffff",
-    "#e6e9ed",
-    "#b4bbc4",
-    "#20252c",
-    "#66707c",
-    "#1d68b3",
-    "#1d68b3",
-    "#2c8a4b",
-    "#c3d3e5",
-)
-DARK = Colours(
-    "#1e2024",
-    "#2f3339",
-    "#5a606a",
-    "#eceef1",
-    "#a3abb6",
-    "#5fb4ff",
-    "#5fb4ff",
-    "#63cf86",
-    "#41597a",
-)
+LIGHT = Colours(**vars(canvas.LIGHT), target="#2c8a4b", earlier="#c3d3e5")
+DARK = Colours(**vars(canvas.DARK), target="#63cf86", earlier="#41597a")
 
 
 def draw_error_graph(
@@ -109,12 +79,7 @@ def draw_error_graph(
     )
     picture = _Graph(history, (width, height), DARK if dark else LIGHT).draw()
     if path is not None:
-        path = Path(path)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            picture.save(path, "PNG", optimize=True)
-        except OSError as error:
-            raise FileFormatError(path, f"cannot be written ({error.strerror or error})") from None
+        save_picture(picture, path, optimize=True)
     return picture
 
 
@@ -125,8 +90,7 @@ def graph_pixels(history: History, **options) -> np.ndarray:
     -------
     (h, w, 4) float32 array    Display-encoded RGBA 0..1, the bottom row first.
     """
-    picture = np.asarray(draw_error_graph(history, **options).convert("RGBA"))
-    return np.ascontiguousarray(picture[::-1], dtype=np.float32) / np.float32(255.0)
+    return to_pixels(draw_error_graph(history, **options))
 
 
 def to_rows(history: History) -> list[dict]:
@@ -197,14 +161,12 @@ def _count(value: float) -> str:
     return f"{value:,.0f}".replace(",", " ")
 
 
-class _Graph:
-    """The picture under way, and the pen: everything in pixels of the finished picture."""
+class _Graph(Canvas):
+    """The picture under way."""
 
     def __init__(self, history: History, size, colours: Colours):
-        self.history, self.size, self.colours = history, size, colours
-        self.zoom = max(size[1] / BASE, LEAST_ZOOM)
-        self.image = Image.new("RGB", (size[0] * SCALE, size[1] * SCALE), colours.background)
-        self.pen = ImageDraw.Draw(self.image)
+        super().__init__(size, colours, max(size[1] / BASE, LEAST_ZOOM))
+        self.history = history
         self.marks = [
             mark for mark in history.marks if 0.0 < mark.error < math.inf and mark.seconds > 0.0
         ]
@@ -226,7 +188,7 @@ class _Graph:
             self._draw_earlier()
             self._draw_curves()
         self._write_head()
-        return self.image.resize(self.size, Image.Resampling.LANCZOS)
+        return self.finish()
 
     # ---- what is drawn ----
 
@@ -286,15 +248,15 @@ class _Graph:
             free = left - 15 * unit
             for time in time_ticks(low[0], high[0], int((right - left) / (58 * unit))):
                 x, _ = self.place(time, high[1])
-                self._line([(x, top), (x, bottom)], self.colours.grid)
+                self.line([(x, top), (x, bottom)], self.colours.grid)
                 if x - free > 15 * unit:
                     text = _tick_text(time)
-                    free = self._write((x, bottom + 6 * unit), text, 11, "mt", caption=True)
+                    free = self.write((x, bottom + 6 * unit), text, 11, "mt", is_caption=True)
             for error in error_ticks(low[1], high[1], int((bottom - top) / (24 * unit))):
                 _, y = self.place(low[0], error)
-                self._line([(left, y), (right, y)], self.colours.grid)
-                self._write((left - 7 * unit, y), _round_percent(error), 11, "rm", caption=True)
-        self._line(
+                self.line([(left, y), (right, y)], self.colours.grid)
+                self.write((left - 7 * unit, y), _round_percent(error), 11, "rm", is_caption=True)
+        self.line(
             [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)],
             self.colours.axis,
         )
@@ -306,9 +268,11 @@ class _Graph:
         left, _, right, _ = self.window
         unit = self.zoom
         _, y = self.place(self.last.seconds, self.target)
-        self._line([(left, y), (right, y)], self.colours.target, 1.5)
+        self.line([(left, y), (right, y)], self.colours.target, 1.5)
         text = f"target {_round_percent(self.target)}"
-        self._write((left + 7 * unit, y - 4 * unit), text, 11, "lb", self.colours.target, halo=True)
+        self.write(
+            (left + 7 * unit, y - 4 * unit), text, 11, "lb", self.colours.target, has_halo=True
+        )
 
     def _draw_earlier(self) -> None:
         """Dots where the end was believed to be."""
@@ -319,7 +283,7 @@ class _Graph:
         places = [self.place(mark.forecast, mark.error) for mark in marks]
         places = [place for place in places if place[0] <= right]
         for place in places:
-            self._dot(place, 2.4, self.colours.earlier)
+            self.dot(place, self.colours.earlier, 2.4)
         if len(places) < 3:
             return
         # Beside the dots, on the side that the curve leaves free.
@@ -327,31 +291,31 @@ class _Graph:
         gap = 8 * self.zoom
         is_left = x - left > 0.6 * (right - left)
         place, anchor = ((x - gap, y), "rm") if is_left else ((x + gap, y), "lm")
-        self._write(place, "earlier forecasts", 10, anchor, caption=True)
+        self.write(place, "earlier forecasts", 10, anchor, is_caption=True)
 
     def _draw_curves(self) -> None:
         """The branch that is forecast, the error so far, and where both meet."""
         unit = self.zoom
         if self.branch:
             path = np.array([self.place(*point) for point in self.branch])
-            self._dashed(path, self.colours.forecast, 1.8, (6, 5))
+            self.dashed(path, self.colours.curves[1], 1.8, (6, 5))
             x, y = path[-1]
-            self._line([(x, y), (x, self.window[3])], self.colours.axis)
-            self._dot((x, y), 4.5, self.colours.background, self.colours.forecast)
+            self.line([(x, y), (x, self.window[3])], self.colours.axis)
+            self.dot((x, y), self.colours.background, 4.5, self.colours.curves[1])
         shown = self._shown(self.marks)
         places = [self.place(mark.seconds, mark.error) for mark in shown]
         if len(places) > 1:
-            self._line(places, self.colours.measured, 2.4)
+            self.line(places, self.colours.curves[1], 2.4)
         if len(places) <= 40:
             for place in places[:-1]:
-                self._dot(place, 2.4, self.colours.measured)
+                self.dot(place, self.colours.curves[1], 2.4)
         x, y = places[-1]
-        self._dot((x, y), 5.0, self.colours.measured, self.colours.background)
+        self.dot((x, y), self.colours.curves[1], 5.0, self.colours.background)
         text = "done" if self.is_done else "now"
         on_right = x < self.window[2] - 60 * unit
         shift, anchor = (9 * unit, "lb") if on_right else (-9 * unit, "rt")
         y += -5 * unit if on_right else 8 * unit
-        self._write((x + shift, y), text, 12, anchor, halo=True)
+        self.write((x + shift, y), text, 12, anchor, has_halo=True)
 
     def _shown(self, marks: list[Mark]) -> list[Mark]:
         """Marks, or some of very many."""
@@ -370,29 +334,31 @@ class _Graph:
         if now is None:
             seconds = self.history.marks[-1].seconds if self.history.marks else 0.0
             middle = (0.5 * (left + right), 0.5 * (top + bottom))
-            self._write(middle, "no error is known before the second pass", 13, "mm", caption=True)
-            self._write((left, 24 * unit), "Error over time", 18, "lm")
+            self.write(
+                middle, "no error is known before the second pass", 13, "mm", is_caption=True
+            )
+            self.write((left, 24 * unit), "Error over time", 18, "lm")
             if seconds > 0.0:
                 text = f"{format_seconds(seconds)} elapsed"
-                self._write((right, 25 * unit), text, 13, "rm", caption=True)
+                self.write((right, 25 * unit), text, 13, "rm", is_caption=True)
             return
-        end = self._write((left, 24 * unit), f"Error {_percent(now.error)}", 18, "lm")
+        end = self.write((left, 24 * unit), f"Error {_percent(now.error)}", 18, "lm")
         if self.target is not None:
             text = f"of {_round_percent(self.target)} asked for"
-            self._write((end + 9 * unit, 26 * unit), text, 13, "lm", caption=True)
+            self.write((end + 9 * unit, 26 * unit), text, 13, "lm", is_caption=True)
         done = f"{format_seconds(now.seconds)} elapsed, {_count(now.samples)} samples per lumel"
-        self._write((left, 49 * unit), done, 12, "lm", caption=True)
+        self.write((left, 49 * unit), done, 12, "lm", is_caption=True)
         if self.is_done:
-            self._write((right, 24 * unit), "done", 18, "rm", self.colours.target)
+            self.write((right, 24 * unit), "done", 18, "rm", self.colours.target)
         elif now.forecast is None:
-            self._write((right, 25 * unit), "no forecast yet", 13, "rm", caption=True)
+            self.write((right, 25 * unit), "no forecast yet", 13, "rm", is_caption=True)
         else:
             rest = now.forecast - now.seconds
-            self._write((right, 24 * unit), f"{format_seconds(rest)} left", 18, "rm")
+            self.write((right, 24 * unit), f"{format_seconds(rest)} left", 18, "rm")
             more = f"of {format_seconds(now.forecast)}"
             if self._samples_left() >= 1.0:
                 more += f", {_count(self._samples_left())} samples more"
-            self._write((right, 49 * unit), more, 12, "rm", caption=True)
+            self.write((right, 49 * unit), more, 12, "rm", is_caption=True)
 
     def _samples_left(self) -> float:
         """Samples per lumel until the forecast end, at the rate of the second half of the marks."""
@@ -402,39 +368,3 @@ class _Graph:
         else:
             rate = now.samples / max(now.seconds - self.history.setup_seconds, 1e-9)
         return max(rate * (now.forecast - now.seconds), 0.0)
-
-    # ---- pen ----
-
-    def _line(self, points, colour: str, width: float = 1.0) -> None:
-        points = [(x * SCALE, y * SCALE) for x, y in points]
-        self.pen.line(points, colour, max(1, round(width * self.zoom * SCALE)), joint="curve")
-
-    def _dashed(
-        self, path: np.ndarray, colour: str, width: float, dash: tuple[float, float]
-    ) -> None:
-        """Draw a path (n, 2) with dashes of a length and a gap."""
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-        on, off = dash[0] * self.zoom, dash[1] * self.zoom
-        for start in np.arange(0.0, length[-1], on + off):
-            end = min(start + on, length[-1])
-            inner = length[(length > start) & (length < end)]
-            along = np.concatenate([[start], inner, [end]])
-            piece = [np.interp(along, length, path[:, i]) for i in (0, 1)]
-            self._line(list(zip(*piece, strict=True)), colour, width)
-
-    def _dot(self, place, radius: float, colour: str, rim: str | None = None) -> None:
-        (x, y), r = (SCALE * float(c) for c in place), radius * self.zoom * SCALE
-        box = [x - r, y - r, x + r, y + r]
-        if rim is None:
-            self.pen.ellipse(box, colour)
-        else:
-            self.pen.ellipse(box, colour, rim, round(1.8 * self.zoom * SCALE))
-
-    def _write(self, place, text, size, anchor, colour=None, caption=False, halo=False) -> float:
-        """Write a text and return where it ends on the right. ``halo`` keeps lines off it."""
-        font = ImageFont.load_default(max(round(size * self.zoom * SCALE), 8 * SCALE))
-        at = (place[0] * SCALE, place[1] * SCALE)
-        colour = colour or (self.colours.caption if caption else self.colours.text)
-        stroke = {"stroke_width": 2 * SCALE, "stroke_fill": self.colours.background} if halo else {}
-        self.pen.text(at, text, fill=colour, font=font, anchor=anchor, **stroke)
-        return self.pen.textbbox(at, text, font=font, anchor=anchor)[2] / SCALE

@@ -9,7 +9,7 @@ from ..scene.nearness import box_distance, mesh_distance
 from ..scene.scene import Scene
 
 RAYS, POINT = "rays", "point"
-"""How the light of a ray set reaches an object in a lux map. Pictures and sensors always see a point."""
+"""How the light of a ray set reaches an object in a lux map."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,9 @@ class RayChoice:
     method : str    `RAYS` where some of the object lies within the limit, else `POINT`.
     error : float    Relative error of the illuminance by the choice, at the nearest place: of rays the set's own error, of a
         point that of being none. [-]
-    point_error : float    Of a point there, which is what pictures and sensors have. [-]
+    point_error : float    Of a point there. [-]
+    seen_error : float    Of pictures and sensors there: that of the rays where a point is wrong by more than a hundredth,
+        but of sets whose rays hardly fluctuate that of a point. [-]
     """
 
     light: str
@@ -37,6 +39,7 @@ class RayChoice:
     method: str
     error: float
     point_error: float
+    seen_error: float
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,7 @@ def explain_rays(scene: Scene, limits: dict[str, float] | None = None) -> tuple[
     made = []
     for light in lights:
         rays = light.rays
+        is_narrow = rays.is_narrow
         limit = rays.near if limits is None else limits.get(light.id, 0.0)
         centre = np.asarray(light.frame, dtype=np.float64)[:3, 3]
         for mesh in meshes:
@@ -95,6 +99,7 @@ def explain_rays(scene: Scene, limits: dict[str, float] | None = None) -> tuple[
                     RAYS if is_near else POINT,
                     rays.information_error if is_near else apart,
                     apart,
+                    rays.information_error if nearest < rays.near and not is_narrow else apart,
                 )
             )
     return tuple(sorted(made, key=lambda choice: (choice.light, choice.nearest, choice.receiver)))

@@ -4,8 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
-
 STOPS = np.array(
     [
         [0.050, 0.030, 0.200],
@@ -75,6 +73,8 @@ def write_false_colour(
     """
     from PIL import Image, ImageDraw, ImageFont
 
+    from .canvas import save_picture
+
     high = nice_maximum(values[shown]) if high is None else high
     picture = colours(values, 0.0, high)
     picture[~shown] = BACKGROUND
@@ -97,17 +97,31 @@ def write_false_colour(
         y = top + round(bar * (1.0 - i / 8.0))
         draw.line((left + 18, y, left + 23, y), fill=(230, 230, 230))
         draw.text((left + 27, y - 7), f"{high * i / 8.0:.4g}", fill=(230, 230, 230), font=font)
-    return _save(canvas, path)
+    return save_picture(canvas, path)
 
 
-def write_display(path, linear: np.ndarray) -> Path:
-    """Write scene-linear Rec. 709 (h, w, 3), row 0 at the bottom, as an sRGB PNG.
+def write_display(path, linear: np.ndarray, words: str = "") -> Path:
+    """Write scene-linear Rec. 709 (h, w, 3), row 0 at the bottom, as an sRGB PNG, see `encode_display`.
+
+    ``words``: what the file says of itself, as its description.
+    """
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    from .canvas import save_picture
+
+    facts = PngInfo()
+    if words:
+        facts.add_text("Description", words)
+    return save_picture(Image.fromarray(encode_display(linear)), path, pnginfo=facts)
+
+
+def encode_display(linear: np.ndarray) -> np.ndarray:
+    """Encode scene-linear Rec. 709 (h, w, 3), row 0 at the bottom, as sRGB for files, row 0 at the top. (h, w, 3) uint8
 
     Values up to 0.8 are kept as they are; brighter ones are rolled off towards white, so that lamps do not end in a
     hard edge. Colours outside the gamut are clipped.
     """
-    from PIL import Image
-
     x = np.maximum(np.nan_to_num(linear[::-1]), 0.0)
     peak = x.max(axis=2, keepdims=True)
     knee = 0.8
@@ -118,16 +132,4 @@ def write_display(path, linear: np.ndarray) -> Path:
     encoded = np.where(
         x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1.0 / 2.4) - 0.055
     )
-    return _save(
-        Image.fromarray(np.round(255.0 * np.clip(encoded, 0.0, 1.0)).astype(np.uint8)), path
-    )
-
-
-def _save(picture, path) -> Path:
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        picture.save(path)
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error})") from None
-    return path
+    return np.round(255.0 * np.clip(encoded, 0.0, 1.0)).astype(np.uint8)

@@ -74,26 +74,6 @@ def solid_angles(observer: Observer, openings: FlatOpenings) -> np.ndarray:
     return projected_areas(observer, openings) / distances**2
 
 
-def opening_luminances(observer: Observer, openings: FlatOpenings, intensities) -> np.ndarray:
-    """Mean luminances of openings by their intensities towards an observer, I / (A cos). (CIE 117:1995, chapter 4)
-
-    Parameters
-    ----------
-    intensities : (n,) array    Luminous intensities towards the observer. [cd]
-
-    Returns
-    -------
-    (n,) float64 array    0 where the observer is behind the opening. [cd/m2]
-
-    Raises
-    ------
-    SceneError    As `projected_areas`.
-    """
-    areas = projected_areas(observer, openings)
-    intensities = np.asarray(intensities, dtype=np.float64)
-    return np.divide(intensities, areas, out=np.zeros_like(areas), where=areas > 0.0)
-
-
 def sight_angles(observer: Observer, points) -> tuple[np.ndarray, np.ndarray]:
     """Where points lie in an observer's field of view.
 

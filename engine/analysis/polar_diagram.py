@@ -4,22 +4,17 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from ..luminaires.coordinates import angles, directions
 from ..luminaires.distribution import flux, peak
 from ..luminaires.formats.record import LUMINOUS, UNITS, LuminaireFile
 from ..luminaires.sections import section, spread
 from ..scene.distribution import IntensityDistribution
-
-KINDS = ("auto", "polar", "cartesian")
-"""Kinds of diagrams."""
+from .canvas import DARK, LIGHT, SCALE, Canvas, to_pixels
 
 NARROW = math.radians(30.0)
 """Widest field for which the kind ``auto`` is cartesian. [rad]"""
-
-SCALE = 3
-"""The picture is drawn so many times larger, for smooth lines."""
 
 BASE = 512
 """Shorter side of a picture whose lines and letters have their nominal size. [pixel]"""
@@ -38,26 +33,6 @@ FILL = 28
 
 FAINT = 0.01
 """Share of the peak under which the tails of a beam are left out of a cartesian diagram."""
-
-
-@dataclass(frozen=True)
-class Colours:
-    """Colours of a diagram as hexadecimal RGB."""
-
-    background: str
-    grid: str
-    axis: str
-    text: str
-    caption: str
-    curves: tuple[str, str, str]
-
-
-LIGHT = Colours(
-    "#ffffff", "#dfe3e8", "#b4bbc4", "#20252c", "#66707c", ("#d0331f", "#1d68b3", "#5f6b78")
-)
-DARK = Colours(
-    "#1e2024", "#3a3e45", "#5a606a", "#eceef1", "#a3abb6", ("#ff7d60", "#5fb4ff", "#a8b2bd")
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +102,7 @@ def draw_polar_diagram(
     source : LuminaireFile or IntensityDistribution
     size : (int, int)    Width and height. [pixel]
     dark : bool    Light lines on a dark ground.
-    kind : str    One of `KINDS`; ``auto`` is cartesian for fields narrower than `NARROW`, else polar.
+    kind : str    ``polar``, ``cartesian`` or ``auto``: cartesian for fields narrower than `NARROW`, else polar.
     per_klm : bool    Intensities for 1000 lm of the lamps, or of the luminaire in absolute photometry.
 
     Returns
@@ -144,8 +119,7 @@ def diagram_pixels(source, **options) -> np.ndarray:
     -------
     (h, w, 4) float32 array    Display-encoded RGBA 0..1, the bottom row first.
     """
-    picture = np.asarray(draw_polar_diagram(source, **options).convert("RGBA"))
-    return np.ascontiguousarray(picture[::-1], dtype=np.float32) / np.float32(255.0)
+    return to_pixels(draw_polar_diagram(source, **options))
 
 
 def round_step(largest: float, most: int) -> float:
@@ -172,10 +146,11 @@ def _degrees(angle: float) -> str:
     return f"{round(math.degrees(angle), 1):g}°"
 
 
-class _Diagram:
-    """The picture under way, and the pen: everything in pixels of the finished picture."""
+class _Diagram(Canvas):
+    """The picture under way."""
 
     def __init__(self, source, size, colours, kind, per_klm):
+        super().__init__(size, colours, max(min(size) / BASE, 0.6))
         is_file = isinstance(source, LuminaireFile)
         self.distribution = source.distribution if is_file else source
         self.flux = flux(self.distribution)
@@ -184,10 +159,6 @@ class _Diagram:
         self.factor = 1000.0 / rated if per_klm and rated > 0.0 else 1.0
         self.unit = f"{units.intensity}/k{units.flux}" if per_klm else units.intensity
         self.flux_unit = units.flux
-        self.colours, self.size = colours, size
-        self.zoom = max(min(size) / BASE, 0.6)
-        self.image = Image.new("RGB", (size[0] * SCALE, size[1] * SCALE), colours.background)
-        self.pen = ImageDraw.Draw(self.image)
         self.largest, azimuth, polar = peak(self.distribution)
         self.towards = angles(directions(azimuth, polar, self.distribution.frame))
         planes = [self._curve(azimuth, i) for i, azimuth in enumerate((0.0, 0.5 * math.pi))]
@@ -225,7 +196,7 @@ class _Diagram:
             self._draw_cartesian()
         self._write_title()
         self._write_legend()
-        return self.image.resize(self.size, Image.Resampling.LANCZOS)
+        return self.finish()
 
     # ---- polar ----
 
@@ -240,9 +211,9 @@ class _Diagram:
             self._circle(axes.pole, axes.scale * value, self.colours.grid)
         for angle in np.deg2rad(np.arange(0.0, 360.0, 15.0)):
             far = (x + corner * math.sin(angle), y + corner * math.cos(angle))
-            self._line([axes.pole, far], self.colours.grid)
+            self.line([axes.pole, far], self.colours.grid)
         for far in ((x - corner, y), (x + corner, y), (x, y - corner), (x, y + corner)):
-            self._line([axes.pole, far], self.colours.axis)
+            self.line([axes.pole, far], self.colours.axis)
         self._draw_curves(axes, lambda _: np.array(axes.pole)[:, None])
         self._clear_margins()
         self._label_rays(axes)
@@ -278,7 +249,7 @@ class _Diagram:
                 flank = 0.0
             place = (axes.pole[0] + flank, axes.pole[1] + math.sqrt(radius**2 - flank**2))
             if place[1] < self.window[3] - 4 * unit:
-                self._write((place[0] + 4 * unit, place[1]), _number(value), 11, "lm", halo=True)
+                self.write((place[0] + 4 * unit, place[1]), _number(value), 11, "lm", has_halo=True)
 
     def _label_rays(self, axes) -> None:
         """Write the angle of each ray where it leaves the window, the rounder first if there is no room for all."""
@@ -301,7 +272,7 @@ class _Diagram:
             else:
                 anchor, shift = ("mt", (0.0, gap)) if cosine > 0 else ("mb", (0.0, -gap))
             text = f"{abs(degrees)}°"
-            self._write((place[0] + shift[0], place[1] + shift[1]), text, 11, anchor)
+            self.write((place[0] + shift[0], place[1] + shift[1]), text, 11, anchor)
 
     # ---- cartesian ----
 
@@ -314,7 +285,7 @@ class _Diagram:
             for value in np.arange(0.0, axes.top + 1e-9 * step, step)
         ]
         for _, y in levels:
-            self._line([(left, y), (right, y)], self.colours.grid)
+            self.line([(left, y), (right, y)], self.colours.grid)
         step = math.radians(max(round_step(math.degrees(axes.high - axes.low), 12), 0.1))
         ticks = np.arange(
             math.ceil(axes.low / step - 1e-9), math.floor(axes.high / step + 1e-9) + 1
@@ -322,23 +293,25 @@ class _Diagram:
         for tick in ticks * step:
             x = left + (tick - axes.low) / (axes.high - axes.low) * (right - left)
             colour = self.colours.axis if abs(tick) < 1e-9 else self.colours.grid
-            self._line([(x, top), (x, bottom)], colour)
+            self.line([(x, top), (x, bottom)], colour)
         for share in (0.5, 0.1):
             y = float(axes.place(axes.centre, share * largest)[1])
-            self._dashed(np.array([[left, y], [right, y]]), self.colours.caption, 0.8, (2, 3))
+            self.dashed(np.array([[left, y], [right, y]]), self.colours.caption, 0.8, (2, 3))
         self._draw_curves(axes, lambda angle: axes.place(angle, 0.0))
         self._clear_margins()
         gap = 4 * self.zoom
         for tick in ticks * step:
             x = left + (tick - axes.low) / (axes.high - axes.low) * (right - left)
             gamma = tick if axes.centre == 0.0 else math.pi - abs(tick)
-            self._write((x, bottom + gap), _degrees(gamma), 11, "mt")
+            self.write((x, bottom + gap), _degrees(gamma), 11, "mt")
         for value, y in levels[1:]:
             if y > top + 2 * gap:
-                self._write((left + gap, y), _number(value), 11, "lm", halo=True)
+                self.write((left + gap, y), _number(value), 11, "lm", has_halo=True)
         for share in (0.5, 0.1):
             y = float(axes.place(axes.centre, share * largest)[1])
-            self._write((right - gap, y), f"{100 * share:.0f} %", 11, "rm", caption=True, halo=True)
+            self.write(
+                (right - gap, y), f"{100 * share:.0f} %", 11, "rm", is_caption=True, has_halo=True
+            )
         self._write_sides()
 
     def _cartesian_axes(self) -> tuple[CartesianAxes, float]:
@@ -373,16 +346,17 @@ class _Diagram:
         for curve in reversed(self.curves):
             path = self._path(axes, curve)
             if curve.is_dashed:
-                self._dashed(path, curve.colour, 2.0, (7, 5))
+                self.dashed(path, curve.colour, 2.0, (7, 5))
             else:
-                self._line([tuple(point) for point in path], curve.colour, 2.0)
+                self.line(path, curve.colour, 2.0)
         brightest = max(self.curves, key=lambda curve: curve.values.max())
         if self.largest > 0.0:
             # Of several alike the one nearest to the nadir, and of two sides the right one.
             alike = np.flatnonzero(brightest.values >= brightest.values.max() * (1.0 - 1e-6))
             at = brightest.angle[alike]
             i = alike[np.lexsort((at < 0.0, np.round(np.abs(at), 9)))[0]]
-            self._dot(axes.place(brightest.angle[i], brightest.values[i]), brightest.colour)
+            place = axes.place(brightest.angle[i], brightest.values[i])
+            self.dot(place, brightest.colour, 4.5, self.colours.background)
 
     @staticmethod
     def _path(axes, curve, ground=None) -> np.ndarray:
@@ -400,24 +374,24 @@ class _Diagram:
         """Flux, peak, and the angles of the beam in both planes."""
         left, _, right, _ = self.window
         unit = self.zoom
-        end = self._write((left, 16 * unit), f"{_number(self.flux)} {self.flux_unit}", 18, "lm")
+        end = self.write((left, 16 * unit), f"{_number(self.flux)} {self.flux_unit}", 18, "lm")
         around, gamma = self.towards
         where = f"gamma {_degrees(gamma)}"
         if 1e-6 < gamma < math.pi - 1e-6:
             where = f"C {_degrees(around)}  {where}"
         peak_text = f"{_number(self.largest * self.factor)} {self.unit}"
         text = f"peak {peak_text} at {where}"
-        if end + self._width(text, 13) > right - 4 * unit:
+        if end + self.measure(text, 13) > right - 4 * unit:
             # Letters have a least size, so in a small picture both would meet.
             text = f"peak {peak_text}"
-        self._write((right, 17 * unit), text, 13, "rm")
+        self.write((right, 17 * unit), text, 13, "rm")
         for name, spreads, place, anchor in (
             ("beam", self.beams, left, "lm"),
             ("field", self.fields, right, "rm"),
         ):
             words = ["none" if angle is None else _degrees(angle) for angle in spreads]
             text = " x ".join(words[:1] if words[0] == words[1] else words)
-            self._write((place, 35 * unit), f"{name} {text}", 12, anchor, caption=True)
+            self.write((place, 35 * unit), f"{name} {text}", 12, anchor, is_caption=True)
 
     def _write_legend(self) -> None:
         """A piece of each curve and its name below the window, the unit on the right."""
@@ -427,48 +401,26 @@ class _Diagram:
         for curve in self.curves:
             stroke = np.array([[x, y], [x + 24 * unit, y]])
             if curve.is_dashed:
-                self._dashed(stroke, curve.colour, 2.5, (7, 5))
+                self.dashed(stroke, curve.colour, 2.5, (7, 5))
             else:
-                self._line([tuple(point) for point in stroke], curve.colour, 2.5)
-            x = self._write((x + 30 * unit, y), curve.name, 12, "lm") + 18 * unit
-        self._write((right, y), self.unit, 12, "rm", caption=True)
+                self.line(stroke, curve.colour, 2.5)
+            x = self.write((x + 30 * unit, y), curve.name, 12, "lm") + 18 * unit
+        self.write((right, y), self.unit, 12, "rm", is_caption=True)
 
     def _write_sides(self) -> None:
         """Say which half-planes lie on which side."""
         left, top, right, _ = self.window
         gap = 6 * self.zoom
-        self._write((left + gap, top + gap), "C180, C270", 11, "lt", caption=True, halo=True)
-        self._write((right - gap, top + gap), "C0, C90", 11, "rt", caption=True, halo=True)
+        self.write((left + gap, top + gap), "C180, C270", 11, "lt", is_caption=True, has_halo=True)
+        self.write((right - gap, top + gap), "C0, C90", 11, "rt", is_caption=True, has_halo=True)
 
-    # ---- pen ----
-
-    def _line(self, points, colour: str, width: float = 1.0) -> None:
-        points = [(x * SCALE, y * SCALE) for x, y in points]
-        self.pen.line(points, colour, max(1, round(width * self.zoom * SCALE)), joint="curve")
-
-    def _dashed(
-        self, path: np.ndarray, colour: str, width: float, dash: tuple[float, float]
-    ) -> None:
-        """Draw a path (n, 2) with dashes of a length and a gap."""
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-        on, off = dash[0] * self.zoom, dash[1] * self.zoom
-        for start in np.arange(0.0, length[-1], on + off):
-            end = min(start + on, length[-1])
-            inner = length[(length > start) & (length < end)]
-            along = np.concatenate([[start], inner, [end]])
-            piece = [np.interp(along, length, path[:, i]) for i in (0, 1)]
-            self._line(list(zip(*piece, strict=True)), colour, width)
+    # ---- more of the pen ----
 
     def _circle(self, centre, radius: float, colour: str) -> None:
         (x, y), r = (SCALE * c for c in centre), SCALE * radius
         self.pen.ellipse(
             [x - r, y - r, x + r, y + r], outline=colour, width=round(self.zoom * SCALE)
         )
-
-    def _dot(self, place, colour: str) -> None:
-        (x, y), r = (SCALE * float(c) for c in place), 4.5 * self.zoom * SCALE
-        box = [x - r, y - r, x + r, y + r]
-        self.pen.ellipse(box, colour, self.colours.background, round(1.5 * self.zoom * SCALE))
 
     def _fill(self, path: np.ndarray, colour: str) -> None:
         mask = Image.new("L", self.image.size)
@@ -488,18 +440,3 @@ class _Diagram:
             self.pen.rectangle(box, self.colours.background)
         line = round(self.zoom * SCALE)
         self.pen.rectangle((left, top, right, bottom), outline=self.colours.axis, width=line)
-
-    def _font(self, size):
-        return ImageFont.load_default(max(round(size * self.zoom * SCALE), 8 * SCALE))
-
-    def _width(self, text, size) -> float:
-        return self._font(size).getlength(text) / SCALE
-
-    def _write(self, place, text, size, anchor, caption=False, halo=False) -> float:
-        """Write a text and return where it ends on the right. ``halo`` keeps lines off it."""
-        font = self._font(size)
-        at = (place[0] * SCALE, place[1] * SCALE)
-        colour = self.colours.caption if caption else self.colours.text
-        stroke = {"stroke_width": 2 * SCALE, "stroke_fill": self.colours.background} if halo else {}
-        self.pen.text(at, text, fill=colour, font=font, anchor=anchor, **stroke)
-        return self.pen.textbbox(at, text, font=font, anchor=anchor)[2] / SCALE

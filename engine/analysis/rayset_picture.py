@@ -7,8 +7,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ..luminaires.formats.record import LuminaireFile
 from ..raysets.reduction import LuminanceImage
+from .canvas import DARK, LIGHT
 from .false_colour import colours, nice_maximum
-from .polar_diagram import DARK, LIGHT, draw_polar_diagram
+from .polar_diagram import draw_polar_diagram
 
 MARGIN = 0.06
 """Of a panel, around what it shows."""

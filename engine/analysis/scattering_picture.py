@@ -13,7 +13,7 @@ from ..scattering.data.table import direct_share
 from ..scattering.measuring.processing import ProcessedMeasurement
 from ..scene.scattering import Scatter, ScatterTable
 from .axes import Axes
-from .canvas import Canvas
+from .canvas import Canvas, open_chart, to_pixels
 from .polar_diagram import round_step
 
 INCIDENCES = (0, 15, 30, 45, 60, 75)
@@ -76,22 +76,12 @@ def polar_cuts(source, incidences_deg=INCIDENCES, side: str = "front", **options
     -------
     (h, w, 4) float32 array    Display-encoded RGBA 0..1, the bottom row first.
     """
-    return _to_pixels(draw_polar_cuts(source, incidences_deg, side, **options))
-
-
-def before_after(made: ProcessedMeasurement, **options) -> np.ndarray:
-    """Picture of `draw_before_after`, whose options it takes, as Blender keeps images: (h, w, 4) float32."""
-    return _to_pixels(draw_before_after(made, **options))
+    return to_pixels(draw_polar_cuts(source, incidences_deg, side, **options))
 
 
 def albedo_chart(source, **options) -> np.ndarray:
     """Picture of `draw_albedo_chart`, whose options it takes, as Blender keeps images: (h, w, 4) float32."""
-    return _to_pixels(draw_albedo_chart(source, **options))
-
-
-def _to_pixels(picture: Image.Image) -> np.ndarray:
-    pixels = np.asarray(picture.convert("RGBA"))
-    return np.ascontiguousarray(pixels[::-1], dtype=np.float32) / np.float32(255.0)
+    return to_pixels(draw_albedo_chart(source, **options))
 
 
 def draw_polar_cuts(
@@ -125,7 +115,7 @@ def draw_polar_cuts(
     Image    RGB.
     """
     shown = _shown_sides(source, side)
-    canvas = Canvas(size, dark)
+    canvas = open_chart(size, dark)
     cuts = []
     for number, degrees in enumerate(incidences_deg):
         colour = CURVES[dark][number % len(CURVES[dark])]
@@ -278,7 +268,7 @@ class _PolarPlot:
         arc = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 181)
         for ring in self.scale.rings:
             line = colours.axis if ring == self.scale.rings[-1] else colours.grid
-            canvas.line(self.place(arc, self.scale.place(ring), is_below), line)
+            canvas.curve(self.place(arc, self.scale.place(ring), is_below), line)
         for degrees in range(-75, 90, 15):
             angle = math.radians(degrees)
             canvas.line(self.place(np.full(2, angle), np.array([0.0, 1.0]), is_below), colours.grid)
@@ -294,7 +284,7 @@ class _PolarPlot:
 
     def _draw_curve(self, cut: _Cut) -> None:
         path = self.place(cut.angles, self.scale.place(cut.values), cut.is_below)
-        self.canvas.line(path, cut.colour, 2.0)
+        self.canvas.curve(path, cut.colour, 2.0)
         if cut.direct > LITTLE:
             ray = self.place(np.full(2, cut.incidence), np.array([0.0, 1.0]), cut.is_below)
             self.canvas.dashed(ray, cut.colour, 1.4, (6, 4))
@@ -357,7 +347,7 @@ def draw_before_after(
     -------
     Image    RGB.
     """
-    canvas = Canvas(size, dark)
+    canvas = open_chart(size, dark)
     wavelengths = made.table.wavelengths
     lines = []
     for number, cut in enumerate(made.cuts):
@@ -376,7 +366,7 @@ def draw_before_after(
         at = axes.place(math.degrees(cut.incidence) * np.ones(2), np.array([low, scale.high]))
         canvas.dashed(at, colour, 0.8, (3, 4))
     for _, colour, _, (angle, value) in lines:
-        canvas.line(axes.place(angle, value), colour, 1.8)
+        canvas.curve(axes.place(angle, value), colour, 1.8)
     for _, colour, (angle, value), _ in lines:
         for degrees, found in zip(angle, value, strict=True):
             if np.isfinite(found) and found > 0.0:
@@ -430,7 +420,7 @@ def draw_albedo_chart(
     Image    RGB.
     """
     shown = _shown_sides(source, side)
-    canvas = Canvas(size, dark)
+    canvas = open_chart(size, dark)
     curves = [
         (name, CURVES[dark][0 if "reflection" in name else 4], _totals(scatter))
         for name, scatter in shown.items()
@@ -450,7 +440,7 @@ def draw_albedo_chart(
         canvas.dashed(axes.place(degrees, summed), canvas.colours.text, 1.6, (7, 5))
         entries.append((canvas.colours.text, "sum"))
     for _, colour, values in curves:
-        canvas.line(axes.place(degrees, values), colour, 2.2)
+        canvas.curve(axes.place(degrees, values), colour, 2.2)
     if isinstance(source, ScatteringFile):
         for name, colour, _ in curves:
             stated = np.asarray(source.stated.get(name, np.zeros(0)))

@@ -7,10 +7,8 @@ import numpy as np
 from ..photometry.colour import chromaticity
 from ..photometry.colour_temperature import colour_temperature
 from ..photometry.spectra import GRID, efficacy_of_table, illuminant, observer
+from ..photometry.units import VISIBLE
 from ..scene.spectrum import Tabulated
-
-VISIBLE = (380.0, 780.0)
-"""Where ultraviolet ends and infrared begins. [nm] (CIE S 017)"""
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,12 @@ from PIL import Image
 from ..formats.spd import SpectrumFile
 from ..photometry.colour import XYZ_TO_REC709
 from ..photometry.spectra import GRID, luminous_efficiency, observer
+from ..photometry.units import VISIBLE
 from ..reading.printable import printable
 from .axes import Axes
-from .canvas import SCALE, Canvas
+from .canvas import SCALE, Canvas, open_chart
 from .polar_diagram import round_step
-from .spectrum_figures import VISIBLE, SpectrumFigures, find_figures
+from .spectrum_figures import SpectrumFigures, find_figures
 
 MOST_TICKS = 9
 """Numbers across."""
@@ -34,7 +35,7 @@ def draw_spectrum(
     -------
     Image    RGB.
     """
-    canvas = Canvas(size, dark)
+    canvas = open_chart(size, dark)
     nm, values = file.table.wavelengths, file.table.values
     shown = values / max(float(values.max()), 1e-300)
     low, high = float(nm[0]), float(nm[-1])
@@ -50,7 +51,7 @@ def draw_spectrum(
         sight = axes.place(GRID[inside], luminous_efficiency()[inside])
         canvas.dashed(sight, canvas.colours.caption, 1.2, (5, 4))
         entries.append((canvas.colours.caption, "sensitivity of the eye, dashed"))
-    canvas.line(axes.place(nm, shown), canvas.colours.text, 1.8)
+    canvas.curve(axes.place(nm, shown), canvas.colours.text, 1.8)
     axes.title(printable(file.table.name), describe(find_figures(file.table)))
     canvas.legend(entries)
     return canvas.finish()

@@ -1,17 +1,15 @@
 """From meshes to an atlas: charts of every mesh, all together on pages."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..errors import Cancelled, SceneError
-from ..scene.material import Material
 from ..scene.mesh import Mesh
 from .chart_search import ChartSearch
 from .charts import ChartLimits, find_charts
 from .layout import Atlas, Charts, SurfaceLayout
 from .packing import Packing, pack
-from .texture_density import texture_density
 
 FACES = 1_000_000
 """Triangles of all meshes together that xatlas is asked about; the meshes given first have precedence."""
@@ -24,81 +22,30 @@ MOST_KEPT = 8
 """Instances of one geometry whose charts are kept for others that may stand the same way."""
 
 
-def lay_out(
-    meshes: Sequence[Mesh],
-    densities: Sequence[float],
-    *,
-    largest: int = 2048,
-    pages: int = 0,
-    margin: int = 4,
-    cone: float = 1.0,
-    two_sided: Sequence[int] = (),
-    materials: Mapping[str, Material] | None = None,
-    factors: np.ndarray | None = None,
-    charts: Sequence[Charts] | None = None,
-    progress: Callable[[int, str], None] | None = None,
-    cancelled: Callable[[], bool] | None = None,
-) -> Atlas:
-    """Lay out meshes on the pages of an atlas.
-
-    Parameters
-    ----------
-    meshes : sequence of Mesh    Every instance by itself.
-    densities : sequence of float    Lumels per metre of each mesh.
-    largest : int    Side of a page. [lumel]
-    pages : int    Most pages; all charts shrink alike to fit. 0: as many as it takes.
-    margin : int    Free rim of every chart. [lumel]
-    cone : float    Largest angle between a chart's direction and its triangles' normals. [rad]
-    two_sided : sequence of int    Places of the meshes whose back sides get charts as well.
-    materials : mapping of str to Material, or None
-        By id. Meshes then get at least the density of their own pictures.
-    factors : (c,) float array or None
-        On the density of every chart of the atlas, by their numbers there; None: 1 for all. The numbers do not depend on it.
-    charts : sequence of Charts or None
-        Of each mesh, as `find_all_charts` gave them before, so that another layout needs no new search.
-    progress : callable or None    Told the place and name of every mesh whose charts are looked for.
-    cancelled : callable or None    Tells whether the user wants no more.
-
-    Raises
-    ------
-    SceneError    No mesh has any area, a mesh cannot be read, or the charts cannot fit.
-    Cancelled
-    """
-    if materials is not None:
-        densities = [
-            max(float(density), texture_density(mesh, materials))
-            for mesh, density in zip(meshes, densities, strict=True)
-        ]
-    if charts is None:
-        charts = find_all_charts(
-            meshes, densities, cone=cone, progress=progress, cancelled=cancelled
-        )
-    return arrange(
-        meshes,
-        charts,
-        densities,
-        largest=largest,
-        pages=pages,
-        margin=margin,
-        two_sided=two_sided,
-        factors=factors,
-    )
-
-
 def find_all_charts(
     meshes: Sequence[Mesh],
     densities: Sequence[float],
     *,
     cone: float = 1.0,
-    limits: ChartLimits | None = None,
     progress: Callable[[int, str], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> tuple[Charts, ...]:
     """Find the charts of meshes; instances of one geometry share the search where they only stand elsewhere.
 
-    Parameters and errors are those of `lay_out`.
+    Parameters
+    ----------
+    meshes : sequence of Mesh    Every instance by itself.
+    densities : sequence of float    Lumels per metre of each mesh.
+    cone : float    Largest angle between a chart's direction and its triangles' normals. [rad]
+    progress : callable or None    Told the place and name of every mesh whose charts are looked for.
+    cancelled : callable or None    Tells whether the user wants no more.
+
+    Raises
+    ------
+    SceneError    A mesh cannot be read.
+    Cancelled
     """
-    limits = limits or ChartLimits()
+    limits = ChartLimits()
     found: list[Charts] = []
     kept: dict[tuple, list[tuple[Mesh, Charts]]] = {}
     with ChartSearch(limits.seconds) as search:
@@ -137,10 +84,20 @@ def arrange(
 
     Parameters
     ----------
-    charts : sequence of Charts    Of each mesh.
+    meshes : sequence of Mesh    Every instance by itself.
+    charts : sequence of Charts    Of each mesh, as of `find_all_charts`.
+    densities : sequence of float    Lumels per metre of each mesh.
+    largest : int    Side of a page. [lumel]
+    pages : int    Most pages; all charts shrink alike to fit. 0: as many as it takes.
+    margin : int    Free rim of every chart. [lumel]
+    two_sided : sequence of int    Places of the meshes whose back sides get charts as well.
+    factors : (c,) float array or None
+        On the density of every chart of the atlas, by their numbers there; None: 1 for all. The numbers do not depend on it.
 
-    The other parameters and the errors are those of `lay_out`; a `ValueError` says that the factors are not as many as the
-    charts.
+    Raises
+    ------
+    SceneError    No mesh has any area, or the charts cannot fit.
+    ValueError    The factors are not as many as the charts.
     """
     sides = [(number, False) for number in range(len(meshes))]
     sides += [(number, True) for number in two_sided]
@@ -176,23 +133,23 @@ def arrange(
                 number,
             )
         )
-        if is_back:
-            continue
-        notes += [(mesh.name, note) for note in own.notes]
-        if count == 0:
-            notes.append((mesh.name, "has no surface and gets no map"))
-        nowhere = int((own.chart < 0).sum()) if count else 0
-        if nowhere:
-            notes.append((mesh.name, f"{nowhere} triangles have no area and get no place"))
-        too_large = int(packing.cut_down[here].sum())
-        if too_large:
-            notes.append(
-                (
-                    mesh.name,
-                    f"{too_large} charts are larger than a page and were made coarser to fit",
-                )
-            )
+        if not is_back:
+            notes += [(mesh.name, note) for note in _notes(own, packing.cut_down[here])]
     return Atlas(packing.sizes, tuple(layouts), int(counts.sum()), packing.shrink, tuple(notes))
+
+
+def _notes(charts: Charts, cut_down: np.ndarray):
+    """Say what is odd about the charts of a mesh. ``cut_down``: (c,) whether each is coarser than it should be."""
+    yield from charts.notes
+    if not len(cut_down):
+        yield "has no surface and gets no map"
+        return
+    nowhere = int((charts.chart < 0).sum())
+    if nowhere:
+        yield f"{nowhere} triangles have no area and get no place"
+    too_large = int(cut_down.sum())
+    if too_large:
+        yield f"{too_large} charts are larger than a page and were made coarser to fit"
 
 
 def _place(charts: Charts, polygon: np.ndarray | None, packing: Packing, here: slice):

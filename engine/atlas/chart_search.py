@@ -1,5 +1,6 @@
 """Charts by xatlas, which runs in a process of its own so that it can be stopped and may crash."""
 
+import importlib.util
 import io
 import json
 import logging
@@ -98,6 +99,8 @@ class ChartSearch:
         ------
         Cancelled
         """
+        if importlib.util.find_spec("xatlas") is None:
+            return Failed("is left out, for xatlas does not come with this version of Python")
         self.faces += len(triangles)
         request = io.BytesIO()
         np.savez(request, points=points, triangles=triangles, faces=faces)
@@ -111,12 +114,15 @@ class ChartSearch:
             target=_exchange, args=(process, request.getvalue(), answer), daemon=True
         )
         exchange.start()
-        while exchange.is_alive():
+        is_searching = True
+        while is_searching:
             exchange.join(TICK)
+            # The user is asked at least once, however soon there is an answer.
             if cancelled is not None and cancelled():
                 self._abandon(exchange)
                 raise Cancelled("cancelled")
-            if time.monotonic() > deadline and exchange.is_alive():
+            is_searching = exchange.is_alive()
+            if is_searching and time.monotonic() > deadline:
                 self._abandon(exchange)
                 return Failed(f"took longer than {seconds:.3g} s")
         if not answer:

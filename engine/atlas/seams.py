@@ -30,6 +30,9 @@ FIRMNESS = 0.1
 FREEDOM = 10.0
 """Standard errors of filled pixels are taken to be so many times those that they were filled with, at least. [-]"""
 
+LIMIT = 2.0
+"""How far computed lumels may move, in their standard errors."""
+
 GUESS = 4.0
 """How far filled pixels may move, in what their error is taken to be."""
 
@@ -172,7 +175,7 @@ def measure_steps(pairs: SeamPairs, values, errors):
     return value[:, 0] - value[:, 1], np.sqrt(variance)
 
 
-def match_seams(values, errors, computed, pairs: SeamPairs, limit: float = 2.0):
+def match_seams(values, errors, computed, pairs: SeamPairs):
     """Make charts agree where they meet.
 
     Parameters
@@ -180,7 +183,6 @@ def match_seams(values, errors, computed, pairs: SeamPairs, limit: float = 2.0):
     values, errors : sequences of (h, w) arrays    Filled values and standard errors, by page. [lx]
     computed : sequence of (h, w) bool arrays    Lumels that were computed, by page; all others were filled.
     pairs : SeamPairs    As `usable_pairs` leaves them.
-    limit : float    How far computed lumels may move, in their standard errors.
 
     Returns
     -------
@@ -190,7 +192,7 @@ def match_seams(values, errors, computed, pairs: SeamPairs, limit: float = 2.0):
     changes = [(np.zeros(0, dtype=np.int64), np.zeros(0)) for _ in values]
     if len(pairs) == 0:
         return changes, SeamSteps(0, 0.0, 0.0, 0.0)
-    system = _System(values, errors, computed, pairs, limit)
+    system = _System(values, errors, computed, pairs)
     change = system.solve()
     after = system.steps + system.apply(change)
     for page in np.unique(system.page):
@@ -207,7 +209,7 @@ class _System:
     The sum of ((step after) / (FIRMNESS * error of the step))^2 and ((change) / (error of the pixel))^2 is made smallest.
     """
 
-    def __init__(self, values, errors, computed, pairs: SeamPairs, limit: float):
+    def __init__(self, values, errors, computed, pairs: SeamPairs):
         key = (pairs.page[..., None].astype(np.int64) << 40) | pairs.index
         unique, number = np.unique(key, return_inverse=True)
         self.page, self.pixel = (unique >> 40).astype(np.int64), unique & ((1 << 40) - 1)
@@ -224,7 +226,7 @@ class _System:
         # What was filled is a guess, and as uncertain as the steps are large even where there is no noise.
         size = max(_root_mean_square(self.steps), 1e-30)
         guess = np.maximum(FREEDOM * error, size)
-        self._limit = np.where(held, limit * error, GUESS * guess)
+        self._limit = np.where(held, LIMIT * error, GUESS * guess)
         self._lowest = -np.maximum(value, 0.0)
         self._inertia = 1.0 / np.maximum(np.where(held, error, guess), 1e-6 * size) ** 2
         self._firm = 1.0 / np.maximum(FIRMNESS * self.step_errors, 1e-2 * size) ** 2

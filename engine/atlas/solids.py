@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.material import Black, Coated, Conductor, Diffuse, Glossy, Measured, Mix
-
 WELD = 2.0**-20
 """Corners nearer than about this are one, relative to the size of their object. [-]"""
 
@@ -44,20 +42,6 @@ class Soup:
     lamps: np.ndarray
     radii: np.ndarray
     glowing: np.ndarray
-
-
-def is_opaque(surface) -> bool:
-    """Tell whether no light passes a surface."""
-    match surface:
-        case Diffuse():
-            return surface.transmittance is None
-        case Coated() | Glossy() | Conductor() | Black():
-            return True
-        case Measured():
-            return surface.front_transmission is None and surface.back_transmission is None
-        case Mix():
-            return is_opaque(surface.first) and is_opaque(surface.second)
-    return False
 
 
 def find_solids(soup: Soup) -> np.ndarray:

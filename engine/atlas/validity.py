@@ -20,7 +20,7 @@ import numpy as np
 from ..arrays import upload
 from ..errors import Cancelled
 from ..transport.rays import STEP
-from .solids import Soup, find_solids, is_opaque
+from .solids import Soup, find_solids
 
 NEAR = 1e-3
 """Places are kept this far from surfaces that stand beside them. [lumel]"""
@@ -271,7 +271,7 @@ class Examiner:
             own = scene.triangles(part)
             corners.append(own)
             owners.append(np.full(len(own), owner_of.setdefault(key, len(owner_of))))
-            opaque.append(np.full(len(own), not part.is_veil and is_opaque(material.surface)))
+            opaque.append(np.full(len(own), not part.is_transparent and material.surface.is_opaque))
             glowing.append(np.full(len(own), sides, dtype=np.int8))
             numbers.append((part.number, len(own)))
         glows = {id(part.source) for _, part, _ in scene.parts() if part.source is not None}

@@ -1,1 +1,1 @@
-"""The bake: from objects of a scene to finished pages of lux maps; `run.Bake` is its door."""
+"""The bake: from objects of a scene to finished pages of lux maps; `run.bake` is its door."""

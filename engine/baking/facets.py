@@ -3,7 +3,10 @@
 import numpy as np
 
 from ..scene.mesh import Mesh
+from .means import ObjectMean
+from .notes import Notes
 from .order import Departure
+from .surfaces import BakedSurface
 
 TOLD = 0.01
 """Share of a mean from which it is told. [-]"""
@@ -55,6 +58,20 @@ def find_facet_loss(mesh: Mesh) -> float:
         lost += float(length @ (np.clip(1.0 - np.abs(cosine), 0.0, 1.0) @ WEIGHTS))
         total += float(length.sum())
     return lost / total if total > 0.0 else 0.0
+
+
+def find_facet_losses(
+    surfaces: list[BakedSurface], means: list[ObjectMean], notes: Notes
+) -> np.ndarray:
+    """What the mean of each surface's map may be off by because facets are shaded smoothly. (n,) [lx]"""
+    losses: dict[str, float] = {}
+    for each in surfaces:
+        if each.key not in losses:
+            losses[each.key] = find_facet_loss(each.mesh)
+            notes.departures += tell_facet_loss(each.mesh.name, losses[each.key])
+    return np.array(
+        [losses[each.key] * own.mean for each, own in zip(surfaces, means, strict=True)]
+    )
 
 
 def tell_facet_loss(name: str, loss: float) -> list[Departure]:

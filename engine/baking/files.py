@@ -9,13 +9,21 @@ import numpy as np
 from ..accuracy.stopping import StopRule
 from ..analysis.error_graph import draw_error_graph, to_rows
 from ..analysis.false_colour import nice_maximum, write_false_colour
+from ..analysis.looking import WORDS
 from ..formats import exr
 from ..formats.names import file_stem
-from ..formats.report import compose, find_remarks, quantity_of_map, write_json, write_table
+from ..formats.report import (
+    compose,
+    find_remarks,
+    known,
+    quantity_of_map,
+    write_json,
+    write_table,
+)
 from .order import AtlasPage, BakeOrder, BakeResult
 
-FIRST_TILE, TILES_ACROSS = 1001, 10
-"""Numbers by which Blender and others know the tiles of a picture in several parts (UDIM)."""
+FIRST_TILE = 1001
+"""Number by which Blender and others know the first tile of a picture in several parts (UDIM)."""
 
 
 def tile_of(page: int) -> int:
@@ -55,6 +63,8 @@ def write_page(folder: Path, page: AtlasPage, attributes: dict, high: float) -> 
         channels = {axis: page.exitance[..., k] for k, axis in enumerate("XYZ")}
         path = folder / f"exitance.{tile}.exr"
         more = {**base, "unit": "lm/m2", "quantity": "luminous exitance, X Y Z with Y in lm/m2"}
+        if page.is_denoised:
+            more["filter"] = WORDS
         files.append(exr.write_channels(path, channels, more))
     return replace(page, files=tuple(str(file) for file in files))
 
@@ -109,8 +119,8 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         "pages": [[page.width, page.height] for page in result.pages],
         "mean": result.mean,
         "unit": "lx",
-        "relative_standard_error": _known(result.relative_standard_error),
-        "error_over_quadratic_mean": _known(result.quadratic_relative_error),
+        "relative_standard_error": known(result.relative_standard_error),
+        "error_over_quadratic_mean": known(result.quadratic_relative_error),
         "density_factor": result.shrink,
         "seams": {
             "places": result.seams.pairs,
@@ -124,8 +134,3 @@ def write_report(folder: Path, order: BakeOrder, result: BakeResult, conversion)
         content["energy"] = result.balance
     files.append(write_json(folder / "report.json", content))
     return files
-
-
-def _known(value: float) -> float | None:
-    """A number that JSON can hold; what is infinite is unknown."""
-    return value if np.isfinite(value) else None

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..accuracy.tails import tail_factor
 from ..atlas.lumels import LumelTable
-from .layer import LayerState
-from .pages import Estimates
+from .estimates import Estimates
+from .layer_state import LayerState
 
 LEAST_FREEDOM = 0.5
 """Of what passes tell beyond the degrees of freedom at which the variance of Student's distribution ends."""

@@ -7,22 +7,9 @@ import numpy as np
 from ..accuracy.extremes import Extreme, divide
 from ..accuracy.history import History
 from ..accuracy.stopping import StopRule
+from ..errors import SceneError
+from ..scene.light_groups import LightGroup
 from ..scene.provenance import Provenance
-
-
-@dataclass(frozen=True)
-class LightGroup:
-    """Lights whose share of the illuminance gets a layer of its own, to be dimmed and recoloured afterwards.
-
-    Parameters
-    ----------
-    name : str    For people, and in file names.
-    members : tuple of str
-        Ids of lights and of glowing materials; ``world`` stands for the surroundings without the sun lights.
-    """
-
-    name: str
-    members: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -44,7 +31,7 @@ class BakeOrder:
     two_sided : tuple of str    Ids of objects whose back sides get charts of their own.
     groups : tuple of LightGroup    Layers; lights in none of them share a last layer.
     exitance : bool    Whether the light that leaves the surface is wanted too, in colour.
-    smooth : bool    Whether maps are smoothed within charts after their error is known.
+    denoise : bool    Whether the exitance, which is for looking, is denoised, by Open Image Denoise.
     method : str    ``auto``, ``cells`` or ``paths``: what stands for the radiance beyond the first bounce.
     caustics : str    ``auto``, ``on`` or ``off``: whether light is also traced from the lights.
     folder : str or None    Where pages and report are written; None: nowhere.
@@ -69,7 +56,7 @@ class BakeOrder:
     two_sided: tuple[str, ...] = ()
     groups: tuple[LightGroup, ...] = ()
     exitance: bool = False
-    smooth: bool = False
+    denoise: bool = False
     method: str = "auto"
     caustics: str = "auto"
     seed: int = 0
@@ -123,7 +110,6 @@ class LuxMap:
     density, requested_density : float    Lumels per metre, reached and asked for.
     area : float    Surface on the maps. [m2]
     invalid : int    Lumels inside solids, which were filled from their neighbours.
-    smoothed : bool    Whether the maps were smoothed after the error was computed.
     """
 
     id: str
@@ -143,7 +129,6 @@ class LuxMap:
     requested_density: float
     area: float
     invalid: int
-    smoothed: bool
     provenance: Provenance
     layout: Layout
 
@@ -171,6 +156,7 @@ class AtlasPage:
     replicates : int    Independent repetitions that the errors come from.
     freedom : float    Degrees of freedom of the errors: those of the repetitions and of the lumels around. [-]
     files : tuple of str    Where it was written.
+    is_denoised : bool    Whether the exitance was denoised; all else is as computed.
 
     The arrays are None where the order kept them in files only.
     """
@@ -189,6 +175,7 @@ class AtlasPage:
     replicates: int
     freedom: float
     files: tuple[str, ...] = ()
+    is_denoised: bool = False
 
 
 @dataclass(frozen=True)
@@ -269,3 +256,23 @@ class Values:
     illuminance: np.ndarray
     standard_error: np.ndarray
     area: np.ndarray
+
+
+METHODS = ("auto", "cells", "paths")
+SWITCH = ("auto", "on", "off")
+
+
+def check_order(order: BakeOrder) -> None:
+    """Raise a `SceneError` for an order that makes no sense."""
+    for name, value, known in (
+        ("method", order.method, METHODS),
+        ("caustics", order.caustics, SWITCH),
+    ):
+        if value not in known:
+            raise SceneError(f"{name} is '{value}', expected {', '.join(known)}")
+    if not order.density > 0.0 or any(not value > 0.0 for value in order.densities.values()):
+        raise SceneError("lumels per metre must be above 0")
+    if order.largest < 16 or order.margin < 0 or order.pages < 0:
+        raise SceneError(
+            "pages need a side of 16 lumels at least, and margin and number of pages must not be negative"
+        )

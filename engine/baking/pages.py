@@ -1,39 +1,73 @@
 """From estimates per lumel to finished pages."""
 
-from dataclasses import dataclass
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from ..analysis.denoiser import DenoiserError
+from ..analysis.looking import denoise_charts
 from ..atlas.gutters import fill
 from ..atlas.layout import Atlas
 from ..atlas.lumels import LumelTable
 from ..atlas.seams import find_seams, join_pairs, match_seams, usable_pairs
-from .order import AtlasPage, Seams
+from ..errors import Cancelled
+from ..scene.provenance import Provenance
+from .estimates import Estimates
+from .files import scale_top, write_page
+from .notes import Notes
+from .order import AtlasPage, BakeOrder, Seams
+from .surfaces import Ground
+
+MOST_MATCHED = 1 << 27
+"""Pixels of all pages up to which seams are matched: all pages have to be at hand together."""
 
 
-@dataclass(frozen=True)
-class Estimates:
-    """Values of all lumels of a table, in its order.
+def make_pages(
+    ground: Ground,
+    estimates: Estimates,
+    order: BakeOrder,
+    provenance: Provenance,
+    cancelled,
+    notes: Notes,
+) -> tuple[list[AtlasPage], Seams]:
+    """Make all pages, and write those that the order names a folder for.
 
-    Parameters
-    ----------
-    illuminance, standard_error : (n,) array    [lx]
-    layers : dict of str to (n,) array    [lx]
-    exitance : (n, 3) array or None    X, Y, Z. [lm/m2]
-    replicates : int
-    freedom : float    Of the errors. [-]
-    surplus : (k,) array
-        By layout, what the squares of the errors of its lumels, times their areas, are above those that the passes show:
-        single ones are stated with care, of which means of many need none. [lx2 m2]
+    Raises
+    ------
+    Cancelled    When ``cancelled`` answered true.
     """
+    atlas, table = ground.atlas, ground.table
+    folder = None if order.folder is None else Path(order.folder)
+    high = scale_top(estimates.illuminance)
+    is_whole = int(np.prod(atlas.sizes, axis=1).sum()) <= MOST_MATCHED
+    attributes = {
+        "sceneHash": provenance.scene_hash,
+        "seed": str(order.seed),
+        "samples": str(provenance.samples),
+        "replicates": str(estimates.replicates),
+        "freedom": f"{estimates.freedom:g}",
+    }
+    pages, owners = [], []
 
-    illuminance: np.ndarray
-    standard_error: np.ndarray
-    layers: dict[str, np.ndarray]
-    exitance: np.ndarray | None
-    replicates: int
-    freedom: float
-    surplus: np.ndarray
+    def finish(page: AtlasPage) -> AtlasPage:
+        if order.denoise and page.exitance is not None:
+            page = _denoised(page, order.margin, notes)
+        if folder is not None:
+            page = write_page(folder, page, attributes, high)
+        return page if order.keep_pages else _emptied(page)
+
+    for number in range(len(atlas.sizes)):
+        if cancelled():
+            raise Cancelled("cancelled")
+        page, owner = lay_out_page(number, atlas, table, estimates, order.margin)
+        pages.append(page if is_whole else finish(page))
+        owners.append(owner)
+    if is_whole:
+        seams = match_pages(pages, owners, [each.mesh for each in ground.surfaces], atlas)
+        return [finish(page) for page in pages], seams
+    notes.depart("atlas", "the pages are too many to be at hand together", "seams are not matched")
+    return pages, Seams(0, 0.0, 0.0, 0.0)
 
 
 def lay_out_page(
@@ -61,11 +95,11 @@ def lay_out_page(
         first += lumels
         if table.page(block) != number:
             continue
-        made = table.facts(block)
+        facts = table.facts(block)
         for row, column in zip(values, columns, strict=True):
-            row[made.index] = column[part]
-        area[made.index], known[made.index] = made.area, made.valid
-        owner[made.index], chart[made.index] = made.layout, made.chart
+            row[facts.index] = column[part]
+        area[facts.index], known[facts.index] = facts.area, facts.valid
+        owner[facts.index], chart[facts.index] = facts.layout, facts.chart
     shape = (height, width)
     filled, rims = fill(
         values.reshape(count, *shape), known.reshape(shape), chart.reshape(shape), margin
@@ -73,7 +107,7 @@ def lay_out_page(
     exitance = None
     if estimates.exitance is not None:
         exitance = np.ascontiguousarray(np.moveaxis(filled[-3:], 0, -1))
-    made = AtlasPage(
+    page = AtlasPage(
         number=number,
         width=width,
         height=height,
@@ -88,7 +122,7 @@ def lay_out_page(
         replicates=estimates.replicates,
         freedom=estimates.freedom,
     )
-    return made, rims
+    return page, rims
 
 
 def match_pages(pages: list[AtlasPage], owners, meshes, atlas: Atlas) -> Seams:
@@ -115,3 +149,20 @@ def match_pages(pages: list[AtlasPage], owners, meshes, atlas: Atlas) -> Seams:
         if page.exitance is not None:
             page.exitance.reshape(-1, 3)[index] *= scale[:, None]
     return Seams(steps.pairs, steps.before, steps.after, steps.noise)
+
+
+def _denoised(page: AtlasPage, margin: int, notes: Notes) -> AtlasPage:
+    """Denoise the exitance of a page; where that cannot be done it stays, and is noted."""
+    try:
+        made = denoise_charts(page.exitance, page.covered, page.chart)
+    except DenoiserError as error:
+        notes.depart("atlas", str(error), "the exitance is as computed")
+        return page
+    filled, _ = fill(np.moveaxis(made, -1, 0), page.covered, page.chart, margin)
+    exitance = np.ascontiguousarray(np.moveaxis(filled, 0, -1))
+    return replace(page, exitance=exitance, is_denoised=True)
+
+
+def _emptied(page: AtlasPage) -> AtlasPage:
+    names = ("illuminance", "standard_error", "covered", "area", "object", "chart", "exitance")
+    return replace(page, layers={}, **dict.fromkeys(names))

@@ -10,7 +10,7 @@ from ..accuracy.stopping import StopRule
 from ..errors import FileFormatError, SceneError
 from ..formats.checkpoint import digest, read_checkpoint, write_checkpoint
 from ..scene.scene import Scene
-from .layer import LayerState
+from .layer_state import LayerState
 from .order import BakeOrder
 
 SAVE_INTERVAL = 20.0
@@ -27,7 +27,7 @@ WITHOUT = (
     "file",
     "scene",
     "conversion",
-    "smooth",
+    "denoise",
     "rule",
 )
 """Fields of an order with which a bake may go on that was begun with others."""

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..accuracy.witnesses import Verdict, compare
 from ..transport.witness.pilot import BATCHES, LOOKS, Witness
+from .estimates import Estimates
 from .means import ObjectMean
 from .order import Departure
-from .pages import Estimates
+from .surfaces import BakedSurface
 
 MOST_TOLD = 4
 """Differences that are explained one by one; each takes as long as the pilot."""
@@ -28,39 +29,75 @@ class Testimony:
 
     Parameters
     ----------
-    floors : (n,) array    What the error of each layout must be at least. [lx]
+    floors : (n,) array    What the error of each map must be at least. [lx]
     departures : tuple of Departure    What differs, for people.
-    decision : str    How the two compare on the whole, for people.
+    decisions : tuple of str    How the two compare on the whole, for people.
     balance : dict    Energy of the whole. [lm]
     """
 
     floors: np.ndarray
     departures: tuple[Departure, ...]
-    decision: str
+    decisions: tuple[str, ...]
     balance: dict
 
 
-def hear(scene, sides, found: list[ObjectMean], seed: int, cancelled) -> Testimony:
-    """Run the pilot and compare.
+def hear(
+    scene, surfaces: list[BakedSurface], means: list[ObjectMean], seed: int, cancelled
+) -> Testimony:
+    """Let the witness speak about all maps.
+
+    What takes no part in light, such as a measuring plane, no path meets. It may lack as much as the rest.
 
     Parameters
     ----------
     scene : CompiledScene
-    sides : list of (str, bool, str)    Id, whether the back is meant, and name of each layout's object.
-    found : list of ObjectMean    Of each layout.
+    surfaces : list of BakedSurface
+    means : list of ObjectMean    Of each surface.
     seed : int
     cancelled : callable
+
+    Raises
+    ------
+    Cancelled    When ``cancelled`` answered true.
     """
+    met = {key for key, _, _ in scene.parts()}
+    known = [number for number, each in enumerate(surfaces) if each.key in met]
+    others = [number for number, each in enumerate(surfaces) if each.key not in met]
+    heard = _compare(
+        [surfaces[n] for n in known], [means[n] for n in known], scene, seed, cancelled
+    )
+    floors = np.zeros(len(surfaces))
+    floors[known] = heard.floors
+    decisions = heard.decisions if known else ()
+    if others:
+        shares = [floors[n] / means[n].mean for n in known if means[n].mean > 0.0]
+        share = max(shares, default=0.0)
+        floors[others] = [share * means[n].mean for n in others]
+        names = ", ".join(f"'{surfaces[n].mesh.name}'" for n in others[:8])
+        said = (
+            f"their errors hold the largest share that other maps may lack, {100.0 * share:.2g} %"
+            if known
+            else "bake what they lie before along with them to hear one"
+        )
+        decisions += (f"no light path meets {names}, so no second witness was heard; {said}",)
+    return replace(heard, floors=floors, decisions=decisions)
+
+
+def _compare(
+    surfaces: list[BakedSurface], found: list[ObjectMean], scene, seed: int, cancelled
+) -> Testimony:
+    """Run the pilot and compare what it brings to surfaces that light paths meet."""
+    sides = [(each.key, each.is_back) for each in surfaces]
     area = np.array([each.reached.sum() for each in found], dtype=np.float64)
     over = np.where(area > 0.0, area, np.inf)
     mean, error = (
         np.array([getattr(e, name) for e in found]) for name in ("reached_mean", "error")
     )
     for look in LOOKS:
-        witness = Witness(scene, seed + look - 1, {side[:2] for side in sides}, cancelled=cancelled)
+        witness = Witness(scene, seed + look - 1, set(sides), cancelled=cancelled)
         report = witness.run(look=look)
         place = {each: row for row, each in enumerate(report.objects)}
-        rows = [place[side[:2]] for side in sides]
+        rows = [place[side] for side in sides]
         light = report.flux[rows] / over
         verdict = compare(
             mean,
@@ -80,26 +117,27 @@ def hear(scene, sides, found: list[ObjectMean], seed: int, cancelled) -> Testimo
     floors[nothing] = np.maximum(floors[nothing], (report.heaviest / over)[nothing])
     told = _tell(
         witness,
-        [side[2] for side in sides],
+        [each.mesh.name for each in surfaces],
         rows,
         verdict,
         mean,
         light,
         report.flux_error[rows] / over,
     )
+    told = [Departure("all maps", said, HIDDEN) for said in report.told()] + told
     decision = (
         f"{report.paths} light paths from the lights bring {_digits(report.flux[rows].sum())} lm to the objects, "
         f"the maps hold {_digits((mean * area).sum())} lm"
     )
-    return Testimony(floors, tuple(told), decision, report.balance())
+    return Testimony(floors, tuple(told), (decision,), report.balance())
 
 
-def widen(estimates: Estimates, found: list[ObjectMean], floors: np.ndarray) -> Estimates:
+def widen(estimates: Estimates, means: list[ObjectMean], floors: np.ndarray) -> Estimates:
     """Let the errors of lumels hold what the means of their objects may be wrong by."""
     if not floors.any():
         return estimates
     error = estimates.standard_error.copy()
-    for each, floor in zip(found, floors, strict=True):
+    for each, floor in zip(means, floors, strict=True):
         error[each.rows] = np.hypot(error[each.rows], np.float32(floor))
     return replace(estimates, standard_error=error)
 

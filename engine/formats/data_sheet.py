@@ -3,7 +3,6 @@
 import numpy as np
 
 from ..errors import FileFormatError, SceneError
-from ..materials.pane_table import check_table
 from ..reading.content import read_bytes
 from ..reading.text_table import MAXIMUM_BYTES, parse_rows
 from ..scene.material import TabulatedPane
@@ -29,7 +28,7 @@ def read_data_sheet(path) -> TabulatedPane:
     columns = np.array(sorted(row[1:] for row in rows), dtype=np.float64).T
     pane = TabulatedPane(*(np.ascontiguousarray(column) for column in columns))
     try:
-        check_table(pane)
+        pane.check()
     except SceneError as error:
         raise FileFormatError(path, str(error)) from None
     return pane

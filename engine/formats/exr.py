@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
+from .. import llvm
 from ..photometry.colour import scene_linear
+from ..reading.whole_file import write_whole
 
 
 def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
@@ -25,11 +26,11 @@ def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | Non
     ------
     FileFormatError    The file cannot be written.
     """
+    llvm.settle()
     import mitsuba as mi
 
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
-    path = Path(path)
     names = sorted(channels)
     pixels = np.stack(
         [np.asarray(channels[name], dtype=np.float32)[::-1] for name in names], axis=-1
@@ -42,12 +43,11 @@ def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | Non
     metadata = bitmap.metadata()
     for key, value in (attributes or {}).items():
         metadata[key] = value
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        bitmap.write(str(path), mi.Bitmap.FileFormat.OpenEXR)
-    except (OSError, RuntimeError) as error:
-        raise FileFormatError(path, f"cannot be written ({error})") from None
-    return path
+    content = mi.MemoryStream()
+    bitmap.write(content, mi.Bitmap.FileFormat.OpenEXR)
+    with write_whole(path) as file:
+        file.write(content.raw_buffer())
+    return Path(path)
 
 
 def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndarray]:
@@ -65,7 +65,7 @@ def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndar
 
 
 def write_spectral(path, picture) -> Path:
-    """Write a picture's bands (`session.Picture`) as a spectral OpenEXR with a preview in R, G, B."""
+    """Write a picture's bands (`views.Picture`) as a spectral OpenEXR with a preview in R, G, B."""
     channels = spectral_channels(picture.bands, picture.band_edges)
     preview = scene_linear(picture.tristimulus, 1.0)
     channels |= {name: preview[..., i] for i, name in enumerate("RGB")}

@@ -23,6 +23,7 @@ from .gltf_geometry import make_part, turn_upright, unit_normals
 from .gltf_materials import LOOKS, Light, Palette, Textures
 from .gltf_pages import TexturePlan, plan_textures
 from .gltf_scene import NOWHERE, ShownObject, ShownScene, Side
+from .report import known
 
 UNSEEN = 0.999
 """A surface that lets more than this share of the light pass straight is nothing to be seen."""
@@ -249,23 +250,17 @@ def _describe_object(shown: ShownObject) -> dict:
 
 def _describe_map(made) -> dict:
     return {
-        "mean_lux": _state(made.mean),
-        "minimum_lux": _state(made.least.value),
-        "minimum_lux_range": [_state(made.least.low), _state(made.least.high)],
-        "maximum_lux": _state(made.largest.value),
-        "maximum_lux_range": [_state(made.largest.low), _state(made.largest.high)],
-        "relative_standard_error": _state(made.relative_standard_error),
-        "mean_standard_error_lux": _state(made.mean_standard_error),
+        "mean_lux": known(made.mean),
+        "minimum_lux": known(made.least.value),
+        "minimum_lux_range": [known(made.least.low), known(made.least.high)],
+        "maximum_lux": known(made.largest.value),
+        "maximum_lux_range": [known(made.largest.low), known(made.largest.high)],
+        "relative_standard_error": known(made.relative_standard_error),
+        "mean_standard_error_lux": known(made.mean_standard_error),
         "lumels": int(made.lumels),
-        "lumels_per_metre": _state(made.density),
-        "area_m2": _state(made.area),
-        "is_smoothed": bool(made.smoothed),
+        "lumels_per_metre": known(made.density),
+        "area_m2": known(made.area),
     }
-
-
-def _state(value: float) -> float | None:
-    """Return a number as JSON can have it: an error that is not known yet is infinite, and stated as null."""
-    return float(value) if math.isfinite(value) else None
 
 
 def _describe(scene: ShownScene, white: float, plan: TexturePlan) -> dict:
@@ -273,9 +268,10 @@ def _describe(scene: ShownScene, white: float, plan: TexturePlan) -> dict:
     result = scene.result
     extras = {
         "white_candela_per_square_metre": float(white),
-        "mean_lux": _state(result.mean),
-        "relative_standard_error": _state(result.relative_standard_error),
+        "mean_lux": known(result.mean),
+        "relative_standard_error": known(result.relative_standard_error),
         "pages": len(scene.pages),
+        "is_denoised": any(page.is_denoised for page in scene.pages),
         "lumels_per_texel": plan.factor,
         "not_baked": scene.left_out,
     }

@@ -12,15 +12,18 @@ from ..photometry.colour import REC709_LUMINANCE, scene_linear
 from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, illuminant, observer
 from ..scattering.data.evaluation import total
 from ..scene.material import (
+    Black,
     Coated,
     Conductor,
     Dielectric,
     Diffuse,
     Emission,
+    Fabric,
     Glossy,
     Material,
     Measured,
     Mix,
+    Surface,
     TabulatedPane,
     ThinGlass,
     Transparent,
@@ -63,42 +66,82 @@ def flatten(material: Material) -> FlatColour:
     return FlatColour(np.clip(reflected, 0.0, 1.0), passing, _emitted(material.emission))
 
 
-def _look(surface) -> tuple[np.ndarray, float]:
-    nothing = np.zeros(3)
-    match surface:
-        case Diffuse() | Coated() | Glossy():
-            return _colour(surface.reflectance), 0.0
-        case Conductor():
-            return _metal(surface.metal), 0.0
-        case Dielectric():
-            face = _face(float(_index(surface.ior)))
-            return nothing, _luminous(surface.tint) ** 2 * (1.0 - face) ** 2
-        case ThinGlass():
-            body, face = _luminous(surface.transmittance), _face(surface.ior)
-            # All paths to and fro in the pane. (EN 410, geometric series)
-            return nothing, body * (1.0 - face) ** 2 / (1.0 - (body * face) ** 2)
-        case TabulatedPane():
-            return nothing, float(np.interp(0.0, surface.angles, surface.transmittance))
-        case Transparent():
-            return nothing, _luminous(surface.transmittance)
-        case Measured():
-            reflected, passed = (
-                np.zeros(3)
-                if part is None
-                else _daylit(np.interp(GRID, part.wavelengths, surface.factor * total(part, 0.0)))
-                for part in (
-                    surface.front_reflection or surface.back_reflection,
-                    surface.front_transmission or surface.back_transmission,
-                )
-            )
-            return reflected, float(np.clip(passed @ REC709_LUMINANCE, 0.0, 1.0))
-        case Mix():
-            factor = surface.factor
-            share = _mean(factor).mean() if isinstance(factor, ImageTexture) else float(factor)
-            share = min(max(float(share), 0.0), 1.0)
-            (first, through), (second, beyond) = _look(surface.first), _look(surface.second)
-            return (1.0 - share) * first + share * second, (1.0 - share) * through + share * beyond
-    return nothing, 0.0
+def _look(surface: Surface) -> tuple[np.ndarray, float]:
+    """Colour that a surface reflects (3,), and the share that passes."""
+    return LOOKS[type(surface)](surface)
+
+
+def _by_reflectance(surface: Diffuse | Coated | Glossy):
+    return _colour(surface.reflectance), 0.0
+
+
+def _fabric(surface: Fabric):
+    return _colour(surface.reflectance), float(surface.openness)
+
+
+def _conductor(surface: Conductor):
+    return _metal(surface.metal), 0.0
+
+
+def _dielectric(surface: Dielectric):
+    face = _face(float(_index(surface.ior)))
+    return np.zeros(3), _luminous(surface.tint) ** 2 * (1.0 - face) ** 2
+
+
+def _thin_glass(surface: ThinGlass):
+    body, face = _luminous(surface.transmittance), _face(surface.ior)
+    # All paths to and fro in the pane. (EN 410, geometric series)
+    return np.zeros(3), body * (1.0 - face) ** 2 / (1.0 - (body * face) ** 2)
+
+
+def _tabulated_pane(surface: TabulatedPane):
+    return np.zeros(3), float(np.interp(0.0, surface.angles, surface.transmittance))
+
+
+def _transparent(surface: Transparent):
+    return np.zeros(3), _luminous(surface.transmittance)
+
+
+def _black(_surface: Black):
+    return np.zeros(3), 0.0
+
+
+def _measured(surface: Measured):
+    reflected, passed = (
+        np.zeros(3)
+        if part is None
+        else _daylit(np.interp(GRID, part.wavelengths, surface.factor * total(part, 0.0)))
+        for part in (
+            surface.front_reflection or surface.back_reflection,
+            surface.front_transmission or surface.back_transmission,
+        )
+    )
+    return reflected, float(np.clip(passed @ REC709_LUMINANCE, 0.0, 1.0))
+
+
+def _mix(surface: Mix):
+    factor = surface.factor
+    share = _mean(factor).mean() if isinstance(factor, ImageTexture) else float(factor)
+    share = min(max(float(share), 0.0), 1.0)
+    (first, through), (second, beyond) = _look(surface.first), _look(surface.second)
+    return (1.0 - share) * first + share * second, (1.0 - share) * through + share * beyond
+
+
+LOOKS = {
+    Diffuse: _by_reflectance,
+    Coated: _by_reflectance,
+    Fabric: _fabric,
+    Glossy: _by_reflectance,
+    Conductor: _conductor,
+    Dielectric: _dielectric,
+    ThinGlass: _thin_glass,
+    TabulatedPane: _tabulated_pane,
+    Transparent: _transparent,
+    Black: _black,
+    Measured: _measured,
+    Mix: _mix,
+}
+"""What a kind of surface reflects and lets pass head-on, for `_look`."""
 
 
 def _colour(quantity) -> np.ndarray:

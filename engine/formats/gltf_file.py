@@ -14,6 +14,7 @@ from urllib.parse import quote
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.whole_file import write_whole
 
 VERTEX_BYTES = 34962
 """Target of a view that holds what vertices are made of."""
@@ -160,18 +161,17 @@ def write_container(
         "buffers": [described],
     }
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if is_binary:
-            _write_binary(path, text, buffer, length)
-            return [path]
-        path.write_bytes(text)
-        with path.with_suffix(".bin").open("wb") as stream:
-            buffer.write(stream)
-        for file, data in files:
-            file.write_bytes(data)
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error})") from None
+    if is_binary:
+        _write_binary(path, text, buffer, length)
+        return [path]
+    # The file that names the others comes last.
+    for file, data in files:
+        with write_whole(file) as stream:
+            stream.write(data)
+    with write_whole(path.with_suffix(".bin")) as stream:
+        buffer.write(stream)
+    with write_whole(path) as stream:
+        stream.write(text)
     return [path, path.with_suffix(".bin"), *(file for file, _ in files)]
 
 
@@ -183,7 +183,7 @@ def _write_binary(path: Path, text: bytes, buffer: Buffer, length: int) -> None:
             path,
             f"a .glb cannot hold {total} bytes, {LARGEST_BINARY} is the most; write a .gltf or fewer objects",
         )
-    with path.open("wb") as stream:
+    with write_whole(path) as stream:
         stream.write(struct.pack("<4sII", b"glTF", 2, total))
         stream.write(struct.pack("<I4s", len(text), b"JSON"))
         stream.write(text)

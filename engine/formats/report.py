@@ -5,8 +5,8 @@ import json
 import math
 from pathlib import Path
 
-from ..errors import FileFormatError
 from ..reading.printable import printable
+from ..reading.whole_file import write_whole
 
 TOLD = ("error", "warning")
 """Severities of the conversion report that stand beside numbers, the worst first; the others change little."""
@@ -28,31 +28,31 @@ def quantity_of_map(made) -> dict:
         "maximum_range": _range(made.largest),
         "uniformity": made.uniformity.value,
         "uniformity_range": _range(made.uniformity),
-        "relative_standard_error": _known(made.relative_standard_error),
-        "mean_standard_error": _known(made.mean_standard_error),
+        "relative_standard_error": known(made.relative_standard_error),
+        "mean_standard_error": known(made.mean_standard_error),
         "bias": made.bias,
-        "bias_error": _known(made.bias_error),
+        "bias_error": known(made.bias_error),
         "samples": made.samples,
         "lumels": made.lumels,
         "invalid": made.invalid,
         "area": made.area,
         "lumels_per_metre": made.density,
-        "smoothed": made.smoothed,
     }
 
 
 def _range(extreme) -> list[float | None]:
-    return [extreme.low, _known(extreme.high)]
+    return [extreme.low, known(extreme.high)]
 
 
-def _known(error: float) -> float | None:
-    return error if math.isfinite(error) else None
+def known(value: float) -> float | None:
+    """A number as JSON can hold it: what is not known is infinite, and stated as null."""
+    return float(value) if math.isfinite(value) else None
 
 
 COLUMNS = (
     "name", "unit", "mean", "mean_standard_error", "minimum", "minimum_low", "minimum_high", "maximum", "maximum_low",
     "maximum_high", "uniformity", "uniformity_low", "uniformity_high", "relative_standard_error", "bias", "bias_error",
-    "samples", "lumels", "invalid", "area", "lumels_per_metre", "smoothed",
+    "samples", "lumels", "invalid", "area", "lumels_per_metre",
 )  # fmt: skip
 """Of the table of lux maps; ``_low`` and ``_high`` are the ends of ranges."""
 
@@ -87,23 +87,18 @@ def write_table(path, quantities: list[dict], remarks=()) -> Path:
     ------
     FileFormatError    The file cannot be written.
     """
-    path = Path(path)
     rows = []
     for quantity in quantities:
         row = dict(quantity)
         for name in ("minimum", "maximum", "uniformity"):
             row[f"{name}_low"], row[f"{name}_high"] = row.pop(f"{name}_range")
         rows.append({name: "" if row[name] is None else row[name] for name in COLUMNS})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            file.writelines(f"# {remark}\n" for remark in remarks)
-            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
-    return path
+    with write_whole(path, "utf-8") as file:
+        file.writelines(f"# {remark}\n" for remark in remarks)
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    return Path(path)
 
 
 def compose(
@@ -134,10 +129,6 @@ def write_json(path, content: dict) -> Path:
     ------
     FileFormatError    The file cannot be written.
     """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
-    return path
+    with write_whole(path, "utf-8") as file:
+        file.write(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+    return Path(path)

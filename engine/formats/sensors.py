@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..reading.lines import read_lines
+from ..reading.whole_file import write_whole
 
 COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
 """Columns of a sensor list: position [m] and the direction that the sensor faces."""
@@ -37,7 +38,7 @@ def read_sensors(path) -> np.ndarray:
     path = Path(path)
     rows: list[list[float]] = []
     order = None
-    reader = csv.reader(line for _, line in read_lines(path, LONGEST_LINE, "utf-8-sig"))
+    reader = csv.reader(line for _, line in read_lines(path, LONGEST_LINE))
     try:
         for fields in reader:
             if not any(field.strip() for field in fields) or fields[0].lstrip().startswith("#"):
@@ -107,29 +108,24 @@ def write_measurements(
     ------
     FileFormatError    The file cannot be written.
     """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            file.writelines(f"# {remark}\n" for remark in remarks)
-            writer = csv.writer(file, lineterminator="\n")
-            colours = [()] * len(sensors) if tristimulus is None else _chromaticities(tristimulus)
-            names = () if tristimulus is None else ("chromaticity_x", "chromaticity_y")
-            writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx", *names])
-            for row, value, error, colour in zip(
-                sensors, illuminance, standard_error, colours, strict=True
-            ):
-                writer.writerow(
-                    [
-                        *(f"{v:.9g}" for v in row),
-                        f"{value:.7g}",
-                        f"{error:.3g}",
-                        *(f"{c:.5f}" for c in colour),
-                    ]
-                )
-    except OSError as error:
-        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None
-    return path
+    with write_whole(path, "utf-8") as file:
+        file.writelines(f"# {remark}\n" for remark in remarks)
+        writer = csv.writer(file, lineterminator="\n")
+        colours = [()] * len(sensors) if tristimulus is None else _chromaticities(tristimulus)
+        names = () if tristimulus is None else ("chromaticity_x", "chromaticity_y")
+        writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx", *names])
+        for row, value, error, colour in zip(
+            sensors, illuminance, standard_error, colours, strict=True
+        ):
+            writer.writerow(
+                [
+                    *(f"{v:.9g}" for v in row),
+                    f"{value:.7g}",
+                    f"{error:.3g}",
+                    *(f"{c:.5f}" for c in colour),
+                ]
+            )
+    return Path(path)
 
 
 def _chromaticities(tristimulus: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Spectra from files: columns of text or CSV, and IES TM-27-14 XML (.spdx)."""
+"""Spectra from files: columns of text or CSV, CGATS text of instruments, and IES TM-27-14 XML (.spdx)."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,8 @@ from ..reading.remarks import Remark
 from ..reading.safe_xml import parse_xml
 from ..reading.text_table import MAXIMUM_BYTES, parse_table
 from ..scene.spectrum import Tabulated
+from .cgats import is_cgats, read_cgats
+from .spectrum_rows import SpectrumRows, check_column
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +25,9 @@ class SpectrumFile:
     path : Path
     format : str    For people.
     table : Tabulated    Ascending in wavelength, at least two rows, none below 0. [nm -> as in the file]
-    column, columns : int    Which column of values was taken, from 1, and how many there are.
+    column, columns : int    Which column of values, or sample, was taken, from 1, and how many there are.
     names : tuple of str    Of the columns of values; empty where the file does not tell.
+    spectra : str    What its columns of values are called, for messages.
     remarks : tuple of Remark    What is odd about it, and what was assumed.
     """
 
@@ -34,6 +37,7 @@ class SpectrumFile:
     column: int = 1
     columns: int = 1
     names: tuple[str, ...] = ()
+    spectra: str = SpectrumRows.spectra
     remarks: tuple[Remark, ...] = ()
 
 
@@ -42,8 +46,8 @@ def read_spectrum(path, column: int | None = None) -> SpectrumFile:
 
     Parameters
     ----------
-    path : str or Path    ``.spdx`` is read as TM-27-14, everything else as text in columns, as `parse_table` does.
-    column : int or None    Of the values, from 1; None: the first one, with a remark if there are others.
+    path : str or Path    Which of the formats it has, is told by its content, for TM-27-14 also by its name (``.spdx``).
+    column : int or None    Of the values, or the sample, from 1; None: the first one, with a remark if there are others.
 
     Raises
     ------
@@ -51,19 +55,13 @@ def read_spectrum(path, column: int | None = None) -> SpectrumFile:
     """
     path = Path(path)
     data = read_bytes(path, MAXIMUM_BYTES)
-    if path.suffix.lower() == ".spdx" or data.lstrip()[:5] == b"<?xml":
-        rows, names, count = _rows_of_tm27(path, data), (), 1
-        _check_column(path, column, count)
-        words = "IES TM-27-14"
-    else:
-        rows, names, count = _rows_of_text(path, data, column)
-        words = "text"
-    remarks: list[Remark] = []
+    read = next(read for is_one, read in _FORMATS if is_one(path, data))
+    held = read(path, data, column)
+    rows, names, count = held.rows, held.names, held.count
+    remarks = list(held.remarks)
     if count > 1 and column is None:
         name = f" ('{names[0][:40]}')" if names else ""
-        remarks.append(
-            Remark(f"has {count} columns of values, of which the first one{name} is taken")
-        )
+        remarks.append(Remark(f"has {count} {held.spectra}, of which the first one{name} is taken"))
     if len(rows) < 2:
         raise FileFormatError(
             path, f"expected at least two rows of wavelength and value, found {len(rows)}"
@@ -78,16 +76,17 @@ def read_spectrum(path, column: int | None = None) -> SpectrumFile:
     if count > 1:
         label += f", {names[(column or 1) - 1][:40]}" if names else f", column {column or 1}"
     table = Tabulated(wavelengths, values, name=label)
-    return SpectrumFile(path, words, table, column or 1, count, names, tuple(remarks))
+    return SpectrumFile(
+        path, held.format, table, column or 1, count, names, held.spectra, tuple(remarks)
+    )
 
 
-def _rows_of_text(path, data: bytes, column: int | None):
-    """Rows of line, wavelength and value; the names of the columns of values, and their number."""
+def _read_text(path, data: bytes, column: int | None) -> SpectrumRows:
     table = parse_table(path, data, 2, "wavelength and value")
     if not table.rows:
-        return [], (), 1
+        return SpectrumRows("text", [])
     count = len(table.rows[0][1]) - 1
-    _check_column(path, column, count)
+    check_column(path, column, count)
     place, rows = column or 1, []
     for line, fields in table.rows:
         if len(fields) <= place or fields[0] is None or fields[place] is None:
@@ -95,18 +94,15 @@ def _rows_of_text(path, data: bytes, column: int | None):
                 path, f"expected wavelength and value, found nothing in column {place}", line
             )
         rows.append((line, fields[0], fields[place]))
-    return rows, tuple(table.headings[1:]), count
+    return SpectrumRows("text", rows, tuple(table.headings[1:]), count)
 
 
-def _check_column(path, column: int | None, count: int) -> None:
-    if column is not None and not 1 <= column <= count:
-        raise FileFormatError(
-            path,
-            f"has {count} columns of values, expected a column from 1 to {count}, not {column}",
-        )
+def _is_tm27(path: Path, data: bytes) -> bool:
+    return path.suffix.lower() == ".spdx" or data.lstrip()[:5] == b"<?xml"
 
 
-def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:
+def _read_tm27(path, data: bytes, column: int | None) -> SpectrumRows:
+    check_column(path, column, 1)
     root = parse_xml(data, path)
     if root.tag != "IESTM2714":
         raise FileFormatError(path, f"expected the root element IESTM2714, found {root.tag}")
@@ -119,4 +115,12 @@ def _rows_of_tm27(path, data: bytes) -> list[tuple[int, float, float]]:
         except (KeyError, TypeError, ValueError):
             message = f"SpectralData number {len(rows) + 1} has no wavelength or no value"
             raise FileFormatError(path, message, element.line) from None
-    return rows
+    return SpectrumRows("IES TM-27-14", rows)
+
+
+_FORMATS = (
+    (_is_tm27, _read_tm27),
+    (lambda _, data: is_cgats(data), read_cgats),
+    (lambda *_: True, _read_text),
+)
+"""How formats are told, in the order in which they are tried, and their readers."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..photometry.spectra import GRID, luminous_efficiency
+from ..photometry.units import VISIBLE
 from ..reading.remarks import Remark
 
 SHORTEST, LONGEST = 10.0, 1e5
@@ -29,9 +30,6 @@ WIDE = 50.0
 
 SLIP = 5.0
 """Ratio of neighbouring wavelengths, across a gap, from which on one of them is a typing error: a digit too many or few."""
-
-VISIBLE = (380.0, 780.0)
-"""Range within which a spectrum should not end while it is large. [nm]"""
 
 DARK = 0.01
 """Share of the largest value at which a spectrum may end."""

@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, panes, smooth glass, transparency, mixture.
+"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -9,6 +9,7 @@ import mitsuba as mi
 
 from ..arrays import average
 from .coated import coated_class
+from .fabric import fabric_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 
@@ -51,6 +52,7 @@ def register() -> None:
     for name, make in (
         ("lumenray_coated", coated_class),
         ("lumenray_sheet", _sheet_class),
+        ("lumenray_fabric", fabric_class),
         ("lumenray_pane", _pane_class),
         ("lumenray_tabulated_pane", tabulated_pane_class),
         ("lumenray_glass", _glass_class),

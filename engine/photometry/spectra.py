@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...libraries import spectra as tables
+from .. import llvm
 from ..errors import SceneError
 from ..scene.spectrum import (
     Blackbody,
@@ -198,6 +199,7 @@ def upsample(rgb: Rgb, wavelengths) -> np.ndarray:
 
 @lru_cache(maxsize=4096)
 def _sigmoid_coefficients(red, green, blue) -> tuple[float, float, float]:
+    llvm.settle()
     import mitsuba as mi
 
     if mi.variant() is None:

@@ -14,6 +14,9 @@ MINIMUM_WAVELENGTH = 360.0
 MAXIMUM_WAVELENGTH = 830.0
 """Longest wavelength carried. [nm]"""
 
+VISIBLE = (380.0, 780.0)
+"""Where ultraviolet ends and infrared begins. [nm] (CIE S 017)"""
+
 EV100_LUMINANCE = 1.2
 """Luminance that saturates at EV100 = 0. [cd/m2] (ISO 12232:2019, saturation-based speed, with q = 0.65)"""
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..reading.content import open_file, size_of
+from ..reading.text import decode_text
 
 PIECE = 1 << 16
 """Rows that are read in one go."""
@@ -45,9 +46,11 @@ class Head:
             )
         return struct.unpack_from("<" + kinds, self.data, offset)
 
-    def text(self, offset: int, size: int, encoding: str = "latin-1") -> str:
+    def text(self, offset: int, size: int, encoding: str | None = None) -> str:
         """Text that is filled up with NUL."""
         raw = self.data[offset : offset + size]
+        if encoding is None:
+            return decode_text(raw.split(b"\0", 1)[0]).strip()
         return raw.decode(encoding, "replace").split("\0", 1)[0].strip()
 
     def expect_length(self, expected: int, what: str) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError
 from ..photometry.spectra import GRID, luminous_efficiency
 from ..reading.remarks import Remark
 from ..scene.distribution import IntensityDistribution
@@ -17,7 +16,7 @@ from .cloud import Drawn, Fluctuation, RayCloud, direction_weight, extent, hold_
 from .reader import read_rayset
 from .record import RayFile, Rays
 from .reduction import TO_LUMINAIRE, choose_step, is_rotational, reduce_rays
-from .survey import Survey, luminous_rays, survey_rays
+from .survey import Survey, hold_luminous, survey_rays
 from .text import Assumed
 
 HELD = 1 << 18
@@ -273,15 +272,7 @@ def _lumens(file: RayFile, survey: Survey, held: Rays):
     if file.quantity != "luminous" and survey.luminous_flux is None and held.wavelength is None:
         text = "it carries watts and tells no wavelengths: set the luminous flux of the light"
         return held, None, (*survey.remarks, Remark(text))
-    held = luminous_rays(file, survey, held)
-    if not held.weight.any():
-        raise FileFormatError(
-            file.path, "has no visible light, expected wavelengths within 360 to 830 nm"
-        )
-    flux = survey.luminous_flux
-    if flux is None:
-        flux = float(held.weight.sum(dtype=np.float64))
-    return held, flux, survey.remarks
+    return *hold_luminous(file, survey, held), survey.remarks
 
 
 def _with_wavelengths(file: RayFile, rays: Rays, seed: int) -> Rays:

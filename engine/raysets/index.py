@@ -1,16 +1,10 @@
 """A prepared ray file kept beside it, so that it need not be prepared again: ``led.ray`` gets ``led.ray.prepared``.
 
-The index is a zip archive of NumPy arrays without pickled objects, and a text in JSON. It names the size and date of the
-ray file and how it was prepared; where any of it differs, the index is out of date. What comes from the file is checked as
-if a stranger had written it.
+The index is an archive of arrays (see `reading.array_archive`). It names the size and date of the ray file and how it was
+prepared; where any of it differs, the index is out of date.
 """
 
 import io
-import json
-import math
-import struct
-import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -18,8 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
+from ..reading.array_archive import ArrayArchive, Schema, refuse_damage, write_archive
 from ..reading.content import read_bytes
 from ..reading.remarks import Remark
+from ..reading.whole_file import write_whole
 from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
 from .emission import HELD, RayLight, Wish, prepare_light
@@ -33,14 +29,7 @@ VERSION = 2
 LARGEST = 1 << 26
 """Most bytes that all arrays of an index may have together."""
 
-KINDS = tuple(np.dtype(kind) for kind in ("<f4", "<f8", "<u4"))
-"""Numbers that arrays may hold."""
-
-_DAMAGE = (
-    zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, IndexError, TypeError, AttributeError,
-    OverflowError, NotImplementedError, RuntimeError, SyntaxError, EOFError,
-)  # fmt: skip
-"""What Python says of archives, texts and arrays that are not what they should be."""
+SCHEMA = Schema(("<f4", "<f8", "<u4"), LARGEST, longest=1 << 20)
 
 _EMISSION = (
     "position",
@@ -88,20 +77,8 @@ def save_light(path: str | Path, light: RayLight, wish: Wish, key: list | None =
         "rays": light.rays,
         "remarks": [str(remark) for remark in light.remarks],
     }
-    new = target.with_name(target.name + ".part")
-    try:
-        with zipfile.ZipFile(new, "w") as archive:
-            archive.writestr("facts.json", json.dumps(facts))
-            for name, array in arrays.items():
-                if array is not None:
-                    held = io.BytesIO()
-                    np.save(held, np.ascontiguousarray(array), allow_pickle=False)
-                    archive.writestr(f"{name}.npy", held.getvalue())
-        new.replace(target)
-    except OSError as error:
-        raise FileFormatError(target, f"cannot be written ({error.strerror})") from None
-    finally:
-        new.unlink(missing_ok=True)
+    with write_whole(target) as file:
+        write_archive(file, SCHEMA, facts, {name: a for name, a in arrays.items() if a is not None})
     return target
 
 
@@ -115,17 +92,11 @@ def load_light(path: str | Path, wish: Wish) -> RayLight | None:
     source = index_path(path)
     if not source.exists():
         return None
-    try:
-        with zipfile.ZipFile(io.BytesIO(read_bytes(source, LARGEST))) as archive:
-            facts, arrays = _read(archive)
-        if facts["key"] != state_of(path, wish):
+    with refuse_damage(source, "expected what was written beside the ray file; delete it"):
+        archive = ArrayArchive(io.BytesIO(read_bytes(source, LARGEST)), SCHEMA)
+        if archive.facts["key"] != state_of(path, wish):
             return None
-        return _light_of(facts, arrays)
-    except _DAMAGE as error:
-        raise FileFormatError(
-            source,
-            f"is damaged ({error}), expected what was written beside the ray file; delete it",
-        ) from None
+        return _light_of(archive.facts, archive.arrays())
 
 
 def obtain_light(
@@ -184,36 +155,6 @@ def state_of(path: str | Path, wish: Wish) -> list:
     except OSError as error:
         raise FileFormatError(path, f"cannot be opened ({error.strerror})") from None
     return [VERSION, found.st_size, found.st_mtime_ns, asdict(wish)]
-
-
-def _read(archive: zipfile.ZipFile) -> tuple[dict, dict[str, np.ndarray]]:
-    """Facts and arrays of an archive, which may unfold to no more than `LARGEST`."""
-    entries = archive.infolist()
-    if sum(entry.file_size for entry in entries) > LARGEST:
-        raise ValueError(f"more than {LARGEST} bytes")
-    facts, arrays = {}, {}
-    for entry in entries:
-        # No entry is stored compressed, so none can unfold to more than it says.
-        if entry.compress_type != zipfile.ZIP_STORED:
-            raise ValueError(f"'{entry.filename}' is compressed")
-        data = archive.read(entry)
-        if entry.filename == "facts.json":
-            facts = json.loads(data)
-        else:
-            arrays[entry.filename.removesuffix(".npy")] = _array(data)
-    return facts, arrays
-
-
-def _array(data: bytes) -> np.ndarray:
-    """Array of a file in NumPy's format, whose header may not promise more than there is."""
-    file = io.BytesIO(data)
-    if np.lib.format.read_magic(file) != (1, 0):
-        raise ValueError("an array of an unknown version")
-    shape, is_fortran, kind = np.lib.format.read_array_header_1_0(file)
-    rest = data[file.tell() :]
-    if is_fortran or kind.hasobject or math.prod(shape) * kind.itemsize != len(rest):
-        raise ValueError(f"an array of {len(rest)} bytes does not have the shape {shape}")
-    return np.frombuffer(rest, kind).reshape(shape)
 
 
 def _light_of(facts: dict, arrays: dict[str, np.ndarray]) -> RayLight:
@@ -280,7 +221,7 @@ def _check(arrays: dict[str, np.ndarray], count: int) -> None:
     if not (arrays["far_distances"] > 0.0).all():
         raise ValueError("a distance is not above 0")
     for name, array in arrays.items():
-        if array.dtype.kind not in "fu" or array.dtype not in KINDS or not np.isfinite(array).all():
+        if not np.isfinite(array).all():
             raise ValueError(f"'{name}' holds what is no finite number")
     slabs = arrays["slabs"]
     if slabs.ndim != 2 or slabs.shape[1] != 5:

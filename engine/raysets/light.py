@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import FileFormatError
 from .cloud import MOST_HELD, Fluctuation, RayCloud, hold_rays, make_cloud
 from .reader import read_rays
 from .record import RayFile
-from .survey import Survey, luminous_rays
+from .survey import Survey, hold_luminous, luminous_rays
 
 ENOUGH = 5_000_000
 """Rays of a file above which none are generated for pictures and distributions."""
@@ -62,14 +61,8 @@ def light_of(
 
         return Light(read, None)
     told = progress or (lambda share: None)
-    held = luminous_rays(file, survey, hold_rays(file, MOST_HELD, seed, cancelled=cancelled))
-    if not held.weight.any():
-        raise FileFormatError(
-            file.path, "has no visible light, expected wavelengths within 360 to 830 nm"
-        )
-    flux = survey.luminous_flux
-    if flux is None:
-        flux = float(held.weight.sum(dtype=np.float64))
+    held = hold_rays(file, MOST_HELD, seed, cancelled=cancelled)
+    held, flux = hold_luminous(file, survey, held)
     cloud = make_cloud(held, flux, fluctuation, seed, lambda s: told(PREPARING * s), cancelled)
 
     def generate():

@@ -57,18 +57,7 @@ def read_lighttools(path) -> RayFile:
         first + 3,
         first + 4 if colour == WAVELENGTH else None,
     )
-    row = 4 * columns.count
-    with open_file(path) as file:
-        file.seek(max(head.length - len(END), 0))
-        is_ended = file.read() == END
-    body = head.length - HEAD - (len(END) if is_ended else 0)
-    count, rest = divmod(body, row)
-    if count <= 0 or (is_ended and rest):
-        raise FileFormatError(
-            path,
-            f"has {body} bytes of rays, expected a multiple of {row} ({columns.count} numbers each)",
-        )
-    check_count(path, count)
+    count, is_ended = _count_rays(path, head.length, columns.count)
     if not is_ended:
         # The format states no number of rays, so what is there can be used.
         remarks.append(
@@ -90,3 +79,19 @@ def read_lighttools(path) -> RayFile:
         radiant_flux=None if quantity == 1 else total,
         remarks=tuple(remarks),
     )
+
+
+def _count_rays(path, length: int, numbers: int) -> tuple[int, bool]:
+    """Rays of so many numbers in a file of a length [byte], and whether it ends as it should."""
+    row = 4 * numbers
+    with open_file(path) as file:
+        file.seek(max(length - len(END), 0))
+        is_ended = file.read() == END
+    body = length - HEAD - (len(END) if is_ended else 0)
+    count, rest = divmod(body, row)
+    if count <= 0 or (is_ended and rest):
+        raise FileFormatError(
+            path, f"has {body} bytes of rays, expected a multiple of {row} ({numbers} numbers each)"
+        )
+    check_count(path, count)
+    return count, is_ended

@@ -194,6 +194,22 @@ def luminous_rays(file: RayFile, survey: Survey, rays: Rays) -> Rays:
     return replace(rays, weight=(rays.weight * scale).astype(np.float32))
 
 
+def hold_luminous(file: RayFile, survey: Survey, held: Rays) -> tuple[Rays, float]:
+    """Return held rays with lumens for weights, and the luminous flux of all rays.
+
+    Raises
+    ------
+    FileFormatError    As of `luminous_rays`, or none of their light is visible.
+    """
+    held = luminous_rays(file, survey, held)
+    if not held.weight.any():
+        raise FileFormatError(
+            file.path, "has no visible light, expected wavelengths within 360 to 830 nm"
+        )
+    flux = survey.luminous_flux
+    return held, float(held.weight.sum(dtype=np.float64)) if flux is None else flux
+
+
 def _efficacy(by_wavelength: np.ndarray, spectrum) -> float:
     """Luminous efficacy of radiation. ``by_wavelength``: shares of the whole flux, where rays have wavelengths. [lm/W]"""
     if by_wavelength.any():

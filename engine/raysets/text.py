@@ -5,6 +5,7 @@ Files are read line by line, so their size does not matter. What the head does n
 
 import math
 import re
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import islice
@@ -15,7 +16,7 @@ import numpy as np
 from ..errors import FileFormatError
 from ..reading.lines import read_lines
 from ..reading.remarks import Remark
-from ..reading.text import parse_number
+from ..reading.text import find_encoding, parse_number
 from .binary import PIECE, check_count
 from .record import LUMINOUS, RADIANT, UNITS, Columns, RayFile
 from .zemax import MICROMETRE
@@ -85,8 +86,9 @@ def _numbers(line: str) -> list[float] | None:
 def is_text(data: bytes) -> bool:
     """Whether the first bytes of a file are text."""
     head = data[:4096]
-    return bool(head) and all(
-        byte in b"\t\n\r\f" or 32 <= byte < 127 or byte >= 160 for byte in head
+    text = head.decode(find_encoding(head, is_whole=False), "ignore")
+    return bool(text) and not any(
+        unicodedata.category(c) == "Cc" for c in set(text) - {*"\t\n\r\f"}
     )
 
 

@@ -3,11 +3,11 @@
 import struct
 from collections.abc import Iterable
 from datetime import UTC, datetime
-from pathlib import Path
 
 import numpy as np
 
 from ..errors import LumenrayError
+from ..reading.whole_file import write_whole
 from .binary import MAXIMUM_RAYS
 from .record import LUMINOUS, UNITS, Rays
 from .tm25 import BLOCK, MAGIC, TABLES_START, TEXT_SIZE, TEXTS, TEXTS_START
@@ -37,12 +37,13 @@ def write_tm25(
 
     Raises
     ------
+    FileFormatError    The file cannot be written.
     LumenrayError    There are no rays, rays have no flux, or a ray in lumens has a wavelength, which the standard excludes.
     """
     metadata = metadata or {}
     is_luminous = quantity == LUMINOUS
     block = b"" if spectrum is None else _table(*spectrum)
-    with Path(path).open("wb") as file:
+    with write_whole(path) as file:
         file.write(bytes(TABLES_START))
         file.write(block)
         count, total, has_wavelength = _write_rows(file, pieces, factor, is_luminous, 1.0)
@@ -79,7 +80,7 @@ def write_zemax(
     Parameters and errors as of `write_tm25`.
     """
     is_luminous = quantity == LUMINOUS
-    with Path(path).open("wb") as file:
+    with write_whole(path) as file:
         file.write(bytes(HEAD))
         count, total, has_wavelength = _write_rows(
             file, pieces, factor, is_luminous, 1.0 / MICROMETRE

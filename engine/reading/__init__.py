@@ -1,1 +1,1 @@
-"""What every reader of a file from outside uses: bounded bytes, text, numbers, columns, blocks, XML."""
+"""What every reader of a file from outside uses: bounded bytes, text, numbers, tables, XML, arrays; files written whole."""

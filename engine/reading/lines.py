@@ -5,12 +5,14 @@ from collections.abc import Iterator
 
 from ..errors import FileFormatError
 from .content import open_file, size_of
+from .text import LOOKED_AT, MARK, find_encoding
 
 
-def read_lines(path, longest: int, encoding: str = "latin-1") -> Iterator[tuple[int, str]]:
-    """Yield the lines of a file with their numbers from 1, ends included; what is no text of the encoding is replaced.
+def read_lines(path, longest: int) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a file with their numbers from 1, ends included.
 
-    No more is read than the file held when it was opened, should it grow.
+    Their beginning tells the encoding; what is no text of it is replaced. No more is read than the file held when it was
+    opened, should it grow.
 
     Parameters
     ----------
@@ -23,6 +25,8 @@ def read_lines(path, longest: int, encoding: str = "latin-1") -> Iterator[tuple[
     """
     with open_file(path) as opened:
         held = io.BufferedReader(_Beginning(opened, size_of(opened)), 1 << 20)
+        head = held.peek()[:LOOKED_AT]
+        encoding = find_encoding(head, len(head) == size_of(opened))
         # Line ends of all systems count, and stay.
         text = io.TextIOWrapper(held, encoding=encoding, errors="replace", newline="")
         number = 0
@@ -30,7 +34,7 @@ def read_lines(path, longest: int, encoding: str = "latin-1") -> Iterator[tuple[
             number += 1
             if len(line) > longest:
                 raise FileFormatError(path, f"has more than {longest} characters", number)
-            yield number, line
+            yield number, line.removeprefix(MARK) if number == 1 else line
 
 
 class _Beginning(io.RawIOBase):

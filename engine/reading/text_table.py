@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from ..errors import FileFormatError
+from .text import decode_text
 
 MAXIMUM_BYTES = 16 << 20
 """A table is never larger than this; anything larger is another kind of file."""
@@ -56,7 +57,7 @@ def parse_table(path, data: bytes, least: int, expected: str) -> TextTable:
     Parameters
     ----------
     path : str or Path    For errors.
-    data : bytes    UTF-8 or Windows' Latin text.
+    data : bytes
     least : int    Columns that there have to be.
     expected : str    What stands in them, for errors.
 
@@ -65,7 +66,7 @@ def parse_table(path, data: bytes, least: int, expected: str) -> TextTable:
     FileFormatError    After the first row a line has no numbers, or too few; or there are too many rows or columns.
     """
     rows, headings = [], []
-    for number, line in enumerate(_decode(path, data).splitlines(), start=1):
+    for number, line in enumerate(decode_text(data).split("\n"), start=1):
         if not line.strip() or _COMMENT.match(line):
             continue
         fields = _fields(line)
@@ -84,15 +85,6 @@ def parse_table(path, data: bytes, least: int, expected: str) -> TextTable:
             raise FileFormatError(path, f"more than {MAXIMUM_ROWS} rows", number)
     fits = rows and len(headings) == len(rows[0][1])
     return TextTable(rows, [name.strip("\"' ") for name in headings] if fits else [])
-
-
-def _decode(path, data: bytes) -> str:
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise FileFormatError(path, "UTF-16 text, save it as UTF-8")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")
 
 
 def _fields(line: str) -> list[str]:

@@ -12,9 +12,9 @@ import numpy as np
 
 from ..photometry.colour import REC709_LUMINANCE
 from ..scene.scattering import Scatter, ScatterTable
-from .data.evaluation import albedo, evaluate, is_isotropic
+from .data.evaluation import albedo, evaluate
 from .data.record import ScatteringFile
-from .data.table import direct_share, direction_of
+from .data.table import direct_share, direction_of, turned
 from .data.tristimulus import linear_colour, weights_of
 
 NEAR_NORMAL = np.radians(8.0)
@@ -159,7 +159,7 @@ def _take_apart(scatter: Scatter) -> _Parts:
     if isinstance(scatter, ScatterTable):
         direct = direct_share(scatter, _toward(NEAR_NORMAL)[None])[0]
     floor = FLOOR * max(float(whole @ bright), 1e-6) / np.pi
-    turns = TURNS[:1] if is_isotropic(scatter) else TURNS
+    turns = TURNS[:1] if scatter.is_isotropic else TURNS
     fits = [_fit(scatter, turn, bright, floor) for turn in turns]
     widths = np.array([alpha for alpha, _, _ in fits])
     larger, smaller, grain = _widths(widths)
@@ -263,7 +263,7 @@ def _fit(scatter, turn: float, bright, floor: float):
     wo = direction_of(OBLIQUE, radial, azimuth)
     wo = wo[wo[:, 2] > np.cos(STEEPEST)]
     wi = np.broadcast_to(_toward(OBLIQUE), wo.shape)
-    values = evaluate(scatter, _turn(wi, turn), _turn(wo, turn))
+    values = evaluate(scatter, turned(wi, turn), turned(wo, turn))
     seen = (values @ bright)[:, None]
 
     half = wi + wo
@@ -323,9 +323,3 @@ def _widths(widths: np.ndarray) -> tuple[float, float, float]:
 
 def _toward(incidence: float) -> np.ndarray:
     return np.array([np.sin(incidence), 0.0, np.cos(incidence)])
-
-
-def _turn(directions, turn: float) -> np.ndarray:
-    cos_t, sin_t = np.cos(turn), np.sin(turn)
-    x, y, z = directions.T
-    return np.stack([cos_t * x - sin_t * y, sin_t * x + cos_t * y, z], axis=1)

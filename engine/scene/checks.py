@@ -8,8 +8,8 @@ import numpy as np
 from ..errors import SceneError
 from .camera import Camera
 from .distribution import Opening
-from .light import CieSky, ImageWorld, LineLight, Luminaire, Output, PlacedLight, UniformWorld
-from .material import Material, Mix, TabulatedPane
+from .light import CieSky, ImageWorld, Light, Luminaire, Output, PlacedLight, UniformWorld
+from .material import Material, TabulatedPane
 from .mesh import Geometry, Mesh, Placement
 from .sensor import SensorSet
 from .texture import ImageTexture
@@ -46,11 +46,8 @@ def check_item(item) -> None:
         raise SceneError(f"{_title(item)}{fault}")
     if isinstance(item, PlacedLight):
         check_reach(_title(item), item.place - item.reach, item.place + item.reach)
-    if isinstance(item, LineLight) and min(item.length, item.radius) <= 0.0:
-        raise SceneError(
-            f"{_title(item)}: its tube has a length of {item.length:g} m and a radius of {item.radius:g} m, expected both "
-            "above 0"
-        )
+    if isinstance(item, Light) and item.fault:
+        raise SceneError(f"{_title(item)}: {item.fault}")
     if isinstance(item, Camera):
         place = np.asarray(item.frame)[:3, 3]
         check_reach(_title(item), place, place)
@@ -59,7 +56,7 @@ def check_item(item) -> None:
             f"{_title(item)}: its amount of light is {amount_of(item):.3g}, expected at most {LARGEST_AMOUNT:g}"
         )
     if isinstance(item, Material):
-        depth = depth_of(item.surface)
+        depth = item.surface.depth
         if depth > DEEPEST_MIX:
             raise SceneError(
                 f"{_title(item)}: {depth} mixtures lie in each other, expected at most {DEEPEST_MIX}"
@@ -89,13 +86,6 @@ def amount_of(item) -> float:
             return item.luminance
     output = getattr(item, "output", None)
     return 0.0 if output is None else output.value
-
-
-def depth_of(surface) -> int:
-    """How many mixtures of a surface lie in each other."""
-    if not isinstance(surface, Mix):
-        return 0
-    return 1 + max(depth_of(surface.first), depth_of(surface.second))
 
 
 def _title(item) -> str:

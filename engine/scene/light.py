@@ -32,7 +32,20 @@ class Output:
     spectrum: Spectrum = Constant(1.0)
 
 
-class _Positioned:
+class Light:
+    """What gives light. Each kind has an ``id``, a ``name`` and an ``output``."""
+
+    @property
+    def fault(self) -> str:
+        """What is wrong with its numbers, empty if nothing is."""
+        return ""
+
+
+class PlacedLight(Light):
+    """Light that stands somewhere: with a ``place`` and a ``reach``."""
+
+
+class _Positioned(PlacedLight):
     """Light at a ``position`` with a ``radius``."""
 
     @property
@@ -46,7 +59,7 @@ class _Positioned:
         return float(self.radius)
 
 
-class _Framed:
+class _Framed(PlacedLight):
     """Light in a ``frame``."""
 
     @property
@@ -86,7 +99,7 @@ class SpotLight(_Positioned):
 
 
 @dataclass(frozen=True, eq=False)
-class SunLight:
+class SunLight(Light):
     """Parallel light, or a disk at infinity of angular diameter ``angle`` [rad]. ``direction``: the way light travels."""
 
     id: str
@@ -149,6 +162,13 @@ class LineLight(_Framed):
     visible_to_camera: bool = True
 
     @property
+    def fault(self) -> str:
+        """As of `Light`."""
+        if min(self.length, self.radius) > 0.0:
+            return ""
+        return f"its tube has a length of {self.length:g} m and a radius of {self.radius:g} m, expected both above 0"
+
+    @property
     def area(self) -> float:
         """Luminous area. [m2]"""
         return 2.0 * np.pi * self.radius * self.length
@@ -188,12 +208,6 @@ class Luminaire(_Framed):
     def reach(self) -> float:
         """Radius of a sphere about the place that holds its body. [m]"""
         return 0.5 * float(np.linalg.norm(self.opening.size))
-
-
-PlacedLight = PointLight | SpotLight | AreaLight | LineLight | Luminaire
-"""Lights that stand somewhere: with a ``place`` and a ``reach``."""
-
-Light = PlacedLight | SunLight
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from ..errors import SceneError
+from .colour import Colour, Scalar, largest_of, scale
 from .scattering import Scatter
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
 
-Colour = Spectrum | ImageTexture
-"""A quantity per wavelength that may vary over the surface."""
+SMOOTH_ROUGHNESS = 0.03
+"""Below this roughness (microfacet alpha 0.0009) a surface is computed as an ideal mirror."""
 
-Scalar = float | ImageTexture
-"""A plain number that may vary over the surface (one-channel texture)."""
+ROUNDING = 1e-6
+"""By which shares that are stated of light may exceed what energy allows. [-]"""
 
 
 @dataclass(frozen=True)
@@ -36,16 +38,101 @@ class IorTable:
 RefractiveIndex = Cauchy | IorTable
 
 
+class Surface:
+    """What becomes of light at a surface.
+
+    A kind of surface says what differs from this: no light passes, all of it is spread out, and nothing depends on the
+    wavelength. What makes its plug-in is in `transport.compiled.surfaces.MAKERS`.
+    """
+
+    spectra: tuple[str, ...] = ()
+    """Fields that say by wavelength how much is reflected or let through."""
+
+    depth = 0
+    """How many mixtures lie in each other."""
+
+    is_opaque = True
+    """Whether no light passes."""
+
+    passes_straight = False
+    """Whether light can pass without changing its direction, so that shadows see through it."""
+
+    is_window = False
+    """Whether daylight enters by it, so that samples of the sky are aimed at it: a pane or an opening."""
+
+    is_mirror = False
+    """Whether it is an ideal mirror all over and nothing else."""
+
+    is_mirroring_pane = False
+    """Whether it is a pane all over and reflects some of the light as a mirror does."""
+
+    is_bending = False
+    """Whether it sends light on in single directions other than straight on."""
+
+    is_purely_specular = False
+    """Whether it has no spread-out part: nothing to measure illuminance on."""
+
+    is_dispersive = False
+    """Whether it refracts light by its wavelength."""
+
+    has_grain = False
+    """Whether it has a direction of its own, which follows U."""
+
+    has_own_colour = False
+    """Whether it depends on the wavelength by more than its ``spectra``."""
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold."""
+        values = (getattr(self, name) for name in self.spectra)
+        return tuple(value for value in values if value is not None)
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        """All pictures, in a fixed order."""
+        values = (getattr(self, entry.name) for entry in fields(self))
+        return tuple(value for value in values if isinstance(value, ImageTexture))
+
+    @property
+    def largest(self) -> float:
+        """Largest sum of what its spectra say. [-]"""
+        return sum(map(largest_of, self.colours), 0.0)
+
+    @property
+    def as_coated(self) -> Coated | None:
+        """The same as a base under a clear coat, whose ``specular`` is 0 without one; None of what is none."""
+        return None
+
+    def scaled(self, factor: float) -> Surface | None:
+        """Return one that reflects and lets through ``factor`` times as much of what it lacks no law for; None: nothing.
+
+        What follows from a refractive index is not changed: the mirror reflection of coats, panes and metals.
+        """
+        held = {name: getattr(self, name) for name in self.spectra}
+        changed = {name: scale(own, factor) for name, own in held.items() if own is not None}
+        return replace(self, **changed) if changed else None
+
+
 @dataclass(frozen=True)
-class Diffuse:
+class Diffuse(Surface):
     """Lambertian reflection of both sides and, if given, Lambertian transmission; their sum must not exceed 1."""
 
     reflectance: Colour = Constant(0.5)
     transmittance: Colour | None = None
 
+    spectra = ("reflectance", "transmittance")
+
+    @property
+    def is_opaque(self) -> bool:
+        return self.transmittance is None
+
+    @property
+    def as_coated(self) -> Coated | None:
+        return Coated(self.reflectance, 1.5, 1.0, 0.0) if self.is_opaque else None
+
 
 @dataclass(frozen=True)
-class Coated:
+class Coated(Surface):
     """A diffuse base under a clear dielectric coat (varnish, plastic, gloss paint).
 
     ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection.
@@ -56,34 +143,122 @@ class Coated:
     roughness: float = 0.5
     specular: float = 1.0
 
+    spectra = ("reflectance",)
+
+    @property
+    def as_coated(self) -> Coated:
+        return self
+
 
 @dataclass(frozen=True)
-class Glossy:
+class Fabric(Surface):
+    """Woven screen, net or perforated sheet: some light passes straight by its openings, the rest is spread evenly.
+
+    All shares are those of the whole fabric for light along its normal, as data sheets have it; slanted light passes less.
+
+    Parameters
+    ----------
+    openness : float    Share of light that passes straight, from 0 to 1. [-]
+    reflectance, transmittance : Colour    Shares that are spread; the sum of all must not exceed 1.
+    """
+
+    openness: float = 0.05
+    reflectance: Colour = Constant(0.5)
+    transmittance: Colour = Constant(0.0)
+
+    spectra = ("reflectance", "transmittance")
+    is_opaque = False
+
+    @property
+    def passes_straight(self) -> bool:
+        return self.openness > 0.0
+
+    is_window = passes_straight
+
+    @property
+    def largest(self) -> float:
+        return super().largest + self.openness
+
+    def scaled(self, factor: float) -> Fabric:
+        return replace(super().scaled(factor), openness=self.openness * factor)
+
+    def check(self) -> None:
+        """Refuse shares that would make light.
+
+        Raises
+        ------
+        SceneError    Says which.
+        """
+        if not 0.0 <= self.openness <= 1.0:
+            raise SceneError(f"a fabric's openness is {self.openness:g}, expected 0 to 1")
+        if self.largest > 1.0 + ROUNDING:
+            raise SceneError(
+                f"a fabric lets through and reflects {self.largest:g} of the light along its normal, more than all of it"
+            )
+
+
+class _MirrorLike(Surface):
+    """An ideal mirror where it is smooth."""
+
+    @property
+    def is_mirror(self) -> bool:
+        return not isinstance(self.roughness, ImageTexture) and self.roughness < SMOOTH_ROUGHNESS
+
+    is_bending = is_mirror
+
+
+@dataclass(frozen=True)
+class Glossy(_MirrorLike):
     """Metal-like reflection with a constant reflectance (no Fresnel term). ``roughness`` as in `Coated`."""
 
     reflectance: Colour = Constant(0.8)
     roughness: Scalar = 0.5
 
+    spectra = ("reflectance",)
+
 
 @dataclass(frozen=True)
-class Conductor:
+class Conductor(_MirrorLike):
     """A metal by the name of its complex refractive index in `libraries/spectra/conductors.csv`."""
 
     metal: str = "Al"
     roughness: float = 0.1
 
+    has_own_colour = True
+
 
 @dataclass(frozen=True)
-class Dielectric:
+class Dielectric(Surface):
     """A solid transparent body: refracts at its boundary. ``tint`` multiplies what is transmitted per crossing."""
 
     ior: RefractiveIndex = Cauchy(1.5)
     roughness: float = 0.0
     tint: Colour = Constant(1.0)
 
+    spectra = ("tint",)
+    is_opaque = False
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether it sends light on in two directions only."""
+        return self.roughness < SMOOTH_ROUGHNESS
+
+    is_bending = is_purely_specular = is_smooth
+
+    @property
+    def is_dispersive(self) -> bool:
+        return not isinstance(self.ior, Cauchy) or self.ior.b != 0.0
+
+
+class _Pane(Surface):
+    """Lets light pass straight on and mirrors some."""
+
+    is_opaque = False
+    passes_straight = is_window = is_purely_specular = True
+
 
 @dataclass(frozen=True)
-class ThinGlass:
+class ThinGlass(_Pane):
     """A pane modelled as one surface: no refraction, both faces reflect, light passes straight through.
 
     ``transmittance`` is that of the glass body alone at normal incidence (without the losses at the two faces).
@@ -92,9 +267,17 @@ class ThinGlass:
     ior: float = 1.5
     transmittance: Colour = Constant(1.0)
 
+    spectra = ("transmittance",)
+
+    @property
+    def is_mirroring_pane(self) -> bool:
+        return self.ior != 1.0
+
+    is_bending = is_mirroring_pane
+
 
 @dataclass(frozen=True, eq=False)
-class TabulatedPane:
+class TabulatedPane(_Pane):
     """A clear pane known by its data sheet: transmittance and reflectance by angle, the same from both sides.
 
     Parameters
@@ -107,21 +290,79 @@ class TabulatedPane:
     transmittance: np.ndarray
     reflectance: np.ndarray
 
+    @property
+    def is_mirroring_pane(self) -> bool:
+        return bool(np.any(np.asarray(self.reflectance) > 0.0))
+
+    is_bending = is_mirroring_pane
+
+    @property
+    def largest(self) -> float:
+        return float((np.asarray(self.transmittance) + self.reflectance).max())
+
+    def scaled(self, factor: float) -> TabulatedPane:
+        return replace(
+            self,
+            transmittance=np.asarray(self.transmittance) * factor,
+            reflectance=np.asarray(self.reflectance) * factor,
+        )
+
+    def check(self) -> None:
+        """Refuse a table that says nothing or that would make light.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with it.
+        """
+        columns = (self.angles, self.transmittance, self.reflectance)
+        angles, transmittance, reflectance = (np.asarray(c, dtype=np.float64) for c in columns)
+        named = (("angle", angles), ("transmittance", transmittance), ("reflectance", reflectance))
+        shapes = [values.shape for _, values in named]
+        if angles.ndim != 1 or angles.size == 0 or len(set(shapes)) > 1:
+            raise SceneError(
+                "a pane's table needs as many angles as transmittances and reflectances, and one at least; "
+                f"found {', '.join(' x '.join(map(str, shape)) or 'a number' for shape in shapes)}"
+            )
+        for name, values in named:
+            if not np.isfinite(values).all():
+                raise SceneError(f"a pane's table has a {name} that is not a finite number")
+        if angles[0] < 0.0 or angles[-1] > 90.0 or np.any(np.diff(angles) <= 0.0):
+            raise SceneError("a pane's angles must ascend strictly from 0 to 90 degrees at most")
+        for name, values in named[1:]:
+            if values.min() < 0.0 or values.max() > 1.0:
+                wrong = values[np.argmax(np.abs(values - 0.5))]
+                raise SceneError(f"a pane's {name} is {wrong:g}, expected 0 to 1")
+        total = transmittance + reflectance
+        if total.max() > 1.0 + ROUNDING:
+            place = int(np.argmax(total))
+            raise SceneError(
+                f"a pane transmits and reflects {total[place]:g} of the light at {angles[place]:g} degrees, more than all "
+                "of it"
+            )
+
 
 @dataclass(frozen=True)
-class Transparent:
+class Transparent(Surface):
     """Nothing there: light passes straight on, times ``transmittance``; 1 marks an opening that daylight enters by."""
 
     transmittance: Colour = Constant(1.0)
 
+    spectra = ("transmittance",)
+    is_opaque = False
+    passes_straight = is_purely_specular = True
+
+    @property
+    def is_window(self) -> bool:
+        return not isinstance(self.transmittance, ImageTexture)
+
 
 @dataclass(frozen=True)
-class Black:
+class Black(Surface):
     """Absorbs everything."""
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class Measured(Surface):
     """A surface known by what was measured or computed of its scattering, side by side; None: nothing.
 
     Parameters
@@ -139,29 +380,95 @@ class Measured:
     rotation: float = 0.0
     factor: float = 1.0
 
+    @property
+    def parts(self) -> tuple[Scatter | None, ...]:
+        """The four scatters, reflections first."""
+        return (*self._reflections, *self._transmissions)
+
+    @property
+    def _reflections(self) -> tuple[Scatter | None, Scatter | None]:
+        return self.front_reflection, self.back_reflection
+
+    @property
+    def _transmissions(self) -> tuple[Scatter | None, Scatter | None]:
+        return self.front_transmission, self.back_transmission
+
+    @property
+    def is_opaque(self) -> bool:
+        return self._transmissions == (None, None)
+
+    @property
+    def passes_straight(self) -> bool:
+        return any(part is not None and part.has_direct for part in self._transmissions)
+
+    is_window = passes_straight
+
+    @property
+    def is_bending(self) -> bool:
+        return any(part is not None and part.has_direct for part in self._reflections)
+
+    @property
+    def is_purely_specular(self) -> bool:
+        return not any(part is not None and part.values.any() for part in self.parts)
+
+    @property
+    def has_grain(self) -> bool:
+        return any(part is not None and not part.is_isotropic for part in self.parts)
+
+    @property
+    def has_own_colour(self) -> bool:
+        return any(part is not None and len(part.wavelengths) > 1 for part in self.parts)
+
+    def scaled(self, factor: float) -> Measured:
+        return replace(self, factor=self.factor * factor)
+
+
+def _of_one(name: str) -> property:
+    return property(lambda mix: getattr(mix.first, name) or getattr(mix.second, name))
+
+
+def _of_both(name: str) -> property:
+    return property(lambda mix: getattr(mix.first, name) and getattr(mix.second, name))
+
 
 @dataclass(frozen=True)
-class Mix:
-    """``factor`` 0 gives ``first``, 1 gives ``second``."""
+class Mix(Surface):
+    """``factor`` 0 gives ``first``, 1 gives ``second``. It is what one of them is, or what both are."""
 
     first: Surface
     second: Surface
     factor: Scalar = 0.5
 
+    is_opaque = _of_both("is_opaque")
+    is_purely_specular = _of_both("is_purely_specular")
+    passes_straight = _of_one("passes_straight")
+    is_bending = _of_one("is_bending")
+    is_dispersive = _of_one("is_dispersive")
+    has_grain = _of_one("has_grain")
+    has_own_colour = _of_one("has_own_colour")
 
-Surface = (
-    Diffuse
-    | Coated
-    | Glossy
-    | Conductor
-    | Dielectric
-    | ThinGlass
-    | TabulatedPane
-    | Transparent
-    | Black
-    | Measured
-    | Mix
-)
+    @property
+    def depth(self) -> int:
+        return 1 + max(self.first.depth, self.second.depth)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return self.first.colours + self.second.colours
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        own = (self.factor,) if isinstance(self.factor, ImageTexture) else ()
+        return own + self.first.pictures + self.second.pictures
+
+    @property
+    def largest(self) -> float:
+        return max(self.first.largest, self.second.largest)
+
+    def scaled(self, factor: float) -> Mix | None:
+        first, second = self.first.scaled(factor), self.second.scaled(factor)
+        if first is None and second is None:
+            return None
+        return replace(self, first=first or self.first, second=second or self.second)
 
 
 @dataclass(frozen=True)
@@ -172,8 +479,7 @@ class Emission:
     ----------
     spectrum : Spectrum    Relative spectral power.
     luminance : float    Of the surface, in every direction. [cd/m2]
-    pattern : ImageTexture or None
-        Factor on the luminance by place; its Rec. 709 luminance is used and its colour with it.
+    pattern : ImageTexture or None    Factor on the luminance by place: its Rec. 709 luminance, and its colour with it.
     two_sided : bool    Both sides emit (Blender's meaning) or only the side that the normal points to.
     """
 

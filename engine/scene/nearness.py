@@ -16,10 +16,15 @@ def box_distance(point: np.ndarray, mesh: Mesh) -> float:
 
 def mesh_distance(point: np.ndarray, mesh: Mesh) -> float:
     """Distance of a point to the nearest place of an object's triangles. [m]"""
+    return triangle_distance(point, mesh.vertices[mesh.triangles])
+
+
+def triangle_distance(point: np.ndarray, corners: np.ndarray) -> float:
+    """Distance of a point to the nearest place of triangles (n, 3, 3). [m]"""
     nearest = np.inf
-    for first in range(0, len(mesh.triangles), CHUNK):
-        corners = mesh.vertices[mesh.triangles[first : first + CHUNK]] - point
-        nearest = min(nearest, float(_distances(corners.astype(np.float64)).min()))
+    for first in range(0, len(corners), CHUNK):
+        part = corners[first : first + CHUNK].astype(np.float64) - point
+        nearest = min(nearest, float(_distances(part).min()))
     return nearest
 
 

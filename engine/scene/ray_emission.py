@@ -7,6 +7,9 @@ import numpy as np
 GROUP = 64
 """Rays in a row that share a fluctuation."""
 
+NARROWEST = 2e-3
+"""Fluctuation of directions below which hardly any start sends light to a point. [-]"""
+
 PLANE, SPHERE, HULL = "plane", "sphere", "hull"
 """Kinds of bodies."""
 
@@ -74,6 +77,16 @@ class RayEmission:
     information_error: float
     far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))
     far_errors: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def is_narrow(self) -> bool:
+        """Whether directions of a hundredth of the rays or more hardly fluctuate, so that none is found by chance."""
+        own = self.factor[:, 3:, 3:].astype(np.float64)
+        if not len(own):
+            return True
+        # The narrowest of the three widths is along the direction itself.
+        across = np.linalg.svd(own, compute_uv=False)
+        return bool(np.quantile(np.sqrt(across[:, 0] * across[:, 1]), 0.01) < NARROWEST)
 
     def point_errors(self, distances) -> np.ndarray:
         """Relative errors of taking the light for a point, on lines through the logarithms. (n,) [m] -> (n,) [-]"""

@@ -35,8 +35,18 @@ class _Kept:
         return tuple(found)
 
 
+class _Scattering(_Kept):
+    """What scatters light, by pairs of directions."""
+
+    is_isotropic = False
+    """Whether a turn of the sample about its normal changes nothing."""
+
+    has_direct = False
+    """Whether some light is reflected as by a mirror, or passes straight."""
+
+
 @dataclass(frozen=True, eq=False)
-class ScatterTable(_Kept):
+class ScatterTable(_Scattering):
     """Scattering on an irregular grid about the direction in which a mirror reflects, or in which light passes straight.
 
     With the incidence in the xz-plane, wi = (sin s, 0, cos s), the centre is c = (-sin s, 0, cos s), and the direction at
@@ -80,6 +90,16 @@ class ScatterTable(_Kept):
     error: float = 0.0
     is_orthotropic: bool = False
 
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether a turn of the sample about its normal changes nothing."""
+        return len(self.rotations) == 1
+
+    @property
+    def has_direct(self) -> bool:
+        """Whether some light is reflected as by a mirror, or passes straight."""
+        return self.direct is not None and bool(self.direct.any())
+
 
 @dataclass(frozen=True, eq=False)
 class PatchBasis(_Kept):
@@ -98,7 +118,7 @@ class PatchBasis(_Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class PatchMatrix(_Kept):
+class PatchMatrix(_Scattering):
     """Scattering that is constant over pairs of patches (Klems).
 
     Parameters
@@ -115,7 +135,7 @@ class PatchMatrix(_Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class TensorTree(_Kept):
+class TensorTree(_Scattering):
     """Scattering that is constant over the leaves of a tree that halves all coordinates at once.
 
     Of rank 4 the coordinates are (in x, in y, out x, out y) on the unit square, to which Shirley's and Chiu's map brings
@@ -136,6 +156,11 @@ class TensorTree(_Kept):
     children: np.ndarray
     wavelengths: np.ndarray
     values: np.ndarray
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether a turn of the sample about its normal changes nothing."""
+        return self.rank == 3
 
 
 Scatter = ScatterTable | PatchMatrix | TensorTree

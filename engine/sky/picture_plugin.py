@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
+from .far_light import far_light_class
 from .picture import ROWS_AT_ONCE, Grid, clean, find_luminances, find_mean, grid_of
 
 WHITE = "D65"
@@ -177,14 +178,7 @@ def _draw_product(low, high, narrow, wide, sample):
 
 
 def _picture_class():
-    class Picture(mi.Emitter):
-        """Luminance by direction. All that an edit can change is data, so it meets compiled kernels."""
-
-        def __init__(self, props):
-            mi.Emitter.__init__(self, props)
-            self.radiance = props["radiance"]
-            self.m_flags = +mi.EmitterFlags.Infinite
-
+    class Picture(far_light_class()):
         def set_picture(self, luminances, grid: Grid, colours) -> None:
             """Take over a picture: (height, width) float32 luminances, and its colours of `make_colours`."""
             self.largest = float(luminances.max())
@@ -208,9 +202,6 @@ def _picture_class():
             self.colour_level = mi.Float(level)
             self.to_map = mi.Matrix3f([[float(x) for x in row] for row in rotation])
             dr.make_opaque(self.level, self.colour_level, self.to_map)
-
-        def traverse(self, callback):
-            callback.put("radiance", self.radiance, mi.ParamFlags.Differentiable)
 
         # ---- the picture ----
 
@@ -278,11 +269,6 @@ def _picture_class():
                 value *= white * self.colour_level
             return mi.Spectrum(value & active)
 
-        def eval_direction(self, it, ds, active=True):
-            si = dr.zeros(mi.SurfaceInteraction3f)
-            si.wi, si.wavelengths = -ds.d, it.wavelengths
-            return self.eval(si, active)
-
         # ---- sampling ----
 
         def _draw_elevation(self, sample, active):
@@ -344,14 +330,5 @@ def _picture_class():
             corners, weights, plan, cosine = self._find(ds.d)
             value = self._luminance(corners, weights, active) * (cosine / plan) * self.density
             return dr.select(active, value, 0.0)
-
-        def bbox(self):
-            return mi.BoundingBox3f()
-
-        def set_scene(self, scene):
-            """Nothing of it depends on the scene; the surroundings keep the bounds."""
-
-        def to_string(self):
-            return "Picture[]"
 
     return Picture

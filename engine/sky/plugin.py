@@ -16,6 +16,7 @@ from .cie import (
     relative_luminance,
     zenith_luminance,
 )
+from .far_light import far_light_class
 
 ROWS, COLUMNS = 32, 64
 """Cells of the sky's sampling table: rows of equal height in the sine of the elevation, columns in azimuth."""
@@ -60,14 +61,7 @@ def sampling_shares(sky: CieSky) -> np.ndarray:
 
 
 def _sky_class():
-    class Sky(mi.Emitter):
-        """Luminance by direction. All that an edit can change is data, so it meets compiled kernels."""
-
-        def __init__(self, props):
-            mi.Emitter.__init__(self, props)
-            self.radiance = props["radiance"]
-            self.m_flags = +mi.EmitterFlags.Infinite
-
+    class Sky(far_light_class()):
         def set_sky(self, sky: CieSky) -> None:
             """Take over pattern, level and the place of the sun."""
             sun = np.asarray(sky.towards_sun, dtype=np.float64)
@@ -94,9 +88,6 @@ def _sky_class():
             dr.make_opaque(self.numbers, self.ground, self.sun)
             dr.eval(self.shares, self.cdf, self.starts)
 
-        def traverse(self, callback):
-            callback.put("radiance", self.radiance, mi.ParamFlags.Differentiable)
-
         def _luminance(self, direction):
             a, b, c, d, e, edge, level, rise = self.numbers
             sine = dr.maximum(direction.z, 0.0)
@@ -112,11 +103,6 @@ def _sky_class():
         def eval(self, si, active=True):
             value = self.radiance.eval(si, active) * self._luminance(-si.wi)
             return mi.Spectrum(value & active)
-
-        def eval_direction(self, it, ds, active=True):
-            si = dr.zeros(mi.SurfaceInteraction3f)
-            si.wi, si.wavelengths = -ds.d, it.wavelengths
-            return self.eval(si, active)
 
         def sample_direction(self, it, sample, active=True):
             last = ROWS * COLUMNS
@@ -145,14 +131,5 @@ def _sky_class():
             density = dr.gather(mi.Float, self.shares, cell, active)
             cells = dr.select(z >= 0.0, float(ROWS * COLUMNS), 1.0)
             return dr.select(active, density * cells * dr.inv_two_pi, 0.0)
-
-        def bbox(self):
-            return mi.BoundingBox3f()
-
-        def set_scene(self, scene):
-            """Nothing of it depends on the scene; the surroundings keep the bounds."""
-
-        def to_string(self):
-            return "Sky[]"
 
     return Sky

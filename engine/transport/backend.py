@@ -1,93 +1,104 @@
-"""Mitsuba and LLVM: found, checked and explained before anything is computed."""
+"""Mitsuba, Dr.Jit and a device: found, tried and explained before anything is computed."""
 
-import glob
 import logging
-import os
-import re
+import mmap
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
+from .. import llvm
 from ..errors import BackendError
+from .device_check import check_variant
+from .devices import DEVICES, Device, absence, chosen_device
 
 log = logging.getLogger(__name__)
-
-LLVM_PATTERNS = {
-    "linux": (
-        "/usr/lib/*/libLLVM*.so*",
-        "/usr/lib/llvm-*/lib/libLLVM*.so*",
-        "/usr/lib64/libLLVM*.so*",
-        "/usr/local/lib/libLLVM*.so*",
-    ),
-    "darwin": (
-        "/opt/homebrew/opt/llvm*/lib/libLLVM*.dylib",
-        "/usr/local/opt/llvm*/lib/libLLVM*.dylib",
-    ),
-    "win32": ("C:/Program Files/LLVM/bin/LLVM-C.dll",),
-}
-"""Where a libLLVM usually lies, by `sys.platform`."""
-
-OLDEST_LLVM = 17
-"""Dr.Jit 1.5 refuses LLVM before 15; 15 and 16 cannot translate `llvm.maximum` and end the process (seen with AVX-512)."""
-
-LLVM_REMEDY = {
-    "linux": "install it with 'sudo apt install libllvm19' (or your distribution's LLVM 17 or newer)",
-    "darwin": "install it with 'brew install llvm'",
-    "win32": "install LLVM for Windows from the LLVM project's releases",
-}
 
 MITSUBA_VERSION = "3.9.1"
 """The Mitsuba release this engine is written for."""
 
+ROOM = 3 << 27
+"""Address space that Mitsuba, LLVM and a first small job take. [byte]"""
+
+UNLOADABLE = (
+    # Its libraries lock in a way that Blender's own older runtime does not know.
+    "install Microsoft's current Visual C++ Redistributable (x64); if that does not help, reinstall Lumenray with the "
+    "zip made for this Blender version"
+    if sys.platform == "win32"
+    else "reinstall Lumenray with the zip made for this platform and Blender version"
+)
+"""What helps where Mitsuba is there but does not load."""
+
 
 @dataclass(frozen=True)
 class BackendStatus:
-    """What was found: ``usable`` or not, one sentence ``cause`` and one ``remedy``."""
+    """What was found: ``usable`` or not, one sentence ``cause`` and one ``remedy``.
+
+    ``device`` is the key of the device that is used, ``found`` says in words what each of those that were looked at
+    is and how fast it met rays, or what is wrong with it.
+    """
 
     usable: bool
     cause: str
     remedy: str = ""
-
-
-def find_llvm() -> str | None:
-    """Return the path of a usable libLLVM: the environment's choice first, then the newest of the usual places."""
-    chosen = os.environ.get("DRJIT_LIBLLVM_PATH")
-    if chosen:
-        return chosen if Path(chosen).exists() else None
-    found = [path for path in _installed() if _major(path) >= OLDEST_LLVM]
-    return max(found, key=_major, default=None)
-
-
-def _installed() -> list[str]:
-    found = []
-    for pattern in LLVM_PATTERNS.get(sys.platform, ()):
-        found.extend(glob.glob(pattern))
-    return found
-
-
-def _major(path: str) -> int:
-    """Major version of a library by its name or folder; unnumbered ones count as current."""
-    named = re.search(r"LLVM(?:\.so\.|-)(\d+)", Path(path).name) or re.search(
-        r"llvm[-@](\d+)", path
-    )
-    return int(named.group(1)) if named else OLDEST_LLVM
+    device: str = ""
+    found: tuple[str, ...] = ()
 
 
 def status() -> BackendStatus:
-    """Tell whether the engine can run, without starting it."""
-    library = find_llvm()
-    if library:
-        # Dr.Jit looks once, when it starts, and would take any version.
-        os.environ["DRJIT_LIBLLVM_PATH"] = library
-    try:
-        import drjit  # noqa: F401
-        import mitsuba
-    except (ImportError, OSError) as error:
+    """Tell whether the engine can run, by a small job on the device that it would take."""
+    devices, trouble = _candidates()
+    if trouble is not None:
+        return trouble
+    import mitsuba
+
+    found = []
+    for device in devices:
+        variant = device.variant(spectral=False)
+        try:
+            check = check_variant(variant)
+        except (ImportError, RuntimeError) as error:
+            found.append(f"{device.label}: {error}")
+            continue
+        name = device.describe()
+        if check.fault:
+            found.append(f"{name}: {check.fault}")
+            continue
+        found.append(f"{name}: {check.speed / 1e6:.0f} million rays a second")
+        return BackendStatus(
+            True, f"Mitsuba {mitsuba.__version__} on {name}", "", device.key, tuple(found)
+        )
+    return BackendStatus(False, "; ".join(found), _remedy(), found=tuple(found))
+
+
+def _candidates() -> tuple[list[Device], BackendStatus | None]:
+    """Return the devices that may be taken, the best first; without any, what is wrong."""
+    trouble = _missing_mitsuba()
+    if trouble is not None:
+        return [], trouble
+    key = chosen_device()
+    if key and key not in DEVICES:
+        return [], BackendStatus(
+            False, f"there is no device '{key}'", f"choose one of auto, {', '.join(DEVICES)}"
+        )
+    wanted = [DEVICES[key]] if key else list(DEVICES.values())
+    present = [device for device in wanted if _is_present(device)]
+    return present, None if present else BackendStatus(False, *absence(wanted[-1]))
+
+
+def _missing_mitsuba() -> BackendStatus | None:
+    """Load Dr.Jit and Mitsuba; say what is wrong with them, None where nothing is."""
+    if "drjit" not in sys.modules and not _has_room():
         return BackendStatus(
             False,
-            f"Mitsuba cannot be loaded: {error}",
-            "reinstall Lumenray with the zip made for this platform and Blender version",
+            f"there are no {ROOM >> 20} MiB of memory left for the engine's libraries",
+            "raise the engine's memory limit or close other programs",
         )
+    error = _load()
+    if error is not None:
+        return BackendStatus(False, f"Mitsuba cannot be loaded: {_first_cause(error)}", UNLOADABLE)
+    import mitsuba
+
     if mitsuba.__version__ != MITSUBA_VERSION:
         return BackendStatus(
             False,
@@ -95,61 +106,92 @@ def status() -> BackendStatus:
             f"Lumenray needs {MITSUBA_VERSION}",
             "remove the other Mitsuba from Python's path",
         )
-    if library is None and not _has_cuda():
-        return BackendStatus(
-            False,
-            _missing_llvm(),
-            LLVM_REMEDY.get(sys.platform, "install LLVM 17 or newer")
-            + ", or set DRJIT_LIBLLVM_PATH to the library, then restart",
-        )
-    return BackendStatus(True, f"Mitsuba {mitsuba.__version__}, LLVM at {library or '-'}")
+    return None
 
 
-def _missing_llvm() -> str:
-    chosen = os.environ.get("DRJIT_LIBLLVM_PATH")
-    if chosen:
-        return f"DRJIT_LIBLLVM_PATH names '{chosen}', which does not exist"
-    old = sorted({_major(path) for path in _installed()})
-    if old:
-        return f"only LLVM {', '.join(map(str, old))} was found, version {OLDEST_LLVM} or newer is needed"
-    return "LLVM was not found"
+def _has_room() -> bool:
+    """Tell whether libraries can be loaded whole: what is loaded in part crashes or hangs later, and blames others."""
+    try:
+        mmap.mmap(-1, ROOM).close()
+    except OSError:
+        return False
+    return True
 
 
-def _has_cuda() -> bool:
-    import drjit as dr
+@cache
+def _load() -> Exception | None:
+    """Import Dr.Jit and Mitsuba, once; return what went wrong.
 
-    return dr.has_backend(dr.JitBackend.CUDA)
+    It is kept, and with it what was loaded in part: Dr.Jit's own thread may hold a lock while it waits for Python, and who
+    frees Dr.Jit then waits for that lock for ever. A second import would end the process.
+    """
+    llvm.settle()
+    try:
+        import drjit  # noqa: F401
+        import mitsuba  # noqa: F401
+    except Exception as error:
+        # Dr.Jit itself makes a NameError of a library that does not load.
+        return error
+    return None
+
+
+def _first_cause(error: BaseException) -> str:
+    while error.__context__ is not None:
+        error = error.__context__
+    return str(error) or type(error).__name__
+
+
+def _is_present(device: Device) -> bool:
+    # Dr.Jit would take whatever LLVM it finds by itself, of any version.
+    return device.is_present() and (device.key != "cpu" or llvm.find_library() is not None)
+
+
+def _remedy() -> str:
+    if chosen_device() in {"", "cpu"}:
+        return llvm.REMEDY
+    return "choose Automatic or another device"
 
 
 def start(spectral: bool) -> str:
     """Activate the Mitsuba variant for the kind of transport and return its name.
 
-    CUDA is used when a device is there, else LLVM.
+    The user's choice of device counts (`devices.CHOICE`); without one, the first of CUDA, Metal and the CPU that
+    gives right answers is taken, once for the whole process.
 
     Raises
     ------
-    BackendError    Mitsuba or LLVM is missing; the message holds the remedy.
+    BackendError    Mitsuba or the device is missing; the message holds the remedy.
     """
-    kind = "spectral" if spectral else "mono"
-    mitsuba = sys.modules.get("mitsuba")
-    if mitsuba is not None and mitsuba.variant() in (f"cuda_ad_{kind}", f"llvm_ad_{kind}"):
-        return mitsuba.variant()
-    state = status()
-    if not state.usable:
-        raise BackendError(f"{state.cause}; {state.remedy}")
-    import mitsuba as mi
-
-    names = [f"cuda_ad_{kind}"] if _has_cuda() else []
-    names.append(f"llvm_ad_{kind}")
-    problems = []
-    for name in names:
+    variant = _device(chosen_device()).variant(spectral)
+    mitsuba = sys.modules["mitsuba"]
+    if mitsuba.variant() != variant:
         try:
-            if mi.variant() != name:
-                mi.set_variant(name)
+            mitsuba.set_variant(variant)
         except (ImportError, RuntimeError) as error:
-            problems.append(f"{name}: {error}")
-            continue
-        mi.set_log_level(mi.LogLevel.Warn)
-        return name
-    remedy = LLVM_REMEDY.get(sys.platform, "install LLVM 17 or newer")
-    raise BackendError(f"the engine cannot start ({'; '.join(problems)}); {remedy}")
+            raise BackendError(
+                f"the engine cannot start ({variant}: {error}); {_remedy()}"
+            ) from error
+        mitsuba.set_log_level(mitsuba.LogLevel.Warn)
+    return variant
+
+
+@cache
+def _device(choice: str) -> Device:
+    """Return the device of this process."""
+    devices, trouble = _candidates()
+    if trouble is not None:
+        raise BackendError(f"{trouble.cause}; {trouble.remedy}")
+    *better, last = devices
+    # The last one is taken untried, for there is nothing to take in its place.
+    return next((device for device in better if not _fault(device)), last)
+
+
+def _fault(device: Device) -> str:
+    """Try a device; say what is wrong with it."""
+    try:
+        fault = check_variant(device.variant(spectral=False)).fault
+    except (ImportError, RuntimeError) as error:
+        fault = str(error)
+    if fault:
+        log.warning("%s is not used: %s", device.label, fault)
+    return fault

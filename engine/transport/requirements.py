@@ -6,22 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
-from ..scattering.data import surface as scattering
 from ..scene.light import CieSky, ImageWorld, UniformWorld
-from ..scene.material import (
-    Black,
-    Cauchy,
-    Coated,
-    Conductor,
-    Dielectric,
-    Diffuse,
-    Glossy,
-    Measured,
-    Mix,
-    TabulatedPane,
-    ThinGlass,
-    Transparent,
-)
 from ..scene.memo import recall
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant, Rgb
@@ -51,7 +36,7 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
     """
     check_transport(transport)
     coloured = _first_coloured_material(scene)
-    dispersive = any(_is_dispersive(material.surface) for material in used_materials(scene))
+    dispersive = any(material.surface.is_dispersive for material in used_materials(scene))
     lamps = _distinct_lamps(scene)
     reasons = []
     if coloured:
@@ -126,7 +111,8 @@ def _is_pictured(world) -> bool:
 
 def _first_coloured_material(scene: Scene) -> str | None:
     for material in used_materials(scene):
-        if any(_is_coloured(value) for value in _colours(material.surface)):
+        surface = material.surface
+        if surface.has_own_colour or any(map(_is_coloured, surface.colours)):
             return material.name
     return None
 
@@ -141,10 +127,6 @@ def _is_coloured(value) -> bool:
             return value.pixels.shape[2] == 3 and recall(
                 value.pixels, "coloured", lambda pixels: spread(pixels) > 1e-4
             )
-        case Measured():
-            return scattering.is_coloured(value)
-        case Conductor():
-            return True
     return True
 
 
@@ -161,53 +143,13 @@ def spread(pixels: np.ndarray) -> float:
 
 def is_coloured(surface) -> bool:
     """Tell whether a surface has a spectrum, pictures aside, that depends on the wavelength."""
-    return any(
-        _is_coloured(value) for value in _colours(surface) if not isinstance(value, ImageTexture)
+    return surface.has_own_colour or any(
+        _is_coloured(value) for value in surface.colours if not isinstance(value, ImageTexture)
     )
-
-
-def _colours(surface):
-    """Yield every spectral quantity of a surface; a conductor stands for its own index."""
-    match surface:
-        case Mix():
-            yield from _colours(surface.first)
-            yield from _colours(surface.second)
-        case Diffuse():
-            yield surface.reflectance
-            yield surface.transmittance
-        case Coated() | Glossy():
-            yield surface.reflectance
-        case Dielectric():
-            yield surface.tint
-        case ThinGlass() | Transparent():
-            yield surface.transmittance
-        case Conductor() | Measured():
-            yield surface
-        case TabulatedPane() | Black():
-            return
-
-
-def _is_dispersive(surface) -> bool:
-    if isinstance(surface, Mix):
-        return _is_dispersive(surface.first) or _is_dispersive(surface.second)
-    if not isinstance(surface, Dielectric):
-        return False
-    return not isinstance(surface.ior, Cauchy) or surface.ior.b != 0.0
 
 
 def pictures(material):
     """Yield every picture that a material uses, in a fixed order."""
-    yield from _pictures_of(material.surface)
+    yield from material.surface.pictures
     if material.emission is not None and material.emission.pattern is not None:
         yield material.emission.pattern
-
-
-def _pictures_of(surface):
-    match surface:
-        case Mix():
-            yield from (value for value in (surface.factor,) if isinstance(value, ImageTexture))
-            yield from _pictures_of(surface.first)
-            yield from _pictures_of(surface.second)
-        case _:
-            values = [*_colours(surface), getattr(surface, "roughness", None)]
-            yield from (value for value in values if isinstance(value, ImageTexture))

@@ -14,23 +14,17 @@ import numpy as np
 
 from ..accuracy.stopping import Progress, StopRule
 from ..errors import EngineLost
+from ..measurements import Measurement
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
 from ..scene.sensor import SensorKind
-from ..session import (
-    BakeOrder,
-    BakeResult,
-    Display,
-    Frame,
-    LiveSettings,
-    Measurement,
-    Picture,
-    ViewSettings,
-)
+from ..session import BakeOrder, BakeResult
 from ..transport.backend import BackendStatus
+from ..views import Display, Frame, LiveSettings, Picture, ViewSettings
 from . import faults
-from .link import CANCEL_PATIENCE, HUNG_AFTER, Link
+from .link import CANCEL_PATIENCE, Link
 from .process import Process
+from .pulse import HUNG_AFTER
 
 START_PATIENCE = 30.0
 """How long the process may take to say its first word. [s]"""
@@ -39,7 +33,7 @@ CLOSE_PATIENCE = 2.0
 """How long it may take to end by itself. [s]"""
 
 PREVIEW_INTERVAL = 1.0
-"""Shortest time between two pictures of a render under way. [s]"""
+"""Shortest time between two pictures of a render under way; each copies the whole picture. [s]"""
 
 
 class RemoteSession:
@@ -217,6 +211,7 @@ class Worker:
     root : Path    Folder of the package.
     memory_limit : int or None    Most address space that the process may use. [byte]
     search_path : list of str or None    Where it looks for modules; None: where this process does.
+    device : str    Key of the device it computes on (`transport.devices`); empty: the first that works.
     factory : str or None    ``module:callable`` that makes its sessions; None: the engine's own.
     hung_after : float    Silence after which it counts as hung, unless it computes. [s]
     cancel_patience : float    How long a job may take to obey a cancel. [s]
@@ -228,6 +223,7 @@ class Worker:
         memory_limit: int | None = None,
         search_path: list[str] | None = None,
         *,
+        device: str = "",
         factory: str | None = None,
         hung_after: float = HUNG_AFTER,
         cancel_patience: float = CANCEL_PATIENCE,
@@ -235,6 +231,7 @@ class Worker:
         self.root = root
         self.memory_limit = memory_limit
         self.search_path = search_path
+        self.device = device
         self._factory = factory
         self._hung_after = hung_after
         self._cancel_patience = cancel_patience
@@ -280,7 +277,7 @@ class Worker:
                 return
             self._drop()
             path = list(sys.path) if self.search_path is None else self.search_path
-            process = Process(self.root, path, self.memory_limit, self._factory)
+            process = Process(self.root, path, self.memory_limit, self.device, self._factory)
             self._link = Link(process, self._hung_after, self._cancel_patience)
             # Nobody may wait inside a finalizer: the link's own thread reaps the process.
             self._finalizer = weakref.finalize(self, process.kill)
@@ -320,12 +317,6 @@ class Worker:
         """Return the last lines that the process wrote."""
         link = self._link
         return () if link is None else link.log()
-
-    def restart(self, timeout: float = START_PATIENCE) -> None:
-        """End the process and start another; sessions are lost."""
-        with self._lock:
-            self.close()
-            self.start(timeout)
 
     def close(self, timeout: float = CLOSE_PATIENCE) -> None:
         """End the process, by force after so many seconds; nothing is left of it. [s]"""

@@ -12,7 +12,7 @@ from enum import Enum
 
 import numpy as np
 
-from .. import session
+from .. import light_mix, measurements, views
 from ..accuracy import extremes, history, stopping
 from ..baking import order
 from ..errors import CodecError, LumenrayError
@@ -20,6 +20,7 @@ from ..scene import (
     camera,
     distribution,
     light,
+    light_groups,
     material,
     mesh,
     provenance,
@@ -51,8 +52,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, material, mesh, provenance, ray_emission, scattering, scene, sensor, spectrum, texture,
-    session, extremes, history, stopping, order, backend,
+    camera, distribution, light, light_groups, material, mesh, provenance, ray_emission, scattering, scene, sensor, spectrum,
+    texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
 )  # fmt: skip
 
 

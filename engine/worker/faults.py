@@ -1,20 +1,16 @@
 """What went wrong, in words: errors on their way between the processes, and the ways in which a process ends."""
 
-import mmap
 import signal
 import traceback
 
 from .. import errors
-from ..errors import BackendError, EngineFault, LumenrayError
+from ..errors import EngineFault, LumenrayError
 
 AGAIN = "start again: the scene is sent anew, nothing is lost"
 
 LESS = "lower the density, the size of the picture or the largest map, or raise the engine's memory limit"
 
 SHORT_OF_MEMORY = f"the engine ran out of memory; {LESS}"
-
-ROOM_FOR_LIBRARIES = 1 << 28
-"""Address space that Mitsuba and LLVM take. [byte]"""
 
 _MEMORY_SIGNS = (
     "bad_alloc",
@@ -40,8 +36,6 @@ def describe(error: Exception, job: str) -> tuple[str, str, dict]:
     error : Exception
     job : str    What the engine was at, such as ``bake``.
     """
-    if has_no_room_to_load(error):
-        return "EngineFault", SHORT_OF_MEMORY, {}
     if isinstance(error, LumenrayError):
         more = {key: value for key, value in vars(error).items() if _is_plain(value)}
         return type(error).__name__, str(error), more
@@ -64,17 +58,6 @@ def rebuild(name: str, text: str, more: dict) -> LumenrayError:
     error.args = (text,)
     vars(error).update({key: value for key, value in more.items() if _is_plain(value)})
     return error
-
-
-def has_no_room_to_load(error: Exception) -> bool:
-    """Tell whether the engine's libraries are there, but found no room in this process."""
-    if not isinstance(error, BackendError):
-        return False
-    try:
-        mmap.mmap(-1, ROOM_FOR_LIBRARIES).close()
-    except OSError:
-        return True
-    return False
 
 
 def is_of_memory(error: Exception) -> bool:

@@ -10,7 +10,7 @@ import traceback
 import weakref
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from .. import VERSION
 from ..accuracy.stopping import Progress
@@ -18,18 +18,10 @@ from ..errors import CodecError, EngineLost, LumenrayError
 from . import faults
 from .channel import Channel, Message
 from .process import Process
-
-HUNG_AFTER = 10.0
-"""Silence after which a process that does not compute either counts as hung. [s]"""
-
-HUNG_AFTER_UNSEEN = 120.0
-"""The same where the system does not tell whether it computes, or while it waits for a disk. [s]"""
+from .pulse import TICK, Pulse
 
 CANCEL_PATIENCE = 20.0
 """How long a job may take to obey a cancel. [s]"""
-
-TICK = 0.25
-"""Time between two looks at the process. [s]"""
 
 POLL = 0.05
 """Time between two looks of a waiting caller. [s]"""
@@ -74,17 +66,6 @@ class View:
     is_watched: bool = False
     is_final: bool = False
     applied: int = 0
-
-
-@dataclass
-class _Pulse:
-    """Signs of life. Times count only while this process runs itself, so that a sleep of the host is no fault. [s]"""
-
-    last_tick: float = field(default_factory=time.monotonic)
-    silence: float = 0.0
-    stillness: float = 0.0
-    work: int = -1
-    is_asked: bool = False
 
 
 _LINKS: weakref.WeakSet = weakref.WeakSet()
@@ -321,13 +302,13 @@ class Link:
         cause = None
         try:
             self._channel = Channel(self._process.connect())
-            pulse = _Pulse()
+            pulse = Pulse(self._process, self._hung_after)
             while True:
                 message = self._channel.receive(TICK)
                 if message is not None:
-                    pulse.silence, pulse.is_asked = 0.0, False
+                    pulse.hear()
                     self._hear(message)
-                self._tick(pulse)
+                self._look_after(pulse)
         except (EOFError, OSError):
             # The process has ended; how, its exit code tells.
             pass
@@ -451,19 +432,14 @@ class Link:
         word = "paused for" if call.number in self._stack else "waiting for"
         return f"{word} the {JOB_NAMES[other.kind]}, {100.0 * other.done:.0f} %"
 
-    def _tick(self, pulse: _Pulse) -> None:
+    def _look_after(self, pulse: Pulse) -> None:
         """Look after the process: signs of life, cancels that are not obeyed."""
-        now = time.monotonic()
-        passed = now - pulse.last_tick
-        if passed < TICK:
+        passed = pulse.look()
+        if passed == 0.0:
             return
-        pulse.last_tick = now
-        passed = min(passed, 4.0 * TICK)
-        pulse.silence += passed
-        if pulse.silence > 1.0 and not pulse.is_asked:
-            pulse.is_asked = True
+        if pulse.wants_word():
             self._channel.send({"kind": "ping"})
-        if self._is_hung(pulse, passed):
+        if pulse.is_hung(passed):
             self.lose(
                 f"the engine did not answer for {pulse.silence:.0f} s and was ended; {faults.AGAIN}"
             )
@@ -476,22 +452,6 @@ class Link:
                             f"the {JOB_NAMES[call.kind]} did not stop within {self._cancel_patience:.0f} s "
                             f"of being cancelled, so the engine was ended; {faults.AGAIN}"
                         )
-
-    def _is_hung(self, pulse: _Pulse, passed: float) -> bool:
-        """Native code may keep the process from answering for long, but then it uses the processor."""
-        watched_from = min(0.5 * self._hung_after, 2.0)
-        if pulse.silence < watched_from:
-            pulse.stillness = 0.0
-            return False
-        work = self._process.work()
-        if work is None:
-            return pulse.silence > HUNG_AFTER_UNSEEN
-        ticks, state = work
-        if ticks != pulse.work:
-            pulse.work, pulse.stillness = ticks, 0.0
-        pulse.stillness += passed
-        patience = HUNG_AFTER_UNSEEN if state == "D" else self._hung_after
-        return pulse.silence > patience and pulse.stillness > patience - watched_from
 
 
 def _check_time(end: float | None, seconds: float | None) -> None:

@@ -12,6 +12,7 @@ from multiprocessing.connection import Client, Listener
 from pathlib import Path
 
 from ..errors import EngineLost
+from ..transport.devices import CHOICE
 from . import channel
 
 if sys.platform != "win32":
@@ -40,7 +41,12 @@ class Process:
     """The parent's hold on the process. Standard input stays open: its end tells the process that the parent is gone."""
 
     def __init__(
-        self, root: Path, search_path: list[str], memory_limit: int | None, factory: str | None
+        self,
+        root: Path,
+        search_path: list[str],
+        memory_limit: int | None,
+        device: str,
+        factory: str | None,
     ):
         self._key = secrets.token_bytes(32)
         self._listener = self._ours = theirs = None
@@ -48,6 +54,7 @@ class Process:
             "root": str(root),
             "search_path": search_path,
             "memory_limit": memory_limit,
+            "device": device,
             "factory": factory,
             "parent": os.getpid(),
             "key": self._key.hex(),
@@ -167,6 +174,8 @@ def settle(order: dict):
     faulthandler.enable()
     # An interrupt at the keyboard is for the parent.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if order["device"]:
+        os.environ[CHOICE] = order["device"]
     if sys.platform == "win32":
         connection = Client(order["address"], family="AF_PIPE")
     else:

@@ -419,8 +419,8 @@ class Server:
             return
         order.is_answered = True
         told = faults.describe(error, order.kind.partition("_")[0])
-        # Libraries that were loaded in part stay so: only a new process can do better.
-        is_last = told[0] == "EngineFault" and isinstance(error, BackendError)
+        # What could not be loaded may be there for a new process, and this one has it in part.
+        is_last = isinstance(error, BackendError)
         self._tell("error", told, number=order.number, is_last=is_last)
         if faults.is_of_memory(error):
             _free_memory()

@@ -3,8 +3,9 @@
 from functools import lru_cache
 from pathlib import Path
 
-from .catalogue import by_category, by_maker, read_library
-from .model import Library, Light, Model, Part, Problem
+from ..entries import Problem
+from .catalogue import read_library
+from .model import Library, Light, Model, Part
 
 __all__ = [
     "FOLDER",
@@ -13,8 +14,6 @@ __all__ = [
     "Model",
     "Part",
     "Problem",
-    "by_category",
-    "by_maker",
     "find_model",
     "models",
     "read_library",

@@ -21,9 +21,10 @@ import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ..entries import Problem, UnusableError, path_inside
 from ..plain_files import UnreadableError, read_object
-from .description import UnusableError, describe, path_inside
-from .model import Library, Model, Problem
+from .description import describe
+from .model import Library, Model
 
 EXTENSIONS = (".ies", ".ldt", ".xml")
 """Photometric files, by the end of their name in lower case."""
@@ -42,23 +43,6 @@ DEEPEST = 12
 
 LARGEST_JSON = 4 << 20
 """Larger descriptions are not read. [byte]"""
-
-
-def by_category(models) -> dict[str, tuple[Model, ...]]:
-    """Models by their category, in order."""
-    return _grouped(models, lambda model: model.category)
-
-
-def by_maker(models) -> dict[str, tuple[Model, ...]]:
-    """Models by their maker, in order."""
-    return _grouped(models, lambda model: model.maker)
-
-
-def _grouped(models, key) -> dict[str, tuple[Model, ...]]:
-    groups = {}
-    for model in models:
-        groups.setdefault(key(model), []).append(model)
-    return {name: tuple(groups[name]) for name in sorted(groups)}
 
 
 @dataclass

@@ -1,10 +1,10 @@
 """From what JSON says about a luminaire to its `Model`; what it can say stands in `catalogue`."""
 
 import math
-import os
 from pathlib import Path
 
 from .. import spectra
+from ..entries import UnusableError, is_number, path_inside, text_of
 from .model import MOUNTS, SHAPES, Light, Model, Part
 
 SHARE_TOLERANCE = 1e-4
@@ -12,18 +12,6 @@ SHARE_TOLERANCE = 1e-4
 
 HANGING = 0.5
 """Of pendants below the ceiling, if not stated. [m]"""
-
-
-class UnusableError(Exception):
-    """A description says what cannot be; the message says what was expected."""
-
-
-def path_inside(folder: Path, name) -> Path | None:
-    """Path of a name inside a folder; None if it is no name or leads out of it."""
-    if not isinstance(name, str) or not name or "\0" in name:
-        return None
-    path = Path(os.path.normpath(folder / name))
-    return path if path.is_relative_to(os.path.normpath(folder)) else None
 
 
 def describe(folder: Path, path: Path, entry: dict) -> Model:
@@ -40,7 +28,7 @@ def describe(folder: Path, path: Path, entry: dict) -> Model:
     UnusableError    Something in the entry cannot be.
     """
     where = "/".join(path.parent.relative_to(folder).parts)
-    mount = _text(entry, "mount", "ceiling")
+    mount = text_of(entry, "mount", "ceiling")
     if mount not in MOUNTS:
         raise UnusableError(f"'mount' is '{mount}', expected one of {', '.join(MOUNTS)}")
     tags = entry.get("tags", [])
@@ -50,14 +38,14 @@ def describe(folder: Path, path: Path, entry: dict) -> Model:
     if picture is None and "thumbnail" in entry:
         raise UnusableError("'thumbnail' should lie in the library's folder")
     return Model(
-        name=_text(entry, "name", path.stem),
+        name=text_of(entry, "name", path.stem),
         file=path,
-        title=_text(entry, "title", path.stem),
-        description=_text(entry, "description"),
-        category="/".join(part.strip() for part in _text(entry, "category", where).split("/")),
-        maker=_text(entry, "maker"),
-        author=_text(entry, "author"),
-        licence=_text(entry, "licence"),
+        title=text_of(entry, "title", path.stem),
+        description=text_of(entry, "description"),
+        category="/".join(part.strip() for part in text_of(entry, "category", where).split("/")),
+        maker=text_of(entry, "maker"),
+        author=text_of(entry, "author"),
+        licence=text_of(entry, "licence"),
         tags=tuple(tags),
         light=_light(entry.get("spectrum")),
         luminous_flux=_number(entry, "luminous_flux_lm", None),
@@ -70,22 +58,11 @@ def describe(folder: Path, path: Path, entry: dict) -> Model:
     )
 
 
-def _text(entry, key, default="") -> str:
-    value = entry.get(key, default)
-    if not isinstance(value, str):
-        raise UnusableError(f"'{key}' should be a text")
-    return value.strip() or default
-
-
-def _is_number(value) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
 def _number(entry, key, default) -> float | None:
     value = entry.get(key, default)
     if value is None:
         return None
-    if not _is_number(value) or not 0.0 <= value <= 1e9:
+    if not is_number(value, 0.0, 1e9):
         raise UnusableError(f"'{key}' should be a number that is not negative")
     return float(value)
 
@@ -106,7 +83,7 @@ def _light(entry) -> Light | None:
     if kind not in ranges:
         raise UnusableError(f"'spectrum' does not know '{kind}'")
     low, high = ranges[kind]
-    if not _is_number(value) or not low <= value <= high:
+    if not is_number(value, low, high):
         raise UnusableError(f"'{kind}' should be from {low:g} to {high:g}")
     return Light(kind.removesuffix("_K"), temperature=float(value))
 
@@ -136,7 +113,7 @@ def _part(entry) -> Part:
     if length < 1e-9 or min(size) < 0.0:
         raise UnusableError("an 'axis' must not be 0, a 'size_m' not negative")
     share = entry.get("share")
-    if not _is_number(share) or share < 0.0:
+    if not is_number(share, 0.0):
         raise UnusableError("every part needs a 'share' of the flux")
     return Part(
         position=_vector(entry, "position_m", [0.0, 0.0, 0.0]),
@@ -150,6 +127,6 @@ def _part(entry) -> Part:
 
 def _vector(entry, key, default) -> tuple[float, float, float]:
     value = entry.get(key, default)
-    if not isinstance(value, list) or len(value) != 3 or not all(map(_is_number, value)):
+    if not isinstance(value, list) or len(value) != 3 or not all(map(is_number, value)):
         raise UnusableError(f"'{key}' should be a list of three numbers")
     return tuple(map(float, value))

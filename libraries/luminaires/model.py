@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..entries import Problem
+
 MOUNTS = ("ceiling", "pendant", "wall", "open", "floor", "table", "aimed", "level")
 """How a luminaire is used: below a ceiling, hung from it, out of a wall, over open ground (on a mast), standing on a floor
 or a table, aimed at a wall from above, or shining level."""
@@ -87,17 +89,6 @@ class Model:
     drop: float = 0.0
     thumbnail: Path | None = None
     parts: tuple[Part, ...] = ()
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Something that was left out, and why."""
-
-    path: Path
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.path}: {self.message}"
 
 
 @dataclass(frozen=True)

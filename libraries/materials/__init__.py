@@ -3,7 +3,8 @@
 from functools import lru_cache
 from pathlib import Path
 
-from .catalogue import Entry, Library, Problem, by_category, read_library
+from ..entries import Problem
+from .catalogue import PREFIX, Entry, Library, by_category, read_library
 
 __all__ = [
     "FOLDER",
@@ -23,9 +24,6 @@ LIBRARY = Path(__file__).parent
 
 FOLDER = LIBRARY / "files"
 """Where its scattering files lie."""
-
-PREFIX = "library:"
-"""How a material names a file of ours, with the file's stem after it: its folder differs from machine to machine."""
 
 
 @lru_cache

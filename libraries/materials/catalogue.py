@@ -19,8 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .. import spectra
-from ..luminaires.description import UnusableError, path_inside
-from ..luminaires.model import Problem
+from ..entries import Problem, UnusableError, is_number, path_inside, text_of
 from ..plain_files import UnreadableError, read_object
 
 LIST = "materials.json"
@@ -30,7 +29,7 @@ THUMBNAILS = "thumbnails"
 """Folder of the pictures, beside the list."""
 
 PREFIX = "library:"
-"""Before the name of a scattering file that ships."""
+"""How a material names a file of ours, with the file's stem after it: its folder differs from machine to machine."""
 
 LARGEST_LIST = 4 << 20
 """Larger lists are not read. [byte]"""
@@ -128,7 +127,7 @@ class Library:
 
 def by_category(entries) -> dict[str, tuple[Entry, ...]]:
     """Materials by their category, in order."""
-    groups: dict[str, list] = {}
+    groups = {}
     for entry in entries:
         groups.setdefault(entry.category, []).append(entry)
     return {name: tuple(groups[name]) for name in sorted(groups)}
@@ -175,7 +174,7 @@ def _describe(folder: Path, defaults: dict, item, taken: set[str]) -> Entry:
     if not isinstance(item, dict):
         raise UnusableError("expected an object in braces")
     item = {**defaults, **item}
-    name = _text(item, "name")
+    name = text_of(item, "name")
     if not name or Path(name).name != name or name.startswith("."):
         raise UnusableError("needs a 'name' that is the name of a file too")
     if name.casefold() in taken:
@@ -188,41 +187,29 @@ def _describe(folder: Path, defaults: dict, item, taken: set[str]) -> Entry:
         picture = path_inside(folder, item["thumbnail"])
     if picture is None:
         raise UnusableError(f"'thumbnail' of {name} should lie in the library's folder")
-    category = "/".join(p.strip() for p in _text(item, "category").split("/") if p.strip())
-    title = _text(item, "title")
+    category = "/".join(p.strip() for p in text_of(item, "category").split("/") if p.strip())
+    title = text_of(item, "title")
     if not category or not title:
         raise UnusableError(f"{name} needs a 'title' and a 'category'")
     return Entry(
         name=name,
         title=title,
         category=category,
-        description=_text(item, "description"),
-        source=_text(item, "source"),
+        description=text_of(item, "description"),
+        source=text_of(item, "source"),
         settings=_settings(folder, name, item.get("settings")),
         tags=tuple(tags),
         reflectance=_share(item, "luminous_reflectance"),
         transmittance=_share(item, "luminous_transmittance"),
-        author=_text(item, "author"),
-        licence=_text(item, "licence"),
+        author=text_of(item, "author"),
+        licence=text_of(item, "licence"),
         thumbnail=picture,
     )
 
 
-def _text(item, key) -> str:
-    value = item.get(key, "")
-    if not isinstance(value, str):
-        raise UnusableError(f"'{key}' should be a text")
-    return value.strip()
-
-
-def _is_number(value, low: float, high: float) -> bool:
-    is_one = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_one and math.isfinite(value) and low <= value <= high
-
-
 def _share(item, key) -> float | None:
     value = item.get(key)
-    if value is not None and not _is_number(value, 0.0, 1.0):
+    if value is not None and not is_number(value, 0.0, 1.0):
         raise UnusableError(f"'{key}' should be a number from 0 to 1")
     return None if value is None else float(value)
 
@@ -268,7 +255,7 @@ def _value(value, rule, where: str):
     if (
         not isinstance(values, list)
         or len(values) != (count[0] if count else 1)
-        or not all(_is_number(each, low, high) for each in values)
+        or not all(is_number(each, low, high) for each in values)
     ):
         many = f"{count[0]} numbers" if count else "a number"
         raise UnusableError(f"{where} should be {many} from {low:g} to {high:g}")

@@ -1,4 +1,4 @@
-"""Ray sets made by us, by tracing small models of lamps: `catalogue` says which, `models` makes them."""
+"""Ray sets made by us, by tracing small models of lamps: `catalogue` says which."""
 
 from pathlib import Path
 

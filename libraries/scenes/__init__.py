@@ -1,4 +1,4 @@
-"""The scenes that ship, and where they lie; the modules beside this one build them in Blender."""
+"""The scenes that ship, and where they lie."""
 
 from pathlib import Path
 
@@ -6,11 +6,6 @@ FOLDER = Path(__file__).parent
 
 NAMES = ("office", "inverse_square", "closed_box", "materials")
 """Scenes that ship as ``.blend`` files."""
-
-
-def scene_names() -> tuple[str, ...]:
-    """Return the names of the bundled scenes."""
-    return NAMES
 
 
 def scene_path(name: str) -> Path:

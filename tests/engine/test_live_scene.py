@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from live_scenes import block, camera_at, frame_at, lamp
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
-from lumenray.engine.scene.camera import Camera, Projection
+from lumenray.engine.scene.camera import Camera
 from lumenray.engine.scene.light import (
     AreaLight,
     Output,
@@ -30,55 +31,13 @@ from lumenray.engine.scene.mesh import Geometry, Mesh, Placement, place
 from lumenray.engine.scene.scene import Attachment, Scene, SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
-from lumenray.engine.session import Display, DisplayMode, LiveSettings, Session, ViewSettings
-from small_scenes import box, paint, quad, session_of
+from lumenray.engine.session import Session
+from lumenray.engine.views import Display, LiveSettings, ViewSettings
+from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
 UP = np.array([[0.0, 0.0, 1.0]])
-
-
-def frame_at(x, y, z, turn=0.0, size=1.0):
-    """Placement turned about z."""
-    frame = np.eye(4)
-    c, s = np.cos(turn) * size, np.sin(turn) * size
-    frame[:3, :3] = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, size]]
-    frame[:3, 3] = [x, y, z]
-    return frame
-
-
-def block(key, seed=0, fine=3):
-    """Lumpy closed body about the origin, smooth or flat, with coordinates."""
-    rng = np.random.default_rng(seed)
-    outside = box(1, 1, 1, inwards=False)
-    vertices = outside.vertices - 0.5 + 0.1 * rng.random((8, 3))
-    triangles = outside.triangles
-    normals = None
-    if seed % 2:
-        normals = vertices[triangles] / np.linalg.norm(vertices[triangles], axis=2, keepdims=True)
-    uv = rng.random((len(triangles), 3, 2)).astype(np.float32)
-    slots = (np.arange(len(triangles)) % 2).astype(np.int32)
-    normals = None if normals is None else normals.astype(np.float32)
-    return Geometry(key, vertices.astype(np.float32), triangles, slots, normals, {"UV": uv})
-
-
-def camera_at(x, y, z, width=48, height=36, wide=1.2):
-    """Camera that looks down."""
-    return Camera(
-        frame_at(x, y, z), Projection.PERSPECTIVE, width, height, wide, wide * height / width
-    )
-
-
-def lamp(key, x, y, z, lumens=1000.0, kelvin=3000.0, size=0.4):
-    return AreaLight(
-        key,
-        key,
-        Output(Quantity.LUMINOUS_FLUX, lumens, Blackbody(kelvin)),
-        frame_at(x, y, z),
-        size,
-        size,
-    )
-
 
 SURFACES = (
     lambda r: Diffuse(Rgb(*r.random(3))),
@@ -412,76 +371,6 @@ def test_sensors_of_the_engine_survive_edits():
         session.measure_sensors("t", rule)
 
 
-def finish(session):
-    """Work until the view is complete; returns all frames."""
-    frames = []
-    while session.has_view_work:
-        frame = session.refine()
-        if frame is not None:
-            frames.append(frame)
-    return frames
-
-
-@pytest.mark.slow
-def test_a_live_view_becomes_the_picture():
-    session = session_of(
-        box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9), replace(paint(0.2, "m"), id="m")
-    )
-    camera = camera_at(2, 2, 2.0, 160, 120)
-    session.watch(camera, LiveSettings(samples=64), Display(white=100.0))
-    frames = finish(session)
-    assert frames[0].pixels.shape[1] < 160
-    assert frames[-1].pixels.shape == (120, 160, 4)
-    assert frames[-1].is_final
-    assert frames[-1].samples == 64
-    assert not any(frame.is_final for frame in frames[:-1])
-    assert frames[-1].relative_error < frames[len(frames) // 2].relative_error
-    picture = session.render(camera, ViewSettings(StopRule(samples=64), seed=1))
-    luminance = picture.tristimulus[..., 1] / 100.0
-    shown = frames[-1].pixels[..., :3] @ [0.2126, 0.7152, 0.0722]
-    error = np.sqrt(2.0) * picture.luminance_error.mean() / 100.0
-    blocks = (luminance - shown).reshape(12, 10, 16, 10).mean(axis=(1, 3))
-    assert np.abs(blocks).max() < 5.0 * error / 10.0 + 1e-3
-    assert luminance.mean() == pytest.approx(shown.mean(), rel=0.01)
-
-
-def test_display_follows_without_new_samples():
-    session = session_of(box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9))
-    camera = camera_at(2, 2, 2.0, 32, 24)
-    session.watch(camera, LiveSettings(samples=4), Display(white=100.0))
-    last = finish(session)[-1]
-    session.watch(camera, LiveSettings(samples=4), Display(white=200.0))
-    again = finish(session)
-    assert len(again) == 1
-    np.testing.assert_allclose(again[0].pixels[..., :3], 0.5 * last.pixels[..., :3], rtol=1e-5)
-    session.watch(camera, LiveSettings(samples=4), Display(DisplayMode.FALSE_LUMINANCE, high=100.0))
-    false = finish(session)[-1]
-    assert false.is_display_referred
-    assert (false.low, false.high, false.unit) == (0.0, 100.0, "cd/m²")
-    session.watch(camera, LiveSettings(samples=4), Display(DisplayMode.FALSE_ILLUMINANCE))
-    assert finish(session)[-1].unit == "lx"
-
-
-def test_the_first_frame_is_an_image():
-    session = session_of(box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9))
-    for width in (32, 300):
-        session.watch(camera_at(2, 2, 2.0, width, 24), LiveSettings(samples=4), Display())
-        first = next(frame for frame in iter(session.refine, 0) if frame is not None)
-        assert (first.pixels[..., 1] > 0.0).mean() > 0.5
-
-
-def test_a_fault_in_a_scene_is_said_and_the_next_edit_is_right():
-    session = session_of(box(4, 4, 3, "paint"), paint(0.5), lamp("l", 2, 2, 2.9))
-    camera = camera_at(2, 2, 2.0, 32, 24)
-    session.watch(camera, LiveSettings(samples=4), Display())
-    finish(session)
-    session.apply(SceneDelta(changed=(Placement("o", "o", "missing", np.eye(4), ("paint",)),)))
-    with pytest.raises(SceneError, match="does not hold"):
-        session.refine()
-    session.apply(SceneDelta(removed=("o",)))
-    assert finish(session)[-1].is_final
-
-
 def test_a_far_edit_moves_the_frame_and_stays_right():
     session = session_of(
         lamp("l", 0, 0, 1, 1000.0), paint(0.5), quad("f", (0, 0, -1), (1, 0, 0), (0, 1, 0), "paint")
@@ -502,9 +391,9 @@ def test_unused_is_forgotten():
     materials = [Material(f"m{k}", f"m{k}", Conductor("Al", 0.2)) for k in range(3)]
     session.apply(SceneDelta(changed=(*meshes, *materials)))
     session.measure([[0, 0, 0]], UP, StopRule(samples=4))
-    finishes = session._compiled._finishes
-    assert finishes.item("m1") is not None
+    material_palette = session._compiled._material_palette
+    assert material_palette.item("m1") is not None
     session.apply(SceneDelta(removed=("q1", "m1")))
     session.measure([[0, 0, 0]], UP, StopRule(samples=4))
-    assert finishes.item("m1") is None
+    assert material_palette.item("m1") is None
     assert isinstance(meshes[0], Mesh)

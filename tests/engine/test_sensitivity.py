@@ -12,7 +12,7 @@ from lumenray.engine.scene.material import Conductor, Diffuse, Material, Measure
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
-from lumenray.engine.sensitivity import measure_sensitivities, scale_surface
+from lumenray.engine.sensitivity import measure_sensitivities
 from lumenray.engine.session import Session
 from scattering_models import ggx, lambert
 
@@ -135,8 +135,8 @@ def test_the_scene_is_as_before_and_materials_without_a_reflectance_are_left_out
 
 
 def test_surfaces_are_scaled_where_no_law_fixes_them():
-    both = scale_surface(Diffuse(Constant(0.5), Constant(0.2)), 0.9)
+    both = Diffuse(Constant(0.5), Constant(0.2)).scaled(0.9)
     assert both.reflectance.value == pytest.approx(0.45)
     assert both.transmittance.value == pytest.approx(0.18)
-    assert scale_surface(Conductor("Al"), 0.9) is None
-    assert scale_surface(Measured(factor=2.0), 0.5).factor == 1.0
+    assert Conductor("Al").scaled(0.9) is None
+    assert Measured(factor=2.0).scaled(0.5).factor == 1.0

@@ -10,7 +10,7 @@ from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.eulumdat.reader import parse_eulumdat
 from lumenray.engine.luminaires.formats.eulumdat.writer import write_eulumdat
 from lumenray.engine.luminaires.formats.reader import parse_luminaire
-from mutations import NUMBER, NUMBERS, mutate
+from mutations import damage
 
 CHUNKS = 16
 MUTATIONS = (8000 if os.environ.get("LUMENRAY_ALL_SEEDS") else 1200) // CHUNKS
@@ -48,20 +48,6 @@ TEXTS = [
     text(4, PLANES, 7, POLARS, ((-1, "LED", 2500, "nw/4000", "90", 0),)),
     text(1, [0], 1, [90, 120, 150, 180]),
 ]
-
-
-def damage(data, rng):
-    """Any damage, or that of a few numbers and of a line, which leaves the file alive for longer."""
-    if rng.integers(2):
-        return mutate(data, rng)
-    for _ in range(rng.integers(1, 3)):
-        found = list(NUMBER.finditer(data))
-        match = found[rng.integers(len(found))]
-        data = data[: match.start()] + NUMBERS[rng.integers(len(NUMBERS))] + data[match.end() :]
-    lines = data.splitlines(keepends=True)
-    place = int(rng.integers(len(lines)))
-    lines[place : place + 1] = lines[place : place + 1] * int(rng.choice([0, 1, 1, 1, 1, 2]))
-    return b"".join(lines)
 
 
 @pytest.mark.parametrize("data", TEXTS)

@@ -1,9 +1,7 @@
 """Damaged scattering files: whatever stands in them, they are read or refused in one sentence, with little memory."""
 
 import functools
-import resource
 import struct
-import sys
 
 import numpy as np
 import pytest
@@ -25,6 +23,7 @@ from lumenray.engine.scattering.readers.tensor_file import (
     parse_tensor_file,
     read_tensor_file,
 )
+from memory import peak_memory
 from mutations import mutate
 from tensor_files import measured_like
 
@@ -76,13 +75,6 @@ TENSORS = {
 }
 
 
-def peak() -> int:
-    """Most memory that this process ever held. [byte]"""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-        1 if sys.platform == "darwin" else 1024
-    )
-
-
 def damage_binary(data: bytes, rng) -> bytes:
     """Damage of bytes, or of numbers of four or eight bytes in the head."""
     if rng.random() < 0.4:
@@ -102,7 +94,7 @@ def damage_binary(data: bytes, rng) -> bytes:
 def try_all(data: bytes, damage, read, seed: int) -> int:
     """How many of the damaged files were read; all others are refused in a sentence."""
     rng = np.random.default_rng(seed)
-    count, before = 0, peak()
+    count, before = 0, peak_memory()
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for _ in range(ROUNDS):
             try:
@@ -111,7 +103,7 @@ def try_all(data: bytes, damage, read, seed: int) -> int:
                 assert "\n" not in str(error)
                 continue
             count += 1
-    assert peak() - before < MOST_MEMORY
+    assert peak_memory() - before < MOST_MEMORY
     return count
 
 
@@ -177,14 +169,14 @@ def test_damaged_counts_that_are_read_become_tables_or_are_refused():
 def test_damaged_heads_of_merl_files_are_refused():
     rng = np.random.default_rng(30)
     head = struct.pack("<3i", *SHAPE)
-    before = peak()
+    before = peak_memory()
     for _ in range(ROUNDS):
         data = mutate(head + rng.bytes(int(rng.integers(200))), rng)
         is_merl(data)
         with pytest.raises(FileFormatError) as caught:
             read_merl(data, "material.binary")
         assert "\n" not in str(caught.value)
-    assert peak() - before < MOST_MEMORY
+    assert peak_memory() - before < MOST_MEMORY
 
 
 @pytest.mark.slow
@@ -214,10 +206,10 @@ def test_merl_files_of_noise_are_read_or_refused():
     ],
 )  # fmt: skip
 def test_claims_of_gigabytes_take_no_memory(data, read):
-    before = peak()
+    before = peak_memory()
     with pytest.raises(FileFormatError):
         read(data, "claim")
-    assert peak() - before < 16 << 20
+    assert peak_memory() - before < 16 << 20
 
 
 def test_a_long_line_takes_no_time():

@@ -1,13 +1,11 @@
 """Damaged ray files: whatever stands in them, they are read or refused in one sentence, soon, and with little memory."""
 
-import resource
-import sys
-
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.raysets.reader import read_rayset
 from lumenray.engine.raysets.survey import survey_rays
+from memory import peak_memory
 from mutations import mutate
 from ray_files import (
     asap,
@@ -78,18 +76,11 @@ def damage(data: bytes, rng) -> bytes:
     return bytes(changed)
 
 
-def peak() -> int:
-    """Most memory that this process ever held. [byte]"""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-        1 if sys.platform == "darwin" else 1024
-    )
-
-
 @pytest.mark.parametrize("name", FILES)
 def test_damaged_files_are_read_or_refused(tmp_path, name):
     rng = np.random.default_rng(list(FILES).index(name))
     path = tmp_path / "lamp.ray"
-    read, before = 0, peak()
+    read, before = 0, peak_memory()
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for _ in range(ROUNDS):
             path.write_bytes(damage(FILES[name], rng))
@@ -106,6 +97,6 @@ def test_damaged_files_are_read_or_refused(tmp_path, name):
             assert np.abs(np.linalg.norm(made.axis)) <= 1.0 + 1e-6
             for flux in (made.luminous_flux, made.radiant_flux):
                 assert flux is None or (np.isfinite(flux) and flux >= 0.0)
-    assert peak() - before < MOST_MEMORY
+    assert peak_memory() - before < MOST_MEMORY
     # Both happen, or the damage is of the wrong size.
     assert 0 < read < ROUNDS

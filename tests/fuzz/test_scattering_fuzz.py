@@ -1,8 +1,5 @@
 """Damaged scattering files: whatever stands in them, they are read or refused in one sentence, with little memory."""
 
-import resource
-import sys
-
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError
@@ -13,6 +10,7 @@ from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
 from lumenray.engine.scattering.readers.speos import is_speos, read_speos
 from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
 from lumenray.engine.scene.scattering import ScatterTable
+from memory import peak_memory
 from mutations import NUMBER, NUMBERS, mutate
 from scattering_files import (
     alike,
@@ -23,11 +21,11 @@ from scattering_files import (
     coated,
     lighttools,
     mdl,
-    polar,
     scattering,
     simple,
     zemax,
 )
+from scattering_models import towards
 
 ROUNDS = 400
 """Damages of every kind of file."""
@@ -81,20 +79,15 @@ def damage(data: bytes, rng) -> bytes:
     return bytes(changed)
 
 
-def peak() -> int:
-    """Most memory that this process ever held. [byte]"""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-        1 if sys.platform == "darwin" else 1024
-    )
-
-
 def coarse(evaluate, wavelengths, *, incidences, rotations=(0.0,), **_):
     """A table of one value for each direction of incidence, so that time goes into reading; many are asked for."""
     wavelengths = np.asarray(wavelengths, dtype=np.float64)
     grid = np.meshgrid(rotations, incidences, indexing="ij")
-    wi = polar(np.degrees(grid[1].ravel()), np.degrees(grid[0].ravel()))
+    wi = towards(np.degrees(grid[1].ravel()), np.degrees(grid[0].ravel()))
     values = np.zeros((len(wi), len(wavelengths)))
-    for wo in polar(np.repeat((0.0, 20.0, 50.0, 85.0, 89.0), 8), np.tile(np.arange(0, 360, 45), 5)):
+    for wo in towards(
+        np.repeat((0.0, 20.0, 50.0, 85.0, 89.0), 8), np.tile(np.arange(0, 360, 45), 5)
+    ):
         values = np.maximum(values, evaluate(wi, np.broadcast_to(wo, wi.shape)))
     assert np.isfinite(values).all()
     shape = len(rotations), len(incidences), 2, 2, len(wavelengths)
@@ -115,7 +108,7 @@ def test_damaged_files_are_read_or_refused(name, monkeypatch):
     assert is_mine(data)
     # Once before memory is counted: what is imported and cached does not count.
     assert reader(data, "surface").sides
-    done, before = 0, peak()
+    done, before = 0, peak_memory()
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for _ in range(ROUNDS):
             damaged = damage(data, rng)
@@ -131,7 +124,7 @@ def test_damaged_files_are_read_or_refused(name, monkeypatch):
                 check_table(table)
             for remark in file.remarks:
                 assert "\n" not in str(remark)
-    assert peak() - before < MOST_MEMORY
+    assert peak_memory() - before < MOST_MEMORY
     # Both happen, or the damage is of the wrong size.
     assert 0 < done < ROUNDS
 

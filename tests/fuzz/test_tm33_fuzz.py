@@ -9,7 +9,7 @@ from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.luminaires.formats.reader import parse_luminaire
 from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33
-from mutations import NUMBER, NUMBERS, mutate
+from mutations import damage
 
 CHUNKS = 16
 MUTATIONS = (8000 if os.environ.get("LUMENRAY_ALL_SEEDS") else 1200) // CHUNKS
@@ -89,20 +89,6 @@ TEXTS = [
         "IES_B",
     ),
 ]
-
-
-def damage(data, rng):
-    """Any damage, or that of a few numbers and of a line, which leaves the file alive for longer."""
-    if rng.integers(2):
-        return mutate(data, rng)
-    for _ in range(rng.integers(1, 3)):
-        found = list(NUMBER.finditer(data))
-        match = found[rng.integers(len(found))]
-        data = data[: match.start()] + NUMBERS[rng.integers(len(NUMBERS))] + data[match.end() :]
-    lines = data.splitlines(keepends=True)
-    place = int(rng.integers(len(lines)))
-    lines[place : place + 1] = lines[place : place + 1] * int(rng.choice([0, 1, 1, 1, 1, 2]))
-    return b"".join(lines)
 
 
 @pytest.mark.parametrize("data", TEXTS)

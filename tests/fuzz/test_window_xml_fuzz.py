@@ -1,7 +1,5 @@
 """Damaged WINDOW XML: whatever stands in it, it is read or refused in one sentence, soon, and with little memory."""
 
-import resource
-import sys
 import time
 
 import numpy as np
@@ -11,6 +9,7 @@ from lumenray.engine.scattering.data.patches import check_patches
 from lumenray.engine.scattering.data.tree import check_tree
 from lumenray.engine.scattering.readers.window_xml import is_window_xml, read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
+from memory import peak_memory
 from mutations import mutate
 from window_files import SMALL, SMALL_BASIS, SMALL_COUNT, basis, block, klems, tree, window_xml
 
@@ -42,17 +41,10 @@ MOST_MEMORY = 64 << 20
 """That damaged files of some kilobytes may make the process grow. [byte]"""
 
 
-def peak() -> int:
-    """Most memory that this process ever held. [byte]"""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (
-        1 if sys.platform == "darwin" else 1024
-    )
-
-
 @pytest.mark.parametrize("name", FILES)
 def test_damaged_files_are_read_or_refused(name):
     rng = np.random.default_rng(list(FILES).index(name))
-    read, before = 0, peak()
+    read, before = 0, peak_memory()
     with np.errstate(over="raise", divide="raise", invalid="raise"):
         for _ in range(ROUNDS):
             data = mutate(FILES[name], rng)
@@ -66,7 +58,7 @@ def test_damaged_files_are_read_or_refused(name):
             assert file.sides
             for scatter in file.sides.values():
                 (check_patches if isinstance(scatter, PatchMatrix) else check_tree)(scatter)
-    assert peak() - before < MOST_MEMORY
+    assert peak_memory() - before < MOST_MEMORY
     # Both happen, or the damage is of the wrong size.
     assert 0 < read < ROUNDS
 

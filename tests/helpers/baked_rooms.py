@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
+from gltf_files import GltfFile
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams
+from lumenray.engine.formats.gltf import write_gltf
 from lumenray.engine.scene.material import Diffuse, Emission, Material, ThinGlass
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.provenance import Provenance
@@ -122,7 +124,6 @@ def make_map(mesh: Mesh, number, values, uv, page):
         requested_density=DENSITY,
         area=values.size / DENSITY**2,
         invalid=0,
-        smoothed=False,
         provenance=PROVENANCE,
         layout=layout,
     )
@@ -177,3 +178,38 @@ def without_pages(result):
         result,
         pages=tuple(replace(p, illuminance=None, covered=None, chart=None) for p in result.pages),
     )
+
+
+WHITE = 150.0
+"""Luminance that is shown as white. [cd/m2]"""
+
+
+def write_room(tmp_path, sheets, lamp, name="room.glb", **options):
+    """Write a baked room as glTF and return what a reader makes of it."""
+    result = bake(sheets, lamp, options.pop("colour", None))
+    more = options.pop("more", ())
+    path = tmp_path / name
+    meshes = [sheet.mesh for sheet in sheets] + list(more)
+    files = write_gltf(path, meshes, materials(), result, **{"white": WHITE, **options})
+    assert files[0] == path
+    assert all(file.exists() for file in files)
+    file = GltfFile(path)
+    file.check()
+    return file
+
+
+def look_up(picture, uv):
+    """Value of the texel that a coordinate falls on; glTF counts v downwards from the first row."""
+    height, width = picture.shape[:2]
+    return picture[int(uv[1] * height), int(uv[0] * width)]
+
+
+def places_inside(file, primitive, node, count=40):
+    """Yield world places (Z up) inside a primitive's triangles, with their coordinates on the texture."""
+    generator = np.random.default_rng(1)
+    places, uv = file.corners(node, primitive)
+    for _ in range(count):
+        i = generator.integers(len(places))
+        weights = generator.dirichlet((1.0, 1.0, 1.0))
+        x, y, z = weights @ places[i]
+        yield np.array([x, -z, y]), weights @ uv[i]

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History, Mark
+from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.scene.provenance import Provenance
@@ -68,7 +70,8 @@ class FakeSession:
         maps = tuple(
             make_map(mesh, number, number % pages, order) for number, mesh in enumerate(meshes)
         )
-        return make_result(maps, made)
+        own = Provenance("0", "llvm_ad_mono", self.scene.hash(), order.seed, 64, 1.5)
+        return make_result((replace(each, provenance=own) for each in maps), made)
 
 
 def lay_out(mesh, page: int) -> Layout:
@@ -134,7 +137,6 @@ def make_map(mesh, number: int, page: int, order) -> LuxMap:
         requested_density=order.density,
         area=2.56,
         invalid=3,
-        smoothed=order.smooth,
         provenance=Provenance("0", "llvm_ad_mono", "hash", order.seed, 64, 1.5),
         layout=lay_out(mesh, page),
     )
@@ -167,6 +169,22 @@ def with_back(result: BakeResult) -> BakeResult:
     page = len(result.pages) - 1
     layout = replace(first.layout, page=np.full_like(first.layout.page, page))
     return replace(result, maps=(*result.maps, replace(first, layout=layout)))
+
+
+class SlowSession(FakeSession):
+    """Bakes until it is asked to end; a stop gives a result, a cancel none."""
+
+    def __init__(self):
+        super().__init__()
+        self.is_working = threading.Event()
+
+    def bake_objects(self, order, progress=None):
+        while not (self.cancelled or self.stopped):
+            self.is_working.set()
+            progress(Progress(0.3, 64, 0.0016, 5.0, 20.0, "illuminance"))
+            time.sleep(0.005)
+        made = super().bake_objects(order, progress)
+        return replace(made, shortfall=SHORT)
 
 
 class Interrupted(FakeSession):

@@ -2,6 +2,7 @@
 
 import numpy as np
 from lumenray.engine.scattering.data.table import direction_of
+from scattering_models import towards
 
 COLOURS = np.array([1.0, 0.8, 0.5])
 """Of the bands."""
@@ -15,13 +16,6 @@ AZIMUTHS = np.arange(0.0, 181.0, 15.0)
 SIGNED = np.arange(-85.0, 86.0, 2.5)
 
 RADIALS = np.array([0, 2, 4, 6, 8, 10, 13, 16, 20, 25, 30, 40, 50, 65, 80, 100, 130.0])
-
-
-def towards(theta, phi):
-    """Unit vectors at angles to the normal and azimuths. [degree]"""
-    theta, phi = np.radians(theta), np.radians(phi)
-    parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
 def lobe(wi, wo, matt=0.1, width=15.0):

@@ -22,6 +22,12 @@ def grid(azimuth, polar, intensity, kind="C"):
     return IntensityDistribution(azimuth, polar, np.asarray(intensity, float), FRAMES[kind])
 
 
+def rotational(values, step=0.5):
+    """Distribution of a function of gamma [rad] on a grid of a step [degree]."""
+    polar = np.deg2rad(np.linspace(0.0, 180.0, round(180.0 / step) + 1))
+    return IntensityDistribution(np.zeros(1), polar, np.maximum(values(polar), 0.0)[None])
+
+
 def _random(azimuth, polar, seed, power=1.0, kind="C"):
     values = 0.05 + np.random.default_rng(seed).random((len(azimuth), len(polar))) ** power
     # One direction, one value.

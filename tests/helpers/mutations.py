@@ -24,6 +24,20 @@ def mutate(data: bytes, rng: np.random.Generator) -> bytes:
     return data
 
 
+def damage(data, rng):
+    """Any damage, or that of a few numbers and of a line, which leaves the file alive for longer."""
+    if rng.integers(2):
+        return mutate(data, rng)
+    for _ in range(rng.integers(1, 3)):
+        found = list(NUMBER.finditer(data))
+        match = found[rng.integers(len(found))]
+        data = data[: match.start()] + NUMBERS[rng.integers(len(NUMBERS))] + data[match.end() :]
+    lines = data.splitlines(keepends=True)
+    place = int(rng.integers(len(lines)))
+    lines[place : place + 1] = lines[place : place + 1] * int(rng.choice([0, 1, 1, 1, 1, 2]))
+    return b"".join(lines)
+
+
 def _place(size: int, rng) -> int:
     return int(rng.integers(size + 1))
 

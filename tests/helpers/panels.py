@@ -1,5 +1,6 @@
 """Draws panels without a window: onto a layout that checks what is put on it."""
 
+import time
 import types
 from contextlib import contextmanager
 from functools import partial
@@ -126,9 +127,42 @@ def draw(name, where):
     return layout.seen
 
 
+def finish_pictures(pictures):
+    """Do what Blender's timer does until pictures are drawn."""
+    end = time.monotonic() + 120.0
+    while pictures.timer() is not None:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 def new_light(kind):
     """Return the context of a new light that is active."""
     light = bpy.data.lights.new("Lamp", kind)
     source = bpy.data.objects.new("Lamp", light)
     bpy.context.scene.collection.objects.link(source)
     return context(light=light, object=source)
+
+
+def labels_of(name, where):
+    """Draw a panel and return the texts that its settings are given, by name."""
+    return {setting: text for _, setting, text in settings_drawn(name, where)}
+
+
+def settings_drawn(name, where):
+    """Draw a panel and return its settings: owner, name and the text that it is given."""
+    found = []
+
+    class Labelled(Layout):
+        def _part(self, **_):
+            return self
+
+        row = column = box = split = _part
+
+        def prop(self, data, name, text=None, **options):
+            super().prop(data, name, text, **options)
+            found.append((data, name, text))
+
+    kind = getattr(bpy.types, name)
+    assert not hasattr(kind, "poll") or kind.poll(where)
+    kind.draw(Drawn(kind, Labelled()), where)
+    return found

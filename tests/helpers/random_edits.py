@@ -7,7 +7,6 @@ import random
 from pathlib import Path
 
 import bpy
-from lumenray.engine.scene.scene import Scene, content_digest
 
 
 class RandomEdits:
@@ -582,40 +581,3 @@ EDITS = {
     "reopen": (_reopen, 0.7),
 }
 """Function and weight of each edit by name."""
-
-
-def differences(kept: Scene, fresh: Scene) -> list[str]:
-    """Say where a scene kept current differs from a fresh export, object by object; empty if nowhere.
-
-    Names do not count, nor what the kept scene holds in reserve: unused geometries and materials, and dark lights.
-    """
-    found = []
-    for key in sorted(kept.meshes.keys() | fresh.meshes.keys()):
-        if key not in kept.meshes or key not in fresh.meshes:
-            found.append(f"{key} is only in the {'kept' if key in kept.meshes else 'fresh'} scene")
-            continue
-        old, new = kept.mesh(key), fresh.mesh(key)
-        if content_digest(old) != content_digest(new):
-            found.append(f"{key} '{new.name}' differs")
-        if old.materials != new.materials:
-            found.append(f"{key} '{new.name}' has other materials")
-        found += [f"{m} is missing" for m in old.materials if m not in kept.materials]
-    for key, new in fresh.materials.items():
-        if key in kept.materials and content_digest(kept.materials[key]) != content_digest(new):
-            found.append(f"{key} '{new.name}' differs")
-    old_lights, new_lights = (
-        {key: light for key, light in scene.lights.items() if light.output.value > 0}
-        for scene in (kept, fresh)
-    )
-    for key in sorted(old_lights.keys() | new_lights.keys()):
-        if key not in old_lights or key not in new_lights:
-            found.append(f"{key} is only in the {'kept' if key in old_lights else 'fresh'} scene")
-        elif content_digest(old_lights[key]) != content_digest(new_lights[key]):
-            found.append(f"{key} '{new_lights[key].name}' differs")
-    if (kept.world is None) != (fresh.world is None):
-        found.append("only one of them has a world")
-    elif kept.world is not None and (
-        kept.world.id != fresh.world.id or content_digest(kept.world) != content_digest(fresh.world)
-    ):
-        found.append("the world differs")
-    return found

@@ -4,6 +4,7 @@ import struct
 import zlib
 
 import numpy as np
+from scattering_models import towards
 
 
 def handed(wi, wo):
@@ -19,18 +20,11 @@ def alike(wi, wo):
     return 0.5 * (handed(wi, wo) + handed(wi * [1.0, -1.0, 1.0], wo * [1.0, -1.0, 1.0]))
 
 
-def polar(theta, phi):
-    """Unit vectors at angles to the normal and azimuths. [degree]"""
-    theta, phi = np.radians(theta), np.radians(phi)
-    parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
-
-
 def reflectance(brdf, incidence):
     """Hemispherical reflectance at an angle of incidence [degree], by the midpoint rule."""
     theta, phi = np.arange(0.25, 90.0, 0.5), np.arange(1.0, 360.0, 2.0)
-    wo = polar(theta[:, None], phi).reshape(-1, 3)
-    wi = np.broadcast_to(polar(incidence, 0.0), wo.shape)
+    wo = towards(theta[:, None], phi).reshape(-1, 3)
+    wi = np.broadcast_to(towards(incidence, 0.0), wo.shape)
     weight = np.repeat(np.sin(2.0 * np.radians(theta)), len(phi))
     return float(np.pi * (brdf(wi, wo) * weight).sum() / weight.sum())
 
@@ -91,8 +85,8 @@ def lighttools(brdf=handed, incidences=(0, 30, 60), azimuths=tuple(range(0, 361,
                 factor = band / 500.0 if band else 1.0
                 total = factor * reflectance(brdf, incidence) if totals is None else totals[k]
                 lines += [f"ScatterType {kind}", f"TIS {total:.6f}"]
-                wo = polar(np.array(radials), np.array(azimuths)[:, None])
-                wi = np.broadcast_to(polar(incidence, light + plane), (wo.size // 3, 3))
+                wo = towards(np.array(radials), np.array(azimuths)[:, None])
+                wi = np.broadcast_to(towards(incidence, light + plane), (wo.size // 3, 3))
                 values = factor * brdf(wi, wo.reshape(-1, 3)).reshape(wo.shape[:2])
                 lines += [" ".join(f"{v:.5e}" for v in row) for row in values]
     return "\n".join(lines).encode()
@@ -100,8 +94,8 @@ def lighttools(brdf=handed, incidences=(0, 30, 60), azimuths=tuple(range(0, 361,
 
 def _speos_table(brdf, incidence, thetas, phis, mirror, is_intensity=False):
     """Rows of one table of SPEOS, the mirror direction at an azimuth."""
-    wo = polar(np.array(thetas)[:, None], np.array(phis) - mirror)
-    wi = np.broadcast_to(polar(incidence, 180.0), (wo.size // 3, 3))
+    wo = towards(np.array(thetas)[:, None], np.array(phis) - mirror)
+    wi = np.broadcast_to(towards(incidence, 180.0), (wo.size // 3, 3))
     values = brdf(wi, wo.reshape(-1, 3)).reshape(wo.shape[:2])
     return values * wo[..., 2] if is_intensity else values
 
@@ -260,8 +254,8 @@ def mdl(brdf=alike, polars=15, azimuths=24, colour=None, marks=("_REFLECTION",))
     """A file of MDL."""
     theta = (np.arange(polars) + 0.5) * 90.0 / polars
     phi = (np.arange(azimuths) + 0.5) * 180.0 / azimuths
-    wo = np.broadcast_to(polar(theta[:, None], phi), (polars, polars, azimuths, 3)).reshape(-1, 3)
-    wi = np.broadcast_to(polar(theta, 0.0)[:, None, None], (polars, polars, azimuths, 3)).reshape(
+    wo = np.broadcast_to(towards(theta[:, None], phi), (polars, polars, azimuths, 3)).reshape(-1, 3)
+    wi = np.broadcast_to(towards(theta, 0.0)[:, None, None], (polars, polars, azimuths, 3)).reshape(
         -1, 3
     )
     values = brdf(wi, wo).reshape(polars, polars, azimuths)

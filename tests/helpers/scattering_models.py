@@ -50,9 +50,10 @@ def directions(count, seed, lowest=0.05):
 
 
 def towards(angle, azimuth=0.0):
-    """Direction at an angle to the normal. (3,) [deg]"""
-    s, a = np.radians(angle), np.radians(azimuth)
-    return np.array([np.sin(s) * np.cos(a), np.sin(s) * np.sin(a), np.cos(s)])
+    """Directions at angles to the normal and azimuths. (..., 3) [degree]"""
+    theta, phi = np.radians(angle), np.radians(azimuth)
+    parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
 
 
 def random_table(seed=1, rotations=3, is_symmetric=False, bands=3, is_orthotropic=False):

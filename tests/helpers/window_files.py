@@ -1,6 +1,11 @@
 """WINDOW XML files of few values, written by hand."""
 
 import numpy as np
+from lumenray.engine.scattering.data.patches import albedos, evaluate_patches, patch_of
+from lumenray.engine.scattering.data.tree import albedos_of_tree, evaluate_tree
+from lumenray.engine.scattering.readers.window_xml import read_window_xml
+from lumenray.engine.scene.scattering import PatchMatrix
+from scattering_models import towards
 
 KLEMS_FULL = "LBNL/Klems Full"
 
@@ -60,3 +65,37 @@ def klems(direction: str, values, name: str = KLEMS_FULL, structure: str = "Colu
 
 def tree(direction: str, data: str, rank: int = 4) -> bytes:
     return window_xml(f"TensorTree{rank}", block(direction, data))
+
+
+NORMAL = np.array([[0.0, 0.0, 1.0]])
+
+MIRROR_X = np.array([-1.0, 1.0, 1.0])
+HALF_TURN = np.array([-1.0, -1.0, 1.0])
+
+
+def read_window(data: bytes, side: str | None = None):
+    """Read a file, or what it holds of one side."""
+    file = read_window_xml(data, "pane.xml")
+    return file if side is None else file.sides[side]
+
+
+def evaluate_window(scatter, wi, wo):
+    """Values of a matrix or a tree in its first band. (n,) [1/sr]"""
+    found = evaluate_patches if isinstance(scatter, PatchMatrix) else evaluate_tree
+    return found(scatter, wi, wo)[:, 0]
+
+
+def shares_sent(scatter, wi):
+    """Share of the light from directions that a matrix or a tree sends on. (n,)"""
+    if isinstance(scatter, PatchMatrix):
+        return albedos(scatter)[patch_of(scatter.incoming, wi), 0]
+    return albedos_of_tree(scatter, wi)[:, 0]
+
+
+def row_towards(polar, azimuth):
+    """One direction as a row. (1, 3) [degree]"""
+    return towards(polar, azimuth)[None]
+
+
+GRID = " ".join(f"{k}" for k in range(16))
+"""Of one halving; the last coordinate is the fastest."""

@@ -1,6 +1,5 @@
 """A session that computes nothing, for tests of the worker: the transport's name says how a job behaves."""
 
-import math
 import os
 import signal
 import sys
@@ -11,12 +10,16 @@ import numpy as np
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import BakeResult, Departure, Seams
-from lumenray.engine.errors import Cancelled, SceneError
+from lumenray.engine.errors import BackendError, Cancelled, SceneError
+from lumenray.engine.measurements import Measurement
 from lumenray.engine.scene.provenance import Provenance
-from lumenray.engine.session import Commit, Frame, Measurement, Picture
+from lumenray.engine.views import Commit, Frame, Picture
 
 STEP = 0.005
 """Duration of a step of a job. [s]"""
+
+BUSY = 5.0
+"""Time for which the job "busy" keeps the interpreter to itself. [s]"""
 
 EVENTS = []
 """What happened in this process, in order, over all sessions."""
@@ -64,9 +67,7 @@ class FakeSession:
         preview = lambda: np.stack([small] * 3, axis=-1)  # noqa: E731
         self._work("render", settings.rule.samples, settings.transport, progress, (preview,))
         colour = np.random.default_rng(settings.seed).random((*small.shape, 3), np.float32)
-        return Picture(
-            colour, small, 0.1, small, colour, small, small, colour, _provenance(settings.seed)
-        )
+        return Picture(colour, small, 0.1, small, colour, small, small, _provenance(settings.seed))
 
     def measure(self, positions, normals, rule, seed=0, transport="auto", progress=None, **more):
         self._work("measure", rule.samples, transport, progress)
@@ -132,7 +133,7 @@ class FakeSession:
                 EVENTS.append(f"stop {name}")
                 return
             time.sleep(STEP)
-            if progress is not None and transport != "deaf":
+            if progress is not None and (transport != "deaf" or step == 0):
                 progress(Progress((step + 1) / steps, step, 0.1, 0.0, None, name), *more)
         EVENTS.append(f"end {name}")
 
@@ -149,6 +150,8 @@ def _misbehave(kind):
             raise MemoryError
         case "native memory":
             raise RuntimeError("std::bad_alloc")
+        case "unloadable":
+            raise BackendError("Mitsuba cannot be loaded: a library is missing; reinstall")
         case "abort":
             os.write(2, b"terminate called after throwing an instance of 'std::bad_alloc'\n")
             os.abort()
@@ -157,8 +160,12 @@ def _misbehave(kind):
         case "exit":
             os._exit(7)
         case "busy":
-            # One call into native code that lets no other thread run.
-            math.factorial(400_000)
+            # As native code that lets no other thread run.
+            sys.setswitchinterval(1000.0)
+            end = time.monotonic() + BUSY
+            while time.monotonic() < end:
+                pass
+            sys.setswitchinterval(0.005)
         case "noise":
             sys.stdout.write("noise\n" * 100)
             os.write(1, b"native noise\n" * 100)

@@ -10,11 +10,15 @@ import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, PointLight, Quantity
-from lumenray.engine.session import Display, LiveSettings, ViewSettings
+from lumenray.engine.views import Display, LiveSettings, ViewSettings
 from lumenray.engine.worker.client import Worker
 from small_scenes import box, paint
 
 ROOT = Path(lumenray.__file__).parent
+
+# What waits for nothing is over within this time on a busy machine too; an engine that is silent
+# counts as hung only later. [s]
+AT_ONCE = 8.0
 
 POINTS = [[0.7, 1.2, 0.8]] * 5
 NORMALS = [[0.0, 0.0, 1.0]] * 5
@@ -56,7 +60,7 @@ def watch(session, settings=None, width=8):
     session.watch(camera(width), settings or live(), Display())
 
 
-def wait_for(condition, seconds=10.0):
+def wait_for(condition, seconds=60.0):
     """Wait until a condition gives something true, and return it."""
     end = time.monotonic() + seconds
     while not (found := condition()):
@@ -102,3 +106,12 @@ def nothing_left():
     yield
     assert children() <= before[0]
     assert shared_memory() <= before[1]
+
+
+def events(worker):
+    return measure(worker.session("asks"), 1).provenance.decisions
+
+
+def begun(states):
+    """Progress that tells when a job has begun to run."""
+    return lambda: any("waiting" not in state.stage for state in list(states))

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Works with the real Blender that setup.sh made.
+# Works with the real Blender that setup.sh made; LUMENRAY_BLENDER says which one: 4.3 (default) or 5.2.
 #
 #   blender.sh setup                     make it, if need be
 #   blender.sh run COMMAND...            run a command inside
@@ -15,7 +15,12 @@ set -euo pipefail
 
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 project="$(cd "$here/../.." && pwd)"
-root="${LUMENRAY_REAL_BLENDER:-$HOME/.cache/lumenray/real-blender}-trixie"
+case "${LUMENRAY_BLENDER:-4.3}" in
+  4.3) suite=trixie ;;
+  5.2) suite=sid ;;
+  *) echo "blender.sh: LUMENRAY_BLENDER is '$LUMENRAY_BLENDER', and only 4.3 and 5.2 are known" >&2; exit 2 ;;
+esac
+root="${LUMENRAY_REAL_BLENDER:-$HOME/.cache/lumenray/real-blender}-$suite"
 out="${LUMENRAY_OUT:-$project/out/real-blender}"
 profile="${LUMENRAY_PROFILE:-profile}"
 

@@ -87,6 +87,32 @@ def prepare():
     yield DRAWN
 
 
+def first_steps():
+    """The Start panel before its first step, after the room was added, after its bake, and when all is done."""
+    scene, view = bpy.context.scene, area_of("VIEW_3D").spaces.active
+    camera = scene.camera
+    scene.render.engine = "BLENDER_WORKBENCH"
+    yield from sidebar("sidebar_start")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.new_lit_room()
+    yield from sidebar("sidebar_start_room")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.bake_illuminance("INVOKE_DEFAULT", error=0.05, folder="/out/panels/room")
+    job = bpy.context.window_manager.lumenray.job
+    yield from wait_for(lambda: not job.running, "the bake", 240.0)
+    yield from sidebar("sidebar_start_baked")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.show_baked("INVOKE_DEFAULT", look="FALSE")
+    yield from sidebar("sidebar_start_done")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.hide_baked()
+    for item in list(bpy.data.collections["Lit Room"].objects):
+        bpy.data.objects.remove(item)
+    # The other pictures are of Blender as it starts.
+    scene.camera, view.shading.type, view.region_3d.view_perspective = camera, "SOLID", "PERSP"
+    scene.lumenray.property_unset("baked")
+
+
 def lights():
     """Lights of all kinds, with Blender's watts and in photometric units."""
     for kind in ("POINT", "SPOT", "SUN", "AREA"):
@@ -111,6 +137,25 @@ def tubes():
     yield from sidebar("sidebar_tube")
     area = area_of("VIEW_3D")
     picture("view_tube", next(each for each in area.regions if each.type == "WINDOW"))
+
+
+def light_list():
+    """The list of lights, some of them left out, and with a change that it does not hold yet."""
+    made = []
+    for number, kind in enumerate(("POINT", "SPOT", "SUN", "AREA", "POINT")):
+        bpy.ops.object.light_add(type=kind, location=(number, 0.0, 3.0))
+        made.append(bpy.context.object)
+    made[-1].hide_render = True
+    # Found by itself once the scene is left alone.
+    yield DRAWN
+    yield from sidebar("sidebar_lights")
+    made[0].data.energy *= 2.0
+    area = area_of("VIEW_3D")
+    area.tag_redraw()
+    yield 0.2
+    picture("sidebar_lights_changed", region_of(area, "UI"))
+    for item in made:
+        bpy.data.objects.remove(item)
 
 
 def luminaires():
@@ -159,11 +204,11 @@ def renders():
     """The render tab with all ways to stop and to expose."""
     settings = bpy.context.scene.lumenray
     for stop, exposure in (("SAMPLES", "LUMINANCE"), ("ERROR", "EV100"), ("TIME", "AUTO")):
-        settings.stop, settings.exposure = stop, exposure
-        settings.bake_use_absolute = settings.bake_use_time = settings.bake_use_samples = True
+        settings.render.stop, settings.exposure = stop, exposure
+        settings.bake.use_absolute = settings.bake.use_time = settings.bake.use_samples = True
         yield from tab(f"render_{stop.lower()}", "RENDER")
-    settings.stop, settings.exposure = "SAMPLES", "LUMINANCE"
-    settings.bake_use_absolute = settings.bake_use_time = settings.bake_use_samples = False
+    settings.render.stop, settings.exposure = "SAMPLES", "LUMINANCE"
+    settings.bake.use_absolute = settings.bake.use_time = settings.bake.use_samples = False
 
 
 def bakes():
@@ -183,7 +228,7 @@ def bakes():
     yield from sidebar("sidebar_results")
     with override(area_of("VIEW_3D")):
         bpy.ops.lumenray.show_baked()
-    bpy.context.scene.lumenray.baked_look = "FALSE"
+    bpy.context.scene.lumenray.look.kind = "FALSE"
     yield from sidebar("sidebar_baked")
     with override(area_of("VIEW_3D")):
         bpy.ops.lumenray.hide_baked()
@@ -193,19 +238,38 @@ def views():
     """The rendered view, its status, and the conversion report."""
     shading = area_of("VIEW_3D").spaces.active.shading
     settings = bpy.context.scene.lumenray
-    settings.viewport_display, settings.viewport_automatic = "FALSE_ILLUMINANCE", False
-    settings.viewport_samples = 16
+    settings.viewport.display, settings.viewport.automatic = "FALSE_ILLUMINANCE", False
+    settings.viewport.samples = 16
     shading.type = "RENDERED"
     yield 20.0
     yield from sidebar("sidebar_view")
     shading.type = "SOLID"
-    settings.viewport_display = "PICTURE"
-    settings.samples = 8
+    settings.viewport.display = "PICTURE"
+    settings.render.samples = 8
     bpy.context.scene.render.resolution_percentage = 25
     with bpy.context.temp_override(window=window()):
         bpy.ops.render.render("INVOKE_DEFAULT")
     yield 15.0
     subprocess.run(["import", "-silent", "-window", "root", str(FOLDER / "render.png")], check=True)
+
+
+def mixes():
+    """The light mix of a render by single lights: one is dimmed and one is off, without another render."""
+    settings = bpy.context.scene.lumenray
+    settings.light_mix.groups = "EACH"
+    settings.render.samples, settings.render.use_pass_illuminance = 8, True
+    bpy.context.scene.render.resolution_percentage = 25
+    bpy.ops.object.light_add(type="AREA", location=(2.0, -2.0, 3.0))
+    lamp = bpy.context.object
+    with bpy.context.temp_override(window=window()):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from wait_for(lambda: len(settings.light_mix.rows) > 1, "the render", 60.0)
+    yield 3.0
+    settings.light_mix.rows[0].factor = 0.5
+    settings.light_mix.rows[1].is_on = False
+    # The sidebar's panel is the same; the render stands in the place of its view.
+    yield from tab("view_layer_mix", "VIEW_LAYER")
+    bpy.data.objects.remove(lamp)
 
 
 def end():
@@ -226,7 +290,20 @@ class Log:
 
 
 CASES = {
-    f.__name__: f for f in (lights, tubes, luminaires, materials, worlds, renders, bakes, views)
+    f.__name__: f
+    for f in (
+        first_steps,
+        lights,
+        tubes,
+        light_list,
+        luminaires,
+        materials,
+        worlds,
+        renders,
+        bakes,
+        views,
+        mixes,
+    )
 }
 wanted = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 FOLDER.mkdir(exist_ok=True)

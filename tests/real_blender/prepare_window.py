@@ -9,7 +9,9 @@ shows the illuminance there. ``luminaire`` has a scene of its own: luminaires fr
 a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
 with their points and rays; so has ``measured``: balls of measured materials in the rendered view, and
 one's panel. ``library`` shows the luminaires in the Asset
-Browser. ``world`` shows houses under a clear sky of the CIE and its sun. In the others the sidebar
+Browser. ``world`` shows houses under a clear sky of the CIE and its sun. ``first_hour_1`` is Blender as
+it starts, with the Start panel before any step, ``first_hour_2`` the same after *New Lit Room*, and
+``first_hour_3`` after its bake, with lux in false colours and all steps done. In the others the sidebar
 shows the tab of Lumenray.
 """
 
@@ -21,10 +23,13 @@ from pathlib import Path
 
 import bpy
 
-PACKAGE = "bl_ext.user_default.lumenray"
-"""Name of the installed extension."""
+sys.path.insert(0, str(Path(__file__).parent))
+
+from checkout import PACKAGE, tool
 
 VIEW = sys.argv[sys.argv.index("--") + 1] if "--" in sys.argv else "light"
+
+IS_FIRST_HOUR = VIEW.startswith("first_hour")
 
 ACTIVE = {
     "light": "LED Panel 1",
@@ -156,7 +161,7 @@ def build():
     """Build the office in the open file and make one object active."""
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
-    importlib.import_module(f"{PACKAGE}.libraries.scenes.office").build_office()
+    tool("libraries.scenes.office").build_office()
     for item in bpy.context.view_layer.objects:
         item.select_set(False)
     wanted = ACTIVE.get(VIEW, "")
@@ -169,9 +174,8 @@ def build():
 
 def build_luminaires():
     """Hang luminaires before a wall, the second one active."""
-    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
-    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
-    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    staging, shapes = tool("libraries.scenes.staging"), tool("libraries.scenes.shapes")
+    assembly = tool("libraries.scenes.assembly").Assembly
     folder = Path(importlib.import_module(f"{PACKAGE}.libraries.luminaires").__file__).parent
     collection = staging.new_collection("Room")
     paint = staging.new_material(
@@ -199,9 +203,8 @@ def build_luminaires():
 
 def build_raysets():
     """Put ray sets above a board, shining down on it, the second one active."""
-    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
-    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
-    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    staging, shapes = tool("libraries.scenes.staging"), tool("libraries.scenes.shapes")
+    assembly = tool("libraries.scenes.assembly").Assembly
     collection = staging.new_collection("Bench")
     paint = staging.new_material(
         "Paint", "ShaderNodeBsdfPrincipled", {"Base Color": (0.4, 0.4, 0.4), "Roughness": 1.0}
@@ -224,9 +227,8 @@ def build_raysets():
 
 def build_balls():
     """Put balls of measured materials on a floor below a lamp, under a grey sky."""
-    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
-    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
-    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    staging, shapes = tool("libraries.scenes.staging"), tool("libraries.scenes.shapes")
+    assembly = tool("libraries.scenes.assembly").Assembly
     collection = staging.new_collection("Samples")
     ground = staging.new_material("Ground", "ShaderNodeBsdfDiffuse", {"Color": (0.3, 0.3, 0.3)})
     plain = shapes.quad((-2.0, -2.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0))
@@ -258,9 +260,8 @@ def build_balls():
 
 def build_houses():
     """Put boxes on a plain under a clear sky with its sun."""
-    shapes = importlib.import_module(f"{PACKAGE}.libraries.scenes.shapes")
-    staging = importlib.import_module(f"{PACKAGE}.libraries.scenes.staging")
-    assembly = importlib.import_module(f"{PACKAGE}.libraries.scenes.assembly").Assembly
+    staging, shapes = tool("libraries.scenes.staging"), tool("libraries.scenes.shapes")
+    assembly = tool("libraries.scenes.assembly").Assembly
     collection = staging.new_collection("Street")
     paint = staging.new_material("Render", "ShaderNodeBsdfDiffuse", {"Color": (0.6, 0.57, 0.52)})
     ground = staging.new_material("Ground", "ShaderNodeBsdfDiffuse", {"Color": (0.2, 0.2, 0.2)})
@@ -382,8 +383,7 @@ def start_long_bake():
 def start_whole_bake():
     """Bake the room and all that is in it, and show it when it is done; its light in layers."""
     settings = bpy.context.scene.lumenray
-    settings.bake_layers = "GROUPS" if VIEW == "baked" else "NONE"
-    settings.bake_smooth = True
+    settings.bake.layers = "GROUPS" if VIEW == "baked" else "NONE"
     for source in bpy.data.objects:
         if source.type == "LIGHT":
             source.data.lumenray.light_group = source.name.rstrip(" 0123456789.")
@@ -408,8 +408,26 @@ def show_when_done():
         return 0.5
     press_button(bpy.ops.lumenray.show_baked)
     if VIEW == "baked_lux":
-        bpy.context.scene.lumenray.baked_look = "FALSE"
+        bpy.context.scene.lumenray.look.kind = "FALSE"
         bpy.context.scene.view_settings.view_transform = "Standard"
+    return None
+
+
+def follow_first_steps():
+    """Do what the Start panel offers, as far as the picture is to show it."""
+    if VIEW == "first_hour_1":
+        return
+    press_button(bpy.ops.lumenray.new_lit_room)
+    if VIEW == "first_hour_3":
+        press_button(bpy.ops.lumenray.bake_illuminance, folder="/out/window-room")
+        bpy.app.timers.register(show_lux_when_done, first_interval=1.0)
+
+
+def show_lux_when_done():
+    """Press the last button of the Start panel as soon as it can be pressed; time until the next look. [s]"""
+    if bpy.context.window_manager.lumenray.job.running:
+        return 0.5
+    press_button(bpy.ops.lumenray.show_baked, look="FALSE")
     return None
 
 
@@ -432,7 +450,12 @@ def start_render():
 
 
 bpy.context.preferences.view.show_splash = False
-if VIEW in LARGE_PROPERTIES:
+if IS_FIRST_HOUR:
+    # Blender as it starts.
+    for area, _ in sidebars(bpy.context.window_manager.windows[0]):
+        area.spaces.active.show_region_ui = True
+    bpy.app.timers.register(follow_first_steps, first_interval=4.0)
+elif VIEW in LARGE_PROPERTIES:
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
     {
@@ -446,12 +469,13 @@ elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)
 else:
     build()
-bpy.context.scene.render.engine = "LUMENRAY"
-for shown in bpy.context.window_manager.windows:
-    prepare_spaces(shown)
+if not IS_FIRST_HOUR:
+    bpy.context.scene.render.engine = "LUMENRAY"
+    for shown in bpy.context.window_manager.windows:
+        prepare_spaces(shown)
 bpy.app.timers.register(choose_tab(), first_interval=1.0)
 if VIEW == "render":
-    bpy.context.scene.lumenray.samples = 16
+    bpy.context.scene.lumenray.render.samples = 16
     bpy.app.timers.register(start_render, first_interval=4.0)
 if VIEW == "bake":
     bpy.app.timers.register(Pulse(), first_interval=3.0)
@@ -465,5 +489,5 @@ if VIEW.startswith(("viewport", "baked")):
 if VIEW == "viewport":
     bpy.app.timers.register(move_basket, first_interval=15.0)
 if VIEW == "viewport_lux":
-    bpy.context.scene.lumenray.viewport_display = "FALSE_ILLUMINANCE"
-    bpy.context.scene.lumenray.viewport_automatic = False
+    bpy.context.scene.lumenray.viewport.display = "FALSE_ILLUMINANCE"
+    bpy.context.scene.lumenray.viewport.automatic = False

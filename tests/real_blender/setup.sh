@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# Puts a real Blender with a system of its own into a cache folder: Debian 13 (trixie) with Blender
-# 4.3 on Python 3.13, made by debootstrap. The bpy wheel has no window, no command line and no way to
-# install an extension from a zip, so these can only be tested in here.
+# Puts a real Blender with a system of its own into a cache folder, made by debootstrap: Debian 13 (trixie)
+# with Blender 4.3 on Python 3.13, or Debian unstable (sid) with Blender 5.2 on Python 3.14. The bpy wheel has no
+# window, no command line and no way to install an extension from a zip, so these can only be tested in here.
 #
 # Needs root, Debian's archive, about 3 GB and five minutes once; later runs only look.
 #
-#   LUMENRAY_REAL_BLENDER   where to put it (default ~/.cache/lumenray/real-blender; -trixie is added)
+#   LUMENRAY_BLENDER        which one: 4.3 (default) or 5.2
+#   LUMENRAY_REAL_BLENDER   where to put it (default ~/.cache/lumenray/real-blender; -trixie or -sid is added)
 set -euo pipefail
 
-suite=trixie
-root="${LUMENRAY_REAL_BLENDER:-$HOME/.cache/lumenray/real-blender}-$suite"
+root="$("$(dirname "${BASH_SOURCE[0]}")/blender.sh" root)"
+suite="${root##*-}"
 log="$root.log"
-packages=(blender ca-certificates imagemagick libatomic1 libgl1-mesa-dri libllvm19 python3-numpy
+packages=(blender ca-certificates imagemagick libatomic1 libgl1-mesa-dri python3-numpy
   python3-requests xauth xdotool xvfb)
+# What Blender's own tools for extensions need there, and what builds the wheels that no index has.
+if [ "$suite" = sid ]; then packages+=(cmake g++ git ninja-build python3-cattr python3-dev python3-venv); fi
 
 fail() { printf 'real Blender: %s\n' "$1" >&2; exit 1; }
 

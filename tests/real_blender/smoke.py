@@ -10,7 +10,7 @@ and with the bpy wheel, in which the package is called ``lumenray``::
 
     python smoke.py use FOLDER
 
-``use`` registers, appends every asset of the libraries, opens the bundled scenes, renders and bakes a closed box, bakes it
+``use`` registers, appends every asset of the libraries, opens the bundled scenes, renders and bakes the closed box, bakes it
 with a luminaire that is dropped as a file, registers anew and renders again, and writes ``FOLDER/smoke.json``;
 ``read`` adds what the render from the command line shows.
 """
@@ -28,6 +28,9 @@ SIZE = 64
 
 LUMINAIRE = "downlight_60.ies"
 """Luminaire of the library that is dropped."""
+
+BAKE_DENSITY = 12.0
+"""Lumels per metre of the bundled scenes, which is not the default."""
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 red, green and blue in the relative luminance (ITU-R BT.709)."""
@@ -62,11 +65,10 @@ def load_package():
     return sys.modules[INSTALLED]
 
 
-def build_scene(package):
-    """Build the closed box in an empty file and set up its render."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    tiny = importlib.import_module(f"{package.__name__}.libraries.scenes.tiny")
-    tiny.build_closed_box()
+def open_box(package):
+    """Open the bundled closed box and set up its render."""
+    scenes = importlib.import_module(f"{package.__name__}.libraries.scenes")
+    bpy.ops.wm.open_mainfile(filepath=str(scenes.scene_path("closed_box")))
     scene = bpy.context.scene
     require("Floor" in bpy.data.objects, "the closed box has no object 'Floor'")
     require(scene.camera is not None, "the closed box has no camera")
@@ -176,13 +178,16 @@ def check_libraries(package):
 def check_scenes(package):
     """Require that this Blender opens the bundled scenes."""
     scenes = importlib.import_module(f"{package.__name__}.libraries.scenes")
-    for name in scenes.scene_names():
+    for name in scenes.NAMES:
         bpy.ops.wm.open_mainfile(filepath=str(scenes.scene_path(name)))
         scene = bpy.context.scene
         require(scene.camera is not None, f"the scene {name} opens without its camera")
         require(scene.render.engine == "LUMENRAY", f"{name} opens with {scene.render.engine}")
         meshes = [item for item in scene.objects if item.type == "MESH" and item.data.polygons]
         require(meshes, f"the scene {name} opens without its surfaces")
+        # They were saved before there were groups of settings.
+        density = scene.lumenray.bake.density
+        require(density == BAKE_DENSITY, f"{name} opens with {density} lumels per metre")
 
 
 def register_again(package):
@@ -201,12 +206,12 @@ def use(folder):
     package = load_package()
     check_libraries(package)
     check_scenes(package)
-    build_scene(package)
+    open_box(package)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
     measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
     measured["illuminance by a luminaire"] = bake_luminaire(package, folder / "luminaire")
     register_again(package)
-    build_scene(package)
+    open_box(package)
     measured["luminance after registering again"] = render(folder, "second")
     write(folder, {"blender": bpy.app.version_string, "measured": measured})
     if IS_WHEEL:

@@ -1,7 +1,7 @@
 """A small scene for tests of the rendered view: floor, back wall, red block, luminous panel, lamp, sun and sky."""
 
 import bpy
-from window import module
+from checkout import tool
 
 WHITE = 250.0
 """Luminance that becomes 1 in the picture. [cd/m2]"""
@@ -27,8 +27,8 @@ def clear():
 def build():
     """Build the scene in the open file."""
     clear()
-    staging, shapes = module("libraries.scenes.staging"), module("libraries.scenes.shapes")
-    assembly = module("libraries.scenes.assembly").Assembly
+    staging, shapes = tool("libraries.scenes.staging"), tool("libraries.scenes.shapes")
+    assembly = tool("libraries.scenes.assembly").Assembly
     collection = staging.new_collection("Stage")
     grey = _matt(staging, "Grey", (0.5, 0.5, 0.5))
     floor = shapes.quad((-3.0, -3.0, 0.0), (6.0, 0.0, 0.0), (0.0, 5.0, 0.0))
@@ -65,7 +65,7 @@ def build():
     scene.render.engine = "LUMENRAY"
     # Blender's dither lifts a file's 8-bit values by half a step on the average; the window has none.
     scene.render.dither_intensity = 0.0
-    scene.lumenray.viewport_samples = SAMPLES
+    scene.lumenray.viewport.samples = SAMPLES
 
 
 def leave_sun_only():

@@ -154,10 +154,10 @@ def luminance_shown():
     scene.view_settings.view_transform = "Standard"
     yield from settle()
     colour = take_picture(FOLDER / "luminance_colour.png")
-    scene.lumenray.viewport_display = "LUMINANCE"
+    scene.lumenray.viewport.display = "LUMINANCE"
     yield from settle()
     grey = take_picture(FOLDER / "luminance_grey.png")
-    scene.lumenray.viewport_display = "PICTURE"
+    scene.lumenray.viewport.display = "PICTURE"
     record.check(np.ptp(grey, axis=-1).max() < 1.5, "the luminance has no colour")
     inside = blocks(colour, BLOCK).max(axis=-1) < 240.0
     expected = blocks(decode(colour) @ RED_WEIGHTS[:, None], BLOCK)[..., 0]
@@ -204,19 +204,19 @@ def false_colours():
     panel = bpy.data.objects["Panel"]
     for transform, name in MODES.items():
         bpy.context.scene.view_settings.view_transform = transform
-        settings.viewport_display = "FALSE_LUMINANCE"
-        settings.viewport_automatic, settings.viewport_low, settings.viewport_high = False, 0, 2700
+        settings.viewport.display = "FALSE_LUMINANCE"
+        settings.viewport.automatic, settings.viewport.low, settings.viewport.high = False, 0, 2700
         yield from settle()
         picture = take_picture(FOLDER / f"false_luminance_{name}.png")
         place = middle_of(panel)
         check_colour(picture, place, stage.PANEL, 0, 2700, f"{transform}: {stage.PANEL:g} cd/m²")
-    settings.viewport_low, settings.viewport_logarithmic = 1.0, True
+    settings.viewport.low, settings.viewport.logarithmic = 1.0, True
     yield from settle()
     picture = take_picture(FOLDER / "false_luminance_logarithmic.png")
     check_colour(picture, place, stage.PANEL, 1, 2700, "logarithmic", True)
-    settings.viewport_logarithmic = False
-    settings.viewport_low, settings.viewport_high = 0.0, 900.0
-    settings.viewport_display = "FALSE_ILLUMINANCE"
+    settings.viewport.logarithmic = False
+    settings.viewport.low, settings.viewport.high = 0.0, 900.0
+    settings.viewport.display = "FALSE_ILLUMINANCE"
     yield from settle()
     take_picture(FOLDER / "false_illuminance.png")
     stage.leave_sun_only()
@@ -230,8 +230,8 @@ def false_colours():
         (frame.low, frame.high, frame.unit) == (0.0, 900.0, "lx"),
         f"the scale goes from {frame.low:g} to {frame.high:g} {frame.unit}",
     )
-    settings.viewport_automatic = True
-    settings.viewport_display = "PICTURE"
+    settings.viewport.automatic = True
+    settings.viewport.display = "PICTURE"
 
 
 VIEWS = (
@@ -253,7 +253,7 @@ def aligned():
     scene = bpy.context.scene
     scene.view_settings.view_transform = "Standard"
     stage.build()
-    scene.lumenray.viewport_samples = 16
+    scene.lumenray.viewport.samples = 16
     # Nothing but the panel may be as bright as white.
     scene.lumenray.white_luminance = 0.6 * stage.PANEL
     bpy.data.lights["Lamp"].lumenray.value = 900.0
@@ -510,7 +510,7 @@ def extension_disabled():
     """Disable the extension while the view renders, and enable it again."""
     yield from settle()
     reference = take_picture(FOLDER / "disabled_reference.png")
-    bpy.context.scene.lumenray.viewport_samples = 4096
+    bpy.context.scene.lumenray.viewport.samples = 4096
     window.redraw()
     yield 0.5
     pid = window.engine_pid()
@@ -521,7 +521,7 @@ def extension_disabled():
     bpy.ops.preferences.addon_enable(module=window.PACKAGE)
     yield 0.5
     scene = bpy.context.scene
-    scene.lumenray.viewport_samples = stage.SAMPLES
+    scene.lumenray.viewport.samples = stage.SAMPLES
     scene.render.engine = "LUMENRAY"
     space().shading.type = "RENDERED"
     yield from settle()
@@ -663,7 +663,7 @@ def rename(number):
 def save_long():
     """Save the scene with a render that takes very long."""
     stage.build()
-    bpy.context.scene.lumenray.samples = 1 << 18
+    bpy.context.scene.lumenray.render.samples = 1 << 18
     bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "long.blend"))
     yield
 
@@ -671,7 +671,7 @@ def save_long():
 def start_render():
     """Press F12, as it were, and wait until the engine computes."""
     stage.build()
-    bpy.context.scene.lumenray.samples = 1 << 18
+    bpy.context.scene.lumenray.render.samples = 1 << 18
     with window.override():
         bpy.ops.render.render("INVOKE_DEFAULT")
     yield from wait_for(lambda: window.engine_pid() is not None, "the engine", 30.0)
@@ -682,7 +682,7 @@ def start_render():
 def start_view():
     """Show the view rendered, endlessly."""
     yield from set_up()
-    bpy.context.scene.lumenray.viewport_samples = 1 << 18
+    bpy.context.scene.lumenray.viewport.samples = 1 << 18
     window.redraw()
     yield 1.0
     record.check(view()._feed.session.has_view_work, "the view renders")

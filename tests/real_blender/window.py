@@ -14,9 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-
-PACKAGE = "bl_ext.user_default.lumenray"
-"""Name of the installed extension."""
+from checkout import PACKAGE
 
 TICK = 0.05
 """Shortest wait between two steps. [s]"""

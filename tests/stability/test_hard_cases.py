@@ -1,5 +1,7 @@
 """Numbers that break careless arithmetic: far coordinates, tiny and huge scales, odd scenes."""
 
+import math
+
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
@@ -150,7 +152,7 @@ def test_aiming_at_panes_does_not_change_the_mean():
     assert aimed.standard_error.mean() < 0.6 * plain.standard_error.mean()
 
 
-@pytest.mark.parametrize("angle", [np.radians(0.53), np.radians(5.0)])
+@pytest.mark.parametrize("angle", [math.radians(0.53), math.radians(5.0)])
 def test_a_sun_through_a_pane_keeps_its_transmittance(angle):
     sun = SunLight("s", "s", Output(Quantity.ILLUMINANCE, 10000.0), np.array([0, 0, -1.0]), angle)
     pane = quad("pane", (-50, -50, 1), (100, 0, 0), (0, 100, 0), "pane")

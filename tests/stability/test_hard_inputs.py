@@ -42,16 +42,10 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.scene import Attachment, SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
-from lumenray.engine.scene.spectrum import (
-    Blackbody,
-    Constant,
-    Daylight,
-    Lines,
-    Rgb,
-    Tabulated,
-)
+from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Lines, Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
-from lumenray.engine.session import Display, LiveSettings, Session, ViewSettings
+from lumenray.engine.session import Session
+from lumenray.engine.views import Display, LiveSettings, ViewSettings
 from small_scenes import box, paint, session_of
 
 pytestmark = pytest.mark.mitsuba

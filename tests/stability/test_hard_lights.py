@@ -22,7 +22,7 @@ from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
-from lumenray.engine.session import ViewSettings
+from lumenray.engine.views import ViewSettings
 from luminaires import flux as flux_of
 from luminaires import intensity, luminaire, turn
 from small_scenes import box, paint, quad, session_of

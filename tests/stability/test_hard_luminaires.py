@@ -189,7 +189,7 @@ import numpy as np
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.transport import backend
 backend.start(spectral=False)
-from lumenray.engine.transport.paths import path_loop
+from lumenray.engine.transport.paths import next_event
 from luminaires import OPENINGS, luminaire
 from small_scenes import session_of
 
@@ -204,7 +204,7 @@ for height in (1.0, 2.0, 3.0):
 # Old objects are looked at only when many new ones have come.
 gc.collect()
 cycles.clear()
-sample_emitter = path_loop.sample_emitter
+sample_emitter = next_event.sample_emitter
 
 def sample_beside_garbage(*values):
     made = sample_emitter(*values)
@@ -212,7 +212,7 @@ def sample_beside_garbage(*values):
     [[] for _ in range(1_000_000)]
     return made
 
-path_loop.sample_emitter = sample_beside_garbage
+next_event.sample_emitter = sample_beside_garbage
 print(light_up(4.0)[1].illuminance[0] > 0.0)
 """
 

@@ -16,7 +16,7 @@ from lumenray.engine.scene.light import (
 from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, Mix
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.spectrum import Constant
-from lumenray.engine.session import ViewSettings
+from lumenray.engine.views import ViewSettings
 from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba

@@ -4,16 +4,11 @@ import numpy as np
 import pytest
 from lumenray.engine.photometry import spectra, units
 from lumenray.engine.scene.spectrum import Illuminant
-from lumenray.validation import mutations
-from lumenray.validation.mutations import (
-    MUTATIONS,
-    BrokenOffError,
-    Mutation,
-    Replace,
-    Rewrite,
-    Trial,
-    locate,
-)
+from lumenray.validation.mutations import __main__ as command_line
+from lumenray.validation.mutations import trials
+from lumenray.validation.mutations.catalogue import MUTATIONS
+from lumenray.validation.mutations.faults import Mutation, Replace, Rewrite, locate
+from lumenray.validation.mutations.trials import BrokenOffError, Trial
 
 BY_NAME = {mutation.name: mutation for mutation in MUTATIONS}
 
@@ -24,7 +19,7 @@ HARMLESS = Mutation(
 
 def test_there_are_enough_faults_and_their_groups_are_quick():
     assert len(BY_NAME) == len(MUTATIONS) >= 12
-    quick = mutations.quick_groups()
+    quick = trials.quick_groups()
     for mutation in MUTATIONS:
         assert mutation.likely and set(mutation.likely) <= set(quick), mutation.name
 
@@ -79,7 +74,7 @@ def test_a_fault_that_no_longer_fits_says_so(old):
 def test_faults_are_caught():
     chosen = [BY_NAME[name] for name in ("receiver's cosine", "V by x-bar", "polarisation")]
     said = []
-    outcomes = mutations.run(chosen, False, said.append)
+    outcomes = trials.run(chosen, False, said.append)
     assert said[0] == "without a fault 6 groups pass"
     for outcome in outcomes:
         assert outcome.is_caught and outcome.worst > 1.0, said
@@ -91,11 +86,11 @@ def test_a_process_that_breaks_off_says_where():
     broken = Mutation(
         "broken",
         "",
-        (Rewrite("transport.paths.gather:_response", "match kind:", "match what:"),),
+        (Rewrite("transport.paths.gather:response_of", "match kind:", "match what:"),),
         (),
     )
     with pytest.raises(BrokenOffError, match=r"C01\.iso: NameError"):
-        mutations.examine_apart(broken, ["C01.iso"])
+        trials.examine_apart(broken, ["C01.iso"])
 
 
 # ---- the command, with answers made by hand ----
@@ -115,10 +110,10 @@ def command(monkeypatch, capsys):
                     break
             return trials
 
-        monkeypatch.setattr(mutations, "MUTATIONS", chosen)
-        monkeypatch.setattr(mutations, "quick_groups", lambda: ("C01.iso", "C01.tilt", "C05.axis"))
-        monkeypatch.setattr(mutations, "examine_apart", answer)
-        return mutations.main(arguments), capsys.readouterr().err
+        monkeypatch.setattr(command_line, "MUTATIONS", chosen)
+        monkeypatch.setattr(trials, "quick_groups", lambda: ("C01.iso", "C01.tilt", "C05.axis"))
+        monkeypatch.setattr(trials, "examine_apart", answer)
+        return command_line.main(arguments), capsys.readouterr().err
 
     return start
 
@@ -128,6 +123,7 @@ def test_a_survivor_fails_the_check(command, tmp_path):
     assert code == 1 and "SURVIVES 3 groups" in told and "0 of 1 faults are caught" in told
     table = (tmp_path / "new" / "mutations.md").read_text(encoding="utf-8")
     assert "| harmless | nothing | **no** |  | 0 |" in table
+    assert "`engine/photometry/units.py`, `BLENDER_EFFICACY`:" in table
     assert "- BLENDER_EFFICACY\n+ 1.0" in table
 
 

@@ -184,6 +184,14 @@ def test_radiance_refuses_type_a(radiance):
         radiance.measure([lamp], [(0, 0, -3)], [UP], 1.0)
 
 
+def test_a_peer_that_takes_too_long_is_told_of_without_its_command(radiance, monkeypatch):
+    """Reports are published: what `subprocess` says is the whole command, with the machine's paths."""
+    monkeypatch.setattr("lumenray.validation.peers.radiance.PATIENCE", 1e-9)
+    with pytest.raises(CannotStateError) as told:
+        radiance.measure([candela("lamp", (0, 0, 3), 1000.0)], [ORIGIN], [UP], 1.0)
+    assert str(told.value).endswith("takes longer than 1e-09 s")
+
+
 def test_overcast_sky_has_the_luminance_of_its_zenith():
     sky = CieSky(16, np.array([0.0, 0.0, 1.0]), 7.0 * np.pi / 9.0)
     assert luminance_scale(sky) == pytest.approx(1.0, rel=1e-5)

@@ -23,7 +23,6 @@ FAMILIES = {
 SEEDS = ("C05.cie53",)
 """Groups of the quick subset whose seeds are checked."""
 
-
 LONG = ("C33", "C39", "C40")
 """Cases whose quick subset takes more than ten seconds."""
 

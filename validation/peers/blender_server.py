@@ -22,15 +22,15 @@ MAP_SIZE = 512
 """Width of the table by which directions to the sky are chosen. [pixel]"""
 
 
-def serve(key: bytes) -> None:
-    """Say where to connect, then answer requests until the other side closes.
+def serve(key: bytes, answer) -> None:
+    """Say where to connect, then answer requests until the other side closes; an error is answered by its text.
 
-    Answers are illuminances (n, k) of k patches of each sensor, or the text of an error.
+    ``answer``: callable, request to answer.
     """
     with Listener(authkey=key) as listener:
         sys.stdout.write(f"{listener.address}\n")
         sys.stdout.flush()
-        # Blender reports every bake there.
+        # Blender reports every bake and render there.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         link = listener.accept()
     with link:
@@ -40,14 +40,14 @@ def serve(key: bytes) -> None:
             except EOFError:
                 return
             try:
-                answer = measure(request)
+                found = answer(request)
             except Exception as error:
-                answer = f"{type(error).__name__}: {error}"
-            link.send(answer)
+                found = f"{type(error).__name__}: {error}"
+            link.send(found)
 
 
 def measure(request: dict) -> np.ndarray:
-    """Build the scene of a request and bake; see `cycles_scene.describe`."""
+    """Build the scene of a request and bake; see `cycles_scene.describe`. (n, k) illuminances of k patches of each sensor"""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     settle(request)
     for entry in request["meshes"]:
@@ -411,4 +411,4 @@ def make_receivers(request: dict, columns: int, rows: int):
 
 
 if __name__ == "__main__":
-    serve(bytes.fromhex(sys.stdin.readline().strip()))
+    serve(bytes.fromhex(sys.stdin.readline().strip()), measure)

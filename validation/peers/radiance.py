@@ -12,7 +12,8 @@ import numpy as np
 
 from ..bench import CannotStateError, Query, Readings
 from .contents import check_query, extent, sort_items
-from .radiance_scene import LUMENS_PER_WATT, LUMINAIRE_RADIUS, RadianceScene, is_near, write_scene
+from .flat_lights import is_near
+from .radiance_scene import LUMENS_PER_WATT, LUMINAIRE_RADIUS, RadianceScene, write_scene
 
 PATIENCE = 300.0
 """Longest that one of the programs may take. [s]"""
@@ -199,8 +200,11 @@ def _run(folder: Path, program: str, *options: str, sent: bytes = b"") -> bytes:
             timeout=PATIENCE,
             check=False,
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise CannotStateError(f"Radiance's {program} cannot be run ({error})") from None
+    except subprocess.TimeoutExpired:
+        # Its own words are the whole command, with paths of this machine.
+        raise CannotStateError(f"Radiance's {program} takes longer than {PATIENCE:g} s") from None
+    except OSError as error:
+        raise CannotStateError(f"Radiance's {program} cannot be run ({error.strerror})") from None
     if made.returncode:
         said = made.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
         raise CannotStateError(f"Radiance's {program}: {'; '.join(said)}")

@@ -36,13 +36,12 @@ from .contents import (
     scattered,
     sun_illuminance,
 )
+from .flat_lights import SMALL_MESH, box_around, cut, ellipse_strips, triangle_strips
 from .skies import OVERCAST, PARAMETERS, ground_luminance, luminance_scale, unit_sun
 
 LUMENS_PER_WATT = 179.0
 """Radiance's own factor between its white radiance and luminance, which ies2rad divides by. [lm/W]"""
 
-SMALL_MESH = 300
-"""Triangles of one material beyond which they become a mesh, which Radiance keeps compactly but cannot aim at."""
 
 POINT_RADIUS = 1e-4
 """Radius of the sphere that stands for a point, over the distance of the nearest sensor."""
@@ -56,21 +55,10 @@ LUMINAIRE_RADIUS = 0.0005
 SUN_ANGLE = 0.001
 """Angular diameter that stands for 0. [deg]"""
 
-NEAR = 0.5
-"""A light is met by the hemisphere's rays, not aimed at, from nearer than this share of its shorter side: Radiance divides
-a source into 64 parts at most."""
-
-NEAR_SPHERE = 10.0
-"""The same for spheres, over their radius: Radiance takes them for disks."""
-
-MOST_TILES = 1024
-"""Parts into which a light is cut, each of which Radiance divides again."""
 
 PANE_STEPS = 360
 """Into which the angle of incidence is divided for a pane's table."""
 
-STRIPS = 64
-"""Rectangles that stand for an ellipse or a triangle: Radiance aims best at rectangles."""
 
 SELF_SHARE = 0.999
 """Share of the reflecting material where a surface reflects and glows, which takes a mixture of two."""
@@ -129,44 +117,6 @@ def write_scene(
     CannotStateError    Radiance has nothing for a part of it.
     """
     return _Writer(sensors, np.asarray(middle), size, direct, aims).write(contents)
-
-
-def is_near(contents: Contents, positions: np.ndarray) -> np.ndarray:
-    """Whether each of the sensors (n, 3) is so near an area light that aiming at it is inaccurate."""
-    near = np.zeros(len(positions), dtype=bool)
-    for face in _emitters(contents):
-        sides = face.corners[1] - face.corners[0], face.corners[-1] - face.corners[0]
-        shorter = min(np.linalg.norm(side) for side in sides)
-        near |= distances(face, positions) < NEAR * shorter
-    for light in contents.lights:
-        if isinstance(light, PointLight) and light.radius > 0.0:
-            away = np.linalg.norm(positions - light.position, axis=1)
-            near |= away < NEAR_SPHERE * light.radius
-    return near
-
-
-def distances(face: Face, positions: np.ndarray) -> np.ndarray:
-    """Distances of points (n, 3) from a face, as if a triangle were the parallelogram of its sides. [m]"""
-    corner = face.corners[0]
-    sides = np.stack([face.corners[1] - corner, face.corners[-1] - corner], axis=1)
-    place = np.clip((positions - corner) @ np.linalg.pinv(sides).T, 0.0, 1.0)
-    return np.linalg.norm(positions - corner - place @ sides.T, axis=1)
-
-
-def _emitters(contents: Contents) -> list[Face]:
-    faces = [_box(light) for light in contents.lights if isinstance(light, AreaLight)]
-    for part in contents.parts:
-        if part.material.emission is not None and len(part.triangles) <= SMALL_MESH:
-            faces += part.faces()
-    return faces
-
-
-def _box(light: AreaLight) -> Face:
-    """Rectangle around an area light, facing where it shines."""
-    frame = np.asarray(light.frame, dtype=np.float64)
-    return _rectangle(
-        frame[:3, 3], 0.5 * light.size_y * frame[:3, 1], 0.5 * light.size_x * frame[:3, 0]
-    )
 
 
 class _Writer:
@@ -315,7 +265,7 @@ class _Writer:
             if len(face.corners) == 4:
                 self._shine(face, level)
                 continue
-            for strip in _triangle_strips(face):
+            for strip in triangle_strips(face):
                 self._shine(strip, level, least=1)
 
     # ---- lights ----
@@ -329,24 +279,10 @@ class _Writer:
         light = self._define("light", [], [luminance] * 3)
         self.scene.has_extent = True
         # Where light is reflected every tile is looked at from every place.
-        tiles = [face.corners] if self.scene.scatter > 0.0 else self._tiles(face, least)
+        tiles = [face.corners] if self.scene.scatter > 0.0 else cut(face, self.sensors, least)
         self.scene.lights += len(tiles)
         for tile in tiles:
             self._polygon(light, tile)
-
-    def _tiles(self, face: Face, least: int) -> list[np.ndarray]:
-        corner = face.corners[0]
-        u, v = face.corners[1] - corner, face.corners[3] - corner
-        nearest = float(distances(face, self.sensors).min())
-        counts = np.ceil(np.array([np.linalg.norm(u), np.linalg.norm(v)]) / max(nearest, 1e-12))
-        counts = np.clip(counts, least, MOST_TILES).astype(int)
-        while counts.prod() > MOST_TILES:
-            counts[np.argmax(counts)] = (counts.max() + 1) // 2
-        u, v = u / counts[0], v / counts[1]
-        starts = [
-            corner + i * u + j * v for j in range(int(counts[1])) for i in range(int(counts[0]))
-        ]
-        return [np.stack([start, start + u, start + u + v, start + v]) for start in starts]
 
     def _light(self, light) -> None:
         match light:
@@ -387,12 +323,12 @@ class _Writer:
 
     def _area(self, light: AreaLight) -> None:
         level = area_luminance(light)
-        box = _box(light)
+        box = box_around(light)
         face = Face((box.corners - self.middle) / self.size)
         if light.shape == "rectangle":
             self._shine(face, level)
             return
-        for strip in _ellipse_strips(face):
+        for strip in ellipse_strips(face):
             self._shine(strip, level, least=1)
 
     def _sun(self, light: SunLight) -> None:
@@ -493,38 +429,6 @@ class _Writer:
         first = " ".join([str(len(strings)), *strings])
         last = f"{len(reals)} {_numbers(reals)}"
         self.scene.text.append(f"{modifier} {kind} {name or self._name('o')}\n{first}\n0\n{last}\n")
-
-
-def _ellipse_strips(box: Face) -> list[Face]:
-    """Rectangles along one axis, each of the area of its part of the ellipse in a rectangle."""
-    y, x = (0.5 * (box.corners[k] - box.corners[0]) for k in (1, 3))
-    edges = np.linspace(-1.0, 1.0, STRIPS + 1)
-    # The integral of the half chord sqrt(1 - t^2).
-    areas = np.diff(0.5 * (edges * np.sqrt(1.0 - edges**2) + np.arcsin(edges)))
-    centre, half = box.corners.mean(axis=0), 1.0 / STRIPS
-    places = 0.5 * (edges[1:] + edges[:-1])
-    return [
-        _rectangle(centre + place * y, half * y, area / (2.0 * half) * x)
-        for place, area in zip(places, areas, strict=True)
-    ]
-
-
-def _triangle_strips(face: Face) -> list[Face]:
-    """Rectangles along one side, each of the area of its part of the triangle."""
-    a, b, c = face.corners
-    base = c - b
-    foot = b + base * np.dot(a - b, base) / np.dot(base, base)
-    shares = (np.arange(STRIPS) + 0.5) / STRIPS
-    return [
-        _rectangle(a + share * (0.5 * (b + c) - a), 0.5 / STRIPS * (foot - a), 0.5 * share * base)
-        for share in shares
-    ]
-
-
-def _rectangle(centre, half_y, half_x) -> Face:
-    """Rectangle that faces half_y x half_x."""
-    low, high = centre - half_x, centre + half_x
-    return Face(np.stack([low - half_y, low + half_y, high + half_y, high - half_y]))
 
 
 def _photometric_type(data: bytes) -> str:

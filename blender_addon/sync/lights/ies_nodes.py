@@ -19,16 +19,18 @@ from ....engine.luminaires.formats.record import RADIANT
 from ....engine.photometry.units import BLENDER_EFFICACY
 from ....engine.scene.distribution import IntensityDistribution
 from ....engine.scene.light import Luminaire, Output, Quantity
+from ...file_assets.kind import NoFileError
+from ...file_assets.settings import LIGHT_TYPES
 from ...foundation.pose import pose_of
 from ...foundation.report import ConversionReport
-from ...luminaires import files
 from ...luminaires.convert import LEFT_OUT, NOTHING_VISIBLE, own_opening, reflected, tilt_of
-from ...luminaires.settings import LIGHT_TYPES
+from ...luminaires.files import Reading, photometric_files
 from ..nodes.evaluation import Context
 from ..nodes.fields import luminance
 from ..spectra import convert_spectrum, light_spectrum
 from .cone import within_cone
 from .emission_node import evaluate_emission, find_emission, is_emission
+from .kinds import is_ellipse, is_spread_out, sizes_of
 
 CYCLES_FRAMES = {
     "C": np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
@@ -56,7 +58,7 @@ class IesEmission:
     """
 
     node: bpy.types.Node
-    reading: files.Reading
+    reading: Reading
     colour: np.ndarray
 
 
@@ -193,7 +195,7 @@ def convert_ies_light(
     )
 
 
-def read_profile(node) -> files.Reading:
+def read_profile(node) -> Reading:
     """Read the file of an IES texture.
 
     Raises
@@ -202,13 +204,13 @@ def read_profile(node) -> files.Reading:
     """
     if node.mode == "INTERNAL":
         if node.ies is None:
-            raise files.NoFileError("the IES texture has no text data-block")
-        reading = files.read_text(node.ies)
+            raise NoFileError("the IES texture has no text data-block")
+        reading = photometric_files.obtain_text(node.ies)
     elif node.filepath:
         path = bpy.path.abspath(node.filepath, library=node.id_data.library)
-        reading = files.read_path(str(Path(path)))
+        reading = photometric_files.obtain_path(str(Path(path)))
     else:
-        raise files.NoFileError("the IES texture has no file")
+        raise NoFileError("the IES texture has no file")
     if not reading.file.format.startswith("LM-63"):
         raise SceneError(
             f"the IES texture's file is {reading.file.format}, expected LM-63; "
@@ -226,13 +228,12 @@ def _seen_by_cycles(reading) -> IntensityDistribution:
 def _candelas(data, pose, scale, efficacy, rgb) -> float:
     """Candelas in the scene for each candela of the file."""
     watts = data.energy * 2.0 ** getattr(data, "exposure", 0.0)
-    if not getattr(data, "normalize", True):
+    if is_spread_out(data):
         # In Blender units, as Blender does it: its watts then are those of a unit of emitting area.
         x, y, z = (length / scale for length in pose.lengths)
         if data.type == "AREA":
-            size_y = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
-            watts *= data.size * x * size_y * y
-            watts *= 0.25 * np.pi if data.shape in {"DISK", "ELLIPSE"} else 1.0
+            watts *= float(np.prod(sizes_of(data))) * x * y
+            watts *= 0.25 * np.pi if is_ellipse(data) else 1.0
         else:
             watts *= 4.0 * np.pi * (data.shadow_soft_size * float(np.cbrt(x * y * z))) ** 2
     tint = float(np.ravel(luminance(np.asarray(rgb)))[0])

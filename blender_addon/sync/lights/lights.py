@@ -4,15 +4,7 @@ import numpy as np
 
 from ....engine.errors import LumenrayError, SceneError
 from ....engine.scene.checks import LARGEST_AMOUNT, check_item
-from ....engine.scene.light import (
-    AreaLight,
-    LineLight,
-    Output,
-    PointLight,
-    Quantity,
-    SpotLight,
-    SunLight,
-)
+from ....engine.scene.light import Output, Quantity
 from ....engine.scene.spectrum import Spectrum, Tabulated
 from ...foundation.report import ConversionReport
 from ...luminaires.convert import LEFT_OUT, convert_luminaire
@@ -25,14 +17,7 @@ from ..spectra import check_visible, convert_spectrum, light_spectrum
 from ..visibility import is_dark, tell_linking
 from .emission_node import evaluate_emission, find_emission, is_emission
 from .ies_nodes import convert_ies_light, find_ies_emission
-
-PHYSICAL_QUANTITIES = {
-    "POINT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
-    "SPOT": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "RADIANT_FLUX"),
-    "SUN": ("ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
-    "AREA": ("LUMINOUS_FLUX", "LUMINOUS_INTENSITY", "ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX"),
-}
-"""Quantities that make sense for each kind of Blender light."""
+from .kinds import Kind, Place, kind_of
 
 
 def convert_light(
@@ -79,20 +64,6 @@ def convert_light(
     return light
 
 
-def is_tube(data) -> bool:
-    """Whether a light is a tube, if no file says how it shines."""
-    return data.type == "POINT" and data.lumenray.tube_length > 0.0
-
-
-def place_tube(data, matrix, scale: float) -> tuple[np.ndarray, float, float]:
-    """Frame (4, 4) of a tube along its x, length and radius, in the unit of ``scale`` for a Blender unit."""
-    matrix = np.array(matrix, dtype=np.float64)
-    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
-    frame = _frame(matrix[:3, :3] / np.maximum(lengths, 1e-30), matrix[:3, 3] * scale)
-    radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
-    return frame, data.lumenray.tube_length * float(lengths[0]) * scale, radius
-
-
 def _convert(source, place, efficacy, report, images, is_patient):
     """Convert a light by what decides how it shines."""
     if is_rayset(source) or is_luminaire(source):
@@ -124,83 +95,22 @@ def _convert_from_file(source, place, report, images, is_patient):
 
 def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images):
     """Convert a light that shines as its kind does."""
-    data = source.data
-    matrix = np.array(matrix, dtype=np.float64)
-    position = matrix[:3, 3] * scale
-    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
-    axes = matrix[:3, :3] / np.maximum(lengths, 1e-30)
-    rgb = _colour(data)
+    data, kind = source.data, kind_of(source.data)
+    place = Place(light_id, name, matrix, scale, source.visible_camera)
     tint, strength = _node_emission(data, name, report, images)
-    rgb = rgb * tint
-    output = _output(data, name, rgb, strength, lengths, efficacy, report)
+    output = _output(data, kind, place, _colour(data) * tint, strength, efficacy, report)
     if output is None:
         return None
-    _tell_scales(data, name, lengths, scale, report)
-    match data.type:
-        case "POINT":
-            if is_tube(data):
-                placed = place_tube(data, matrix, scale)
-                return LineLight(light_id, name, output, *placed, source.visible_camera)
-            radius = data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale
-            return PointLight(light_id, name, output, position, radius, source.visible_camera)
-        case "SPOT":
-            return SpotLight(
-                light_id,
-                name,
-                output,
-                position,
-                -axes[:, 2],
-                0.5 * data.spot_size,
-                data.spot_blend,
-                data.shadow_soft_size * float(np.cbrt(np.prod(lengths))) * scale,
-            )
-        case "SUN":
-            return SunLight(light_id, name, output, -axes[:, 2], data.angle)
-        case "AREA":
-            return _area(
-                data, source, light_id, name, output, axes, position, lengths * scale, report
-            )
-    report.error(name, f"lights of type {data.type} are unknown", "the light is left out")
-    return None
-
-
-def _tell_scales(data, name, lengths, scale, report) -> None:
-    """Note what Blender makes of the scales of the object and of the scene, and this engine does not."""
-    if data.type == "SPOT" and lengths.max() > 1.001 * lengths.min():
-        report.error(
-            name,
-            "the spot is scaled unevenly, which makes its cone an ellipse in Blender",
-            "the cone is round, of the angle that is stated; scale all axes alike",
-        )
-    if scale != 1.0 and data.type != "SUN" and not data.lumenray.use_physical:
+    fault = kind.find_fault(data, place)
+    if fault is not None:
+        report.error(name, *fault)
+    if scale != 1.0 and kind.whole is Quantity.LUMINOUS_FLUX and not data.lumenray.use_physical:
         report.warn(
             "Unit scale",
             f"a Blender unit is {scale:g} m, which Blender's own renders leave out",
             f"distances are in metres: lights in watts light {scale**-2:.4g} times what Blender shows",
         )
-
-
-def _area(data, source, light_id, name, output, axes, position, lengths, report):
-    size_x = data.size * lengths[0]
-    size_y = (data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size) * lengths[1]
-    if abs(np.dot(axes[:, 0], axes[:, 1])) > 1e-4:
-        report.warn(name, "the area light is sheared", "its sides are taken as perpendicular")
-    frame = _frame(axes, position)
-    shape = "ellipse" if data.shape in {"DISK", "ELLIPSE"} else "rectangle"
-    return AreaLight(
-        light_id, name, output, frame, size_x, size_y, shape, data.spread, source.visible_camera
-    )
-
-
-def _frame(axes, position) -> np.ndarray:
-    """Rigid placement that keeps the direction of x. (4, 4)"""
-    frame = np.eye(4)
-    z = axes[:, 2] - axes[:, 0] * np.dot(axes[:, 0], axes[:, 2])
-    frame[:3, 0] = axes[:, 0]
-    frame[:3, 2] = z / np.linalg.norm(z)
-    frame[:3, 1] = np.cross(frame[:3, 2], frame[:3, 0])
-    frame[:3, 3] = position
-    return frame
+    return kind.make(data, place, output)
 
 
 def _colour(data) -> np.ndarray:
@@ -247,13 +157,13 @@ def _check_amount(value: float) -> None:
         )
 
 
-def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | None:
-    settings = data.lumenray
+def _output(data, kind: Kind, place: Place, rgb, strength, efficacy, report) -> Output | None:
+    settings, name = data.lumenray, place.name
     if settings.use_physical:
         if settings.value == 0.0:
             return None
         _check_amount(settings.value)
-        if settings.quantity not in PHYSICAL_QUANTITIES[data.type]:
+        if settings.quantity not in kind.quantities:
             report.error(
                 name,
                 f"{settings.quantity.replace('_', ' ').lower()} is not defined for a {data.type.lower()} light",
@@ -265,33 +175,9 @@ def _output(data, name, rgb, strength, lengths, efficacy, report) -> Output | No
         if isinstance(spectrum, Tabulated):
             check_visible(spectrum, quantity is Quantity.RADIANT_FLUX, name, report)
         return Output(quantity, settings.value, spectrum)
-    lumens = (
-        data.energy
-        * 2.0 ** getattr(data, "exposure", 0.0)
-        * strength
-        * efficacy
-        * float(np.ravel(luminance(rgb))[0])
-    )
+    watts = data.energy * 2.0 ** getattr(data, "exposure", 0.0)
+    lumens = watts * strength * efficacy * float(np.ravel(luminance(rgb))[0])
     if lumens == 0.0:
         return None
     _check_amount(lumens)
-    spectrum = light_spectrum(rgb)
-    spread_out = not getattr(data, "normalize", True)
-    match data.type:
-        case "POINT" if is_tube(data):
-            # What a ball of the same settings sends, and of its luminance.
-            if spread_out:
-                return Output(Quantity.LUMINANCE, lumens / np.pi, spectrum)
-        case "POINT" | "SPOT":
-            factor = (
-                (data.shadow_soft_size * float(np.cbrt(np.prod(lengths)))) ** 2
-                if spread_out
-                else 0.25 / np.pi
-            )
-            return Output(Quantity.LUMINOUS_INTENSITY, lumens * factor, spectrum)
-        case "SUN":
-            factor = np.pi * np.sin(0.5 * data.angle) ** 2 if spread_out else 1.0
-            return Output(Quantity.ILLUMINANCE, lumens * factor, spectrum)
-        case "AREA" if spread_out:
-            return Output(Quantity.LUMINANCE, lumens / np.pi, spectrum)
-    return Output(Quantity.LUMINOUS_FLUX, lumens, spectrum)
+    return Output(*kind.amount(data, place, lumens), light_spectrum(rgb))

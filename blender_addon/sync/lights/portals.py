@@ -4,6 +4,7 @@ import numpy as np
 
 from ....engine.scene.material import Material, Transparent
 from ....engine.scene.mesh import Geometry
+from .kinds import sizes_of
 
 GEOMETRY = "geometry:portal"
 """Id of the unit square that all portals show."""
@@ -47,10 +48,8 @@ def portal_frame(light, matrix, scale: float) -> np.ndarray:
     """
     frame = np.array(matrix, dtype=np.float64)
     frame[:3] *= scale
-    size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     depth = np.linalg.norm(frame[:3, 2])
     if depth > 0.0:
         frame[:3, 3] -= frame[:3, 2] / depth * STANDOFF
-    frame[:3, 0] *= light.size
-    frame[:3, 1] *= size_y
+    frame[:3, :2] *= sizes_of(light)
     return frame

@@ -6,9 +6,10 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ....engine.scene.checks import DEEPEST_MIX, depth_of
+from ....engine.scene.checks import DEEPEST_MIX
 from ....engine.scene.material import Black, Diffuse, Emission, Material, Transparent
 from ....engine.scene.spectrum import Constant, Illuminant
+from ...foundation.node_trees import uses_nodes
 from ...foundation.report import ConversionReport
 from ..images.cache import ImageCache
 from ..nodes.evaluation import Context
@@ -63,7 +64,7 @@ def convert_material(
     _report_working_space(report)
     try:
         closure = _convert_tree(material, report, images)
-        depth = depth_of(closure.surface)
+        depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
     except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
@@ -99,7 +100,7 @@ def _report_working_space(report):
 
 
 def _convert_tree(material, report, images) -> Closure:
-    if material.node_tree is None or not _uses_nodes(material):
+    if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
     output = material.node_tree.get_output_node("CYCLES")
@@ -117,11 +118,6 @@ def _convert_tree(material, report, images) -> Closure:
             return Closure(Transparent())
         report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
     return convert_shader(output.inputs["Surface"], context)
-
-
-def _uses_nodes(material):
-    # Blender 5 always uses nodes and will drop the property in 6.
-    return bpy.app.version >= (5, 0, 0) or material.use_nodes
 
 
 def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:

@@ -1,9 +1,13 @@
 """Surfaces from the measurable parameters that a user states in place of a node tree."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
 from ....engine.errors import LumenrayError
 from ....engine.formats.data_sheet import read_data_sheet
+from ....engine.scene.colour import largest_of
 from ....engine.scene.material import (
     Black,
     Cauchy,
@@ -12,15 +16,17 @@ from ....engine.scene.material import (
     Dielectric,
     Diffuse,
     Emission,
+    Fabric,
     IorTable,
     RefractiveIndex,
     Surface,
+    TabulatedPane,
     ThinGlass,
 )
-from ....engine.scene.spectrum import Constant, Rgb, Spectrum, Tabulated
+from ....engine.scene.spectrum import Constant, Rgb, Spectrum
 from ...foundation.report import ConversionReport
 from ...scattering.convert import convert_measured
-from ...scattering.source import MEASURED
+from ...scattering.files import MEASURED
 from ..spectra import convert_spectrum, read_file
 
 HELIUM_D = 587.56
@@ -30,10 +36,30 @@ MISSING_REFLECTANCE = 0.5
 """Diffuse reflectance in place of a scattering file that cannot be used. [-]"""
 
 
-def convert_override(
-    settings, report: ConversionReport, datablock: str, is_patient: bool = True
-) -> tuple[Surface, Emission | None]:
-    """Return the surface and the emission that a material's settings state.
+@dataclass(frozen=True)
+class Model:
+    """A kind of surface as a user states it.
+
+    Parameters
+    ----------
+    title, description : str    For people.
+    number : int    By which saved files know it.
+    convert : callable    From a `Statement` to the `Surface`.
+    settings : tuple of str    What the panel shows, by names of properties or of `ui.material.DRAWN`.
+    emit : callable or None    From a `Statement` to the `Emission` or None.
+    """
+
+    title: str
+    description: str
+    number: int
+    convert: Callable
+    settings: tuple[str, ...]
+    emit: Callable | None = None
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What a user states of a surface.
 
     Parameters
     ----------
@@ -41,97 +67,136 @@ def convert_override(
     report, datablock : ConversionReport, str    Where departures go.
     is_patient : bool    Whether to wait for a scattering file that is being read.
     """
-    if settings.model == "EMITTER":
-        try:
-            spectrum = convert_spectrum(settings, settings.reflectance_color, report, datablock)
-        except LumenrayError as error:
-            report.fault(datablock, error, "the material does not shine")
-            return Black(), None
-        emission = Emission(spectrum, settings.luminance, None, settings.two_sided)
-        return Black(), emission if settings.luminance > 0 else None
-    if settings.model == MEASURED:
-        return _measured(settings, report, datablock, is_patient), None
-    return _SURFACES[settings.model](settings, report, datablock), None
+
+    settings: object
+    report: ConversionReport
+    datablock: str
+    is_patient: bool = True
+
+    def read(self, name: str, remedy: str, *reader):
+        """Read the file that a property names, as `read_file`."""
+        return read_file(self.settings, name, self.report, self.datablock, remedy, *reader)
 
 
-def _reflectance(settings, report, datablock) -> Spectrum:
+def convert_override(
+    settings, report: ConversionReport, datablock: str, is_patient: bool = True
+) -> tuple[Surface, Emission | None]:
+    """Return the surface and the emission that a material's settings state; parameters as of `Statement`."""
+    model, stated = MODELS[settings.model], Statement(settings, report, datablock, is_patient)
+    return model.convert(stated), None if model.emit is None else model.emit(stated)
+
+
+def model_items() -> list[tuple[str, str, str, int]]:
+    """Items of the enumeration of models."""
+    return [(name, model.title, model.description, model.number) for name, model in MODELS.items()]
+
+
+def _reflectance(stated: Statement) -> Spectrum:
+    settings = stated.settings
     if settings.reflectance_source == "COLOR":
         red, green, blue = settings.reflectance_color
         return Constant(red) if red == green == blue else Rgb(red, green, blue)
     if settings.reflectance_source == "FILE":
         remedy = f"reflectance {settings.reflectance:.3g} is used"
-        table = read_file(settings, "reflectance_file", report, datablock, remedy)
+        table = stated.read("reflectance_file", remedy)
         if table is not None and table.values.min() >= 0 and table.values.max() <= 1:
             return table
         if table is not None:
             problem = f"{table.name} holds reflectances outside 0..1, perhaps per cent"
-            report.miss(datablock, problem, remedy)
+            stated.report.miss(stated.datablock, problem, remedy)
     return Constant(settings.reflectance)
 
 
-def _diffuse(settings, report, datablock):
-    reflectance = _reflectance(settings, report, datablock)
-    transmittance = settings.transmittance
-    left = max(1.0 - _largest(reflectance), 0.0)
-    if transmittance > left + 1e-6:
-        report.warn(
-            datablock,
-            f"Reflectance plus transmittance {transmittance:.3g} exceeds 1",
-            f"the transmittance is reduced to {left:.3g}",
-        )
-        transmittance = left
+def _what_is_left(stated: Statement, name: str, taken: float, takers: str) -> float:
+    """Return a share of the settings, reduced to what others leave of all light."""
+    share, left = getattr(stated.settings, name), max(1.0 - taken, 0.0)
+    if share <= left + 1e-6:
+        return min(share, left)
+    stated.report.warn(
+        stated.datablock,
+        f"{takers} plus {name} {share:.3g} exceeds 1",
+        f"the {name} is reduced to {left:.3g}",
+    )
+    return left
+
+
+def _diffuse(stated: Statement) -> Diffuse:
+    reflectance = _reflectance(stated)
+    transmittance = _what_is_left(stated, "transmittance", largest_of(reflectance), "Reflectance")
     return Diffuse(reflectance, Constant(transmittance) if transmittance > 0 else None)
 
 
-def _largest(spectrum):
-    if isinstance(spectrum, Tabulated):
-        return float(spectrum.values.max())
-    if isinstance(spectrum, Rgb):
-        return max(spectrum.red, spectrum.green, spectrum.blue)
-    return spectrum.value
+def _fabric(stated: Statement) -> Fabric:
+    reflectance = _reflectance(stated)
+    taken = largest_of(reflectance)
+    openness = _what_is_left(stated, "openness", taken, "Reflectance")
+    transmittance = _what_is_left(
+        stated, "transmittance", taken + openness, "Reflectance and openness"
+    )
+    return Fabric(openness, reflectance, Constant(transmittance))
 
 
-def _coated(settings, report, datablock):
-    ior = _single_index(_refractive_index(settings, report, datablock))
-    return Coated(_reflectance(settings, report, datablock), ior, settings.roughness)
+def _coated(stated: Statement) -> Coated:
+    ior = _single_index(_refractive_index(stated))
+    return Coated(_reflectance(stated), ior, stated.settings.roughness)
 
 
-def _conductor(settings, report, datablock):
-    return Conductor(settings.metal, settings.roughness)
+def _conductor(stated: Statement) -> Conductor:
+    return Conductor(stated.settings.metal, stated.settings.roughness)
 
 
-def _dielectric(settings, report, datablock):
-    return Dielectric(_refractive_index(settings, report, datablock), settings.roughness)
+def _dielectric(stated: Statement) -> Dielectric:
+    return Dielectric(_refractive_index(stated), stated.settings.roughness)
 
 
-def _pane(settings, report, datablock):
-    if settings.pane_source == "FILE":
+def _pane(stated: Statement) -> ThinGlass | TabulatedPane:
+    if stated.settings.pane_source == "FILE":
         remedy = "clear glass by its refractive index is used"
-        table = read_file(
-            settings, "pane_file", report, datablock, remedy, read_data_sheet, "data sheet"
-        )
-        if table is not None:
-            return table
-    ior = _single_index(_refractive_index(settings, report, datablock))
-    return ThinGlass(ior, Constant(settings.transmittance))
+        pane = stated.read("pane_file", remedy, read_data_sheet, "data sheet")
+        if pane is not None:
+            return pane
+    ior = _single_index(_refractive_index(stated))
+    return ThinGlass(ior, Constant(stated.settings.transmittance))
 
 
-def _measured(settings, report, datablock, is_patient):
+def _measured(stated: Statement) -> Surface:
     remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
-    surface = convert_measured(settings.measured, report, datablock, remedy, is_patient)
+    surface = convert_measured(
+        stated.settings.measured, stated.report, stated.datablock, remedy, stated.is_patient
+    )
     return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
 
-def _refractive_index(settings, report, datablock) -> RefractiveIndex:
+def _black(_stated: Statement) -> Black:
+    return Black()
+
+
+def _glow(stated: Statement) -> Emission | None:
+    settings = stated.settings
+    try:
+        spectrum = convert_spectrum(
+            settings, settings.reflectance_color, stated.report, stated.datablock
+        )
+    except LumenrayError as error:
+        stated.report.fault(stated.datablock, error, "the material does not shine")
+        return None
+    if settings.luminance <= 0:
+        return None
+    return Emission(spectrum, settings.luminance, None, settings.two_sided)
+
+
+def _refractive_index(stated: Statement) -> RefractiveIndex:
+    settings = stated.settings
     if settings.ior_source == "CAUCHY":
         return Cauchy(settings.ior, settings.cauchy_b)
     if settings.ior_source == "FILE":
         remedy = f"refractive index {settings.ior:.4g} is used"
-        table = read_file(settings, "ior_file", report, datablock, remedy)
+        table = stated.read("ior_file", remedy)
         if table is not None and table.values.min() >= 1:
             return IorTable(table.wavelengths, table.values)
         if table is not None:
-            report.miss(datablock, f"{table.name} holds refractive indices below 1", remedy)
+            problem = f"{table.name} holds refractive indices below 1"
+            stated.report.miss(stated.datablock, problem, remedy)
     return Cauchy(settings.ior, 0.0)
 
 
@@ -141,10 +206,49 @@ def _single_index(index: RefractiveIndex) -> float:
     return index.a + index.b / (HELIUM_D / 1000) ** 2
 
 
-_SURFACES = {
-    "DIFFUSE": _diffuse,
-    "COATED": _coated,
-    "CONDUCTOR": _conductor,
-    "DIELECTRIC": _dielectric,
-    "THIN_GLASS": _pane,
+MODELS = {
+    "DIFFUSE": Model(
+        "Diffuse",
+        "Matt reflection and, if set, diffuse transmission",
+        0,
+        _diffuse,
+        ("reflectance", "transmittance"),
+    ),
+    "COATED": Model(
+        "Coated",
+        "Matt base under a clear gloss coat: paint, plastic, varnish",
+        1,
+        _coated,
+        ("reflectance", "roughness", "ior"),
+    ),
+    "CONDUCTOR": Model(
+        "Metal", "Metal by its complex refractive index", 2, _conductor, ("metal", "roughness")
+    ),
+    "DIELECTRIC": Model(
+        "Solid Glass", "Transparent body that refracts", 3, _dielectric, ("roughness", "ior")
+    ),
+    "THIN_GLASS": Model("Pane", "Thin sheet of glass as one surface", 4, _pane, ("pane",)),
+    "EMITTER": Model(
+        "Emitter",
+        "Luminous surface, black by itself",
+        5,
+        _black,
+        ("luminance", "two_sided", "spectrum"),
+        _glow,
+    ),
+    MEASURED: Model(
+        "Measured",
+        "Scattering measured or computed: a BRDF or BTDF file",
+        6,
+        _measured,
+        ("measured",),
+    ),
+    "FABRIC": Model(
+        "Fabric",
+        "Roller blind, net or perforated sheet: some light passes straight, the rest is spread",
+        7,
+        _fabric,
+        ("reflectance", "openness", "transmittance"),
+    ),
 }
+"""Kinds of surfaces, by their names in scripts."""

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....engine.scene.material import Colour, Scalar
 from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
 from . import colour_nodes, stand_ins, texture_nodes
-from .fields import Field, as_colour, as_scalar, constant, luminance, map_fields, rgb
+from .fields import Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
 _FUNCTIONS = colour_nodes.FUNCTIONS | texture_nodes.FUNCTIONS
@@ -120,29 +119,15 @@ class Inputs:
         self.context.add(Severity.ERROR, self.node.name, message, remedy, is_missing=True)
 
 
-def evaluate_colour(socket, context: Context, groups: tuple = ()) -> Colour:
-    """Evaluate what arrives at a colour input.
+def evaluate_field(socket, context: Context, groups: tuple = ()) -> Field:
+    """Evaluate what arrives at an input, in the channels of that input.
 
     Parameters
     ----------
     socket : bpy.types.NodeSocket    An input.
     context : Context    The conversion that it belongs to.
     groups : tuple of bpy.types.Node    Group nodes around it, outermost first.
-
-    Returns
-    -------
-    Colour    `Constant` if neutral, `Rgb`, or an `ImageTexture`; not limited to 0..1.
     """
-    return as_colour(evaluate_field(socket, context, groups))
-
-
-def evaluate_scalar(socket, context: Context, groups: tuple = ()) -> Scalar:
-    """Evaluate what arrives at a value input, as a number or a one-channel picture."""
-    return as_scalar(evaluate_field(socket, context, groups))
-
-
-def evaluate_field(socket, context: Context, groups: tuple = ()) -> Field:
-    """Evaluate what arrives at an input, in the channels of that input."""
     origin = trace(socket, groups)
     if origin.problem:
         context.add(Severity.ERROR, socket.node.name, origin.problem, "0 is used")

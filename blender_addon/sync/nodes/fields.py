@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engine.scene.material import Colour, Scalar
+from ....engine.scene.colour import Colour, Scalar
 from ....engine.scene.memo import recall
 from ....engine.scene.spectrum import Constant, Rgb
 from ....engine.scene.texture import ImageTexture

@@ -98,12 +98,6 @@ def _over_angles(at, values):
     return spread(values[:, None])
 
 
-def hemispherical_fresnel(ior: float) -> float:
-    """Return the reflectance of a smooth dielectric for diffuse light from outside."""
-    cosine = (np.arange(1000) + 0.5) / 1000
-    return float(np.mean(2 * cosine * fresnel(cosine, ior)))
-
-
 def fresnel(cosine: np.ndarray, ior: float) -> np.ndarray:
     """Return the reflectance of a smooth dielectric from outside by the cosine to its normal."""
     ior = max(ior, 1e-3)

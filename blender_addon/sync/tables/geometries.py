@@ -14,7 +14,6 @@ class _Entry:
     """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3)."""
 
     owner: int
-    is_of_data: bool
     fingerprint: int = 0
     is_stale: bool = True
     corners: np.ndarray | None = None
@@ -36,11 +35,11 @@ class GeometryTable:
             for key in self._of_owner[owner]:
                 self._entries[key].is_stale = True
 
-    def take(self, key: str, owner: int, is_of_data: bool, source) -> str | None:
+    def take(self, key: str, owner: int, source) -> str | None:
         """Return the id of an object's geometry, read anew where needed; None when it has no face."""
         entry = self._entries.get(key)
         if entry is None:
-            entry = self._entries[key] = _Entry(owner, is_of_data)
+            entry = self._entries[key] = _Entry(owner)
             self._of_owner.setdefault(owner, set()).add(key)
         if entry.is_stale:
             self._update(key, entry, source)
@@ -54,7 +53,7 @@ class GeometryTable:
         """Return the id of a geometry that no data of Blender's states and that never changes."""
         if geometry.id not in self._entries:
             self._entries[geometry.id] = _Entry(
-                0, False, fingerprint(geometry), False, _corners_of(geometry)
+                0, fingerprint(geometry), False, _corners_of(geometry)
             )
             self._of_owner.setdefault(0, set()).add(geometry.id)
             self.changed.append(geometry)

@@ -23,6 +23,7 @@ class _Entry:
     """What is known of one material of Blender, by its session uid."""
 
     key: str
+    name: str = ""
     is_stale: bool = True
     digest: bytes = b""
     is_luminous: bool = False
@@ -77,7 +78,7 @@ class MaterialTable:
     def _take_made(self, number: int, made: Material) -> str:
         """Return the id of a material that is none of Blender's; ``number``: in place of a session uid, 0 or less."""
         if number not in self._entries:
-            self._entries[number] = _Entry(made.id, False, content_digest(made))
+            self._entries[number] = _Entry(made.id, made.name, False, content_digest(made))
             self.changed.append(made)
         return made.id
 
@@ -114,6 +115,10 @@ class MaterialTable:
         """Whether one of the materials with these ids glows."""
         return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
 
+    def luminous(self) -> list[tuple[str, str]]:
+        """Return ids and names of the materials that glow."""
+        return [(entry.key, entry.name) for entry in self._entries.values() if entry.is_luminous]
+
     def dependencies(self) -> set[int]:
         """Return session uids of all node trees and images that the materials read."""
         return set().union(*(entry.dependencies for entry in self._entries.values()))
@@ -127,7 +132,7 @@ class MaterialTable:
         made = convert_material(
             block, entry.key, entry.report, self.efficacy, self._images, self._is_patient
         )
-        entry.is_stale = False
+        entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
         digest = content_digest(made)

@@ -343,63 +343,71 @@ def draw_departure(kind, half, direction, sample, kinds):
         place = mi.Point3f(half.x * disk.x, half.y * disk.y, 0.0)
         point, normal = _choose(kind == ELLIPSE, place, up, point, normal)
     if BOX in kinds:
-        faces = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y) * dr.abs(d)
-        # As seen from very far along the direction, each face's share is its projected area.
-        share = faces / dr.maximum(dr.sum(faces), TINY)
-        third = sample.x >= share.x + share.y
-        second = (sample.x >= share.x) & ~third
-        start = dr.select(third, share.x + share.y, dr.select(second, share.x, 0.0))
-        chosen = dr.select(third, share.z, dr.select(second, share.y, share.x))
-        u = dr.clip((sample.x - start) / dr.maximum(chosen, TINY), 0.0, 1.0) * 2.0 - 1.0
-        v = sample.y * 2.0 - 1.0
-        side = dr.select(d < 0.0, mi.Vector3f(-1.0), mi.Vector3f(1.0))
-        unit = dr.select(
-            third,
-            mi.Vector3f(u, v, side.z),
-            dr.select(second, mi.Vector3f(u, side.y, v), mi.Vector3f(side.x, u, v)),
-        )
-        axis = dr.select(
-            third,
-            mi.Vector3f(0.0, 0.0, side.z),
-            dr.select(second, mi.Vector3f(0.0, side.y, 0.0), mi.Vector3f(side.x, 0.0, 0.0)),
-        )
-        point, normal = _choose(kind == BOX, mi.Point3f(unit * half), axis, point, normal)
+        point, normal = _choose(kind == BOX, *_leave_box(half, d, sample), point, normal)
     if ELLIPSOID in kinds:
-        # Parallel projections stay parallel under the affine map, so the unit sphere's disk serves.
-        axis = dr.normalize(d / half)
-        unit = mi.Frame3f(axis).to_world(
-            mi.Vector3f(disk.x, disk.y, dr.safe_sqrt(1.0 - dr.squared_norm(disk)))
-        )
-        outwards = dr.normalize(unit / half)
-        point, normal = _choose(kind == ELLIPSOID, mi.Point3f(unit * half), outwards, point, normal)
+        point, normal = _choose(kind == ELLIPSOID, *_leave_ellipsoid(half, d, disk), point, normal)
     if CYLINDER in kinds:
-        cap = dr.pi * half.x * half.y * dr.abs(d.z)
-        wall = 4.0 * half.z * dr.sqrt(dr.square(half.x * d.y) + dr.square(half.y * d.x))
-        share = wall / dr.maximum(wall + cap, TINY)
-        on_wall = sample.x < share
-        u = dr.select(
-            on_wall, sample.x / dr.maximum(share, TINY), (sample.x - share) / (1.0 - share)
-        )
-        u = dr.clip(u, 0.0, 1.0)
-        # Evenly across the silhouette of the unit circle.
-        across = 2.0 * u - 1.0
-        along = dr.safe_sqrt(1.0 - dr.square(across))
-        to_x, to_y = d.x / half.x, d.y / half.y
-        scale = dr.rsqrt(dr.maximum(dr.square(to_x) + dr.square(to_y), TINY))
-        to_x, to_y = to_x * scale, to_y * scale
-        px, py = along * to_x - across * to_y, along * to_y + across * to_x
-        wall_point = mi.Point3f(half.x * px, half.y * py, half.z * (2.0 * sample.y - 1.0))
-        wall_normal = dr.normalize(mi.Vector3f(px / half.x, py / half.y, 0.0))
-        disk = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, sample.y))
-        cap_point = mi.Point3f(half.x * disk.x, half.y * disk.y, half.z * up.z)
         point, normal = _choose(
-            kind == CYLINDER,
-            dr.select(on_wall, wall_point, cap_point),
-            dr.select(on_wall, wall_normal, up),
-            point,
-            normal,
+            kind == CYLINDER, *_leave_cylinder(half, d, up, sample), point, normal
         )
     return point, normal
+
+
+def _leave_box(half, d, sample):
+    """Point and outward normal where light leaves a box, evenly over what is seen of it."""
+    faces = mi.Vector3f(half.y * half.z, half.x * half.z, half.x * half.y) * dr.abs(d)
+    # As seen from very far along the direction, each face's share is its projected area.
+    share = faces / dr.maximum(dr.sum(faces), TINY)
+    third = sample.x >= share.x + share.y
+    second = (sample.x >= share.x) & ~third
+    start = dr.select(third, share.x + share.y, dr.select(second, share.x, 0.0))
+    chosen = dr.select(third, share.z, dr.select(second, share.y, share.x))
+    u = dr.clip((sample.x - start) / dr.maximum(chosen, TINY), 0.0, 1.0) * 2.0 - 1.0
+    v = sample.y * 2.0 - 1.0
+    side = dr.select(d < 0.0, mi.Vector3f(-1.0), mi.Vector3f(1.0))
+    unit = dr.select(
+        third,
+        mi.Vector3f(u, v, side.z),
+        dr.select(second, mi.Vector3f(u, side.y, v), mi.Vector3f(side.x, u, v)),
+    )
+    axis = dr.select(
+        third,
+        mi.Vector3f(0.0, 0.0, side.z),
+        dr.select(second, mi.Vector3f(0.0, side.y, 0.0), mi.Vector3f(side.x, 0.0, 0.0)),
+    )
+    return mi.Point3f(unit * half), axis
+
+
+def _leave_ellipsoid(half, d, disk):
+    """Point and outward normal where light leaves an ellipsoid. ``disk``: Point2f of the unit disk."""
+    # Parallel projections stay parallel under the affine map, so the unit sphere's disk serves.
+    axis = dr.normalize(d / half)
+    unit = mi.Frame3f(axis).to_world(
+        mi.Vector3f(disk.x, disk.y, dr.safe_sqrt(1.0 - dr.squared_norm(disk)))
+    )
+    return mi.Point3f(unit * half), dr.normalize(unit / half)
+
+
+def _leave_cylinder(half, d, up, sample):
+    """Point and outward normal where light leaves an upright cylinder, by its wall or the cap that faces ``up``."""
+    cap = dr.pi * half.x * half.y * dr.abs(d.z)
+    wall = 4.0 * half.z * dr.sqrt(dr.square(half.x * d.y) + dr.square(half.y * d.x))
+    share = wall / dr.maximum(wall + cap, TINY)
+    on_wall = sample.x < share
+    u = dr.select(on_wall, sample.x / dr.maximum(share, TINY), (sample.x - share) / (1.0 - share))
+    u = dr.clip(u, 0.0, 1.0)
+    # Evenly across the silhouette of the unit circle.
+    across = 2.0 * u - 1.0
+    along = dr.safe_sqrt(1.0 - dr.square(across))
+    to_x, to_y = d.x / half.x, d.y / half.y
+    scale = dr.rsqrt(dr.maximum(dr.square(to_x) + dr.square(to_y), TINY))
+    to_x, to_y = to_x * scale, to_y * scale
+    px, py = along * to_x - across * to_y, along * to_y + across * to_x
+    wall_point = mi.Point3f(half.x * px, half.y * py, half.z * (2.0 * sample.y - 1.0))
+    wall_normal = dr.normalize(mi.Vector3f(px / half.x, py / half.y, 0.0))
+    disk = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, sample.y))
+    cap_point = mi.Point3f(half.x * disk.x, half.y * disk.y, half.z * up.z)
+    return dr.select(on_wall, wall_point, cap_point), dr.select(on_wall, wall_normal, up)
 
 
 def _choose(mask, point, normal, other_point, other_normal):

@@ -33,6 +33,9 @@ from .tables import DistributionTables
 AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """The luminaire's axes in the order of the opening's own, whose z is the normal or the cylinder's axis."""
 
+KINDS = {name: number for number, name in enumerate(SHAPES)}
+"""Numbers of the shapes of openings."""
+
 CANDIDATES = 10
 """Points of an opening that are compared at a next event where beams are narrow; an even number."""
 
@@ -101,7 +104,7 @@ def opening_frame(opening: Opening, rotation: np.ndarray) -> tuple[np.ndarray, n
 
 
 class LuminairePalette:
-    """The rows and their tables. The plug-in that stands for all of them holds it, see `make_emitter`."""
+    """The rows and their tables. The plug-in that stands for all of them holds it, see `luminaire_plugin`."""
 
     def __init__(self):
         self.tables = DistributionTables()
@@ -145,6 +148,8 @@ class LuminairePalette:
         self._reach = upload(mi.Float, reach if len(rows) else [0.0])
         self.has_narrow = bool(reach.any())
         self.has_rays = any(row.rays is not None for row in rows)
+        # What asks the rays of ray sets near by for a job, see `near_rays`.
+        self.near = None
         bodies = [np.zeros(3) if row.rays is None else row.rays.half for row in rows]
         self._bodies = upload(mi.Float, bodies or [np.zeros(3)])
         self.set_limits(np.zeros(len(rows)))
@@ -265,6 +270,9 @@ class LuminairePalette:
                 limit = dr.gather(mi.Float, self._limits, row, is_point)
                 alone = dr.select(ds.dist < limit, 0.0, alone)
                 self._start_at_body(row, ds, is_point)
+            if self.near is not None:
+                is_near, own = self.near.receive(row, it, sample, ds, is_point)
+                alone = dr.select(is_near, own, alone)
             total = dr.select(is_point, alone, total)
         value = self.spectrum(row, it.wavelengths, active) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
@@ -407,72 +415,3 @@ class LuminairePalette:
         centre = self._vector(row, 7, active)
         start = mi.Point3f(self._to_world(row, 3, mi.Vector3f(point), active) + centre)
         return start, direction, mi.Normal3f(self._to_world(row, 3, normal, active))
-
-
-def make_emitter(palette: LuminairePalette):
-    """Make the emitter of a palette.
-
-    It holds the palette and not the other way round: in a cycle Python would free it at a moment of its own, perhaps while
-    a kernel is being made.
-    """
-    emitter = mi.load_dict({"type": "lumenray_luminaires"})
-    emitter.palette = palette
-    return emitter
-
-
-def luminaires_class():
-    """Make the emitter's class for the active variant."""
-
-    class Luminaires(mi.Emitter):
-        """Every luminaire of a `LuminairePalette`, told apart by the time of what it is asked with."""
-
-        palette: LuminairePalette
-
-        def __init__(self, props):
-            mi.Emitter.__init__(self, props)
-            self.m_flags = +mi.EmitterFlags.Surface
-
-        def traverse(self, callback):
-            """Nothing here is a parameter of Mitsuba's."""
-
-        def eval(self, si, active=True):
-            row, active = mi.UInt32(si.time), mi.Bool(active)
-            lit = active & self.palette.is_outside(row, si, active)
-            value = self.palette.radiance(row, si.to_world(si.wi), si.wavelengths, lit)
-            return mi.Spectrum(value & lit)
-
-        def sample_direction(self, it, sample, active=True):
-            ds, value = self.palette.receive(mi.UInt32(it.time), it, sample, mi.Bool(active))
-            ds.emitter = mi.EmitterPtr(self)
-            return ds, value
-
-        def pdf_direction(self, it, ds, active=True):
-            return self.palette.density_at(mi.UInt32(it.time), it.p, ds.d, mi.Bool(active))
-
-        def eval_direction(self, it, ds, active=True):
-            value = self.palette.radiance(mi.UInt32(it.time), -ds.d, it.wavelengths, active)
-            return mi.Spectrum(value & active)
-
-        def sample_ray(self, time, sample1, sample2, sample3, active=True):
-            row, active = mi.UInt32(time), mi.Bool(active)
-            start, direction, _ = self.palette.emit(row, sample2, sample3, active)
-            ray = mi.Ray3f(start, direction)
-            ray.time = time
-            if "spectral" not in mi.variant():
-                return ray, mi.Spectrum(self.palette.spectrum(row, None, active) & active)
-            width = float(MAXIMUM_WAVELENGTH - MINIMUM_WAVELENGTH)
-            ray.wavelengths = MINIMUM_WAVELENGTH + width * mi.sample_shifted(sample1)
-            value = self.palette.spectrum(row, ray.wavelengths, active) * width
-            return ray, mi.Spectrum(value & active)
-
-        def bbox(self):
-            return mi.BoundingBox3f()
-
-        def to_string(self):
-            return "Luminaires[]"
-
-    return Luminaires
-
-
-KINDS = {name: number for number, name in enumerate(SHAPES)}
-"""Numbers of the shapes of openings."""

@@ -6,7 +6,7 @@ Emitters give spectral radiance in W/(m2 sr nm), or luminance in cd/m2 in photom
 import drjit as dr
 import mitsuba as mi
 
-from .palette import luminaires_class
+from .luminaire_plugin import luminaires_class
 from .rectangles import draw_place, find_density, find_solid_angle, into_axes
 from .tubes import find_tube_density, sample_tube
 
@@ -314,6 +314,8 @@ def _surroundings_class():
             if self.suns:
                 world = dr.select(asks, world, 0.0)
                 suns = dr.select(asks, suns, 1.0 / max(1.0 - self.world_share, 1e-9))
+            if self.portals is not None:
+                asks &= self.portals.has_ahead(it.p)
             return world, dr.select(asks, mi.Float(self.portal_share), 0.0), suns, asks
 
         def _density(self, it, ds, active):

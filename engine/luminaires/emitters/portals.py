@@ -18,6 +18,10 @@ MAXIMUM_PORTALS = 16
 FLOOR_OPENNESS = 0.05
 """Openness far from all portals."""
 
+OWN_PLANE = 1e-5
+"""Distance from a portal's plane up to which a receiver is taken to lie on it, relative to places and sizes: there rounding
+decides on which side it is. [-]"""
+
 FLATNESS = 0.02
 """Largest distance from the mean plane, relative to the size, of what counts as a flat pane. [-]"""
 
@@ -88,11 +92,28 @@ class PortalSet:
             weights.append(area * (cosine + 0.05) / (squared + area))
         return weights
 
+    def _are_ahead(self, point) -> list:
+        """Whether a point lies off the plane of each portal: from a sheet that is one, no sample can be aimed at it."""
+        reach = dr.max(dr.abs(mi.Vector3f(point)))
+        return [
+            dr.abs(dr.dot(mi.Vector3f(point) - centre, normal))
+            > OWN_PLANE * (dr.maximum(half_x, half_y) + reach)
+            for centre, _, _, normal, half_x, half_y in self._rectangles
+        ]
+
+    def has_ahead(self, point):
+        """Whether samples can be aimed at some portal from a point."""
+        first, *others = self._are_ahead(point)
+        for other in others:
+            first |= other
+        return first
+
     def _choices(self, point) -> list:
         """Probability of each portal from a point: by its rough solid angle."""
-        weights = self._solid_angles(point)
-        total = sum(weights[1:], weights[0])
-        return [w / total for w in weights]
+        pairs = zip(self._solid_angles(point), self._are_ahead(point), strict=True)
+        weights = [dr.select(is_ahead, weight, 0.0) for weight, is_ahead in pairs]
+        total = dr.maximum(sum(weights[1:], weights[0]), 1e-20)
+        return [weight / total for weight in weights]
 
     def openness(self, point):
         """How much of the outside a point may see: rough solid angle of all portals, and a floor for points outside."""
@@ -136,12 +157,14 @@ class PortalSet:
         target, start = mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
         for rectangle, choice in zip(self._rectangles, self._choices(point), strict=True):
             centre, x, y, _, half_x, half_y = rectangle
-            sample = mi.Point2f(dr.clip((u - start) / choice, 0.0, 1.0), v)
+            share = dr.clip((u - start) / dr.maximum(choice, 1e-20), 0.0, 1.0)
+            sample = mi.Point2f(share, v)
             q = into_axes(point, centre, x, y)
             angle = find_solid_angle(q, half_x, half_y)
             place = draw_place(q, half_x, half_y, sample, angle)
             place = centre + x * (half_x * place.x) + y * (half_y * place.y)
-            target = dr.select(u >= start, place - mi.Vector3f(point), target)
+            is_chosen = (u >= start) & (choice > 0.0)
+            target = dr.select(is_chosen, place - mi.Vector3f(point), target)
             start += choice
         return dr.normalize(target)
 

@@ -1,13 +1,13 @@
 """One door to all formats of luminaires: what a file is, is told by its content."""
 
-import os
 import re
 from pathlib import Path
 
 from ...errors import FileFormatError
 from ...reading.content import read_bytes
 from ...reading.remarks import Remark
-from ...reading.text import decode
+from ...reading.text import decode, find_encoding
+from ...reading.whole_file import write_whole
 from .eulumdat.reader import looks_like_eulumdat, parse_eulumdat
 from .eulumdat.writer import write_eulumdat
 from .lm63.reader import parse_lm63
@@ -22,7 +22,7 @@ _TILT = re.compile(r"^[ \t]*TILT[ \t]*=", re.IGNORECASE | re.MULTILINE)
 _IES = re.compile(r"\s*IES(?:NA)?(?:[0-9: \t\r\n]|$)", re.IGNORECASE)
 _CIE_102 = re.compile(r"\s*(?:CIEF|CENF)[ \t]*=", re.IGNORECASE)
 _TM14 = re.compile(r"\s*(?:CIBSE|TM[ -]?14)\b", re.IGNORECASE)
-_WEB_PAGE = re.compile(rb"\s*<(?:!doctype\s+html|html|head|body)\b", re.IGNORECASE)
+_WEB_PAGE = re.compile(r"<(?:!doctype\s+html|html|head|body)\b", re.IGNORECASE)
 
 _ARCHIVE = b"PK\x03\x04"
 
@@ -54,19 +54,15 @@ def parse_luminaire(data: bytes, path, folder=None) -> LuminaireFile:
     ------
     FileFormatError    As of `read_luminaire`.
     """
-    if not data.strip(b"\0 \t\r\n\x1a\xef\xbb\xbf"):
-        raise FileFormatError(path, "is empty")
-    if _is_utf16(data):
-        if _is_utf16_xml(data):
-            return parse_tm33(data, path)
-        raise FileFormatError(path, "is UTF-16 text; save it as UTF-8 or ANSI")
-    _refuse_binary(path, data)
-    start = data.lstrip(b"\xef\xbb\xbf \t\r\n")[:_HEAD]
+    text = decode(path, data)
+    is_utf16 = find_encoding(data).startswith("utf-16")
+    if not is_utf16:
+        _refuse_binary(path, data)
+    start = text.lstrip()[:_HEAD]
     if _WEB_PAGE.match(start):
         raise FileFormatError(path, f"is a web page, expected {KINDS}; download the file itself")
-    if start.startswith(b"<"):
-        return parse_tm33(data.lstrip(b" \t\r\n"), path)
-    text = decode(path, data)
+    if start.startswith("<"):
+        return parse_tm33(data if is_utf16 else data.lstrip(b" \t\r\n"), path)
     if _TILT.search(text) or _IES.match(text):
         return parse_lm63(data, path, folder)
     if _CIE_102.match(text):
@@ -84,20 +80,6 @@ def parse_luminaire(data: bytes, path, folder=None) -> LuminaireFile:
         # Broken at its head; the format's own reader says where.
         return parse(data, path)
     raise FileFormatError(path, f"is no luminaire, expected {KINDS}")
-
-
-def _is_utf16(data: bytes) -> bool:
-    """Whether there is a mark of UTF-16, or every other byte is 0, as in Western text without one."""
-    if data[:2] in {b"\xff\xfe", b"\xfe\xff"}:
-        return True
-    head = data[:_HEAD]
-    half = len(head) // 2
-    return half >= 8 and max(head[0::2].count(0), head[1::2].count(0)) > 0.9 * half
-
-
-def _is_utf16_xml(data: bytes) -> bool:
-    head = data[:64].replace(b"\0", b"").lstrip(b"\xff\xfe \t\r\n")
-    return head.startswith(b"<")
 
 
 def _refuse_binary(path, data: bytes) -> None:
@@ -137,16 +119,6 @@ def write_luminaire(file: LuminaireFile, path) -> list[Remark]:
             raise FileFormatError(
                 path, f"cannot be written: '{ending}' is no format, expected .ies or .ldt"
             )
-    _replace(path, data)
+    with write_whole(path) as stream:
+        stream.write(data)
     return remarks
-
-
-def _replace(path: Path, data: bytes) -> None:
-    """Write beside the file first, so that a full disk or a lost connection leaves the old one."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        beside.write_bytes(data)
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise FileFormatError(path, f"cannot be written ({error.strerror})") from None

@@ -86,7 +86,6 @@ class LuminaireFile:
     watts : float or None    Electrical. [W]
     lamps : tuple of LampSet    The first is the one that the intensities are for.
     housing : (float, float, float) or None    Size of the body along the luminaire's x, y, z. [m] 0 in y: round.
-    length_axis : str    Axis of the luminaire that the file calls its length: ``x`` (LM-63) or ``y`` (EULUMDAT).
     tilt : TiltTable or None
     spectrum : (wavelengths [nm], values) or None    Relative spectral power.
     metadata : dict of str to str    Keywords in the file's order, as written; several lines joined by newlines.
@@ -108,7 +107,6 @@ class LuminaireFile:
     watts: float | None = None
     lamps: tuple[LampSet, ...] = ()
     housing: tuple[float, float, float] | None = None
-    length_axis: str = "x"
     tilt: TiltTable | None = None
     spectrum: tuple[np.ndarray, np.ndarray] | None = None
     metadata: dict[str, str] = field(default_factory=dict)

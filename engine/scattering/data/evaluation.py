@@ -15,6 +15,9 @@ CHECKED = 4096
 STEEPEST = np.radians(80.0)
 """Directions farther from the normal do not count: division by their small cosine is all that is measured there."""
 
+GOOD_RECIPROCITY = 0.1
+"""Residual up to which a measurement is to be trusted. [-]"""
+
 
 def evaluate(scatter: Scatter, wi, wo) -> np.ndarray:
     """Values for pairs of directions at the scatter's own wavelengths. (n, 3), (n, 3) -> (n, w) [1/sr]"""
@@ -70,21 +73,11 @@ def incidences_of(scatter: Scatter) -> np.ndarray:
     return np.radians(np.arange(0.0, 90.0, 10.0))
 
 
-def is_isotropic(scatter: Scatter) -> bool:
-    """Whether a turn of the sample about its normal changes nothing."""
-    match scatter:
-        case ScatterTable():
-            return len(scatter.rotations) == 1
-        case TensorTree():
-            return scatter.rank == 3
-    return False
-
-
 def symmetry_of(scatter: Scatter) -> str:
     """Symmetry, for people."""
     if isinstance(scatter, ScatterTable) and scatter.is_orthotropic:
         return "anisotropic, orthotropic"
-    if not is_isotropic(scatter):
+    if not scatter.is_isotropic:
         return "anisotropic"
     if isinstance(scatter, ScatterTable) and not is_symmetric(scatter):
         return "isotropic, sides of the plane of incidence differ"

@@ -10,7 +10,6 @@ from ...scene.memo import recall_latest
 from ...scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .evaluation import evaluate, incidences_of, totals
 from .patches import check_patches
-from .record import SIDES
 from .table import check_table, direction_of, fold_rotation, place_on, rotations_around, turned
 from .tree import check_tree
 
@@ -22,34 +21,6 @@ STEEPEST = np.radians(89.5)
 
 LOWEST = 0.02
 """Cosine below which a direction is too near to the horizon to be turned round. [-]"""
-
-
-def parts_of(surface: Measured) -> list[Scatter | None]:
-    """The four scatters of a surface, in the order of `SIDES`."""
-    return [getattr(surface, name) for name in SIDES]
-
-
-def is_grained(surface: Measured) -> bool:
-    """Whether the direction of a surface's U counts."""
-    return any(
-        part is not None
-        and not (isinstance(part, ScatterTable) and len(part.rotations) == 1)
-        and not (isinstance(part, TensorTree) and part.rank == 3)
-        for part in parts_of(surface)
-    )
-
-
-def mirrors_light(surface: Measured) -> bool:
-    """Whether some of the light is reflected as by a mirror."""
-    return any(
-        isinstance(part, ScatterTable) and part.direct is not None and part.direct.any()
-        for part in (surface.front_reflection, surface.back_reflection)
-    )
-
-
-def is_coloured(surface: Measured) -> bool:
-    """Whether the scattering depends on the wavelength."""
-    return any(part is not None and len(part.wavelengths) > 1 for part in parts_of(surface))
 
 
 def usable(surface: Measured) -> Measured:

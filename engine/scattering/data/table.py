@@ -170,15 +170,16 @@ def interpolate(table: ScatterTable, rotation, incidence, radial, azimuth) -> np
     if len(table.rotations) > 1:
         rotations = ((first, 1.0 - turn), (second, turn))
     for p, p_weight in rotations:
-        for ds, s_weight in _corners(s, s_share, len(table.incidences)):
-            for dt, t_weight in _corners(t, t_share, len(table.radials)):
-                for da, a_weight in _corners(a, a_share, len(table.azimuths)):
+        for ds, s_weight in corners(s, s_share, len(table.incidences)):
+            for dt, t_weight in corners(t, t_share, len(table.radials)):
+                for da, a_weight in corners(a, a_share, len(table.azimuths)):
                     weight = p_weight * s_weight * t_weight * a_weight
                     found += weight[:, None] * table.values[p, ds, dt, da]
     return found
 
 
-def _corners(below, share, count):
+def corners(below, share, count):
+    """Grid lines around places as `place_on` gives them, each with its weight; one line is all there is of a grid of one."""
     if count == 1:
         return ((below, np.ones_like(share)),)
     return ((below, 1.0 - share), (below + 1, share))
@@ -196,7 +197,7 @@ def direct_share(table: ScatterTable, wi) -> np.ndarray:
     s, s_share = place_on(table.incidences, incidence)
     found = np.zeros((len(wi), len(table.wavelengths)))
     for p, p_weight in ((first, 1.0 - turn), (second, turn)):
-        for ds, s_weight in _corners(s, s_share, len(table.incidences)):
+        for ds, s_weight in corners(s, s_share, len(table.incidences)):
             found += (p_weight * s_weight)[:, None] * table.direct[p, ds]
     return found
 
@@ -217,7 +218,7 @@ def albedos_of(table: ScatterTable, incidences, rotations) -> np.ndarray:
     made = np.zeros((len(folded), len(incidences), len(table.wavelengths)))
     for k, incidence in enumerate(incidences):
         weights = grid_weights(table, incidence)
-        for s, share in _corners(*place_on(table.incidences, incidence), len(table.incidences)):
+        for s, share in corners(*place_on(table.incidences, incidence), len(table.incidences)):
             each = share * np.tensordot(table.values[:, s], weights, ((1, 2), (0, 1)))
             made[:, k] += (1.0 - turn) * each[first] + turn * each[second]
     return made
@@ -240,8 +241,8 @@ def weights_of_points(table: ScatterTable, radial, azimuth, weight) -> np.ndarra
     a, a_share = place_on(table.azimuths, azimuth)
     shape = len(table.radials), len(table.azimuths)
     made = np.zeros(shape[0] * shape[1])
-    for dt, t_weight in _corners(t, t_share, shape[0]):
-        for da, a_weight in _corners(a, a_share, shape[1]):
+    for dt, t_weight in corners(t, t_share, shape[0]):
+        for da, a_weight in corners(a, a_share, shape[1]):
             made += np.bincount(dt * shape[1] + da, weight * t_weight * a_weight, len(made))
     return made.reshape(shape)
 

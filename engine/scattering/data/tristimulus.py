@@ -32,9 +32,6 @@ def tristimulus(values, wavelengths, name: str = "D65") -> np.ndarray:
     return np.asarray(values, dtype=np.float64) @ weights_of(wavelengths, name)
 
 
-def linear_colour(values, wavelengths, name: str = "D65") -> np.ndarray:
-    """Linear Rec. 709 of reflectances; components outside the gamut are kept. (..., w) -> (..., 3)
-
-    Chromaticities are those under the illuminant, without adaptation to it.
-    """
-    return tristimulus(values, wavelengths, name) @ XYZ_TO_REC709.T
+def linear_colour(values, wavelengths) -> np.ndarray:
+    """Linear Rec. 709 of reflectances under D65; components outside the gamut are kept. (..., w) -> (..., 3)"""
+    return tristimulus(values, wavelengths, "D65") @ XYZ_TO_REC709.T

@@ -16,7 +16,7 @@ from ...errors import SceneError
 from ...reading.remarks import Remark
 from ...scene.scattering import ScatterTable
 from ..data.direction_samples import SAME
-from ..data.evaluation import measure_reciprocity
+from ..data.evaluation import GOOD_RECIPROCITY, measure_reciprocity
 from ..data.normal_incidence import along_normal
 from ..data.table import albedo_of, check_table, direction_of, evaluate_table
 from .calibration import CalibratedSlice, calibrate
@@ -48,9 +48,6 @@ FEWEST = 12
 
 IN_PLANE = np.radians(2.0)
 """Directions so near to the plane of incidence are drawn as lying in it."""
-
-GOOD_RECIPROCITY = 0.1
-"""Largest difference of a measurement that is to be trusted. [-]"""
 
 ENERGY_STEP = np.radians(5.0)
 """Angles of incidence at which light is summed up, beside those of the table."""

@@ -40,7 +40,7 @@ from ..data.record import ScatteringFile
 from ..data.resampling import resample
 from ..data.table import albedo_of
 from ..measuring.raw_measurement import is_raw_measurement
-from .checks import shares_of, tell_excess
+from .checks import MOST_LIGHT, shares_of, tell_excess
 from .goniometer_rows import (
     Measured,
     clean_rows,
@@ -58,9 +58,6 @@ SCALES = {"brdf": 1.0, "cosine": 1.0, "factor": 1.0 / np.pi, "percent": 0.01 / n
 """By which values become a BRDF. [1/sr]"""
 
 WORDS = {"brdf": "a BRDF in 1/sr", "factor": "luminance factors", "percent": "luminance factors in per cent"}  # fmt: skip
-
-MOST_LIGHT = 1.02
-"""Share of light that may be scattered before values are taken for another quantity."""
 
 MOST_INCIDENCES = 400
 """Directions of incidence."""

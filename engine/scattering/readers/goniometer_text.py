@@ -4,7 +4,7 @@ import re
 
 from ...errors import FileFormatError
 from ...reading.columns import Columns, name_columns, parse_columns, read_keyword, wavelength_of
-from ...reading.text import decode, parse_number
+from ...reading.text import decode, decode_text, parse_number
 
 SIGNATURE = "lumenray goniometer"
 
@@ -39,10 +39,9 @@ _KEY = re.compile(r"^[#\s]*([A-Za-z_0-9]{1,40})\s+(\S.*)$")
 
 def is_goniometer(data: bytes) -> bool:
     """Whether a text is a measurement in one of the layouts."""
-    head = data[:HEAD]
-    if b"\0" in head:
+    if b"\0" in data[:HEAD]:
         return False
-    lines = head.decode("latin-1").removeprefix("\xef\xbb\xbf").splitlines()[:LONGEST_HEAD]
+    lines = decode_text(data, HEAD).split("\n")[:LONGEST_HEAD]
     if lines and SIGNATURE in lines[0].lower():
         return True
     return any(_is_vars(line) or _names_columns(line) for line in lines)

@@ -7,6 +7,7 @@ import numpy as np
 from ...errors import FileFormatError
 from ...reading.blocks import Blocks
 from ...reading.remarks import Remark
+from ...reading.text import decode_text
 from ...reading.words import LARGEST
 from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess, tell_negative
@@ -53,7 +54,7 @@ def read_mdl(data: bytes, path, tolerance: float = 0.02) -> ScatteringFile:
     blocks = Blocks(data, path, len(START))
     sides, texts, remarks, incidences = {}, [], [], np.zeros(0)
     while found := _MARK.match(data, blocks.at):
-        texts.append(found[1].decode("latin-1").strip())
+        texts.append(decode_text(found[1]).strip())
         blocks.at = found.end()
         side = MARKS[found[2]]
         if side in sides:

@@ -27,6 +27,12 @@ from .zemax import is_zemax, read_zemax
 MAXIMUM_SIZE = 256 << 20
 """Largest file that is read. [byte]"""
 
+ENDINGS = (
+    ".lumbsdf", ".bsdf", ".brdf", ".btdf", ".xml", ".binary", ".mbsdf", ".simplescattering", ".scattering", ".coated",
+    ".anisotropicbsdf", ".bsdf180", ".astm", ".csv", ".txt", ".dat",
+)  # fmt: skip
+"""Of names of scattering files, where files are looked for."""
+
 KNOWN = "Zemax and LightTools BSDF, WINDOW XML, RGL and MERL files, SPEOS, MDL, goniometer tables, or our own .lumbsdf"
 
 
@@ -106,8 +112,8 @@ def _refuse_stored(file: ScatteringFile, wish: Wish) -> None:
         side = max(errors, key=errors.get)
         raise FileFormatError(
             file.path,
-            f"states an error of {errors[side]:.3g} of its table of {side.replace('_', ' ')}, more than the "
-            f"{wish.tolerance:.3g} that are allowed; make it anew from its source",
+            f"states an error of {100 * errors[side]:.3g} % of its table of {side.replace('_', ' ')}, more than the "
+            f"{100 * wish.tolerance:.3g} % that are allowed; make it anew from its source",
         )
 
 
@@ -121,8 +127,9 @@ def _judge_errors(file: ScatteringFile, wish: Wish) -> ScatteringFile:
     if wish.is_strict:
         raise FileFormatError(
             file.path,
-            f"cannot be resampled with an error of {wish.tolerance:.2g}: {worst:.2g} was reached with {values} values "
-            f"of {side.replace('_', ' ')}; the data may be noisier than that, so allow {worst:.2g} or more",
+            f"cannot be resampled with an error of {100 * wish.tolerance:.2g} %: {100 * worst:.2g} % was reached with "
+            f"{values} values of {side.replace('_', ' ')}; the data may be noisier than that, so "
+            f"allow {100 * worst:.2g} % or more",
         )
     told = tuple(
         Remark(

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...scene.scattering import ScatterTable
 from ..data.resampling import resample
-from ..data.table import place_on
+from ..data.table import corners, place_on
 
 STEEPEST = np.radians(89.0)
 """Intensities are divided by no smaller cosine; farther from the normal the value there holds. [rad]"""
@@ -73,8 +73,8 @@ class Slice:
         a, a_share = place_on(axis, azimuth)
         t, t_share = place_on(self.polars, polar)
         found = 0.0
-        for dt, t_weight in _corners(t, t_share, len(self.polars)):
-            for da, a_weight in _corners(a, a_share, len(axis)):
+        for dt, t_weight in corners(t, t_share, len(self.polars)):
+            for da, a_weight in corners(a, a_share, len(axis)):
                 found = found + (t_weight * a_weight)[:, None] * values[dt, da]
         return found
 
@@ -170,12 +170,6 @@ def turn_up(polars, values, is_transmitted: bool):
     return np.pi - np.maximum(polars[kept], 0.5 * np.pi)[::-1], values[kept][::-1]
 
 
-def _corners(below, share, count):
-    if count == 1:
-        return ((below, np.ones_like(share)),)
-    return ((below, 1.0 - share), (below + 1, share))
-
-
 @dataclass(frozen=True, eq=False)
 class SliceFan:
     """Slices for directions of incidence, linear between angles of incidence; the ends hold; the nearest rotation counts.
@@ -207,7 +201,7 @@ class SliceFan:
         for p, slices in enumerate(self.slices):
             below, share = place_on(self.incidences[p], incidence)
             for s in np.unique(below[rotation == p]):
-                for number, weight in _corners(s, share, len(slices)):
+                for number, weight in corners(s, share, len(slices)):
                     used = (rotation == p) & (below == s) & (weight > 0.0)
                     if used.any():
                         values = slices[number].evaluate(polar[used], azimuth[used])

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ...reading.remarks import Remark
+from ...reading.text import decode_text
 from ...reading.words import Words
 from ..data.record import ScatteringFile
 from .checks import shares_of, tell_excess
@@ -39,7 +40,7 @@ def read_speos(data: bytes, path, tolerance: float = 0.02) -> ScatteringFile:
     head = _HEAD.match(data)
     kind = head[1].decode().lower() if head else ""
     if kind not in _READERS:
-        line = data.split(b"\n", 1)[0][:60].decode("latin-1").strip()
+        line = decode_text(data, 60).split("\n", 1)[0].strip()
         raise FileFormatError(
             path, f"begins with '{line}', expected scattering of SPEOS: {', '.join(_READERS)}", 1
         )

@@ -7,6 +7,7 @@ import numpy as np
 from ...photometry.spectra import GRID, luminous_efficiency
 from ...reading.blocks import Blocks
 from ...reading.remarks import Remark
+from ...reading.text import decode_text
 from ...reading.words import Words
 from ..data.record import ScatteringFile
 from .checks import MOST_LIGHT
@@ -88,7 +89,7 @@ def _read_text(blocks: Blocks) -> str:
     found = blocks.zlib_block("a text")
     if len(found) != count:
         blocks.fail(f"has a text of {len(found)} bytes, expected {count}")
-    return found.decode("latin-1").strip()
+    return decode_text(found).strip()
 
 
 def _check_incidences(source: Words | Blocks, degrees: np.ndarray) -> np.ndarray:

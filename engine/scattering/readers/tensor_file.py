@@ -18,7 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
+from ...photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
 from ...reading.remarks import Remark
+from ...reading.whole_file import write_whole
 from ..data.record import ScatteringFile
 from ..data.resampling import choose_bands, resample
 from .colour import spectra_of_rgb
@@ -42,9 +44,6 @@ SMALLEST_COSINE = 1e-4
 
 WIDEST_STEP = 10.0
 """Files with finer wavelengths are read at this step, which reflectances do with. [nm]"""
-
-SHORTEST, LONGEST = 360.0, 830.0
-"""Wavelengths of light, beyond which finer files are not read. [nm]"""
 
 MOST_ROTATIONS = 24
 """Azimuths of incidence that the table of an anisotropic material has at most."""
@@ -293,7 +292,7 @@ def parse_tensor_file(data: bytes, path) -> TensorMaterial:
 
 def _thin(wavelengths, spectra):
     """Spectra at coarser wavelengths, where the file's are finer than light has need of."""
-    low, high = max(wavelengths[0], SHORTEST), min(wavelengths[-1], LONGEST)
+    low, high = max(wavelengths[0], MINIMUM_WAVELENGTH), min(wavelengths[-1], MAXIMUM_WAVELENGTH)
     count = math.floor((high - low) / WIDEST_STEP) + 1
     if high <= low or len(wavelengths) <= 1.5 * count:
         return wavelengths, spectra, None
@@ -458,7 +457,8 @@ def write_tensor_file(
         }
     )
     if path is not None:
-        Path(path).write_bytes(data)
+        with write_whole(path) as file:
+            file.write(data)
     return data
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ...reading.remarks import Remark
+from ...reading.text import decode_text
 from ...reading.words import Words
 from ...scene.scattering import ScatterTable
 from ..data.record import ScatteringFile
@@ -102,7 +103,7 @@ def read_zemax(data: bytes, path) -> ScatteringFile:
 
 def _description(data: bytes) -> str:
     """The comments at the beginning."""
-    lines = data[:_HEAD].decode("latin-1").splitlines()
+    lines = decode_text(data, _HEAD).split("\n")
     return "\n".join(line[1:].strip() for line in lines if line.startswith("#"))
 
 

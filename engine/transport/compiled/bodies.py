@@ -12,11 +12,10 @@ from ...scene.material import Material
 from ...scene.mesh import Geometry, Mesh
 from ..requirements import pictures
 from . import emission
-from .lamps import surface_emitter
+from .compiled_light import surface_emitter
 from .lights import Source
-from .material_palette import Finishes
+from .material_palette import MaterialPalette
 from .mirrors import Plane, find_planes
-from .surfaces import is_mirror, is_mirroring_pane, is_window, passes_straight
 
 SAME_NORMAL, SAME_PLACE = 0.999999, 1e-5
 """From which cosine on triangles face the same way, and up to which part of their size corners are the same. [-]"""
@@ -35,7 +34,7 @@ class Part:
     slot: int
     material: str
     triangles: int
-    is_veil: bool
+    is_transparent: bool
     source: Source | None
     mirrors: list[Plane] = field(default_factory=list)
     planes: np.ndarray | None = None
@@ -98,10 +97,10 @@ def check_mesh(mesh: Mesh, materials: dict[str, Material]) -> None:
 def needs_new_shape(old: Material, new: Material) -> bool:
     """Tell whether a change of material reaches further than the surface of a shape."""
     return (
-        passes_straight(old.surface) != passes_straight(new.surface)
-        or is_window(old.surface) != is_window(new.surface)
-        or is_mirror(old.surface) != is_mirror(new.surface)
-        or is_mirroring_pane(old.surface) != is_mirroring_pane(new.surface)
+        old.surface.passes_straight != new.surface.passes_straight
+        or old.surface.is_window != new.surface.is_window
+        or old.surface.is_mirror != new.surface.is_mirror
+        or old.surface.is_mirroring_pane != new.surface.is_mirroring_pane
         or uv_map_of(old) != uv_map_of(new)
         or not _glows_alike(old.emission, new.emission)
     )
@@ -147,7 +146,9 @@ def extent(item, geometry: Geometry | None) -> tuple[np.ndarray, np.ndarray]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def make_body(item, geometry, mesh: Mesh, origin: np.ndarray, finishes: Finishes, pool) -> Body:
+def make_body(
+    item, geometry, mesh: Mesh, origin: np.ndarray, material_palette: MaterialPalette, pool
+) -> Body:
     """Build the shapes of an object and put their surfaces into the pool.
 
     Parameters
@@ -156,33 +157,35 @@ def make_body(item, geometry, mesh: Mesh, origin: np.ndarray, finishes: Finishes
     geometry : Geometry or None    Of a placement.
     mesh : Mesh    The object in the world.
     origin : (3,) array    Of the compiled scene's frame. [m]
-    finishes : Finishes    Holds all materials of the object.
+    material_palette : MaterialPalette    Holds all materials of the object.
     pool : SurfacePool
     """
-    made = Body(item, geometry, *extent(item, geometry))
+    body = Body(item, geometry, *extent(item, geometry))
     if len(mesh.triangles) == 0 or not is_met(item):
-        return made
+        return body
     only = len(mesh.materials) == 1
     for slot, key in enumerate(mesh.materials):
         triangles = None if only else np.flatnonzero(mesh.material_index == slot)
         if not only and len(triangles) == 0:
             continue
-        material = finishes.item(key)
-        made.parts.append(_make_part(mesh, slot, material, triangles, origin, finishes, pool))
-        if is_window(material.surface):
+        material = material_palette.item(key)
+        body.parts.append(
+            _make_part(mesh, slot, material, triangles, origin, material_palette, pool)
+        )
+        if material.surface.is_window:
             used = mesh.triangles if only else mesh.triangles[triangles]
-            made.panes += find_portals([(mesh.vertices, used)])
-    return made
+            body.panes += find_portals([(mesh.vertices, used)])
+    return body
 
 
-def _make_part(mesh, slot, material: Material, triangles, origin, finishes, pool) -> Part:
+def _make_part(mesh, slot, material: Material, triangles, origin, material_palette, pool) -> Part:
     properties = mi.Properties()
     # The surface is looked up in the pool; without one Mitsuba would make a new one for every shape.
-    properties["bsdf"] = finishes.palette
+    properties["bsdf"] = material_palette.palette
     used = mesh.triangles if triangles is None else mesh.triangles[triangles]
     source = None
     if is_glowing(material.emission):
-        source = _make_source(mesh, used, material, origin, finishes)
+        source = _make_source(mesh, used, material, origin, material_palette)
         if source is not None:
             properties["emitter"] = source.emitter
     positions = (mesh.vertices - origin).astype(np.float32)
@@ -208,12 +211,12 @@ def _make_part(mesh, slot, material: Material, triangles, origin, finishes, pool
         shape = _make_shape(mesh.name, positions, faces, properties)
     number = pointer_id(shape)
     pool.add_mesh(number, positions, faces, normals, uv)
-    veil = passes_straight(material.surface)
-    made = Part(shape, number, slot, material.id, len(used), veil, source)
-    is_pane = is_mirroring_pane(material.surface)
-    if is_pane or is_mirror(material.surface):
-        made.mirrors, made.planes = _find_mirrors(mesh, used, normals, is_pane)
-    return made
+    transparent = material.surface.passes_straight
+    part = Part(shape, number, slot, material.id, len(used), transparent, source)
+    is_pane = material.surface.is_mirroring_pane
+    if is_pane or material.surface.is_mirror:
+        part.mirrors, part.planes = _find_mirrors(mesh, used, normals, is_pane)
+    return part
 
 
 def _find_mirrors(mesh, used, normals, is_pane) -> tuple[list[Plane], np.ndarray | None]:
@@ -227,7 +230,9 @@ def _find_mirrors(mesh, used, normals, is_pane) -> tuple[list[Plane], np.ndarray
     return find_planes(mesh.vertices, used, is_pane)
 
 
-def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> Source | None:
+def _make_source(
+    mesh, used, material: Material, origin, material_palette: MaterialPalette
+) -> Source | None:
     corners = mesh.vertices[used]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normal, axis=1)
@@ -235,9 +240,11 @@ def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> 
     if area <= 0.0:
         return None
     glow = material.emission
-    made = emission.luminous(glow.luminance, glow.spectrum)
-    pattern = None if glow.pattern is None else finishes.make.picture(glow.pattern, largest=1.0)
-    emitter = surface_emitter(made, glow.two_sided, pattern)
+    luminance = emission.luminous(glow.luminance, glow.spectrum)
+    pattern = (
+        None if glow.pattern is None else material_palette.make.picture(glow.pattern, largest=1.0)
+    )
+    emitter = surface_emitter(luminance, glow.two_sided, pattern)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     is_flat = bool((normal @ normal[np.argmax(areas)] > SAME_NORMAL).all())
     rectangle = _find_rectangle(corners) if is_flat and pattern is None else None
@@ -249,7 +256,7 @@ def _make_source(mesh, used, material: Material, origin, finishes: Finishes) -> 
     sides = 2 if glow.two_sided else 1
     flux = glow.luminance * np.pi * area * sides
     axis = normal[np.argmax(areas)] if is_flat and not glow.two_sided else None
-    return Source(emitter, flux, made.density, centre - origin, radius, axis)
+    return Source(emitter, flux, luminance.density, centre - origin, radius, axis)
 
 
 def _find_rectangle(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:

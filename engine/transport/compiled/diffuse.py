@@ -11,11 +11,10 @@ import numpy as np
 
 from ...arrays import upload
 from ...materials.coated import COSINES, MINIMUM_ALPHA, directional_reflectance, mean_reflectance
-from ...scene.material import Coated
-from .surfaces import alpha, is_matt
+from .surfaces import alpha
 
 
-class MattTable:
+class DiffuseTable:
     """Looks up coats by the number of a shape.
 
     Parameters
@@ -28,10 +27,11 @@ class MattTable:
         numbers = np.zeros(scene.shape_count, dtype=np.uint32)
         self.shapes: list[int] = []
         for _, part, material in scene.parts():
-            if not is_matt(material.surface) or part.is_veil:
+            coated = material.surface.as_coated
+            if coated is None or part.is_transparent:
                 continue
             self.shapes.append(part.number)
-            key = _coat(material.surface)
+            key = _coat(coated)
             numbers[part.number] = rows.setdefault(key, len(rows)) + 1
         tables = [_table(*key) for key in rows] or [np.zeros(COSINES)]
         self.has_coat = any(table.any() for table in tables)
@@ -73,11 +73,11 @@ class MattTable:
         return dr.gather(mi.Float, self._scale, row - 1, active)
 
 
-def _coat(surface) -> tuple:
-    if not isinstance(surface, Coated) or surface.ior <= 1.001 or surface.specular <= 0.0:
+def _coat(coated) -> tuple:
+    if coated.ior <= 1.001 or coated.specular <= 0.0:
         return (0.0, 1.0, 0.0)
-    width = round(float(max(alpha(surface.roughness), MINIMUM_ALPHA)), 4)
-    return (width, round(float(max(surface.ior, 1.0001)), 4), min(float(surface.specular), 1.0))
+    width = round(float(max(alpha(coated.roughness), MINIMUM_ALPHA)), 4)
+    return (width, round(float(max(coated.ior, 1.0001)), 4), min(float(coated.specular), 1.0))
 
 
 def _table(width: float, eta: float, specular: float) -> np.ndarray:

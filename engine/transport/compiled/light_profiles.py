@@ -5,8 +5,8 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
+from ...luminaires.emitters.distribution_arrays import FLOOR
 from ...luminaires.emitters.palette import LuminairePalette
-from ...luminaires.emitters.tables import FLOOR
 from .light_tree import map_directions
 
 PLAIN, FLAT, CONE = range(3)

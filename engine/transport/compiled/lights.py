@@ -7,8 +7,8 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import pointer_id, table_size, upload
+from ...luminaires.emitters.distribution_arrays import FLOOR
 from ...luminaires.emitters.palette import LuminairePalette, Row
-from ...luminaires.emitters.tables import FLOOR
 from .light_profiles import CONE, FLAT, LAMBERTIAN, columns_of, cone_intensity, make_profiles
 from .light_tree import NOWHERE, TINY, LightTree
 

@@ -16,7 +16,7 @@ NOTHING = Diffuse(Constant(0.0))
 """What the palette holds before there are plain materials."""
 
 
-class Finishes:
+class MaterialPalette:
     """Keeps the plug-ins of a scene's materials by id.
 
     Parameters
@@ -61,10 +61,10 @@ class Finishes:
             self._rows.pop(material.id)
         self.make.bitmaps.asked.clear()
         try:
-            made = bsdf(material.surface, self.make)
+            model = bsdf(material.surface, self.make)
         except SceneError as error:
             raise SceneError(f"material '{material.name}': {error}") from error
-        plugin = mi.load_dict(made) if isinstance(made, dict) else made
+        plugin = mi.load_dict(model) if isinstance(model, dict) else model
         self._note_pictures(material, frozenset(self.make.bitmaps.asked))
         old = self._plugins.get(material.id)
         if old is None or not _transplant(plugin, old[0]):
@@ -83,8 +83,8 @@ class Finishes:
 
     def plugin_number(self, material_id: str) -> int:
         """Return the number by which kernels know the plug-in of a material."""
-        made = self._plugins.get(material_id)
-        return self._palette_number if made is None else made[1]
+        plugin = self._plugins.get(material_id)
+        return self._palette_number if plugin is None else plugin[1]
 
     def row(self, material_id: str) -> int:
         """Return the row of a plain material, 0 for others."""

@@ -96,19 +96,19 @@ def find_planes(vertices, triangles, is_pane=False) -> tuple[list[Plane], np.nda
     double = np.linalg.norm(cross, axis=1)
     normals = cross / np.maximum(double, 1e-300)[:, None]
     size = float(np.ptp(vertices, axis=0).max(initial=0.0))
-    found: list[Plane] = []
+    planes: list[Plane] = []
     left = np.flatnonzero(double > 0.0)
     while len(left):
-        if len(found) == MAXIMUM_MIRRORS:
+        if len(planes) == MAXIMUM_MIRRORS:
             return [], np.full(len(triangles), -1)
         normal, point = normals[left[0]], corners[left[0], 0]
         off = np.abs((corners[left] - point) @ normal).max(axis=1)
         same = left[off <= FLATNESS * size]
-        member[same] = len(found)
+        member[same] = len(planes)
         # One sign for both sides of a plane.
         sign = 1.0 if tuple(normal) >= tuple(-normal) else -1.0
         places = corners[same].reshape(-1, 3)
-        found.append(
+        planes.append(
             Plane(
                 sign * normal,
                 sign * float(normal @ point),
@@ -119,12 +119,12 @@ def find_planes(vertices, triangles, is_pane=False) -> tuple[list[Plane], np.nda
             )
         )
         left = left[off > FLATNESS * size]
-    if is_pane and found:
-        largest = max(plane.area for plane in found)
-        kept = np.array([plane.area >= SLIVER * largest for plane in found])
+    if is_pane and planes:
+        largest = max(plane.area for plane in planes)
+        kept = np.array([plane.area >= SLIVER * largest for plane in planes])
         member = np.where((member >= 0) & kept[member], (np.cumsum(kept) - 1)[member], -1)
-        found = [plane for plane, is_kept in zip(found, kept, strict=True) if is_kept]
-    return found, member
+        planes = [plane for plane, is_kept in zip(planes, kept, strict=True) if is_kept]
+    return planes, member
 
 
 def choose_planes(planes: list[Plane]) -> tuple[list[Plane], dict[int, int]]:
@@ -345,7 +345,7 @@ def walk(scene, si, direction, stream, length, closest_hit, active):
     ----------
     direction : Vector3f    From the surface, to where the chain begins.
     stream, length : PCG32, UInt32    The numbers that the chain was drawn with.
-    closest_hit : callable    As in `path_loop`.
+    closest_hit : callable    As in `visibility`.
 
     Returns
     -------

@@ -16,7 +16,6 @@ from ...arrays import upload
 from ...materials.polarised_pane import polarised_shares
 from ...scene.material import ThinGlass
 from ...scene.texture import ImageTexture
-from .surfaces import is_mirror, is_mirroring_pane
 
 MIRROR = -1.0
 """Stands in the table for the refractive index of a mirror; that of all else is 0."""
@@ -39,10 +38,10 @@ def make_polarisation(size: int, parts, item, make):
     rows, faces, is_polarised = np.zeros((size, 2)), 0, False
     for part in parts:
         surface = item(part.material).surface
-        if isinstance(surface, ThinGlass) and is_mirroring_pane(surface):
+        if isinstance(surface, ThinGlass) and surface.is_mirroring_pane:
             rows[part.number] = surface.ior, _mean(surface.transmittance, make)
             is_polarised = True
-        elif is_mirror(surface):
+        elif surface.is_mirror:
             rows[part.number, 0] = MIRROR
         else:
             continue

@@ -6,13 +6,16 @@ import mitsuba as mi
 import numpy as np
 
 from ...errors import SceneError
+from ...luminaires.emitters.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ...photometry import units
+from ...photometry.spectra import GRID
 from ...scene.light import CieSky, ImageWorld, SunLight, UniformWorld
 from ...scene.spectrum import Illuminant
 from ...sky.cie import check_sky, mean_luminance
 from ...sky.picture_plugin import WHITE, make_picture
 from ...sky.plugin import make_sky
 from . import emission
+from .lights import Source
 
 SUN_POINT_ANGLE = 1e-5
 """Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
@@ -71,10 +74,10 @@ def _changed(world: ImageWorld, old: ImageWorld, made: World) -> World:
 
 def _image_world(world: ImageWorld) -> World | None:
     white = emission.luminous(1.0, Illuminant(WHITE)).texture()
-    made = make_picture(world.image, white)
-    if made is None:
+    picture = make_picture(world.image, white)
+    if picture is None:
         return None
-    emitter, mean = made
+    emitter, mean = picture
     emitter.lay(world.luminance_per_unit, _rotation(world))
     return World(emitter, mean * world.luminance_per_unit)
 
@@ -115,16 +118,77 @@ def make_surroundings(world: World | None, suns: list[SunLight], radius: float, 
         plugin["world"] = world.emitter
         flux = world.mean_luminance * 4.0 * np.pi**2 * reach**2
     amounts = [emission.sun_illuminance(sun) for sun in suns]
-    total = sum(made.amount for made in amounts)
-    for i, (sun, made) in enumerate(zip(suns, amounts, strict=True)):
+    total = sum(illuminance.amount for illuminance in amounts)
+    for i, (sun, illuminance) in enumerate(zip(suns, amounts, strict=True)):
         half = 0.5 * max(sun.angle, SUN_POINT_ANGLE)
-        plugin[f"sun_{i}"] = made.scaled(units.luminance_from_illuminance_disk(1.0, half)).texture()
+        plugin[f"sun_{i}"] = illuminance.scaled(
+            units.luminance_from_illuminance_disk(1.0, half)
+        ).texture()
         plugin[f"towards_{i}"] = [-float(x) for x in sun.direction]
         plugin[f"cap_{i}"] = float(2.0 * np.sin(0.5 * half) ** 2)
-        plugin[f"share_{i}"] = float((1.0 - world_share) * made.amount / total)
-        flux += made.amount * np.pi * reach**2
+        plugin[f"share_{i}"] = float((1.0 - world_share) * illuminance.amount / total)
+        flux += illuminance.amount * np.pi * reach**2
     emitter = mi.load_dict(plugin)
     emitter.set_bounds(mi.Point3f(0.0), mi.Float(radius))
     if world is not None:
         emitter.set_portals(portals, PORTAL_SHARE)
     return emitter, flux
+
+
+class Outside:
+    """What is around a scene, from edit to edit: its world, its suns, and the panes by which their light enters.
+
+    ``emitter`` is what rays that leave the scene see, None if that is nothing, and ``portals`` where its samples are aimed.
+    """
+
+    def __init__(self):
+        self.emitter = None
+        self.portals: PortalSet | None = None
+        self._item, self._world = None, None
+        self._panes: list[Portal] = []
+        self._key: object = None
+        self._parts = None, [], None
+        self._source: Source | None = None
+
+    @property
+    def suns(self) -> tuple[SunLight, ...]:
+        """Suns of the emitter, in their order there."""
+        return () if self.emitter is None else tuple(self._parts[1])
+
+    @property
+    def world_luminance(self) -> float:
+        """Mean over all directions of the world without its suns. [cd/m2]"""
+        return 0.0 if self._world is None else self._world.mean_luminance
+
+    def take_world(self, world) -> bool:
+        """Take a world's description in; true when it is another."""
+        if world is self._item:
+            return False
+        self._world = make_world(world, self._item, self._world)
+        self._item = world
+        return True
+
+    def take_panes(self, panes: list[Portal], origin: np.ndarray) -> None:
+        """Take in by which panes light enters. ``panes``: in the world; ``origin`` (3,): of the scene's frame. [m]"""
+        panes = sorted(panes, key=portal_order)[:MAXIMUM_PORTALS]
+        if [id(p) for p in panes] != [id(p) for p in self._panes]:
+            self._panes = panes
+            local = [Portal(p.centre - origin, p.half_u, p.half_v) for p in panes]
+            self.portals = PortalSet(local) if local else None
+
+    def commit(self, suns: list[SunLight], radius: float, with_world: bool = True) -> Source | None:
+        """Return the emitter of world and suns as next-event chooses it; ``radius`` as of `make_surroundings`.
+
+        ``with_world``: whether the world shines.
+        """
+        world = self._world if with_world else None
+        key = (id(world), tuple(map(id, suns)), radius, id(self.portals))
+        if key != self._key:
+            joined = make_surroundings(world, suns, radius, self.portals)
+            self._source = self.emitter = None
+            if joined is not None:
+                self.emitter, flux = joined
+                self._source = Source(self.emitter, flux, np.zeros(len(GRID)), None)
+            # Kept so that the ids above stay taken.
+            self._key, self._parts = key, (world, suns, self.portals)
+        return self._source

@@ -18,6 +18,7 @@ from ..compiled.textures import is_spectral
 from ..paths.gather import photometric
 from ..paths.sampler import launch_stream
 from ..rays import STEP, start_of
+from .emission_rays import in_cap
 from .far_disks import PORTAL_SHARE, FarDisks, Focus, aim_at_portals
 from .ray_source import RaySource
 from .sun_maps import SunMap
@@ -42,7 +43,7 @@ class Origin:
     kind : int
     flux : float    About what it gives, by which paths are shared out. [lm]
     number : int    Place among the sources of the scene's `LightTable`, or among the suns.
-    thing : object    Its `Lamp`, `Part` or source.
+    thing : object    Its `CompiledLight`, `Part` or source.
     """
 
     name: str
@@ -76,7 +77,7 @@ class Rays:
 
 def find_origins(scene) -> tuple[Origin, ...]:
     """All lights of a `CompiledScene`, by kind; none that gives nothing."""
-    lamps = {id(lamp.source): lamp for lamp in scene.lamps()}
+    lamps = {id(lamp.source): lamp for lamp in scene.compiled_lights()}
     glowing = {
         id(part.source): (scene.object_name(key), part)
         for key, part, _ in scene.parts()
@@ -205,7 +206,7 @@ class AllLights:
         columns = [upload(mi.Float, column) for column in rows[which].T]
         centre, radius = mi.Vector3f(*columns[:3]), columns[3]
         axis, cap = mi.Vector3f(*columns[4:7]), columns[7]
-        direction = mi.Frame3f(axis).to_world(_in_cap(cap, lanes.pair()))
+        direction = mi.Frame3f(axis).to_world(in_cap(cap, lanes.pair()))
         index = self._numbers(which)
         it = dr.zeros(mi.Interaction3f, lanes.count)
         it.p = mi.Point3f(centre + direction * scene.extent)
@@ -328,7 +329,7 @@ class AllLights:
         x, y = self.maps[place].draw(lanes.stream.next_float32(), lanes.pair())
         # The map's axes belong to the sun, not to the ray, so that cells keep their place.
         frame = mi.Frame3f(towards)
-        direction = -frame.to_world(_in_cap(cap, lanes.pair()))
+        direction = -frame.to_world(in_cap(cap, lanes.pair()))
         # Slanting rays of a wide sun cross the plane farther out.
         wider = 1.0 / dr.maximum(1.0 - cap, 0.1)
         near, whole = self._disks.nearest, self._disks.widest
@@ -415,14 +416,6 @@ class _Lanes:
             if self._sampler is None and k > 0:
                 made[k] = 0.0
         return made + dr.zeros(mi.Float, self.count)
-
-
-def _in_cap(cap, sample):
-    """Even direction about +z within 1 - cos <= ``cap``."""
-    height = sample.x * cap
-    sine = dr.safe_sqrt(height * (2.0 - height))
-    sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
-    return mi.Vector3f(sine * cos_phi, sine * sin_phi, 1.0 - height)
 
 
 def _runs(which: np.ndarray):

@@ -7,26 +7,18 @@ receives: the mesh is an approximation of the curved body, and that conserves en
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...materials.plugins import DISPERSED_COMPONENT
 from ..compiled.compile import CompiledScene
-from ..compiled.polarisation import polarise
-from ..compiled.textures import is_spectral
 from ..paths.gather import photometric
 from ..paths.sampler import random_stream
-from ..rays import spawn_ray
-
-ROULETTE_START = 4
-"""Number of bends before roulette begins."""
-
-SURVIVAL = 0.97
-"""Largest probability of going on, so that light that glass holds back for ever ends."""
+from ..paths.visibility import meet
+from .bent_rays import BentRays
 
 CRACK = 4e-6
 """How far beside a ray others have to land too, relative to the scene's radius: rays of single precision slip between faces
@@ -37,6 +29,9 @@ ALIKE = 0.01
 
 TURN = 0.4
 """Of the directions across: no side runs along the edges of a model that is square to its axes. [rad]"""
+
+PLACE = ("shape", "prim", "uv", "back", "cosine", "geometric_cosine")
+"""What is told of where a ray lands, by names as of `Deposits`."""
 
 MAXIMUM_STEPS = 4096
 """Stops a path between surfaces of which numerical trouble would let none end it."""
@@ -59,6 +54,7 @@ class Deposits:
     light : (m,) uint32    Place among the tracer's ``lights``.
     wavelengths : (m, 4) float32 or None    Of the path, None in photometric variants. [nm]
     parts : (m, 4) float32 or None    Flux by wavelength; their sum is ``flux``. [lm]
+    lost : int    Paths that landed with what is no number, and are not among them.
     """
 
     shape: np.ndarray
@@ -71,11 +67,16 @@ class Deposits:
     light: np.ndarray
     wavelengths: np.ndarray | None = None
     parts: np.ndarray | None = None
+    lost: int = 0
 
     def only(self, kept: np.ndarray) -> "Deposits":
         """Some of them. ``kept``: as an index of arrays."""
-        columns = ((entry.name, getattr(self, entry.name)) for entry in fields(self))
-        return Deposits(**{name: None if c is None else c[kept] for name, c in columns})
+        columns = {name: getattr(self, name) for name in COLUMNS}
+        return replace(self, **{n: None if c is None else c[kept] for n, c in columns.items()})
+
+
+COLUMNS = tuple(entry.name for entry in fields(Deposits) if entry.name != "lost")
+"""Fields with an entry for each deposit."""
 
 
 def follow(
@@ -98,87 +99,42 @@ def follow(
         ``back``, ``cosine`` and ``geometric_cosine`` of `Deposits`; ``bends``, and ``length`` of the way where straight ones
         may count.
     """
-    state = {
-        "ray": mi.Ray3f(ray),
-        "stream": mi.PCG32(stream),
-        "throughput": mi.Spectrum(1.0),
-        "bends": mi.UInt32(0),
-        "steps": mi.UInt32(0),
-        "polar": mi.Vector3f(0.0),
-        "dispersed": mi.Bool(False),
-        "active": mi.Bool(active),
-        "landed": mi.Bool(False),
-        "shape": mi.UInt32(0),
-        "prim": mi.UInt32(0),
-        "uv": mi.Point2f(0.0),
-        "back": mi.Bool(False),
-        "cosine": mi.Float(0.0),
-        "geometric_cosine": mi.Float(0.0),
-    }
-    if counts_straight is not None:
-        state["length"] = mi.Float(0.0)
+    has_length = counts_straight is not None
 
-    def body(ray, stream, throughput, bends, steps, polar, dispersed, active, landed, *place):
-        hit, si = _meet(scene, ray, active)
-        active &= si.is_valid()
-        bsdf = scene.bsdf(si, active)
+    def body(rays, landed, place, length):
+        hit, si = meet(scene, rays.ray, rays.active)
+        rays.active &= si.is_valid()
+        bsdf = scene.bsdf(si, rays.active)
         flags = bsdf.flags()
         # Straight passes are among Mitsuba's Delta.
         goes_on = mi.has_flag(flags, mi.BSDFFlags.Delta)
-
-        # ---- landing ----
-        counts = bends > 0
-        if counts_straight is not None:
-            *place, length = place
-            length = dr.select(active, length + hit.t, length)
+        counts = rays.bends > 0
+        if has_length:
+            length = dr.select(rays.active, length + hit.t, length)
             counts |= counts_straight(length)
-        arrives = active & mi.has_flag(flags, mi.BSDFFlags.Smooth) & counts
+        arrives = rays.active & mi.has_flag(flags, mi.BSDFFlags.Smooth) & counts
         # Where a part of the light goes on (a cut-out), one of the two is followed, at twice its amount.
-        throughput = dr.select(arrives & goes_on, 2.0 * throughput, throughput)
-        lands = arrives & (~goes_on | (stream.next_float32() < 0.5))
-        found = _place_of(hit, si, ray)
+        rays.throughput = dr.select(arrives & goes_on, 2.0 * rays.throughput, rays.throughput)
+        lands = arrives & (~goes_on | (rays.stream.next_float32() < 0.5))
+        found = _place_of(hit, si, rays.ray)
         place = tuple(dr.select(lands, new, old) for new, old in zip(found, place, strict=True))
-        landed |= lands
+        rays.active &= ~lands & goes_on
+        turned = rays.go_on(scene, si, *bend(si, bsdf, rays.stream, rays.active))
+        rays.play_roulette(turned, MAXIMUM_STEPS)
+        return rays, landed | lands, place, length
 
-        # ---- going on ----
-        active &= ~lands & goes_on
-        bs, weight = _bend(si, bsdf, stream, active)
-        active &= mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        straight = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
-        bent = active & ~straight
-        throughput = dr.select(active, throughput * weight, throughput)
-        if scene.requirements.dispersive:
-            splits = bent & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
-            hero = mi.Spectrum(0.0)
-            hero[0] = 4.0 * throughput[0]
-            throughput = dr.select(splits, hero, throughput)
-            dispersed |= splits
-        is_bend = bent if scene.mirrors is None else bent & (scene.mirror_at(si, bent) == 0)
-        bends = dr.select(is_bend, bends + 1, bends)
-        # Straight means straight: turned into the surface's frame and back, rays would drift.
-        direction = dr.select(straight, ray.d, si.to_world(bs.wo))
-        factor, polar = polarise(scene, si, ray.d, direction, polar, bent, active)
-        throughput = throughput * factor
-        ray = dr.select(active, spawn_ray(scene, si, direction), ray)
-        steps += 1
-
-        # ---- roulette ----
-        tried = bent & (bends >= ROULETTE_START)
-        survival = dr.minimum(dr.max(throughput), SURVIVAL)
-        active &= ~tried | (stream.next_float32() < survival)
-        throughput = dr.select(tried & active, throughput / survival, throughput)
-        active &= dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS)
-        if counts_straight is not None:
-            place = (*place, length)
-        return ray, stream, throughput, bends, steps, polar, dispersed, active, landed, *place
-
-    result = dr.while_loop(
-        state=tuple(state.values()),
-        cond=lambda *values: values[7],
+    nowhere = (
+        mi.UInt32(0), mi.UInt32(0), mi.Point2f(0.0), mi.Bool(False), mi.Float(0.0), mi.Float(0.0),
+    )  # fmt: skip
+    rays = BentRays(mi.Ray3f(ray), mi.PCG32(stream), mi.Bool(active))
+    rays, landed, place, length = dr.while_loop(
+        state=(rays, mi.Bool(False), nowhere, mi.Float(0.0) if has_length else None),
+        cond=lambda rays, *_: rays.active,
         body=body,
-        labels=tuple(state),
+        labels=("rays", "landed", "place", "length"),
     )
-    return dict(zip(state, result, strict=True))
+    end = {"ray": rays.ray, "throughput": rays.throughput, "bends": rays.bends, "landed": landed}
+    return end | dict(zip(PLACE, place, strict=True)) | {"length": length}
 
 
 def lands_beside(scene: CompiledScene, ways: np.ndarray, made: Deposits) -> np.ndarray:
@@ -218,27 +174,15 @@ def lands_beside(scene: CompiledScene, ways: np.ndarray, made: Deposits) -> np.n
     return np.array(lands).reshape(count, 4).any(axis=1)
 
 
-def _meet(scene: CompiledScene, ray, active):
-    """Nearest hit of both sub-scenes, and the surface there."""
-    hit = scene.solid.ray_intersect_preliminary(ray, False, active)
-    if scene.veil is not None:
-        other = scene.veil.ray_intersect_preliminary(ray, False, active)
-        hit = dr.select(other.t < hit.t, other, hit)
-    si = scene.surface(hit, ray, active)
-    if is_spectral():
-        si.wavelengths = ray.wavelengths
-    return hit, si
-
-
 def _place_of(hit, si, ray) -> tuple:
-    """Where a ray lands, in the order of `Deposits`, without the flux."""
+    """Where a ray lands, in the order of `PLACE`."""
     facing = dr.dot(ray.d, si.n)
     number = dr.reinterpret_array(mi.UInt32, si.shape)
     cosine = dr.abs(mi.Frame3f.cos_theta(si.wi))
     return number, hit.prim_index, hit.prim_uv, facing > 0.0, cosine, dr.abs(facing)
 
 
-def _bend(si, bsdf, stream, active):
+def bend(si, bsdf, stream, active):
     """Draw how a surface sends light on: the sample and the share of the flux over its probability."""
     choice = stream.next_float32()
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
@@ -268,13 +212,13 @@ def join(landed: list[Deposits], count: int, spectral: bool) -> Deposits:
             whole, whole, pairs, np.zeros(0, bool), np.zeros(0), single, single, whole, four, four
         )
     made = {}
-    for entry in fields(Deposits):
-        columns = [getattr(part, entry.name) for part in landed]
-        made[entry.name] = None if columns[0] is None else np.concatenate(columns)
+    for name in COLUMNS:
+        columns = [getattr(part, name) for part in landed]
+        made[name] = None if columns[0] is None else np.concatenate(columns)
     made["flux"] = made["flux"] / count
     if made["parts"] is not None:
         made["parts"] = made["parts"] / np.float32(count)
-    return Deposits(**made)
+    return Deposits(**made, lost=sum(part.lost for part in landed))
 
 
 def gather_deposits(
@@ -304,6 +248,7 @@ def gather_deposits(
 def fetch_deposits(end: dict, amount, wavelengths, parts, light) -> tuple[Deposits, np.ndarray]:
     """As `gather_deposits`, for light in lumens: ``amount``, and ``parts`` of it by wavelength."""
     kept = end["landed"] & (amount > 0.0) & dr.isfinite(amount)
+    is_lost = end["landed"] & ~dr.isfinite(amount)
     columns = {
         "shape": end["shape"],
         "prim": end["prim"],
@@ -315,9 +260,10 @@ def fetch_deposits(end: dict, amount, wavelengths, parts, light) -> tuple[Deposi
     }
     if parts is not None:
         columns["wavelengths"], columns["parts"] = list(wavelengths), parts
-    dr.eval(columns, kept, light)
+    dr.eval(columns, kept, is_lost, light)
     chosen = np.flatnonzero(np.array(kept))
     arrays = {name: _fetch(column, chosen) for name, column in columns.items()}
     arrays["flux"] = arrays["flux"].astype(np.float64)
     told = _fetch(light, chosen)
-    return Deposits(**arrays, light=np.zeros(len(chosen), np.uint32)), told
+    lost = int(np.count_nonzero(np.array(is_lost)))
+    return Deposits(**arrays, light=np.zeros(len(chosen), np.uint32), lost=lost), told

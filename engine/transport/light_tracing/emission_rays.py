@@ -80,6 +80,20 @@ def find_surfaces(scene) -> tuple[TracedLight, ...]:
     )
 
 
+def has_rays(light: TracedLight) -> bool:
+    """Tell whether a light has a ray set, for which the point with its intensities stands."""
+    return light.source is not None and getattr(light.source.luminaire, "rays", None) is not None
+
+
+def find_ray_points(scene) -> tuple[TracedLight, ...]:
+    """Ray sets of a `CompiledScene` as points with their intensities, where nothing traces their rays."""
+    return tuple(
+        TracedLight(source, number, "ray set")
+        for number, source in enumerate(scene.lights.sources)
+        if getattr(source.luminaire, "rays", None) is not None
+    )
+
+
 def find_ideal_lights(scene) -> tuple[TracedLight, ...]:
     """Ideal lights of a `CompiledScene`, in an order that follows from the scene alone."""
     found = []

@@ -22,9 +22,9 @@ import numpy as np
 from ...arrays import table_size, upload
 from ..compiled.compile import CompiledScene
 from ..compiled.textures import is_spectral
-from ..paths.cached_gather import LeftOut
-from ..paths.path_loop import closest_hit
+from ..paths.left_out import LeftOut
 from ..paths.sampler import random_stream, sobol_pair
+from ..paths.visibility import closest_hit
 from ..paths.wavelengths import WavelengthSampler
 from .deposits import Deposits, follow, gather_deposits, join
 from .emission_rays import SUN, SURFACE, EmissionRays, TracedLight, find_ideal_lights, find_surfaces
@@ -143,14 +143,7 @@ class LightTracer:
         """Run one kernel; fluxes are those of single paths. Also the pair of light and target of every deposit."""
         lane = dr.arange(mi.UInt32, width) + dr.opaque(mi.UInt32, int(index) & 0xFFFFFFFF)
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
-        first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
-        wavelengths = None if self.sampler is None else self.sampler.sample(first.x)
-        ray, flux, pair, _ = self._rays.draw(
-            first.y,
-            sobol_pair(lane, seed, PAIR_PLACE),
-            sobol_pair(lane, seed, PAIR_SPREAD),
-            wavelengths,
-        )
+        ray, flux, pair, wavelengths = draw_paths(self._rays, self.sampler, lane, seed)
         end = follow(self.scene, ray, random_stream(lane, seed), dr.any(flux > 0.0))
         made, pairs = gather_deposits(
             end, self.sampler, end["throughput"] * flux, wavelengths, pair
@@ -209,14 +202,7 @@ def send_pilot(scene: CompiledScene, rays: EmissionRays, sampler, count: int) ->
     """
     lane = dr.arange(mi.UInt32, count)
     seed = dr.opaque(mi.UInt32, PILOT_SEED)
-    first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
-    wavelengths = None if sampler is None else sampler.sample(first.x)
-    ray, flux, pair, _ = rays.draw(
-        first.y,
-        sobol_pair(lane, seed, PAIR_PLACE),
-        sobol_pair(lane, seed, PAIR_SPREAD),
-        wavelengths,
-    )
+    ray, flux, pair, wavelengths = draw_paths(rays, sampler, lane, seed)
     begins = dr.any(flux > 0.0)
     reach = closest_hit(scene, ray, begins).t
     end = follow(scene, ray, random_stream(lane, seed), begins, lambda length: mi.Bool(False))
@@ -239,6 +225,15 @@ def send_pilot(scene: CompiledScene, rays: EmissionRays, sampler, count: int) ->
         "length": told[:, 8],
         "reach": told[:, 9],
     }
+
+
+def draw_paths(rays: EmissionRays, sampler, lane, seed):
+    """Ray of every lane, its flux over density, its pair of light and target, and its wavelengths."""
+    first = sobol_pair(lane, seed, PAIR_WAVELENGTH)
+    wavelengths = None if sampler is None else sampler.sample(first.x)
+    place, spread = (sobol_pair(lane, seed, pair) for pair in (PAIR_PLACE, PAIR_SPREAD))
+    ray, flux, pair, _ = rays.draw(first.y, place, spread, wavelengths)
+    return ray, flux, pair, wavelengths
 
 
 def _explain(lights: tuple[TracedLight, ...], names: tuple[str, ...]) -> str:

@@ -20,7 +20,7 @@ import numpy as np
 from ...arrays import table_size, upload
 from ...scene.ray_emission import RayEmission
 from ...scene.scene import content_digest
-from ..compiled.diffuse import MattTable
+from ..compiled.diffuse import DiffuseTable
 from ..paths.sampler import random_stream, sobol_pair
 from ..rays import STEP
 from .deposits import Deposits, fetch_deposits, follow, gather_deposits
@@ -148,7 +148,7 @@ class RayLights:
     def _learn(self) -> None:
         """See what lands of every light, choose those that are traced, and have next-event leave that out."""
         row_of, limits = self._scene.lights.row_of, np.zeros(self._palette.count)
-        matt = MattTable(self._scene)
+        matt = DiffuseTable(self._scene)
         for cloud in self._clouds:
             lanes = PILOT * (1 << min((len(cloud.sources) - 1).bit_length(), 5))
             made, who, distance = self._launch(cloud, lanes, PILOT_SEED, 0, 1.0)
@@ -176,6 +176,22 @@ class RayLights:
                 cloud.upload(self._scene, weights, near)
         self._palette.set_limits(limits)
 
+    def sent(self, count: int, seed: int):
+        """Send about ``count`` paths; yields how they end, as `follow`, with the flux that arrives and its wavelengths.
+
+        The flux is that of single paths, over their density: [W/nm], [lm] in photometric variants.
+        """
+        for number, (cloud, width) in enumerate(zip(self._clouds, self._split(count), strict=True)):
+            salted = (seed + SALT * (number + 1)) & 0xFFFFFFFF
+            for first in range(0, width, LANES):
+                lanes = min(LANES, width - first)
+                end, power, wavelengths, is_lumens, _ = self._send(
+                    cloud, lanes, salted, first, 1.0 / width
+                )
+                if is_lumens:
+                    power = self._sampler.from_lumens(power, wavelengths)
+                yield end, power, wavelengths
+
     def _launch(self, cloud: "_Cloud", width, seed, index, over):
         """Run one kernel. ``over``: what fluxes are multiplied by.
 
@@ -184,6 +200,17 @@ class RayLights:
         (Deposits, (m,) array, (m,) array)    Also the place of each one's light in the cloud, and the distance of where it
             landed from the light's centre, -1 after a bend. [m]
         """
+        end, power, wavelengths, is_lumens, told = self._send(cloud, width, seed, index, over)
+        if is_lumens:
+            parts = list(power)
+            made, told = fetch_deposits(end, sum(parts[1:], parts[0]), wavelengths, parts, told)
+        else:
+            made, told = gather_deposits(end, self._sampler, power, wavelengths, told)
+        number = told[:, 0].astype(np.uint32)
+        return replace(made, light=number + np.uint32(self._first)), number, told[:, 1]
+
+    def _send(self, cloud: "_Cloud", width, seed, index, over):
+        """How paths end, their flux, wavelengths, whether the flux is in lumens by wavelength, and what is told of each."""
         lane = dr.arange(mi.UInt32, width) + dr.opaque(mi.UInt32, int(index) & 0xFFFFFFFF)
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
         stream = random_stream(lane, seed)
@@ -210,16 +237,10 @@ class RayLights:
         distance = dr.norm(from_centre + towards * end["length"])
         told = [mi.Float(who), dr.select(end["bends"] > 0, -1.0, distance)]
         if own is None or self._sampler is None:
-            spectral = self._palette.spectrum(row, wavelengths, True) * factor * end["throughput"]
-            made, told = gather_deposits(end, self._sampler, spectral, wavelengths, told)
-        else:
-            # A ray with a wavelength of its own carries lumens of that one.
-            share = cloud.flux(who) * factor * end["throughput"]
-            # After dispersion all of it is in the first part.
-            parts = [0.25 * share[k] for k in range(4)]
-            made, told = fetch_deposits(end, sum(parts[1:], parts[0]), wavelengths, parts, told)
-        number = told[:, 0].astype(np.uint32)
-        return replace(made, light=number + np.uint32(self._first)), number, told[:, 1]
+            power = self._palette.spectrum(row, wavelengths, True) * factor * end["throughput"]
+            return end, power, wavelengths, False, told
+        # A ray with a wavelength of its own carries lumens of that one; after dispersion all of it is in the first part.
+        return end, 0.25 * cloud.flux(who) * factor * end["throughput"], wavelengths, True, told
 
 
 def choose_limit(rays: RayEmission, shares: np.ndarray, distances: np.ndarray) -> float:

@@ -5,10 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scattering.data.surface import mirrors_light
-from ...scene.material import Conductor, Dielectric, Glossy, Measured, Mix, TabulatedPane, ThinGlass
-from ..compiled.surfaces import SMOOTH_ROUGHNESS, is_mirror, is_mirroring_pane
-
 MAXIMUM_TARGETS = 64
 """Most spheres of one light: each of them is asked about every path."""
 
@@ -29,22 +25,6 @@ CELLS = 128
 
 ROUNDING = 1e-5
 """By which spheres are larger than what they hold, relative to their radius. [-]"""
-
-
-def is_bending(surface) -> bool:
-    """Tell whether a surface sends light on in single directions other than straight on: ideal mirrors, glass, panes."""
-    match surface:
-        case Dielectric():
-            return surface.roughness < SMOOTH_ROUGHNESS
-        case Glossy() | Conductor():
-            return is_mirror(surface)
-        case ThinGlass() | TabulatedPane():
-            return is_mirroring_pane(surface)
-        case Measured():
-            return mirrors_light(surface)
-        case Mix():
-            return is_bending(surface.first) or is_bending(surface.second)
-    return False
 
 
 @dataclass(frozen=True)
@@ -123,7 +103,7 @@ def find_targets(scene) -> Targets:
     """
     bending, mirrors, names = [], [], set()
     for _, part, material in scene.parts():
-        if not is_bending(material.surface) or part.triangles == 0:
+        if not material.surface.is_bending or part.triangles == 0:
             continue
         if scene.known_mirrors.holds(part):
             mirrors.append(part)

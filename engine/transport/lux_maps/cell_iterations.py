@@ -7,8 +7,10 @@ import numpy as np
 from ...arrays import upload
 from ...errors import Cancelled
 from ..paths import gather
+from ..paths.lost_samples import LostSamples
 from ..paths.sampler import hash_words, random_stream, sobol_pair
-from .cells import PLACES, CellSet
+from .cell_division import PLACES
+from .cells import CellSet
 from .receiving import Receiver, direct, gathered, mirrored
 
 LANES = 1 << 19
@@ -82,6 +84,10 @@ class Sweeper:
     looks : (2 c,) array or None
         How often the job looks at every side. What light there is, is counted by it: the sunlit ground before a window holds
         a thousand times the light of the room. None: by area.
+
+    Attributes
+    ----------
+    counts : (2,) int array    Samples that were no numbers, and all, since `refresh` began the last time.
     """
 
     def __init__(
@@ -96,19 +102,20 @@ class Sweeper:
     ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
         self._left_out = left_out
-        self.guide = None
+        self.guide, self.counts = None, np.zeros(2, dtype=np.int64)
         self.seed = seed
         self._luminous = cells.bands.luminous()
         is_known = looks is not None and looks[sides].sum() > 0.0
         self._worth = looks if is_known else np.repeat(cells.area, 2)
         self._set_sides(sides)
 
-    def find(self, work: float | None = None) -> None:
+    def find(self, work: float | None = None, careful: int = CAREFUL_PATHS) -> None:
         """Find the light of all cells from nothing, and which cells are too uneven to be read.
 
         Parameters
         ----------
         work : float or None    Samples of the job, where they are known: sweeps need not be more careful than that.
+        careful : int    Paths of the last sweep, where cells are few.
         """
         total, before = 0.0, None
         turns = self.cells.bands.turns
@@ -131,9 +138,9 @@ class Sweeper:
                     break
             before = change
         lanes = max(self.lanes_per_sample, 1)
-        wanted = max(CAREFUL // turns, CAREFUL_PATHS // lanes)
+        wanted = max(CAREFUL // turns, careful // lanes)
         if work is not None:
-            wanted = min(wanted, max(CAREFUL_SHARE * work, CAREFUL_PATHS) / lanes)
+            wanted = min(wanted, max(CAREFUL_SHARE * work, careful) / lanes)
         wanted = max(wanted, 8)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number, share in enumerate((ROUGH_SHARE, 1.0)):
@@ -152,6 +159,7 @@ class Sweeper:
         Nothing of what cells held is kept. On the average over passes that would lower no noise; it would only be the
         same in passes that follow each other, whose scatter would not show it.
         """
+        self.counts = np.zeros(2, dtype=np.int64)
         if len(self._sides):
             self._store(self._balanced(self._sweep(number, samples)))
 
@@ -325,9 +333,9 @@ class Sweeper:
             point = sobol_pair(turn * many + sample, own ^ salt, pair)
             return Receiver(si, wavelengths, stream, point, one, respond)
 
+        straight = receiver(gather.PAIR_LIGHT)
         parts = [
-            direct(scene, receiver(gather.PAIR_LIGHT))
-            + mirrored(scene, receiver(gather.PAIR_LIGHT, MIRROR_SALT)),
+            direct(scene, straight) + mirrored(scene, receiver(gather.PAIR_LIGHT, MIRROR_SALT)),
             *gathered(
                 scene,
                 cells,
@@ -339,16 +347,19 @@ class Sweeper:
         ]
         # Light of the cells last, all other before.
         parts = [parts[0] + parts[1], parts[2]]
+        if scene.bent is not None:
+            parts[0] += scene.bent.light(si, stream, straight.answer, mi.Bool(True))
         if self.guide is not None:
             traced, read = self.guide.light(scene, receiver(gather.PAIR_LENS), stream)
             parts = [parts[0] + traced, parts[1] + read]
-        found = []
-        for value in parts:
-            ratios = cells.bands.ratios(value, wavelengths)
-            # At the full width of the launch, also where there is no light to choose.
-            found.append([dr.select(dr.isfinite(r), r, 0.0) + mi.Float(lane) * 0.0 for r in ratios])
-        dr.eval(found)
-        return found
+        lost = LostSamples(1)
+        ratios = [cells.bands.ratios(value, wavelengths) for value in parts]
+        kept = lost.keep([each for part in ratios for each in part], mi.UInt32(0))
+        # At the full width of the launch, also where there is no light to choose.
+        kept = [each + mi.Float(lane) * 0.0 for each in kept]
+        dr.eval(kept)
+        self.counts += int(lost.counts()[0]), dr.width(lane)
+        return [kept[: len(ratios[0])], kept[len(ratios[0]) :]]
 
 
 def _whole(made: np.ndarray) -> np.ndarray:

@@ -7,20 +7,8 @@ import numpy as np
 
 from ...accuracy.replicates import ReplicateSums
 from ...errors import SceneError
-from .job import (
-    ALL_KINDS,
-    COSTS,
-    GATHERED,
-    GUIDED,
-    KINDS,
-    NO_SAMPLES,
-    PILOT_SAMPLES,
-    SAMPLE_COUNTS,
-    TRACE_COST,
-    TRACE_SHARES,
-    Levels,
-    LuxJob,
-)
+from .job import PILOT_SAMPLES, TRACE_COST, TRACE_SHARES, LuxJob
+from .levels import ALL_KINDS, COSTS, GATHERED, GUIDED, KINDS, NO_SAMPLES, SAMPLE_COUNTS, Levels
 from .path_guiding import BINS
 
 STEEPEST, FLATTEST = 2.0, 1.0
@@ -188,7 +176,8 @@ class Pilot:
     def _learning_rays(self, levels: Levels, passes: int) -> int:
         """Rays through every bin of a tile that are worth their time; a power of two, 0 for none."""
         counts = SAMPLE_COUNTS[levels.columns[GATHERED][self.job.valid]]
-        tiles = sum(int(self.job.tiles(span).max(initial=-1)) + 1 for span in self.job.spans)
+        places = self.job.places
+        tiles = sum(int(places.tiles(span).max(initial=-1)) + 1 for span in places.spans)
         rays = LEARNING * passes * float(counts.sum()) / max(tiles * BINS, 1)
         return 0 if rays < FEWEST_RAYS else 1 << int(np.log2(min(rays, MOST_RAYS)))
 
@@ -212,7 +201,7 @@ class Pilot:
                     continue
                 # Of two values each, so half their squared difference is the variance of one.
                 square = 0.5 * (values[..., 0] - first[:, part]) ** 2 * PILOT_SAMPLES
-                tiles = job.tiles(part)
+                tiles = job.places.tiles(part)
                 for kind in range(len(KINDS)):
                     scatter[kind, part] = _mean_by(tiles, square[kind], job.valid[part])
             if sums is not None:

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import drjit as dr
 import mitsuba as mi
 
-from ..paths import path_loop as paths
-from ..paths.cached_gather import incoming
+from ..paths.next_event import mirrored_light, next_event
 from ..rays import spawn_ray
+from .cached_gather import incoming
 from .path_guiding import Cosine
 
 
@@ -42,8 +42,12 @@ class Receiver:
         """Density with which a direction of the scene's frame is taken by rays. [sr-1]"""
         return self.aim.density(self.si.to_local(direction))
 
+    def answer(self, direction, asked):
+        """Response and density of a direction, as `next_event` asks for them."""
+        return self.respond(direction), self.density(direction)
 
-def direct(scene, receiver: Receiver):
+
+def direct(scene, receiver: Receiver, active=True):
     """Light by next-event straight to lights.
 
     Returns
@@ -52,16 +56,9 @@ def direct(scene, receiver: Receiver):
     """
     if not scene.lights.count:
         return mi.Spectrum(0.0)
-    si, respond, ratio = receiver.si, receiver.respond, receiver.ratio
-    everyone = mi.Bool(True)
-
-    ds, value = paths.sample_emitter(scene, si, receiver.sample, everyone)
-    response = respond(ds.d)
-    lit = (ds.pdf > 0.0) & (response > 0.0)
-    weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf * ratio, receiver.density(ds.d)))
-    amount = dr.select(lit, value * response * weight, 0.0)
-    lit &= dr.any(amount != 0.0)
-    return dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
+    return next_event(
+        scene, receiver.si, receiver.sample, receiver.answer, mi.Bool(active), receiver.ratio
+    )
 
 
 def mirrored(scene, receiver: Receiver):
@@ -74,7 +71,7 @@ def mirrored(scene, receiver: Receiver):
         return receiver.respond(direction), receiver.density(direction) / receiver.ratio
 
     si, stream = receiver.si, receiver.stream
-    return paths.mirrored_light(scene, si, receiver.sample, stream, answer, mi.Bool(True))
+    return mirrored_light(scene, si, receiver.sample, stream, answer, mi.Bool(True))
 
 
 def gathered(scene, cells, receiver: Receiver, is_apart: bool = False, **more):

@@ -7,8 +7,10 @@ from ...scene.sensor import SensorKind
 from ..compiled.compile import CompiledScene
 from ..compiled.textures import is_spectral
 from ..rays import spawn_ray
-from . import path_loop as paths
+from .next_event import mirrored_light, next_event
+from .path_loop import trace
 from .sampler import sobol_pair
+from .spotted_light import spotted_light
 
 PAIR_WAVELENGTH, PAIR_LIGHT, PAIR_SCATTER, PAIR_PLACE, PAIR_LENS, PAIR_FILM = range(6)
 """Which pair of the low-discrepancy sequence serves what."""
@@ -30,7 +32,7 @@ def receiver(point, normal, geometric_normal, wavelengths, extent=0.0):
     return si
 
 
-def _response(kind: SensorKind, si):
+def response_of(kind: SensorKind, si):
     """How much radiance from a direction counts, as a function of the direction. [sr-1 -> -] (EN 12665, CIE S 017)"""
 
     def sine(direction):
@@ -44,7 +46,9 @@ def _response(kind: SensorKind, si):
         case SensorKind.SEMICYLINDRICAL:
             # 1 + cos of the angle in plan between direction and facing, times the sine of the zenith angle.
             ahead = dr.normalize(mi.Vector3f(si.sh_frame.n.x, si.sh_frame.n.y, 0.0))
-            return lambda direction: (sine(direction) + dr.dot(direction, ahead)) * dr.inv_pi
+            return lambda direction: (
+                dr.maximum(sine(direction) + dr.dot(direction, ahead), 0.0) * dr.inv_pi
+            )
     # Directions below the geometric surface give nothing, whatever the shading normal says.
     return lambda direction: dr.select(
         dr.dot(direction, si.n) > 0.0, dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0), 0.0
@@ -74,7 +78,7 @@ def spectral_illuminance(
     Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
     """
     total = mi.Spectrum(0.0)
-    respond = _response(kind, si)
+    respond = response_of(kind, si)
     is_planar = kind is SensorKind.PLANAR
 
     def density(direction):
@@ -82,52 +86,27 @@ def spectral_illuminance(
             return dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0) * dr.inv_pi
         return mi.Float(dr.inv_four_pi)
 
+    def answer(direction, asked):
+        return respond(direction), density(direction)
+
     if scene.lights.count:
-        ds, value = paths.sample_emitter(scene, si, light_sample, active)
-        response = respond(ds.d)
-        lit = active & (ds.pdf > 0.0) & (response > 0.0)
-        weight = dr.select(ds.delta, 1.0, paths.power_heuristic(ds.pdf, density(ds.d)))
-        amount = dr.select(lit, value * response * weight, 0.0)
-        lit &= dr.any(amount != 0.0)
-        total += dr.select(lit, amount * paths.transmittance(scene, si, ds, lit), 0.0)
+        total += next_event(scene, si, light_sample, answer, active)
         if scene.mirrors is not None:
             sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-            total += paths.mirrored_light(
-                scene,
-                si,
-                sample,
-                stream,
-                lambda direction, asked: (respond(direction), density(direction)),
-                active,
-                limit,
-            )
+            total += mirrored_light(scene, si, sample, stream, answer, active, limit)
 
     if scene.bent is not None:
-
-        def respond_alone(direction, asked):
-            return dr.select(asked, respond(direction), 0.0)
-
-        total += scene.bent.light(si, stream, respond_alone, active, limit=limit)
+        total += scene.bent.light(si, stream, answer, active, limit=limit)
 
     if scene.spots is not None and scene.lights.count:
         asked = active if limit is None else active & (limit > 0)
-
-        def respond_to_spot(direction, asked):
-            return dr.select(asked, respond(direction), 0.0), density(direction)
-
         rest = None if limit is None else mi.UInt32(dr.maximum(limit, 1) - 1)
-        total += paths.spotted_light(scene, si, stream, respond_to_spot, asked, rest)
+        total += spotted_light(scene, si, stream, answer, asked, rest)
 
-    if is_planar:
-        local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
-        pdf = mi.warp.square_to_cosine_hemisphere_pdf(local)
-        direction = si.sh_frame.to_world(local)
-    else:
-        direction = mi.warp.square_to_uniform_sphere(scatter_sample)
-        pdf = mi.Float(dr.inv_four_pi)
+    direction, pdf = _draw_direction(si, scatter_sample, is_planar)
     response = respond(direction)
     gathers = active & (pdf > 0.0) & (response > 0.0)
-    incoming = paths.trace(
+    incoming = trace(
         scene,
         spawn_ray(scene, si, direction),
         wavelengths,
@@ -139,6 +118,14 @@ def spectral_illuminance(
         limit=limit,
     )
     return total + dr.select(gathers, incoming * (response / pdf), 0.0)
+
+
+def _draw_direction(si, sample, is_planar: bool):
+    """Direction of a receiver's ray and its density: by the cosine law on surfaces, else evenly. [sr-1]"""
+    if is_planar:
+        local = mi.warp.square_to_cosine_hemisphere(sample)
+        return si.sh_frame.to_world(local), mi.warp.square_to_cosine_hemisphere_pdf(local)
+    return mi.warp.square_to_uniform_sphere(sample), mi.Float(dr.inv_four_pi)
 
 
 def photometric(sampler, value, wavelengths):

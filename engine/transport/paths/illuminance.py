@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...accuracy.estimate import Accumulator, Estimate
+from ...accuracy.lost_samples import find_missing
 from ...accuracy.stopping import Clock, StopRule
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
@@ -16,6 +17,7 @@ from ..compiled.compile import CompiledScene
 from ..compiled.textures import is_spectral
 from . import gather
 from .light_learning import learn
+from .lost_samples import LostSamples
 from .sampler import hash_words, random_stream, sobol_pair
 from .wavelengths import WavelengthSampler
 
@@ -144,7 +146,7 @@ def compute(
 
     Returns
     -------
-    Estimate    Of shape (n,), or (n, 3) for X, Y, Z. [lx]
+    Estimate    Of shape (n,), or (n, 3) for X, Y, Z; errors hold what lost samples may have brought. [lx]
 
     Raises
     ------
@@ -152,7 +154,7 @@ def compute(
     """
     total = len(receivers.start)
     channels, bright = (3, 1) if colour else (1, 0)
-    sums = Accumulator(groups, (total, channels))
+    sums, lost = Accumulator(groups, (total, channels)), np.zeros(total, dtype=np.int64)
     if total == 0:
         return _finish(sums.estimate(), colour)
     job = _Job(scene, receivers, groups, seed, reflections, colour)
@@ -169,7 +171,9 @@ def compute(
                 raise Cancelled("cancelled")
             count = min(per_launch, total - first)
             part = slice(first, first + count)
-            new[:, part], tails[:, part, 0] = job.launch(first, count, batch, sums.samples)
+            made = job.launch(first, count, batch, sums.samples)
+            new[:, part], tails[:, part, 0] = made[:2]
+            lost[part] += made[2]
             if progress is not None:
                 share = (first + count) / total
                 progress(clock.progress(int((sums.samples + share * batch) * groups), error))
@@ -182,7 +186,16 @@ def compute(
         is_done = clock.is_done(samples, error, excess)
         # So few samples may have seen nothing of what matters.
         if is_done and sums.samples >= whole:
-            return _finish(made, colour)
+            return _finish(_widened(made, lost), colour)
+
+
+def _widened(made: Estimate, lost: np.ndarray) -> Estimate:
+    """With errors that hold what lost samples may have brought. ``lost``: their number by receiver."""
+    if not lost.any():
+        return made
+    brightest = made.mean.max(axis=1)
+    missing = find_missing(brightest, lost / max(made.samples, 1), brightest.mean())
+    return replace(made.widened(missing), lost=int(lost.sum()))
 
 
 def _excess(rule: StopRule, made: Estimate) -> float | None:
@@ -199,7 +212,7 @@ def _finish(made: Estimate, colour: bool) -> Estimate:
     events = made.events[:, 0] if made.events is not None else None
     if colour:
         return replace(made, events=events)
-    return Estimate(made.mean[:, 0], made.standard_error[:, 0], made.samples, events)
+    return replace(made.channel(0), events=events)
 
 
 def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
@@ -252,8 +265,8 @@ class _Job:
 
         Returns
         -------
-        (groups, count, channels), (2, count) array    Sums of its samples; sum and largest of the squares of the samples'
-            illuminance, over all groups.
+        (groups, count, channels), (2, count), (count,) array    Sums of its samples; sum and largest of the squares of the
+            samples' illuminance, over all groups; how many of them are no numbers.
         """
         groups, places = self.groups, self.places
         first = dr.opaque(mi.UInt32, int(first))
@@ -293,9 +306,10 @@ class _Job:
             self.kind,
             self.limit,
         )
+        lost = LostSamples(count)
         kept = [
-            dr.select(dr.isfinite(channel), channel, 0.0) + mi.Float(lane) * 0.0
-            for channel in self._channels(value, wavelengths)
+            channel + mi.Float(lane) * 0.0
+            for channel in lost.keep(self._channels(value, wavelengths), lane // (many * groups))
         ]
         # Squares of huge samples would not fit; the scale makes no difference.
         square = dr.square(kept[1 if self.colour else 0] * 1e-6)
@@ -308,7 +322,8 @@ class _Job:
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)
         squares, largest = (np.array(t, dtype=np.float64).reshape(count, -1) for t in tails)
-        return made.transpose(1, 0, 2), np.stack([squares.sum(axis=1), largest.max(axis=1)])
+        squares = np.stack([squares.sum(axis=1), largest.max(axis=1)])
+        return made.transpose(1, 0, 2), squares, lost.counts()
 
     def _channels(self, value, wavelengths) -> list:
         if not self.colour:

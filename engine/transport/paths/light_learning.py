@@ -5,10 +5,10 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...luminaires.emitters.tables import FLOOR
+from ...luminaires.emitters.distribution_arrays import FLOOR
 from ..compiled.light_tree import PRIOR_DRAWS, TINY
 from ..rays import spawn_ray
-from .path_loop import transmittance
+from .visibility import transmittance
 
 PILOT_POINTS = 1024
 """Points at which the lights are compared before a job."""

@@ -4,13 +4,20 @@ import time
 from dataclasses import replace
 from types import SimpleNamespace
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
 
-from ...accuracy.stopping import StopRule
+from ...accuracy.estimate import relative_error
 from ...errors import SceneError
 from ...scene.camera import Camera
 from ..compiled.compile import CompiledScene
-from .picture import GROUPS, MAXIMUM_PIXELS, Film, PictureJob, learn_lights, relative_error
+from . import gather
+from .channels import Channels
+from .film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights
+from .lost_samples import LostSamples
+from .path_loop import trace
+from .sampler import hash_words, random_stream, sobol_pair
 
 FIRST_PIXELS = 4096
 """Most pixels of the first image, which is made in one slice."""
@@ -77,7 +84,7 @@ class LiveView:
             return False
         start = time.perf_counter()
         count = min(self._slice // GROUPS, self._pixels - self._cursor)
-        new = self._job.launch(self._cursor, count, 1, self._passes)
+        new = self._sample(self._cursor, count)
         part = slice(self._cursor, self._cursor + count)
         self._sums[:, part] += new
         # The image is kept up to date slice by slice: making it anew for every frame would hold up edits.
@@ -92,6 +99,12 @@ class LiveView:
     def image(self) -> np.ndarray:
         """Return what is known: X, Y, Z and, if wanted, illuminance; not to be kept. (h, w, c) float32 [cd/m2, lx]"""
         return self._image.reshape(self._camera.height, self._camera.width, -1)
+
+    def luminance_error(self) -> np.ndarray:
+        """Standard error of the luminance at the end of a pass over the finest image. (h, w) float32 [cd/m2]"""
+        halves = self._sums[..., 1] / self._passes
+        error = 0.5 * np.abs(halves[0] - halves[1])
+        return error.reshape(self._camera.height, self._camera.width).astype(np.float32)
 
     # ---- private ----
 
@@ -111,10 +124,43 @@ class LiveView:
         )
         self._pixels = self._camera.width * self._camera.height
         self._film = Film(self._camera, self.scene.origin)
-        self._job = PictureJob(self.scene, self._film, _view_settings(self.settings))
-        self._sums = np.zeros((GROUPS, self._pixels, self._job.channels))
-        self._image = np.zeros((self._pixels, self._job.channels), dtype=np.float32)
+        self._channels = Channels(self.scene, _wanted(self.settings))
+        self._sums = np.zeros((GROUPS, self._pixels, self._channels.count))
+        self._image = np.zeros((self._pixels, self._channels.count), dtype=np.float32)
         self._cursor = self._passes = 0
+
+    def _sample(self, first: int, count: int) -> np.ndarray:
+        """Follow an even and an odd path of each of a range of pixels. (2, count, channels)"""
+        seed = dr.opaque(mi.UInt32, int(self.settings.seed) & 0xFFFFFFFF)
+        lane = dr.arange(mi.UInt32, count * GROUPS)
+        sample = dr.opaque(mi.UInt32, self._passes)
+        pixel = dr.opaque(mi.UInt32, first) + lane // GROUPS
+        own = hash_words(pixel, hash_words(lane % GROUPS, seed))
+        wavelengths = gather.draw_wavelengths(self._channels.sampler, sample, own)
+        ray = self._film.ray_of(pixel, sample, own)
+        radiance = trace(
+            self.scene,
+            ray,
+            wavelengths,
+            random_stream(sample, own),
+            mi.Float(0.0),
+            ray.o,
+            mi.Bool(True),
+            first=(
+                sobol_pair(sample, own, gather.PAIR_LIGHT),
+                sobol_pair(sample, own, gather.PAIR_SCATTER),
+            ),
+        )
+        lost = LostSamples(1)
+        none = mi.UInt32(0)
+        radiance = mi.Spectrum(*lost.keep(radiance, none))
+        columns = self._channels.of_light(radiance, wavelengths)
+        columns |= self._channels.of_view(ray, wavelengths, sample, own, none, lost)
+        dr.eval(columns)
+        made = np.zeros((count * GROUPS, self._channels.count))
+        for number, column in columns.items():
+            made[:, number] = np.array(column)
+        return made.reshape(count, GROUPS, -1).transpose(1, 0, 2)
 
     def _finish_pass(self) -> None:
         self._cursor = 0
@@ -127,21 +173,15 @@ class LiveView:
         self.factor //= 2
         self._begin_level()
         size = (self._camera.height, self._camera.width)
-        self._image[:] = _enlarge(coarse, size).reshape(self._pixels, -1)
+        self._image[:] = enlarge(coarse, size).reshape(self._pixels, -1)
         self._has_coarser = True
 
 
-def _view_settings(settings):
-    """Settings of the picture job whose launches the view uses."""
-    return SimpleNamespace(
-        rule=StopRule(samples=settings.samples),
-        seed=settings.seed,
-        illuminance=settings.illuminance,
-        bands=0,
-        transparent=False,
-    )
+def _wanted(settings):
+    """What the view tells of its pixels, as `Channels` is asked."""
+    return SimpleNamespace(illuminance=settings.illuminance, bands=0, transparent=False)
 
 
-def _enlarge(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def enlarge(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Repeat pixels twice in both directions and cut to size."""
     return image.repeat(2, axis=0).repeat(2, axis=1)[: size[0], : size[1]]

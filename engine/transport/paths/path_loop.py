@@ -6,18 +6,32 @@ are no vertices: both strategies see through them, so the joint weights stay val
 strategy reaches lights by them (see `mirrors`), so a path behind them still has a reference, the image of its last vertex.
 Paths end by Russian roulette alone, whose survival probability is the path's throughput, at most `SURVIVAL`, so no depth
 is cut off and the estimate is unbiased.
+
+There is one loop for all who trace from receivers and cameras. What a scene or a job does not need (mirrors, bright spots,
+light over bends, reading of cells) is left out when the kernel is made.
 """
+
+from dataclasses import dataclass, field
 
 import drjit as dr
 import mitsuba as mi
 
-from ...luminaires.emitters.plugins import SUNS_ONLY
 from ...materials.plugins import DISPERSED_COMPONENT
-from ..compiled import mirrors
 from ..compiled.compile import CompiledScene
 from ..compiled.polarisation import polarise
 from ..compiled.textures import is_spectral
-from ..rays import spawn_ray, spawn_ray_to
+from ..rays import spawn_ray
+from .next_event import (
+    emitter_density,
+    mirrored_light,
+    next_event,
+    power_heuristic,
+    respond_by,
+    surroundings_density,
+)
+from .spotted_light import LONGEST_WAY, scatters, spotted_light
+from .visibility import meet
+from .wavelengths import disperse
 
 SURVIVAL = 0.999
 """Largest probability of going on; below 1 so that paths end even between perfect mirrors. It must exceed the square of the
@@ -26,288 +40,8 @@ largest reflectance, or the variance of a closed room is infinite."""
 ROULETTE_START = 3
 """Number of scatterings before roulette begins."""
 
-LONGEST_WAY = 16
-"""Most mirrors and panes between a vertex and the bright spot that it asks."""
-
 MAXIMUM_STEPS = 100_000
 """Stops a path that numerical trouble would keep alive for ever; reached by no valid scene."""
-
-
-def closest_hit(scene: CompiledScene, ray, active, coherent=False, looks=None):
-    """Return the nearest surface of both sub-scenes, and of what is there for the camera alone to rays that look."""
-    hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-    if scene.veil is not None:
-        other = scene.veil.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-        hit = dr.select(other.t < hit.t, other, hit)
-    if looks is not None and scene.shown is not None:
-        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(coherent), active & looks)
-        hit = dr.select(other.t < hit.t, other, hit)
-    return scene.surface(hit, ray, active)
-
-
-def transmittance(scene: CompiledScene, origin, target, active, polar=None):
-    """Share of light that goes straight from one point to another.
-
-    Parameters
-    ----------
-    origin : SurfaceInteraction3f    Where the ray starts; the ray is offset from its surface.
-    target : PositionSample3f    Where it ends, excluded: point and normal.
-    polar : Vector3f or None    Polarisation of the ray, see `polarisation`; None: it has none.
-
-    Returns
-    -------
-    Spectrum    0 where something solid stands between.
-    """
-    ray = spawn_ray_to(scene, origin, target.p, target.n)
-    lit = active & ~scene.solid.ray_test(ray, active)
-    if scene.veil is None:
-        return dr.select(lit, mi.Spectrum(1.0), 0.0)
-
-    value = dr.select(lit, mi.Spectrum(1.0), 0.0)
-    ray = mi.Ray3f(ray)
-    steps = mi.UInt32(0)
-    polar = mi.Vector3f(0.0) if polar is None else mi.Vector3f(polar)
-
-    def step(value, ray, lit, steps, polar):
-        si = scene.veil.ray_intersect(ray, lit)
-        lit &= si.is_valid()
-        factor, polar = polarise(scene, si, ray.d, ray.d, polar, mi.Bool(False), lit)
-        value[lit] = value * scene.bsdf(si, lit).eval_null_transmission(si, lit) * factor
-        ray = dr.select(lit, spawn_ray_to(scene, si, target.p, target.n), ray)
-        lit &= dr.any(value != 0.0)
-        steps += 1
-        return value, ray, lit & (steps < 1000), steps, polar
-
-    result = dr.while_loop(
-        state=(value, ray, mi.Bool(lit), steps, polar),
-        cond=lambda value, ray, lit, steps, polar: lit,
-        body=step,
-        labels=("value", "ray", "lit", "steps", "polar"),
-    )
-    return result[0]
-
-
-def sample_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False):
-    """Choose a direction to an emitter.
-
-    Parameters
-    ----------
-    over_mirrors : bool    Whether the surface is an image of one in mirrors: not all of the surroundings may count then.
-
-    Returns
-    -------
-    (DirectionSample3f, Spectrum)    ``pdf`` includes the choice of the emitter; the value is radiance / pdf, unoccluded.
-    """
-    index, share, remainder = scene.lights.sample(sample.x, si.p)
-    at = dr.zeros(mi.Interaction3f)
-    at.p, at.n, at.wavelengths = si.p, si.n, si.wavelengths
-    at.time = scene.lights.row(index)
-    if over_mirrors and scene.mirrors.are_panes:
-        at.time = dr.select(scene.lights.is_outside(index), SUNS_ONLY, at.time)
-    pointer = scene.lights.pointer(index)
-    ds, value = pointer.sample_direction(at, mi.Point2f(remainder, sample.y), active)
-    ds.pdf *= share
-    if scene.near is not None:
-        value = dr.select(scene.near.has(index, si.p, active), 0.0, value)
-    return ds, value / share
-
-
-def mirrored_light(scene: CompiledScene, si, sample, stream, respond, active, limit=None):
-    """One-sample estimate of the light that comes over plane mirrors.
-
-    Parameters
-    ----------
-    respond : callable
-        Given a direction and which lanes ask: the response of the surface, cosine included, and the density with which
-        it would have scattered that way.
-    limit : UInt32 or None    Most mirrors.
-
-    Returns
-    -------
-    Spectrum    Response times radiance, weighed against scattered rays.
-    """
-    planes = scene.mirrors
-    length = planes.length(stream.next_float32())
-    if limit is not None:
-        active &= length <= limit
-    numbers = mi.PCG32(stream)
-    image, turn, chance = planes.image(si.p, numbers, length, active)
-    at = mi.Interaction3f(si)
-    at.p = image
-    ds, value = sample_emitter(scene, at, sample, active, over_mirrors=True)
-    chance = planes.probability(length, chance)
-    direction = turn.T @ ds.d
-    response, response_pdf = respond(direction, active)
-    density = ds.pdf * chance
-    weight = dr.select(ds.delta, 1.0, power_heuristic(density, response_pdf))
-    amount = response * value * (weight / chance)
-    lit = active & (ds.pdf > 0.0) & dr.any(amount != 0.0)
-    last, onwards, polar, reflectance, met = mirrors.walk(
-        scene, si, direction, numbers, length, closest_hit, lit
-    )
-    # A light behind the last pane is not seen in it.
-    met &= dr.dot(onwards, ds.p - last.p) > 0.0
-    passed = transmittance(scene, last, ds, met, polar)
-    return dr.select(met, amount * reflectance * passed, 0.0)
-
-
-def spotted_light(scene: CompiledScene, si, stream, respond, active, rest=None):
-    """One-sample estimate of the light of lamps that bright spots send on (see `bright_spots`).
-
-    Next event and scattered rays that meet a lamp at once both count there: close to a lamp neither is good alone.
-
-    Parameters
-    ----------
-    respond : callable    As of `mirrored_light`.
-    rest : UInt32 or None    Most reflections between the surface and the spot.
-
-    Returns
-    -------
-    Spectrum    Response times radiance, weighed against the next event of scattered rays.
-    """
-    aim = stream.next_float32()
-    aim_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    choice = stream.next_float32()
-    scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    direction = scene.spots.sample(si.p, aim, aim_sample)
-    density = scene.spots.density(si.p, direction)
-    asked = active & (density > 0.0)
-    response, response_pdf = respond(direction, asked)
-    amount = response * (power_heuristic(density, response_pdf) / dr.maximum(density, 1e-30))
-    asked &= dr.any(amount != 0.0)
-    there, passed = _go_on(scene, si, direction, stream, asked, rest)
-    amount = amount * passed
-    asked &= dr.any(amount != 0.0)
-    bsdf = scene.bsdf(there, asked)
-    light = next_event(scene, there, bsdf, light_sample, asked)
-    bs, scattered = bsdf.sample(mi.BSDFContext(), there, choice, scatter_sample, asked)
-    meets = asked & ~_is_single(bs) & dr.any(scattered != 0.0)
-    lamp = closest_hit(scene, spawn_ray(scene, there, there.to_world(bs.wo)), meets)
-    lamp.wavelengths = si.wavelengths
-    emitter = scene.emitter(lamp, meets & lamp.is_valid())
-    meets &= lamp.is_valid() & (emitter != None)  # noqa: E711 - element-wise
-    found = emitter_density(scene, mi.Interaction3f(there), lamp, emitter, meets)
-    value = emitter.eval(lamp, meets) * power_heuristic(bs.pdf, found)
-    light += dr.select(meets, scattered * value, 0.0)
-    return dr.select(asked, amount * light, 0.0)
-
-
-def _go_on(scene: CompiledScene, si, direction, stream, active, rest=None):
-    """First surface that scatters in a direction, over mirrors and through panes and bodies of glass.
-
-    Paths do the same by the same chances, so that densities compare where both leave the first surface.
-
-    Returns
-    -------
-    (SurfaceInteraction3f, Spectrum)    And the share of its light that comes back; 0 where there is no such surface.
-    """
-    ray = spawn_ray(scene, si, direction)
-    ray.wavelengths = si.wavelengths
-    there = closest_hit(scene, ray, active)
-    there.wavelengths = si.wavelengths
-    on_way = active & there.is_valid()
-    state = {
-        "there": there,
-        "ray": ray,
-        "numbers": mi.PCG32(stream),
-        "value": dr.select(on_way, mi.Spectrum(1.0), 0.0),
-        "polar": mi.Vector3f(0.0),
-        "turns": mi.UInt32(0),
-        "steps": mi.UInt32(0),
-        "passes": on_way & ~scatters(scene.bsdf(there, on_way)),
-    }
-
-    def step(there, ray, numbers, value, polar, turns, steps, passes):
-        bsdf = scene.bsdf(there, passes)
-        choice = numbers.next_float32()
-        sample = mi.Point2f(numbers.next_float32(), numbers.next_float32())
-        bs, weight = bsdf.sample(mi.BSDFContext(), there, choice, sample, passes)
-        is_turned = passes & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
-        onwards = there.to_world(bs.wo)
-        factor, polar = polarise(scene, there, ray.d, onwards, polar, is_turned, passes)
-        value = dr.select(passes, value * weight * factor, value)
-        turns = dr.select(is_turned, turns + 1, turns)
-        steps += 1
-        goes_on = passes & (steps <= LONGEST_WAY) & (bs.sampled_component != DISPERSED_COMPONENT)
-        if rest is not None:
-            goes_on &= turns <= rest
-        following = spawn_ray(scene, there, onwards)
-        following.wavelengths = ray.wavelengths
-        ray = dr.select(passes, following, ray)
-        hit = closest_hit(scene, ray, goes_on)
-        hit.wavelengths = ray.wavelengths
-        goes_on &= hit.is_valid() & dr.any(value != 0.0)
-        value = dr.select(passes & ~goes_on, 0.0, value)
-        there = dr.select(goes_on, hit, there)
-        passes = goes_on & ~scatters(scene.bsdf(there, goes_on))
-        return there, ray, numbers, value, polar, turns, steps, passes
-
-    result = dr.while_loop(
-        state=tuple(state.values()),
-        cond=lambda *values: values[-1],
-        body=step,
-        labels=tuple(state),
-    )
-    return result[0], result[3]
-
-
-def scatters(bsdf):
-    """Whether a surface sends light into more than single directions."""
-    return mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-
-
-def _is_single(bs):
-    """Whether a direction was told by itself, without a density."""
-    kinds = mi.BSDFFlags.Delta, mi.BSDFFlags.Null
-    return mi.has_flag(bs.sampled_type, kinds[0]) | mi.has_flag(bs.sampled_type, kinds[1])
-
-
-def next_event(scene: CompiledScene, si, bsdf, sample, active):
-    """One-sample estimate of the light that a surface sends on from lamps in straight view.
-
-    Returns
-    -------
-    Spectrum    Response times radiance, weighed against scattered rays that meet the lamp.
-    """
-    ds, value = sample_emitter(scene, si, sample, active)
-    lit = active & (ds.pdf > 0.0) & dr.any(value != 0.0)
-    response, response_pdf = bsdf.eval_pdf(mi.BSDFContext(), si, si.to_local(ds.d), lit)
-    weight = dr.select(ds.delta, 1.0, power_heuristic(ds.pdf, response_pdf))
-    amount = response * value * weight
-    lit &= dr.any(amount != 0.0)
-    return dr.select(lit, amount * transmittance(scene, si, ds, lit), 0.0)
-
-
-def emitter_density(scene: CompiledScene, reference, si, emitter, active):
-    """Solid-angle density with which next-event from ``reference`` would have found this emitting point."""
-    ds = dr.zeros(mi.DirectionSample3f)
-    ds.p, ds.n, ds.uv = si.p, si.n, si.uv
-    ds.d = si.p - reference.p
-    ds.dist = dr.norm(ds.d)
-    ds.d = dr.select(ds.dist > 0.0, ds.d / ds.dist, mi.Vector3f(0, 0, 1))
-    # Which luminaire it is, if it is one, travels as the time.
-    reference.time = si.time
-    density = emitter.pdf_direction(reference, ds, active)
-    return density * scene.lights.probability(emitter, reference.p, active, si.time)
-
-
-def surroundings_density(scene: CompiledScene, reference, direction, active, is_mirrored=None):
-    """As `emitter_density`, for light from infinity. ``is_mirrored``: whether the reference is an image in mirrors."""
-    if is_mirrored is not None and scene.mirrors.are_panes:
-        reference.time = dr.select(is_mirrored, SUNS_ONLY, 0.0)
-    ds = dr.zeros(mi.DirectionSample3f)
-    ds.d = direction
-    density = scene.surroundings.pdf_direction(reference, ds, active)
-    return density * scene.lights.probability(
-        mi.EmitterPtr(scene.surroundings), reference.p, active
-    )
-
-
-def power_heuristic(pdf, other):
-    """Weight of a sample drawn with density ``pdf`` that the density ``other`` would have found too."""
-    # By the ratio: squares of densities overflow for tiny lights far away.
-    return dr.select(pdf > 0.0, dr.rcp(1.0 + dr.square(other / pdf)), 0.0)
 
 
 def trace(
@@ -321,6 +55,7 @@ def trace(
     first=None,
     depth=0,
     limit=None,
+    reader=None,
 ):
     """Radiance that arrives along rays.
 
@@ -341,226 +76,359 @@ def trace(
     -------
     Spectrum    Spectral radiance [W/(m2 sr nm)], or luminance [cd/m2] in photometric variants.
     """
-    spectral = is_spectral()
-    context = mi.BSDFContext()
-    is_camera = depth == 0
-    seen_by_camera = is_camera and scene.hidden is not None
-
     ray = mi.Ray3f(ray)
-    if spectral:
+    if is_spectral():
         ray.wavelengths = wavelengths
-    state = {
-        "ray": ray,
-        "stream": mi.PCG32(stream),
-        "throughput": mi.Spectrum(1.0),
-        "radiance": mi.Spectrum(0.0),
-        "pdf": mi.Float(scatter_pdf),
-        "reference": mi.Point3f(reference),
-        "depth": mi.UInt32(depth),
-        "steps": mi.UInt32(0),
-        # Length, last mirror and chance.
-        "chain": (mi.UInt32(0), mi.UInt32(0), mi.Float(1.0)),
-        "polar": mi.Vector3f(0.0),
-        "dispersed": mi.Bool(False),
-        "eta": mi.Float(1.0),
-        "active": mi.Bool(active),
-    }
-
-    has_mirrors = scene.mirrors is not None
-    has_spots = scene.spots is not None
-    if has_spots:
-        # Mirrors and panes since the last vertex; more than `LONGEST_WAY` where rays to spots could not go the same way.
-        state["way"] = dr.select(scatter_pdf > 0.0, mi.UInt32(0), LONGEST_WAY + 1)
-        # Share of the lamps' light at the next vertex that the way there counts for; the rest is counted by rays to spots.
-        state["next_share"] = power_heuristic(
-            mi.Float(scatter_pdf), scene.spots.density(mi.Point3f(reference), ray.d)
-        )
-        # The same at the last vertex, for a lamp that is met at once.
-        state["share"] = mi.Float(1.0)
-        state["active"] = state.pop("active")
-    # Light over bends has its own estimator at vertices that spread it out, receivers among them.
-    has_bent = scene.bent is not None
-    if has_bent:
-        state["spread"] = mi.Bool(depth > 0)
-        state["bent"] = mi.Bool(False)
-        state["active"] = state.pop("active")
+    path = Path(
+        ray,
+        mi.PCG32(stream),
+        mi.Float(scatter_pdf),
+        mi.Point3f(reference),
+        mi.UInt32(depth),
+        mi.Bool(active),
+    )
+    left_out = None
+    if scene.bent is not None:
+        # Light over bends has its own estimator at vertices that spread it out, receivers among them.
+        left_out = scene.bent.left_out
+        path.bent, path.is_answered = mi.Bool(False), mi.Bool(depth > 0)
     # A receiver counts as the first scattering but reflects nothing.
     last = None if limit is None else limit + (depth - 1)
+    if reader is not None:
+        reader.begin(path)
+    path = PathLoop(scene, left_out, depth == 0, first, last, reader).run(path)
+    return path.radiance if reader is None else path.radiance + path.read
 
-    def body(
-        ray,
-        stream,
-        throughput,
-        radiance,
-        pdf,
-        reference,
-        depth,
-        steps,
-        chain,
-        polar,
-        dispersed,
-        eta,
-        *more,
-    ):
-        *more, active = more
-        way, next_share, share, *bending = more if has_spots else (None, None, None, *more)
-        si = closest_hit(scene, ray, active, looks=depth == 0 if is_camera else None)
-        if spectral:
-            si.wavelengths = ray.wavelengths
-        valid = active & si.is_valid()
-        origin = dr.zeros(mi.Interaction3f)
-        origin.p, origin.t = reference, 0.0
-        origin.wavelengths = si.wavelengths
 
-        # ---- light that the ray runs into ----
-        hidden = mi.Bool(False)
-        if seen_by_camera:
-            ids = dr.reinterpret_array(mi.UInt32, si.shape)
-            begins = valid & (depth == 0)
-            hidden = dr.gather(mi.Bool, scene.hidden, ids, begins) & begins
-        emitter = scene.emitter(si, valid)
-        glows = valid & ~hidden & (emitter != None)  # noqa: E711 - element-wise
-        found = emitter_density(scene, origin, si, emitter, glows & (pdf > 0.0))
-        if has_mirrors:
-            over = scene.mirrors.probability(chain[0], chain[2])
-            found *= over
-        weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
-        value = emitter.eval(si, glows)
-        if has_bent:
-            spread, bent = bending
-            left_out = scene.bent.left_out
-            glows &= ~(bent & spread & left_out.has(emitter, glows))
-        if has_spots:
-            weight *= share
-        radiance = dr.select(glows, radiance + throughput * value * weight, radiance)
+@dataclass
+class Path:
+    """State of paths on the device; parts that a loop does without are None.
 
+    Parameters
+    ----------
+    ray : Ray3f    Along which the path goes on.
+    stream : PCG32
+    pdf : Float    Density with which the last vertex that is not specular chose the ray, over solid angle; 0: it did not.
+    reference : Point3f    That vertex, or its image in mirrors: next-event from there competes with what the ray meets.
+    depth : UInt32    Scatterings so far.
+    active : Bool
+    throughput, radiance : Spectrum    Of the way so far; what has been found.
+    steps : UInt32    Surfaces so far.
+    chain : (UInt32, UInt32, Float)    Of known mirrors, see `MirrorSet.extend`.
+    polar : Vector3f    Polarisation.
+    dispersed : Bool    Whether one wavelength is left.
+    eta : Float    Refractive index against that at the start.
+    bent : Bool or None    Whether light was bent since it was spread out the last time.
+    is_answered : Bool or None    Whether light over bends is found otherwise where that was.
+    way : UInt32 or None    Mirrors and panes since the last vertex; more than `LONGEST_WAY` where rays to spots could not go
+        the same way.
+    next_share : Float or None    Share of the lamps' light at the next vertex that the way there counts for; the rest is
+        counted by rays to spots.
+    share : Float or None    The same at the last vertex, for a lamp that is met at once.
+    ratio : Float or None    Next-event samples at the reference for every ray; None: one.
+    read : Spectrum or None    What was read from cells, which is not in ``radiance``.
+    is_read : Bool or None    Whether the base of what is met next has been read.
+    is_asked : Bool or None    Whether the last vertex asked bright spots for traced light.
+    """
+
+    ray: object
+    stream: object
+    pdf: object
+    reference: object
+    depth: object
+    active: object
+    throughput: object = field(default_factory=lambda: mi.Spectrum(1.0))
+    radiance: object = field(default_factory=lambda: mi.Spectrum(0.0))
+    steps: object = field(default_factory=lambda: mi.UInt32(0))
+    chain: tuple = field(default_factory=lambda: (mi.UInt32(0), mi.UInt32(0), mi.Float(1.0)))
+    polar: object = field(default_factory=lambda: mi.Vector3f(0.0))
+    dispersed: object = field(default_factory=lambda: mi.Bool(False))
+    eta: object = field(default_factory=lambda: mi.Float(1.0))
+    bent: object = None
+    is_answered: object = None
+    way: object = None
+    next_share: object = None
+    share: object = None
+    ratio: object = None
+    read: object = None
+    is_read: object = None
+    is_asked: object = None
+    spread: object = None
+
+
+@dataclass
+class Vertex:
+    """What paths have met, while it is dealt with.
+
+    ``hit``, ``si``, ``valid``: as of `meet`, and whether there is anything. ``is_hidden``: from the camera, which sees
+    through it. ``origin``: an interaction at the path's reference. ``rivals``: next-event samples there for every ray,
+    times the chance of the mirrors in between. ``bsdf``, ``smooth``: the surface model, and whether it asks lights.
+    ``respond``: as of `next_event`. ``chance``: of being asked. ``light_sample``, ``choice``, ``sample``: numbers for
+    next-event and for scattering.
+    ``is_readable``, ``row``, ``coat``, ``matte``, ``glossy``: see `lux_maps.cell_reader`.
+    """
+
+    hit: object
+    si: object
+    valid: object
+    is_hidden: object
+    origin: object
+    rivals: object
+    bsdf: object = None
+    smooth: object = None
+    light_sample: object = None
+    respond: object = None
+    chance: object = 1.0
+    choice: object = None
+    sample: object = None
+    is_readable: object = False
+    row: object = None
+    coat: object = None
+    matte: object = None
+    glossy: object = None
+
+
+class PathLoop:
+    """Follows paths to their ends.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    left_out : LeftOut or None    Light over bends that does not count, since it is found otherwise; None: nothing.
+    is_camera : bool    Whether paths begin at a camera, which does not see everything.
+    first : (Point2f, Point2f) or None    Samples for next-event and scattering at the first vertex.
+    last : UInt32 or None    Depth of the last vertex whose light counts.
+    reader : CellReader or None    What ends paths at cells; None: nothing does.
+    """
+
+    def __init__(self, scene, left_out=None, is_camera=False, first=None, last=None, reader=None):
+        self._scene, self._left_out, self._reader = scene, left_out, reader
+        self._is_camera, self._first, self._last = is_camera, first, last
+
+    def run(self, path: Path) -> Path:
+        """Follow paths; what was found is in their state."""
+        spots = self._scene.spots
+        if spots is not None:
+            path.way = dr.select(path.pdf > 0.0, mi.UInt32(0), LONGEST_WAY + 1)
+            rival = spots.density(path.reference, path.ray.d)
+            path.next_share = power_heuristic(path.pdf, rival)
+            path.share = mi.Float(1.0)
+        (path,) = dr.while_loop(
+            state=(path,), cond=lambda path: path.active, body=self._step, labels=("path",)
+        )
+        return path
+
+    def _step(self, path: Path) -> tuple[Path]:
+        scene = self._scene
+        at = self._meet(path)
+        self._count_emitter(path, at)
         if scene.surroundings is not None:
-            leaves = active & ~si.is_valid()
-            away = dr.zeros(mi.SurfaceInteraction3f)
-            away.wi = -ray.d
-            away.wavelengths = si.wavelengths
-            mirrored = chain[0] > 0 if has_mirrors else None
-            found = surroundings_density(scene, origin, ray.d, leaves & (pdf > 0.0), mirrored)
-            if has_mirrors:
-                found *= over
-            weight = dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)
-            value = scene.surroundings.eval(away, leaves)
-            if has_bent and left_out.suns:
-                sun = scene.surroundings.sun_value(ray.d, away.wavelengths, leaves)
-                value -= dr.select(bent & spread, sun, 0.0)
-            radiance = dr.select(leaves, radiance + throughput * value * weight, radiance)
+            self._count_surroundings(path, at)
+        path.active = mi.Bool(at.valid)
+        if self._last is not None:
+            path.active &= path.depth <= self._last
+        at.bsdf = scene.bsdf(at.si, path.active)
+        if self._reader is not None:
+            self._reader.read(path, at)
+        self._draw(path, at)
+        self._ask_lights(path, at)
+        bs, turned = self._scatter(path, at)
+        self._note_reference(path, at, bs, turned)
+        self._play_roulette(path, at, turned)
+        return (path,)
 
-        # ---- next event ----
-        active = mi.Bool(valid)
-        if last is not None:
-            active &= depth <= last
-        bsdf = scene.bsdf(si, active)
-        smooth = active & ~hidden & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-        light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-        scatter_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-        if first is not None:
-            light_sample = dr.select(steps == 0, first[0], light_sample)
-            scatter_sample = dr.select(steps == 0, first[1], scatter_sample)
-        choice = stream.next_float32()
+    def _meet(self, path: Path) -> Vertex:
+        """Find what rays run into."""
+        scene = self._scene
+        looks = path.depth == 0 if self._is_camera else None
+        hit, si = meet(scene, path.ray, path.active, looks=looks)
+        valid = path.active & si.is_valid()
+        origin = dr.zeros(mi.Interaction3f)
+        origin.p, origin.t = path.reference, 0.0
+        origin.wavelengths = si.wavelengths
+        rivals = 1.0 if path.ratio is None else path.ratio
+        if scene.mirrors is not None:
+            rivals = scene.mirrors.probability(path.chain[0], path.chain[2]) * rivals
+        is_hidden = mi.Bool(False)
+        if self._is_camera and scene.hidden is not None:
+            number = dr.reinterpret_array(mi.UInt32, si.shape)
+            begins = valid & (path.depth == 0)
+            is_hidden = dr.gather(mi.Bool, scene.hidden, number, begins) & begins
+        return Vertex(hit, si, valid, is_hidden, origin, rivals)
 
-        def respond(direction, asked, si=si, bsdf=bsdf):
-            return bsdf.eval_pdf(context, si, si.to_local(direction), asked)
+    def _count_emitter(self, path: Path, at: Vertex) -> None:
+        """Count light that rays run into."""
+        scene, si = self._scene, at.si
+        emitter = scene.emitter(si, at.valid)
+        glows = at.valid & ~at.is_hidden & (emitter != None)  # noqa: E711 - element-wise
+        competes = glows & (path.pdf > 0.0)
+        found = emitter_density(scene, at.origin, si, emitter, competes) * at.rivals
+        weight = _ray_weight(path.pdf, found)
+        value = emitter.eval(si, glows)
+        if scene.near is not None:
+            glows &= ~scene.near.has_emitter(emitter, si.time, path.reference, competes)
+        if self._left_out is not None:
+            glows &= ~(path.bent & path.is_answered & self._left_out.has(emitter, glows))
+        if path.share is not None:
+            weight *= path.share
+        amount = path.throughput * value * weight
+        path.radiance = dr.select(glows, path.radiance + amount, path.radiance)
 
-        if has_spots:
-            share = mi.Float(1.0)
+    def _count_surroundings(self, path: Path, at: Vertex) -> None:
+        """Count light from infinity where rays leave the scene."""
+        scene, direction = self._scene, path.ray.d
+        leaves = path.active & ~at.si.is_valid()
+        away = dr.zeros(mi.SurfaceInteraction3f)
+        away.wi = -direction
+        away.wavelengths = at.si.wavelengths
+        is_mirrored = path.chain[0] > 0 if scene.mirrors is not None else None
+        competes = leaves & (path.pdf > 0.0)
+        found = surroundings_density(scene, at.origin, direction, competes, is_mirrored)
+        weight = _ray_weight(path.pdf, found * at.rivals)
+        value = scene.surroundings.eval(away, leaves)
+        # Suns that are traced straight are left out for rays that compete with next-event alone.
+        alone = leaves & (path.pdf <= 0.0)
+        if self._left_out is not None and self._left_out.suns:
+            sun = scene.surroundings.sun_value(direction, away.wavelengths, leaves)
+            value -= dr.select(path.bent & path.is_answered, sun, 0.0)
+            alone &= ~(path.bent & path.is_answered)
+        straight = scene.surroundings.left_out_value(direction, away.wavelengths, alone)
+        value += dr.select(alone, straight, 0.0)
+        amount = path.throughput * value * weight
+        path.radiance = dr.select(leaves, path.radiance + amount, path.radiance)
+
+    def _draw(self, path: Path, at: Vertex) -> None:
+        """Draw the numbers of a vertex, and find out how it answers light."""
+        stream = path.stream
+        is_smooth = mi.has_flag(at.bsdf.flags(), mi.BSDFFlags.Smooth)
+        at.smooth = path.active & ~at.is_hidden & is_smooth
+        at.light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        at.sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+        if self._first is not None:
+            begins = path.steps == 0
+            at.light_sample = dr.select(begins, self._first[0], at.light_sample)
+            at.sample = dr.select(begins, self._first[1], at.sample)
+        at.choice = stream.next_float32()
+        at.respond = respond_by(at.bsdf, at.si)
+        if self._reader is not None:
+            self._reader.keep_coat(path, at)
+
+    def _ask_lights(self, path: Path, at: Vertex) -> None:
+        """Count light that vertices send on by next-event."""
+        scene, stream = self._scene, path.stream
+        if path.share is not None:
+            path.share = mi.Float(1.0)
         if scene.lights.count:
-            amount = throughput * next_event(scene, si, bsdf, light_sample, smooth)
-            if has_spots:
-                share = dr.select(way <= LONGEST_WAY, next_share, 1.0)
-                amount *= share
+            light = next_event(scene, at.si, at.light_sample, at.respond, at.smooth)
+            amount = path.throughput * light / at.chance
+            if scene.spots is not None:
+                amount = self._ask_spots(path, at, amount)
+            path.radiance = path.radiance + amount
+            if scene.mirrors is not None:
+                sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+                rest = self._rest(path.depth)
+                light = mirrored_light(scene, at.si, sample, stream, at.respond, at.smooth, rest)
+                path.radiance = path.radiance + path.throughput * light / at.chance
+        if scene.bent is not None:
+            rest, is_first = self._rest(path.depth), ~path.is_answered
+            is_seen = path.depth == 0 if self._is_camera else None
+            light = scene.bent.light(
+                at.si, stream, at.respond, at.smooth, path.dispersed, rest, is_first, is_seen
+            )
+            path.radiance = path.radiance + path.throughput * light
+        if self._reader is not None:
+            self._reader.ask_spots(path, at)
 
-                asks = smooth if last is None else smooth & (depth < last)
-                rest = None if last is None else mi.UInt32(last - dr.minimum(depth + 1, last))
-                spotted = spotted_light(scene, si, stream, respond, asks, rest)
-                amount += throughput * spotted
-            radiance = radiance + amount
-            if has_mirrors:
-                mirror_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-                rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
-                amount = mirrored_light(scene, si, mirror_sample, stream, respond, smooth, rest)
-                radiance = radiance + throughput * amount
+    def _ask_spots(self, path: Path, at: Vertex, amount):
+        """Light by next-event, ``amount``, and by bright spots, each as far as it counts."""
+        path.share = dr.select(path.way <= LONGEST_WAY, path.next_share, 1.0)
+        asks = at.smooth if self._last is None else at.smooth & (path.depth < self._last)
+        rest = self._rest(path.depth + 1)
+        light = spotted_light(self._scene, at.si, path.stream, at.respond, asks, rest)
+        return amount * path.share + path.throughput * light
 
-        if has_bent:
+    def _rest(self, depth):
+        """Most reflections that light may still have had, None where there is no limit."""
+        if self._last is None:
+            return None
+        return mi.UInt32(self._last - dr.minimum(depth, self._last))
 
-            def respond_alone(direction, asked, respond=respond):
-                return respond(direction, asked)[0]
+    def _scatter(self, path: Path, at: Vertex):
+        """Send paths on; returns the sample and which of them do not go straight."""
+        scene, si, is_hidden = self._scene, at.si, at.is_hidden
+        bs, scattered = at.bsdf.sample(mi.BSDFContext(), si, at.choice, at.sample, path.active)
+        if self._reader is not None:
+            scattered = self._reader.scatter(at, bs, scattered)
+        turned = path.active & ~is_hidden & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+        direction = dr.select(is_hidden, path.ray.d, si.to_world(bs.wo))
+        throughput = dr.select(is_hidden, path.throughput, path.throughput * scattered)
+        throughput, path.dispersed = disperse(scene, bs, throughput, path.dispersed, turned)
+        factor, path.polar = polarise(
+            scene, si, path.ray.d, direction, path.polar, turned, path.active & ~is_hidden
+        )
+        path.throughput = throughput * factor
+        path.ray = spawn_ray(scene, si, direction)
+        return bs, turned
 
-            rest = None if last is None else mi.UInt32(last - dr.minimum(depth, last))
-            amount = scene.bent.light(si, stream, respond_alone, smooth, dispersed, rest, ~spread)
-            radiance = radiance + throughput * amount
-
-        # ---- scattering ----
-        bs, scattered = bsdf.sample(context, si, choice, scatter_sample, active)
-        straight = hidden | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
-        direction = dr.select(hidden, ray.d, si.to_world(bs.wo))
-        throughput = dr.select(hidden, throughput, throughput * scattered)
-        if scene.requirements.dispersive:
-            splits = active & ~straight & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
-            hero = mi.Spectrum(0.0)
-            hero[0] = 4.0 * throughput[0]
-            throughput = dr.select(splits, hero, throughput)
-            dispersed |= splits
-        turned = active & ~straight
-        factor, polar = polarise(scene, si, ray.d, direction, polar, turned, active & ~hidden)
-        throughput = throughput * factor
-        onwards = spawn_ray(scene, si, direction)
-        onwards.wavelengths = ray.wavelengths
-        ray = onwards
-        delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-        # A copy: changing it in place must not change the other.
-        anew = mi.Bool(turned)
-        if has_mirrors:
+    def _note_reference(self, path: Path, at: Vertex, bs, turned) -> None:
+        """Note what the next hit has to be weighed against."""
+        scene, si, direction = self._scene, at.si, path.ray.d
+        is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        anew = turned
+        if scene.mirrors is not None:
             # Behind a plane mirror the path goes on as if from the image of its last vertex.
             number = scene.mirror_at(si, turned)
-            mirrored = turned & (number > 0)
-            image = si.p - direction * dr.norm(si.p - reference)
-            reference = dr.select(mirrored, image, reference)
-            chain = scene.mirrors.extend(chain, number, mirrored, turned)
-            anew &= ~mirrored
-        if has_bent:
-            spreads = turned & ~delta
-            spread |= spreads
-            bent = dr.select(spreads, False, bent | (anew & delta))
-        if has_spots:
-            leaves_anew = turned & ~delta & smooth
-            passes = active & ~hidden & ~scatters(bsdf)
-            passes &= bs.sampled_component != DISPERSED_COMPONENT
-            way = dr.select(passes, dr.minimum(way, LONGEST_WAY) + 1, LONGEST_WAY + 1)
-            way = dr.select(leaves_anew, 0, way)
-            rival = scene.spots.density(si.p, direction)
-            next_share = dr.select(leaves_anew, power_heuristic(bs.pdf, rival), next_share)
-            share = dr.select(turned & ~delta, share, 1.0)
-        pdf = dr.select(anew, dr.select(delta, 0.0, bs.pdf), pdf)
-        reference = dr.select(anew, si.p, reference)
-        eta = dr.select(turned, eta * bs.eta, eta)
-        depth = dr.select(turned, depth + 1, depth)
-        steps += 1
+            is_mirrored = turned & (number > 0)
+            image = si.p - direction * dr.norm(si.p - path.reference)
+            path.reference = dr.select(is_mirrored, image, path.reference)
+            path.chain = scene.mirrors.extend(path.chain, number, is_mirrored, turned)
+            anew = turned & ~is_mirrored
+            if self._reader is not None:
+                self._reader.see_mirror(path, is_mirrored)
+        if self._left_out is not None:
+            spreads = turned & ~is_delta
+            # Where vertices do not ask for light over bends it is traced to matt surfaces.
+            answers = mi.Bool(True) if scene.bent is not None else at.row > 0
+            path.is_answered = dr.select(spreads, answers, path.is_answered)
+            path.bent = dr.select(spreads, False, path.bent | (anew & is_delta))
+        if scene.spots is not None:
+            self._see_spots(path, at, bs, turned & ~is_delta)
+        path.pdf = dr.select(anew, dr.select(is_delta, 0.0, bs.pdf), path.pdf)
+        path.reference = dr.select(anew, si.p, path.reference)
+        if self._reader is not None:
+            self._reader.leave(path, anew, turned, is_delta)
+        path.eta = dr.select(turned, path.eta * bs.eta, path.eta)
+        path.depth = dr.select(turned, path.depth + 1, path.depth)
+        path.steps += 1
 
-        # ---- roulette ----
-        survival = dr.minimum(dr.max(throughput) * dr.square(eta), SURVIVAL)
-        tried = active & (depth >= ROULETTE_START) & ~straight
-        alive = dr.any(throughput != 0.0) & (steps < MAXIMUM_STEPS)
-        goes_on = ~tried | (stream.next_float32() < survival)
-        throughput = dr.select(tried, throughput / dr.maximum(survival, 1e-20), throughput)
-        active &= alive & goes_on
-        if last is not None:
-            active &= depth <= last + 1
-        spotted = (way, next_share, share) if has_spots else ()
-        more = (*spotted, *((spread, bent) if has_bent else ()))
-        return (
-            ray, stream, throughput, radiance, pdf, reference, depth, steps, chain, polar, dispersed, eta, *more,
-            active,
-        )  # fmt: skip
+    def _see_spots(self, path: Path, at: Vertex, bs, spreads) -> None:
+        """Note what the next vertex counts of the lamps' light beside rays to bright spots."""
+        leaves_anew = spreads & at.smooth
+        passes = path.active & ~at.is_hidden & ~scatters(at.bsdf)
+        passes &= bs.sampled_component != DISPERSED_COMPONENT
+        way = dr.select(passes, dr.minimum(path.way, LONGEST_WAY) + 1, LONGEST_WAY + 1)
+        path.way = dr.select(leaves_anew, 0, way)
+        rival = self._scene.spots.density(at.si.p, path.ray.d)
+        next_share = power_heuristic(bs.pdf, rival)
+        path.next_share = dr.select(leaves_anew, next_share, path.next_share)
+        path.share = dr.select(spreads, path.share, 1.0)
 
-    result = dr.while_loop(
-        state=tuple(state.values()),
-        cond=lambda *values: values[-1],
-        body=body,
-        labels=tuple(state),
-    )
-    return result[3]
+    def _play_roulette(self, path: Path, at: Vertex, turned) -> None:
+        """End paths that bring little."""
+        survival = dr.minimum(dr.max(path.throughput) * dr.square(path.eta), SURVIVAL)
+        tried = turned & ((path.depth >= ROULETTE_START) | at.is_readable)
+        is_lit = dr.any(path.throughput != 0.0) & (path.steps < MAXIMUM_STEPS)
+        goes_on = ~tried | (path.stream.next_float32() < survival)
+        throughput = path.throughput / dr.maximum(survival, 1e-20)
+        path.throughput = dr.select(tried, throughput, path.throughput)
+        # A path that ends with a share that is no number is lost even if it has met no light since, and is to be counted.
+        is_number = ~path.active | dr.isfinite(dr.sum(path.throughput))
+        path.radiance = dr.select(is_number, path.radiance, dr.nan)
+        path.active &= is_lit & goes_on & is_number
+        if self._last is not None:
+            path.active &= path.depth <= self._last + 1
+
+
+def _ray_weight(pdf, found):
+    """Weight of what a ray with density ``pdf`` runs into, which next-event would have found with another; 1 without one."""
+    return dr.select(pdf > 0.0, power_heuristic(pdf, found), 1.0)

@@ -9,7 +9,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ..compiled.diffuse import MattTable
+from ..compiled.diffuse import DiffuseTable
 from ..rays import spawn_ray
 
 BOUNCES = 8
@@ -47,7 +47,7 @@ class Sight:
         si.p = mi.Point3f(*(upload(mi.Float, places[:, i]) for i in range(3)))
         si.n = mi.Normal3f(*(upload(mi.Float, normals[:, i]) for i in range(3)))
         si.sh_frame = mi.Frame3f(si.n)
-        matt, active = MattTable(scene), mi.Bool(True)
+        matt, active = DiffuseTable(scene), mi.Bool(True)
         self._shape_count = scene.shape_count
         self._own = _stand_on(scene, si)
         self._hits = []

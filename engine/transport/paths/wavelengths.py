@@ -5,6 +5,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
+from ...materials.plugins import DISPERSED_COMPONENT
 from ...photometry.spectra import GRID, observer
 from ...photometry.units import LUMINOUS_EFFICACY, MINIMUM_WAVELENGTH
 
@@ -71,6 +72,10 @@ class WavelengthSampler:
         """Estimate of K_m * integral of radiance times V. [W/m2/sr/nm -> cd/m2, or W/m2/nm -> lx]"""
         return dr.sum(radiance * self._weight(self._response[1], wavelengths))
 
+    def from_lumens(self, amount, wavelengths):
+        """Turn lumens by wavelength into what `luminance` makes as many of. [lm -> W/nm]"""
+        return amount / dr.maximum(self._weight(self._response[1], wavelengths), 1e-20)
+
     def tristimulus(self, radiance, wavelengths):
         """Estimate of X, Y, Z in photometric units (Y is the luminance). [W/m2/sr/nm -> cd/m2]"""
         return mi.Color3f(
@@ -80,3 +85,26 @@ class WavelengthSampler:
     def density(self, wavelengths):
         """Probability of each wavelength, which stands for 1 nm. [1/nm]"""
         return self._weight(self._density, wavelengths)
+
+
+def disperse(scene, bs, throughput, dispersed, turned):
+    """Leave a path to the first of its wavelengths, with the share of all four, where glass sends them apart.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    bs : BSDFSample3f    Where the path goes on.
+    throughput : Spectrum
+    dispersed : Bool    Whether the path has one wavelength left.
+    turned : Bool    Whether it does not go straight on.
+
+    Returns
+    -------
+    (Spectrum, Bool)    Throughput, and whether the path has one wavelength left now.
+    """
+    if not scene.requirements.dispersive:
+        return throughput, dispersed
+    splits = turned & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
+    hero = mi.Spectrum(0.0)
+    hero[0] = 4.0 * throughput[0]
+    return dr.select(splits, hero, throughput), dispersed | splits

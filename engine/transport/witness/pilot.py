@@ -115,6 +115,7 @@ class WitnessReport:
     lights : dict of str to float    What each light emits. [lm]
     heaviest : float    Flux of the heaviest path: what brings less may have been missed altogether. [lm]
     paths : int
+    lost : int    Ways that ended where their light was no number.
     """
 
     objects: tuple[tuple[str, bool], ...]
@@ -129,6 +130,7 @@ class WitnessReport:
     lights: dict[str, float] = field(default_factory=dict)
     heaviest: float = 0.0
     paths: int = 0
+    lost: int = 0
 
     @property
     def flux(self) -> np.ndarray:
@@ -159,6 +161,15 @@ class WitnessReport:
             for name, part in zip(names, parts, strict=True)
         }
         return {"unit": "lm", **rows, "paths": self.paths}
+
+    def told(self) -> tuple[str, ...]:
+        """Say how many paths were lost; nothing where none were."""
+        if not self.lost:
+            return ()
+        return (
+            f"{self.lost} of {self.paths} light paths from the lights ended where their light was no number, so they bring "
+            "too little; what gathering finds beside them is held by the stated errors",
+        )
 
 
 class Witness:
@@ -194,7 +205,7 @@ class Witness:
         margin = 0.0
         if sheets is not None:
             corners += list(sheets.squares.centre)
-            margin = sheets.sight()
+            margin = sheets.view_distance()
         self._lights = AllLights(scene, sampler, self._seed, _focus(corners, margin))
         self._flux = float(sum(origin.flux for origin in self._lights.origins))
 
@@ -354,6 +365,7 @@ class Witness:
             names,
             heaviest,
             self._paths,
+            int(tally.faults.counts()[0]),
         )
 
     def _empty(self) -> WitnessReport:

@@ -10,7 +10,7 @@ from ...accuracy.tails import TRUSTED
 from ...accuracy.witnesses import Verdict, batch_error, compare
 from ...scene.sensor import SensorKind
 from ..paths.illuminance import compute
-from .pilot import BATCHES, LOOKS, PATHS, Witness
+from .pilot import BATCHES, LOOKS, PATHS, Witness, WitnessReport
 from .sheets import Sheets
 
 QUICKEST = 1 << 17
@@ -81,50 +81,25 @@ def hear_sensors(
     cancelled : callable    Asked before every launch.
     """
     sheets = Sheets(scene, positions, normals, kind)
-    has_some = len(sheets) > 0
-    # A quick look at a few sensors gets a quick witness.
-    paths = int(np.clip(found.samples * len(found.mean), QUICKEST, PATHS))
-    samples = int(np.clip(found.samples // 2, *SAMPLES))
-    floors = np.zeros(len(found.mean))
     squares = sheets.squares
-    for look in LOOKS:
-        own_seed = seed + look - 1
-        witness = Witness(scene, own_seed, set(), sheets if has_some else None, cancelled)
-        report = witness.run(paths, reflections, look)
-        if look == 1:
+    for number in LOOKS:
+        look = _look(scene, sheets, found, number, seed + number - 1, reflections, cancelled)
+        if number == 1:
+            floors = np.zeros(len(found.mean))
             # Where nothing at all was found, that is known as well as the pilot can tell of the whole.
             nothing = (found.mean == 0.0) & (found.standard_error == 0.0)
-            floors[nothing] = report.heaviest / (np.pi * scene.radius**2)
-        if not has_some:
-            return SensorTestimony(floors, (), "", report.balance())
-        made = compute(
-            scene,
-            sheets.receivers(own_seed),
-            StopRule(samples=min(look, MORE) * samples),
-            own_seed,
-            GROUPS,
-            cancelled=cancelled,
-            reflections=reflections,
-        )
-        verdict = compare(
-            made.mean,
-            _supported(made, found, squares.sensor) if sheets.faces == 1 else made.standard_error,
-            report.sheets,
-            report.sheet_errors,
-            BATCHES - 1.0,
-            np.ones(len(squares.sensor)),
-            report.heaviest / squares.area,
-            report.sheet_batches,
-            DOUBT,
-        )
-        if not verdict.is_doubtful:
+            floors[nothing] = look.report.heaviest / (np.pi * scene.radius**2)
+        if look.verdict is None:
+            return SensorTestimony(floors, look.report.told(), "", look.report.balance())
+        if not look.verdict.is_doubtful:
             break
+    report, made, verdict = look.report, look.gathered, look.verdict
     lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
     near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
     each = np.maximum(lacks[near], abs(verdict.rest) * sheets.faces)
     floors = np.maximum(floors, each * sheets.response)
     lucky = np.zeros(len(floors), dtype=bool)
-    if look > 1:
+    if number > 1:
         # What stood in doubt is not known better than more samples about it know it.
         known = _rare_errors(made, found, squares.sensor)[near] * sheets.response
         lucky = known > np.maximum(UNSUPPORTED * found.standard_error, floors)
@@ -135,13 +110,60 @@ def hear_sensors(
         f"{len(squares.sensor)} squares about sensors, gathering {made.mean.mean():.4g} ± "
         f"{_mean_error(made.standard_error):.2g} lx"
     )
-    notes = _tell(witness, sheets, verdict, made, report)
+    notes = report.told() + _tell(look.witness, sheets, verdict, made, report)
     if lucky.any():
         notes += (
             f"{lucky.sum()} of {len(lucky)} sensors scatter less than gathering about them does, so they may have missed "
             f"rare light: their stated errors are those of the places about them",
         )
     return SensorTestimony(floors, notes, decision, report.balance())
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What light paths bring to squares about sensors, and what gathering finds on them; None where there are none."""
+
+    witness: Witness
+    report: WitnessReport
+    gathered: Estimate | None = None
+    verdict: Verdict | None = None
+
+
+def _look(
+    scene, sheets: Sheets, found: Estimate, number: int, seed: int, reflections, cancelled
+) -> _Look:
+    """Compare both; ``number``: of `LOOKS`."""
+    # A quick look at a few sensors gets a quick witness.
+    paths = int(np.clip(found.samples * len(found.mean), QUICKEST, PATHS))
+    samples = int(np.clip(found.samples // 2, *SAMPLES))
+    has_some = len(sheets) > 0
+    witness = Witness(scene, seed, set(), sheets if has_some else None, cancelled)
+    report = witness.run(paths, reflections, number)
+    if not has_some:
+        return _Look(witness, report)
+    squares = sheets.squares
+    gathered = compute(
+        scene,
+        sheets.receivers(seed),
+        StopRule(samples=min(number, MORE) * samples),
+        seed,
+        GROUPS,
+        cancelled=cancelled,
+        reflections=reflections,
+    )
+    error = gathered.standard_error
+    verdict = compare(
+        gathered.mean,
+        _supported(gathered, found, squares.sensor) if sheets.faces == 1 else error,
+        report.sheets,
+        report.sheet_errors,
+        BATCHES - 1.0,
+        np.ones(len(squares.sensor)),
+        report.heaviest / squares.area,
+        report.sheet_batches,
+        DOUBT,
+    )
+    return _Look(witness, report, gathered, verdict)
 
 
 def _supported(made: Estimate, found: Estimate, sensor: np.ndarray) -> np.ndarray:

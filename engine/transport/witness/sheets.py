@@ -142,7 +142,7 @@ class Sheets:
         )
         return brought
 
-    def sight(self) -> float:
+    def view_distance(self) -> float:
         """Median distance of what the squares see; 0 where they see nothing. [m]"""
         q, draw = self.squares, np.random.default_rng(8)
         away = draw.normal(size=(len(self), LOOKS, 3))

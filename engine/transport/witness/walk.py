@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
-from ...materials.plugins import DISPERSED_COMPONENT
 from ..compiled.polarisation import polarise
-from ..light_tracing.deposits import _bend, _meet
+from ..light_tracing.deposits import bend
+from ..paths.lost_samples import LostSamples
+from ..paths.visibility import meet
+from ..paths.wavelengths import disperse
 from ..rays import spawn_ray
 from .sums import Sums
 
@@ -48,6 +50,7 @@ class Tally:
     incident, absorbed : Sums    By row. [lm]
     left, cut, lost : Sums    One row each: light that leaves the scene, is cut off, is absorbed anywhere. [lm]
     batches : int
+    faults : LostSamples    Of ways that ended at what is no number; one row.
     """
 
     rows: object
@@ -57,6 +60,7 @@ class Tally:
     cut: Sums
     lost: Sums
     batches: int
+    faults: LostSamples
 
 
 def make_tally(rows, count: int, batches: int, flux: float) -> Tally:
@@ -64,7 +68,7 @@ def make_tally(rows, count: int, batches: int, flux: float) -> Tally:
     # One row at least, where the scene has no objects.
     many = max(count, 1) * batches
     sizes = (many, many, batches, batches, batches)
-    return Tally(rows, *(Sums(size, flux) for size in sizes), batches)
+    return Tally(rows, *(Sums(size, flux) for size in sizes), batches, LostSamples(1))
 
 
 def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, watcher=None):
@@ -112,7 +116,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         origin, direction, stream, power, scatterings, done, trace, bender, use, lost, polar, dispersed, active
     ):  # fmt: skip
         ray = mi.Ray3f(origin, direction, mi.Float(0.0), rays.ray.wavelengths)
-        hit, si = _meet(scene, ray, active)
+        hit, si = meet(scene, ray, active)
         amount = rays.lumens(power)
         counts = active & (scatterings <= limit)
         chance = stream.next_float32()
@@ -144,7 +148,7 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         is_askew = mi.Frame3f.cos_theta(si.wi) * facing >= 0.0
         si.sh_frame = dr.select(is_askew, mi.Frame3f(mi.Vector3f(si.n)), si.sh_frame)
         si.wi = si.to_local(-direction)
-        bs, weight = _bend(si, bsdf, stream, active)
+        bs, weight = bend(si, bsdf, stream, active)
         straight = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
         reflects = mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(bs.wo) > 0.0
         onwards = dr.select(straight, direction, si.to_world(bs.wo))
@@ -153,13 +157,10 @@ def walk(scene, rays, tally: Tally, batch, stream, limit, steps, sheets=None, wa
         onwards = dr.select(is_wrong, onwards - si.n * (2.0 * rise), onwards)
         factor, polar = polarise(scene, si, direction, onwards, polar, active & ~straight, active)
         weight = weight * factor
-        after = mi.Spectrum(dr.select(dr.isfinite(weight), power * weight, 0.0))
-        if scene.requirements.dispersive:
-            splits = active & ~straight & (bs.sampled_component == DISPERSED_COMPONENT) & ~dispersed
-            hero = mi.Spectrum(0.0)
-            hero[0] = 4.0 * after[0]
-            after = dr.select(splits, hero, after)
-            dispersed |= splits
+        # What is lost counts as absorbed.
+        weight = mi.Spectrum(*tally.faults.keep(weight, mi.UInt32(0), active))
+        after = mi.Spectrum(power * weight)
+        after, dispersed = disperse(scene, bs, after, dispersed, active & ~straight)
         loss = amount - rays.lumens(after)
         counts = active & (row != NOBODY)
         add(tally.absorbed, row, loss, counts, chance)

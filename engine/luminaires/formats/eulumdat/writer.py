@@ -13,8 +13,7 @@ from ...direct_ratios import direct_ratios
 from ...distribution import flux, intensity, is_closed
 from ..record import RADIANT, LampSet, LuminaireFile
 from ..symmetry import expand_planes
-from .planes import SYMMETRIES, holds_symmetry, planes_at
-from .reader import (
+from .head import (
     DATE,
     FILE,
     MANUFACTURER,
@@ -24,6 +23,7 @@ from .reader import (
     NUMBER,
     REPORT,
 )
+from .planes import SYMMETRIES, holds_symmetry, planes_at
 
 LONGEST_TEXT = 78
 """Longest line of text. [character]"""

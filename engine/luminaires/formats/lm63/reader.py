@@ -35,17 +35,6 @@ SEAM_TOLERANCE = 0.02
 """How far the planes at 0 and 360 degrees may differ, of the peak, before it is remarked on."""
 
 
-def read_lm63(path) -> LuminaireFile:
-    """Read a file; a TILT file may lie beside it.
-
-    Raises
-    ------
-    FileFormatError    It cannot be read safely: with the line, what was found and what was expected.
-    """
-    path = Path(path)
-    return parse_lm63(read_bytes(path), path, path.parent)
-
-
 def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
     """Read the content of a file.
 
@@ -61,7 +50,7 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
 
     Raises
     ------
-    FileFormatError    As of `read_lm63`.
+    FileFormatError    It cannot be read safely: with the line, what was found and what was expected.
     """
     lines = decode(path, data).split("\n")
     remarks: list[Remark] = []
@@ -94,7 +83,6 @@ def parse_lm63(data: bytes, path, folder: Path | None = None) -> LuminaireFile:
         stated_flux=stated,
         watts=watts,
         lamps=(LampSet(content.lamps, stated, watts, name=name),),
-        length_axis="x" if kind == "C" else "y",
         tilt=tilt,
         metadata=metadata,
         remarks=tuple(remarks),

@@ -29,7 +29,7 @@ _FACES = {
 }
 """Areas of each face, and which of their sides lie along the luminaire's x, y and z."""
 
-_FLAT, _ACROSS, _ALONG = {"TopFace", "BottomFace"}, {"C0Face", "C180Face"}, {"C90Face", "C270Face"}
+_FLAT, _ACROSS = {"TopFace", "BottomFace"}, {"C0Face", "C180Face"}
 
 
 def read_body(

@@ -9,13 +9,11 @@ ANSI/IES TM-33-18 and TM-33-23, Standard Format for the Electronic Transfer of L
 """
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from ....errors import FileFormatError
 from ....photometry.spectra import luminous_weight
-from ....reading.content import read_bytes
 from ....reading.remarks import Remark
 from ....reading.safe_xml import XmlElement, parse_xml
 from ....scene.distribution import IntensityDistribution
@@ -79,17 +77,6 @@ class _Emitter:
     table: Table | None = field(default=None, repr=False)
 
 
-def read_tm33(path) -> LuminaireFile:
-    """Read a file.
-
-    Raises
-    ------
-    FileFormatError    It cannot be read safely: with the line, what was found and what was expected.
-    """
-    path = Path(path)
-    return parse_tm33(read_bytes(path), path)
-
-
 def parse_tm33(data: bytes, path) -> LuminaireFile:
     """Read the content of a file.
 
@@ -104,7 +91,7 @@ def parse_tm33(data: bytes, path) -> LuminaireFile:
 
     Raises
     ------
-    FileFormatError    As of `read_tm33`.
+    FileFormatError    It cannot be read safely: with the line, what was found and what was expected.
     """
     root = parse_xml(data, path)
     name = _format(path, root)
@@ -158,7 +145,6 @@ def parse_tm33(data: bytes, path) -> LuminaireFile:
         watts=sum(watts) if watts else None,
         lamps=tuple(emitter.lamp for emitter in lit + [e for e in emitters if e.grid is None]),
         housing=housing,
-        length_axis="y",
         tilt=lit[0].tilt,
         spectrum=_mixed_spectrum(lit, remarks),
         metadata=_metadata(root.find("Header")),

@@ -1,0 +1,266 @@
+"""The document of the benchmark of pictures, made of its numbers."""
+
+from pathlib import Path
+
+from ..common.document import BEARABLE_LOAD, make_table, tell_demands
+from ..common.statistics import Reach
+from .bars import check_bars
+from .bias import SEEDS
+from .chart import STYLES
+from .forecast import SHRINK, TAKEN_AT
+from .programs import CYCLES, OURS
+from .race import BELIEVED, TRIES, reach
+from .scenes import SIZE
+from .statistics import BASE, BLOCK, COARSEST, FLATTEST, INDEPENDENT, STEEPEST, TARGETS
+from .summary import RIVALS, ratio, scene_calibration, speedup
+
+TITLE = """# Pictures: time to an error
+
+*Made by `lumenray benchmark pictures`; do not edit by hand.*
+
+To repeat it: `lumenray benchmark pictures --json out/pictures.json`; `--scenes`, `--size` and `--budget` make it shorter,
+`--resume` goes on with what an earlier run has written to the JSON file.
+
+- **Relative error**: root mean square over the pixels of the error over the larger of a pixel's own and the mean
+  luminance, as our pictures state it.
+- **True errors** need no converged picture. Each program makes two pictures more, of other seeds and as many samples as its
+  longest run; what a picture differs from the one, times what it differs from the other, is the square of its error on the
+  mean. So a program is compared with itself, and differences of models between programs do not count. *Reference* is the
+  error of the mean of these two.
+- **Time** is that of the whole call, what is learned of the scene and cells included; compiling the scene (Cycles: building
+  it and its tree) is not, and kernels are made before. Every run is made {tries} times with other seeds: the fastest counts,
+  and the error of all. Programs run in turn. Times between runs are interpolated; **\\*** marks times that are *extended*:
+  the error goes on by the power of the samples of the last {base} runs of {coarsest:g} % at most ({flattest:g} to
+  {steepest:g}; {independent:g}, that of independent paths, where these are fewer than three or scatter), the time by that of
+  a sample in the last runs. `<`: the least work met the error; `>`: more work brings it no nearer.
+- **Lumenray** decides itself how a picture is made (`method="auto"`); *plain paths of ours* follow every path to its end
+  (`method="paths"`).{alike}
+- **Cycles** is the Python module of Blender, with a pixel filter as narrow as ours, without clamping, denoising and adaptive
+  sampling, with 1024 bounces of every kind, caustics and the light tree, and portals at windows.
+- **Scenes** are the same for both. Cycles computes with three channels: it is given the colours in Rec. 709 of what has
+  a spectrum here, coats as its Principled BSDF, metals by their colour. *Means* tells how near both come.{stand_ins}
+"""
+
+ALIKE = " As this version has one method only, both are the same, and one is run."
+
+STAND_INS = """ Measured paints are
+  tables here; Cycles has none, so that it gets the Principled BSDF that is fitted to each, which costs it less."""
+
+BIAS = """## Bias
+
+{seeds} pictures of ours and as many of plain paths, and the means of their {block} x {block} blocks; all in % of the mean
+luminance. *Noise* is the standard error of a block's difference, *spread* what the differences have beyond it, both as root
+mean squares. *Interval*: what a block's difference may be by chance, so that all blocks of a picture hold it with 95 %.
+*Beyond noise*: the largest difference of a block less its interval; 0 means that none is shown, and none could be that is
+smaller than the interval.
+"""
+
+CALIBRATION = """## Stated errors and forecasts
+
+*Stated over true*: mean of our runs with at least {believed} samples and a true error of {coarsest:g} % at most; *by run*:
+of all, the coarsest first. *Forecast*: of the whole time, taken after {share:g} % of it or as soon as there was one (*at*),
+over what it took, for pictures of a {shrink}th of the width and of the height down to an error.
+"""
+
+
+PICTURES = """## What equal time gives
+
+Lumenray to the left, Cycles to the right, both with the exposure of the left one; nothing is smoothed.
+"""
+
+
+def write_document(result: dict, path: Path) -> None:
+    """Write the document of results of `run.measure`."""
+    scenes = result["scenes"]
+    title = TITLE.format(
+        tries=TRIES,
+        base=BASE,
+        coarsest=100 * COARSEST,
+        flattest=FLATTEST,
+        steepest=STEEPEST,
+        independent=INDEPENDENT,
+        alike="" if result["has_methods"] else ALIKE,
+        stand_ins=STAND_INS if any(scene["stand_ins"] for scene in scenes) else "",
+    )
+    parts = [
+        title,
+        _machine(result),
+        _warnings(result),
+        tell_demands(check_bars(result)),
+        *_races(scenes),
+        *_bias(scenes),
+        *_calibration(scenes),
+        *_pictures(scenes),
+    ]
+    path.write_text("\n".join(part for part in parts if part), encoding="utf-8")
+
+
+def _machine(result: dict) -> str:
+    machine = result["machine"]
+    width, height = result["size"]
+    return (
+        f"## Machine\n\n{machine['cpu']}, {machine['cores']} cores, {machine['memory_gib']} GiB, {machine['system']}; "
+        f"Python {machine['python']}, Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}. Pictures of "
+        f"{width} x {height} pixels, at most {result['budget']:g} s for each program in a scene.\n"
+    )
+
+
+def _warnings(result: dict) -> str:
+    said = []
+    if result["size"] != list(SIZE):
+        said.append(f"This was a short run; whole ones are of {SIZE[0]} x {SIZE[1]} pixels.")
+    loads = [scene["other_load"] for scene in result["scenes"] if scene["other_load"] is not None]
+    if max(loads, default=0.0) > BEARABLE_LOAD:
+        said.append(
+            f"Times are not to be relied on: other processes took up to "
+            f"{100 * max(loads):.0f} % of the processors meanwhile."
+        )
+    return f"**{' '.join(said)}**\n" if said else ""
+
+
+def _races(scenes: list[dict]) -> list[str]:
+    names = [name for name in STYLES if any(name in scene["programs"] for scene in scenes)]
+    others = [name for name in RIVALS if name in names]
+    head = f"| scene | error | {' | '.join(f'{STYLES[name][0]}, s' for name in names)} | "
+    head += " | ".join(f"{STYLES[name][0]} over ours" for name in others) + " |"
+    if not others:
+        head = head.removesuffix("  |")
+    rows = []
+    for scene in scenes:
+        for target in TARGETS:
+            times = [_tell_reach(reach(scene["programs"].get(name), target)) for name in names]
+            factors = [_tell_ratio(scene, name, target) for name in others]
+            cells = [_name(scene), f"{100 * target:g} %", *times, *factors]
+            rows.append(f"| {' | '.join(cells)} |")
+    rows += _totals(scenes, names, others)
+    return [
+        "## Seconds to an error\n\n![Error over time](pictures_races.png)\n",
+        make_table(head, rows),
+        "What was run:\n",
+        _runs(scenes),
+        _means(scenes),
+        _refusals(scenes),
+    ]
+
+
+def _name(scene: dict) -> str:
+    return f"{scene['title']} (`{scene['key']}`)"
+
+
+def _totals(scenes: list[dict], names: list[str], others: list[str]) -> list[str]:
+    """Lines of the geometric means, by scene and of all."""
+    if not others:
+        return []
+    rows = []
+    for title, chosen in [*((f"`{scene['key']}`", [scene]) for scene in scenes), ("all", scenes)]:
+        means = [speedup(chosen, name) for name in others]
+        told = ["-" if mean is None else f"x {mean:.3g}" for mean in means]
+        rows.append(f"| **{title}, geometric mean** | {'| ' * len(names)}| {' | '.join(told)} |")
+    return rows
+
+
+def _tell_reach(found: Reach | None) -> str:
+    if found is None:
+        return "-"
+    return (
+        f"{found.bound} {found.seconds:.3g}{chr(92) + '*' if found.is_thought_on else ''}".strip()
+    )
+
+
+def _tell_ratio(scene: dict, name: str, target: float) -> str:
+    value, bound, is_extended = ratio(scene, name, target)
+    if value is None:
+        return "-"
+    return f"x {bound} {value:.3g}{chr(92) + '*' if is_extended else ''}".replace("  ", " ")
+
+
+def _runs(scenes: list[dict]) -> str:
+    rows = []
+    for scene, name, row in _rows(scenes):
+        runs = zip(row["samples"], row["errors"], row["seconds"], strict=True)
+        told = ", ".join(f"{n}: {100 * e:.1f} % in {s:.3g} s" for n, e, s in runs)
+        error = f"{100 * row['reference_error']:.2f}"
+        rows.append(f"| `{scene['key']}` | {STYLES[name][0]} | {told} | {error} |")
+    return make_table("| scene | program | samples: error in time | reference, % |", rows, 3)
+
+
+def _means(scenes: list[dict]) -> str:
+    rows = []
+    for scene in scenes:
+        ours, theirs = (scene["programs"].get(name) for name in (OURS, CYCLES))
+        if theirs is None or "refusal" in theirs:
+            continue
+        told = [f"{row['mean']:.4g} ± {row['mean_error']:.2g}" for row in (ours, theirs)]
+        off = 100.0 * (theirs["mean"] / ours["mean"] - 1.0)
+        rows.append(f"| `{scene['key']}` | {told[0]} | {told[1]} | {off:+.2f} % |")
+    head = "| scene | Lumenray, mean cd/m² | Cycles, mean cd/m² | apart |"
+    return make_table(head, rows) if rows else ""
+
+
+def _rows(scenes: list[dict]):
+    """All programs of all scenes that ran."""
+    for scene in scenes:
+        for name, row in scene["programs"].items():
+            if "refusal" not in row:
+                yield scene, name, row
+
+
+def _refusals(scenes: list[dict]) -> str:
+    lines = [
+        f"- `{scene['key']}`, {STYLES[name][0]}: {row['refusal']}"
+        for scene in scenes
+        for name, row in scene["programs"].items()
+        if "refusal" in row
+    ]
+    return "\n".join(["Not measured:\n", *lines]) + "\n" if lines else ""
+
+
+def _bias(scenes: list[dict]) -> list[str]:
+    rows = []
+    for scene in scenes:
+        found = scene["bias"]
+        if found is None:
+            continue
+        whole = f"{found['mean']:+.3f} ± {found['mean_interval']:.3f}"
+        numbers = [f"{found[k]:.3f}" for k in ("noise", "spread", "largest", "interval", "worst")]
+        cells = [_name(scene), str(found["samples"]), str(found["blocks"]), whole, *numbers]
+        rows.append(f"| {' | '.join(cells)} |")
+    if not rows:
+        return []
+    head = (
+        "| scene | samples | blocks | whole | noise | spread | largest | interval | beyond noise |"
+    )
+    return [BIAS.format(seeds=SEEDS, block=BLOCK), make_table(head, rows)]
+
+
+def _calibration(scenes: list[dict]) -> list[str]:
+    rows = []
+    for scene in scenes:
+        stated = scene_calibration(scene)
+        forecasts = ", ".join(
+            "none" if row["share"] is None else f"{row['share']:.2f} (at {100 * row['at']:.0f} %)"
+            for row in scene["forecasts"]
+        )
+        told = "-" if stated is None else f"{stated:.2f}"
+        ours = scene["programs"][OURS]
+        runs = zip(ours["stated"], ours["errors"], strict=True)
+        by_run = ", ".join(f"{own / true:.2f}" for own, true in runs)
+        rows.append(f"| {_name(scene)} | {told} | {by_run} | {forecasts or '-'} |")
+    return [
+        CALIBRATION.format(
+            believed=BELIEVED, coarsest=100 * COARSEST, share=100 * TAKEN_AT, shrink=SHRINK
+        ),
+        make_table("| scene | stated over true | by run | forecast over true |", rows),
+    ]
+
+
+def _pictures(scenes: list[dict]) -> list[str]:
+    parts = []
+    for scene in scenes:
+        if scene["pair"] is not None:
+            ours, theirs = scene["pair"]
+            parts.append(
+                f"{scene['title']}: Lumenray after {ours:.3g} s, Cycles after {theirs:.3g} s\n\n"
+                f"![{scene['title']}](pictures_{scene['key']}.png)\n"
+            )
+    return [PICTURES, *parts] if parts else []

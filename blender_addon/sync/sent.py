@@ -1,0 +1,91 @@
+"""What a sync has sent to the engine: the instances and the world as they were, and the tables of what they are made of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...engine.scene.light import Light
+from ...engine.scene.mesh import Placement
+from ..foundation.report import ConversionReport
+from .images.cache import ImageCache
+from .tables.geometries import GeometryTable
+from .tables.materials import MaterialTable
+from .tables.pictures import PictureTable
+
+
+@dataclass
+class Shown:
+    """What was made of one instance.
+
+    Parameters
+    ----------
+    source : int    Session uid of the object that it shows.
+    is_own : bool    Whether it is the object itself, not an instance that something makes of it.
+    key, name : str    Engine id, and name for people.
+    item : Placement, Light or None    As it was sent last.
+    digest : bytes    Of the item, if it is a light.
+    matrix : bytes    World matrix that it was made with, in Blender units.
+    data : int    Session uid of the object's data.
+    shading : frozenset of int    Node trees and images that a light reads.
+    is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    is_far : bool    Whether it is an object that was left out because of where it is.
+    towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
+    walk : int    Number of the walk that saw it last.
+    """
+
+    source: int
+    is_own: bool
+    key: str = ""
+    name: str = ""
+    item: Placement | Light | None = None
+    digest: bytes = b""
+    matrix: bytes = b""
+    data: int = 0
+    shading: frozenset[int] = frozenset()
+    is_dark: bool = False
+    is_far: bool = False
+    towards_sun: np.ndarray | None = None
+    report: ConversionReport | None = None
+    walk: int = 0
+
+
+@dataclass
+class SentWorld:
+    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light."""
+
+    source: int = -1
+    key: str = ""
+    sun: bytes = b""
+    digest: bytes = b""
+    shading: frozenset[int] = frozenset()
+    report: ConversionReport | None = None
+
+
+class Sent:
+    """What the engine has of a scene from a sync.
+
+    Parameters
+    ----------
+    final : bool    As of `SceneSync`.
+
+    Attributes
+    ----------
+    shown : dict    Of `Shown`, by what tells instances apart.
+    scale, efficacy : float    Metres per unit and lumens per watt as they were.
+    walks, last_visit : int    Walks so far, and the number of the last one that looked at the instances.
+    """
+
+    def __init__(self, final: bool):
+        self.shown: dict[object, Shown] = {}
+        self.geometries = GeometryTable()
+        self.images, self.pictures = ImageCache(), PictureTable()
+        self.materials = MaterialTable(self.images, self.pictures, final)
+        self.world = SentWorld()
+        self.scale = self.efficacy = 0.0
+        self.walks = self.last_visit = 0
+
+    def ids(self) -> set[str]:
+        """Ids of all items."""
+        held = {shown.key for shown in self.shown.values() if shown.item is not None}
+        held |= {*self.geometries, *self.materials, *self.pictures}
+        return held | ({self.world.key} if self.world.digest else set())

@@ -1,0 +1,435 @@
+"""One walk over the instances of a dependency graph: what changed since the one before."""
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...engine.errors import SceneError
+from ...engine.scene.checks import check_reach
+from ...engine.scene.light import Light
+from ...engine.scene.mesh import Placement
+from ...engine.scene.scene import content_digest
+from ..foundation import identity
+from ..foundation.report import ConversionReport
+from ..foundation.units import metres_per_unit
+from ..luminaires.settings import is_luminaire
+from ..raysets.settings import is_rayset
+from ..sky import towards_lamp
+from .lights.lights import convert_light
+from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
+from .nodes.dependencies import shading_dependencies
+from .sent import Sent, SentWorld, Shown
+from .tags import Tags
+from .visibility import (
+    NO_ID,
+    find_unrendered,
+    is_dark_world,
+    is_rendered,
+    tell_departures,
+    tell_linking,
+    tell_visibility,
+    visibility_of,
+)
+from .world import convert_world, follows_sun_lamp
+
+UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
+"""Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
+
+
+class Walk:
+    """One pass over the instances."""
+
+    def __init__(self, sent: Sent, final: bool, depsgraph, visible, tags: Tags):
+        self.sent, self.final = sent, final
+        self.depsgraph, self.visible, self.tags = depsgraph, visible, tags
+        self.scene = depsgraph.scene
+        self.changed: list[Placement | Light] = []
+        self.worlds: list = []
+        self.world_changed = False
+        self.removed: list[str] = []
+        self.visited = 0
+        self.counts = {"added": 0, "moved": 0, "changed": 0, "removed": 0}
+        self.number = sent.walks = sent.walks + 1
+        self._own_data: dict[int, int] = {}
+        self._ordinals: dict[int, dict[int, int]] = {}
+
+    def run(self) -> None:
+        """Visit everything that the tags call for."""
+        sent, tags = self.sent, self.tags
+        scale, efficacy = metres_per_unit(self.scene), self.scene.lumenray.efficacy
+        self.is_rescaled = scale != sent.scale
+        self.is_rerated = efficacy != sent.efficacy
+        sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
+        sent.geometries.mark(tags.geometry)
+        sent.images.forget(tags.shading)
+        sent.materials.mark(tags.shading)
+        if self.is_rerated:
+            sent.materials.mark_all()
+        if self._concerns_objects():
+            self._visit_all()
+            self._sweep()
+        sent.materials.refresh(self._used_materials())
+        self._update_world()
+
+    def images(self) -> set[int]:
+        """Return session uids of the images, among others, that what is shown reads."""
+        sent = self.sent
+        lights = (shown.shading for shown in sent.shown.values() if shown.shading)
+        return sent.materials.dependencies() | sent.world.shading.union(*lights)
+
+    def report(self) -> ConversionReport:
+        """Return the rows of everything that is shown."""
+        sent, whole = self.sent, ConversionReport()
+        reports, is_lit = sent.materials.tell(self._used_materials())
+        for shown in sent.shown.values():
+            is_lit |= not shown.is_dark and shown.item is not None and bool(shown.digest)
+            if shown.report is not None and shown.walk == sent.last_visit:
+                reports.append(shown.report)
+        if sent.world.report is not None:
+            reports.append(sent.world.report)
+        for part in reports:
+            whole.include(part)
+        if self.scene.render.use_motion_blur:
+            whole.warn(
+                self.scene.name, "motion blur is not computed", "the frame's own moment counts"
+            )
+        if not is_lit and not sent.world.digest:
+            whole.warn(self.scene.name, "the scene has no light", "everything is black")
+        return whole
+
+    # ---- objects ----
+
+    def _concerns_objects(self) -> bool:
+        tags = self.tags
+        return bool(
+            tags.objects
+            or tags.geometry
+            or tags.scene
+            or any(not s.shading.isdisjoint(tags.shading) for s in self.sent.shown.values())
+        )
+
+    def _visit_all(self) -> None:
+        sent, tags = self.sent, self.tags
+        sent.last_visit = self.number
+        touched = tags.objects | tags.geometry | tags.shading
+        is_all = self.is_rescaled or self.is_rerated
+        shown_before, number = sent.shown, self.number
+        matrices = _read_matrices(self.depsgraph.object_instances)
+        if self.final:
+            self._unrendered = find_unrendered(self.depsgraph.view_layer)
+        for row, instance in enumerate(self.depsgraph.object_instances):
+            if not instance.show_self or not self._is_visible(instance):
+                continue
+            source = instance.object
+            original = source.original
+            session_uid = original.session_uid
+            if instance.is_instance:
+                parent = instance.parent
+                owner = parent.original.session_uid if parent is not None else 0
+                key = (owner, tuple(instance.persistent_id), session_uid)
+                is_touched = is_all or session_uid in touched or owner in touched
+            else:
+                key = session_uid
+                is_touched = is_all or session_uid in touched
+            self.visited += 1
+            shown = shown_before.get(key)
+            if shown is None:
+                shown = shown_before[key] = Shown(session_uid, key == session_uid)
+                is_touched = True
+            shown.walk = number
+            matrix = matrices[64 * row : 64 * row + 64]
+            if (
+                is_touched
+                or shown.is_dark
+                or shown.data in touched
+                or (shown.shading and not shown.shading.isdisjoint(touched))
+            ):
+                self._convert(shown, instance, source, original)
+            elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
+                self._move(shown, instance, source, original)
+            shown.matrix = matrix
+
+    def _is_visible(self, instance) -> bool:
+        if self.final and not is_rendered(instance, self._unrendered):
+            return False
+        return self.visible is None or self.visible(instance)
+
+    def _move(self, shown, instance, source, original) -> None:
+        if isinstance(shown.item, Placement) and shown.item.geometry != GEOMETRY:
+            self._place(shown, replace(shown.item, frame=self._frame(instance)))
+        else:
+            self._convert(shown, instance, source, original)
+
+    def _frame(self, instance) -> np.ndarray:
+        frame = np.array(instance.matrix_world, dtype=np.float64)
+        frame[:3] *= self.sent.scale
+        return frame
+
+    def _convert(self, shown, instance, source, original) -> None:
+        """Convert an instance that is new or touched."""
+        data = original.data
+        shown.data = data.session_uid if data is not None else 0
+        shown.report = shown.towards_sun = None
+        kind = source.type
+        if kind == "EMPTY" and is_luminaire(source):
+            kind = "LIGHT"
+        if kind not in {"MESH", "LIGHT"} and kind not in UNSUPPORTED:
+            self._place(shown, None)
+            return
+        if kind == "MESH" and original.lumenray.is_luminaire_body:
+            self._place(shown, None)
+            return
+        if original.type == "LIGHT" and is_portal(original.data) and not _is_special(source):
+            kind = "PORTAL"
+        self._name(shown, instance, original, kind)
+        if kind == "MESH":
+            self._convert_mesh(shown, instance, source, original)
+        elif kind == "PORTAL":
+            self._convert_portal(shown, instance, source)
+        elif kind == "LIGHT":
+            self._convert_light(shown, instance, source, original)
+        else:
+            shown.report = ConversionReport()
+            shown.report.error(shown.name, f"objects of type {kind} are not converted", "left out")
+            self._place(shown, None)
+
+    def _name(self, shown, instance, original, kind) -> None:
+        shown.name, key = original.name_full, identity.identity_of(original)
+        if not shown.is_own:
+            parent = instance.parent
+            numbers = [number for number in instance.persistent_id if number != NO_ID]
+            if parent is not None and parent.original == original and original.type != "MESH":
+                # What text, curves, surfaces and metaballs evaluate to comes as an instance of their own.
+                shown.is_own = numbers == [0]
+            if not shown.is_own:
+                number = ".".join(map(str, numbers))
+                owner = identity.identity_of(parent) if parent is not None else ""
+                owner_name = parent.name_full if parent is not None else ""
+                shown.name = f"{shown.name} ({owner_name} {number})"
+                key = f"{owner}/{number}/{key}"
+        is_light = kind == "LIGHT" and original.type == "LIGHT"
+        key = f"{'light' if is_light else 'object'}:{key}"
+        if shown.key and shown.key != key:
+            self._place(shown, None)
+        shown.key = key
+
+    def _convert_mesh(self, shown, instance, source, original) -> None:
+        geometry = self._geometry(instance, source, original)
+        if geometry is None:
+            self._place(shown, None)
+            return
+        table = self.sent.materials
+        materials = tuple(table.use(slot.material) for slot in source.material_slots)
+        materials = materials or (table.use(None),)
+        parent = instance.parent if instance.is_instance and not shown.is_own else None
+        layer = self.depsgraph.view_layer
+        found = visibility_of(source, parent, layer)
+        report = ConversionReport()
+        tell_visibility(found, shown.name, report)
+        tell_departures(source, shown.name, report, layer)
+        if found.light and table.is_luminous(materials):
+            tell_linking(source, shown.name, report)
+        shown.report = report if report.rows else None
+        placement = Placement(
+            id=shown.key,
+            name=shown.name,
+            geometry=geometry,
+            frame=self._frame(instance),
+            materials=materials,
+            visible_to_camera=found.camera,
+            index=source.pass_index,
+            meets_light=found.light,
+        )
+        self._place(shown, placement)
+
+    def _convert_portal(self, shown, instance, source) -> None:
+        shown.shading = frozenset()
+        frame = portal_frame(source.data, instance.matrix_world, self.sent.scale)
+        geometry = self.sent.geometries.take_made(portal_geometry())
+        material = self.sent.materials.use_portal()
+        self._place(shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0))
+
+    def _geometry(self, instance, source, original) -> str | None:
+        """Id of the geometry that an instance shows; objects that show the same data share it."""
+        take, owner = self.sent.geometries.take, original.session_uid
+        if original.type != "MESH" or (
+            instance.is_instance and source.data.as_pointer() != self._data_of(original)
+        ):
+            # Made by geometry nodes, or what a curve evaluates to: told apart by their order.
+            known = self._ordinals.setdefault(owner, {})
+            ordinal = known.setdefault(source.data.as_pointer(), len(known))
+            key = f"geometry:{identity.identity_of(original)}/{ordinal}"
+            return take(key, owner, source)
+        settings = "RENDER" if self.depsgraph.mode == "RENDER" else "PREVIEW"
+        if original.is_modified(self.scene.original, settings):
+            return take(f"geometry:{identity.identity_of(original)}", owner, source)
+        owner = original.data.session_uid
+        return take(f"geometry:data/{owner}", owner, source)
+
+    def _data_of(self, original) -> int:
+        """Address of the data that an object itself shows, within this walk."""
+        session_uid = original.session_uid
+        if session_uid not in self._own_data:
+            data = original.evaluated_get(self.depsgraph).data
+            self._own_data[session_uid] = data.as_pointer()
+        return self._own_data[session_uid]
+
+    def _place(self, shown, placement: Placement | None) -> None:
+        """Send a placement if it differs from what was sent; None takes away what was."""
+        before = shown.item
+        shown.is_far = placement is not None and self._is_far(shown, placement)
+        if shown.is_far:
+            placement = None
+        shown.item, shown.digest, shown.is_dark = placement, b"", False
+        if placement is None:
+            if before is not None:
+                self.removed.append(before.id)
+            return
+        if not isinstance(before, Placement):
+            self.counts["added"] += 1
+        else:
+            is_same = (
+                before.geometry == placement.geometry
+                and before.materials == placement.materials
+                and before.visible_to_camera == placement.visible_to_camera
+                and before.meets_light == placement.meets_light
+                and before.index == placement.index
+            )
+            if not np.array_equal(before.frame, placement.frame):
+                self.counts["moved"] += 1
+            elif is_same:
+                return
+            else:
+                self.counts["changed"] += 1
+        self.changed.append(placement)
+
+    def _is_far(self, shown, placement: Placement) -> bool:
+        """Tell whether an object lies too far away to be computed beside others, or nowhere, and note it."""
+        corners = self.sent.geometries.corners(placement.geometry)
+        with np.errstate(over="ignore", invalid="ignore"):
+            corners = corners @ placement.frame[:3, :3].T + placement.frame[:3, 3]
+        try:
+            check_reach("it", corners.min(axis=0), corners.max(axis=0))
+        except SceneError as error:
+            shown.report = shown.report or ConversionReport()
+            shown.report.error(shown.name, str(error), "the object is left out")
+            return True
+        return False
+
+    def _convert_light(self, shown, instance, source, original) -> None:
+        sent, shown.report = self.sent, ConversionReport()
+        shown.shading = (
+            shading_dependencies(original.data) if original.type == "LIGHT" else frozenset()
+        )
+        if shown.is_own and original.type == "LIGHT" and original.data.type == "SUN":
+            shown.towards_sun = towards_lamp(instance.matrix_world)
+        light = convert_light(
+            source,
+            shown.key,
+            shown.name,
+            instance.matrix_world,
+            sent.scale,
+            sent.efficacy,
+            shown.report,
+            sent.images,
+            self.final,
+        )
+        if light is None:
+            self._darken(shown)
+            return
+        shown.is_dark, digest = False, content_digest(light)
+        if digest != shown.digest:
+            shown.item, shown.digest = light, digest
+            self.changed.append(light)
+
+    def _darken(self, shown) -> None:
+        """Make a light that the engine has emit nothing: cheaper than taking it away, and it may come back."""
+        if not shown.is_dark and shown.item is not None:
+            light = shown.item
+            shown.item = replace(light, output=replace(light.output, value=0.0))
+            shown.digest = content_digest(shown.item)
+            self.changed.append(shown.item)
+        shown.is_dark = True
+
+    # ---- what is no longer there ----
+
+    def _sweep(self) -> None:
+        sent, number = self.sent, self.number
+        missing = [key for key, shown in sent.shown.items() if shown.walk != number]
+        alive = {b.session_uid for b in bpy.data.objects if b.users} if missing else set()
+        for key in missing:
+            shown = sent.shown[key]
+            is_light = shown.item is not None and bool(shown.digest)
+            if is_light and shown.is_own and shown.source in alive:
+                self._darken(shown)
+                continue
+            del sent.shown[key]
+            if shown.item is not None:
+                self.removed.append(shown.item.id)
+                self.counts["removed"] += isinstance(shown.item, Placement)
+        places = [s for s in sent.shown.values() if isinstance(s.item, Placement)]
+        used = {shown.item.geometry for shown in places}
+        sent.geometries.sweep(used, {shown.source for shown in places})
+
+    def _used_materials(self) -> set[str]:
+        return {
+            material
+            for shown in self.sent.shown.values()
+            if isinstance(shown.item, Placement)
+            for material in shown.item.materials
+        }
+
+    # ---- world ----
+
+    def _update_world(self) -> None:
+        sent, world = self.sent, self.scene.world
+        original = world.original if world is not None else None
+        # In the frames of a render only the evaluated one has what is animated.
+        evaluated = original.evaluated_get(self.depsgraph) if original is not None else None
+        source = original.session_uid if original is not None else 0
+        known, tagged = sent.world, self.tags.shading
+        sun_lamp = self._sun_lamp() if follows_sun_lamp(evaluated) else None
+        sun = b"" if sun_lamp is None else sun_lamp.tobytes()
+        is_current = known.source == source and known.sun == sun and not self.is_rerated
+        if is_current and source not in tagged and known.shading.isdisjoint(tagged):
+            return
+        report = ConversionReport()
+        key = identity.engine_id(original) if original is not None else ""
+        made = None
+        if evaluated is None or not is_dark_world(evaluated, report):
+            made = convert_world(evaluated, key, sent.efficacy, report, sent.images, sun_lamp)
+        digest = content_digest(made) if made is not None else b""
+        trees = shading_dependencies(original) if original is not None else frozenset()
+        sent.world = SentWorld(source, key, sun, digest, trees, report)
+        if digest == known.digest and (not digest or key == known.key):
+            return
+        self.world_changed = True
+        sent.pictures.drop(known.key)
+        if made is not None:
+            self.worlds.append(sent.pictures.put(made))
+        if known.digest and (made is None or known.key != key):
+            self.removed.append(known.key)
+
+    def _sun_lamp(self) -> np.ndarray | None:
+        """Unit vector to where the scene's Sun light shines from, the first one by name; None without one."""
+        sent = self.sent
+        lamps = [
+            shown
+            for shown in sent.shown.values()
+            if shown.towards_sun is not None and shown.walk == sent.last_visit
+        ]
+        first = min(lamps, key=lambda shown: shown.name, default=None)
+        return None if first is None else first.towards_sun
+
+
+def _read_matrices(instances) -> bytes:
+    """World matrices of all instances, 64 bytes each: compared whole, because instances do not always signal moves."""
+    values = np.empty(16 * len(instances), np.float32)
+    instances.foreach_get("matrix_world", values)
+    return values.tobytes()
+
+
+def _is_special(source) -> bool:
+    """Whether a light shines as a photometric file or a ray file says."""
+    return is_luminaire(source) or is_rayset(source)

@@ -1,0 +1,1 @@
+"""The commands ``lumenray luminaire``: photometric files told, drawn and converted; `commands` is the door."""

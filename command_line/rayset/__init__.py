@@ -1,0 +1,1 @@
+"""The commands ``lumenray rayset``: ray files told, drawn, reduced, converted, prepared; `commands` is the door."""

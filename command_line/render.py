@@ -1,0 +1,287 @@
+"""The command ``lumenray render``: a picture of a scene, for looking at and for numbers."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from ..blender_addon import assumptions
+from ..engine.errors import FileFormatError, LumenrayError
+from .blend_file import open_blend
+from .options import (
+    add_rule,
+    add_scene,
+    level,
+    rule_of,
+    seed_of,
+    size,
+    transport_of,
+    whole,
+)
+from .output import add_output, check_free, percent, say
+from .progress import Bar
+
+
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
+    render = commands.add_parser(
+        "render", help="render the scene's camera to an OpenEXR file", epilog=assumptions.CODES
+    )
+    add_scene(render)
+    words = "linear picture; a .png for looking and a .json report are written beside it"
+    add_output(render, "OUT.exr", words)
+    render.add_argument(
+        "--size",
+        # What Blender takes.
+        type=size(4, 65536),
+        metavar="WxH",
+        help="picture size in pixels (default: the scene's)",
+    )
+    render.add_argument(
+        "--spectral-exr",
+        type=whole(2, 400),
+        metavar="BANDS",
+        help="also write a spectral OpenEXR with this many bands from 380 to 780 nm (default: as the scene says)",
+    )
+    render.add_argument(
+        "--method",
+        choices=("auto", "cells", "paths"),
+        help="what stands for the radiance beyond the first bounce (default: as the scene says)",
+    )
+    render.add_argument(
+        "--illuminance",
+        action="store_true",
+        help="also compute the illuminance of the visible surfaces [lx]",
+    )
+    render.add_argument(
+        "--denoise",
+        action=argparse.BooleanOptionalAction,
+        help="let Open Image Denoise filter the .png; the .exr is never filtered (default: where it is installed)",
+    )
+    render.add_argument(
+        "--light-groups",
+        choices=("none", "groups", "each"),
+        help="also write the light of each light group, or of each luminaire, as layers Combined_NAME and Luminance_NAME; "
+        "they share the samples (default: as the scene says)",
+    )
+    render.add_argument(
+        "--mix",
+        type=level,
+        action="append",
+        default=[],
+        metavar="NAME=FACTOR",
+        help="factor on the flux of a light group, such as Ceiling=0.5, Ceiling=50%% or Ceiling=off; the group of all other "
+        "lights is called rest; may be repeated (default: as the scene says)",
+    )
+    add_rule(render, "pixel")
+    assumptions.add_option(render)
+    render.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Render a file; return the exit code."""
+    check_files(options)
+    if options.denoise:
+        from ..engine.analysis.denoiser import require_denoiser
+
+        require_denoiser()
+    return render_open(options, open_blend(options.file))
+
+
+def render_open(options, depsgraph) -> int:
+    """Render the open file and write picture, preview and report; return the exit code."""
+    from ..blender_addon.sync.scene import convert_scene
+    from ..engine.analysis.false_colour import write_display
+    from ..engine.formats.report import write_json
+    from ..engine.session import Session
+
+    scene = depsgraph.scene
+    if options.size:
+        scene.render.resolution_x, scene.render.resolution_y = options.size
+        scene.render.resolution_percentage = 100
+    converted = convert_scene(depsgraph)
+    if converted.camera is None:
+        raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
+    assumptions.refuse_missing(converted.report, options.accept_missing)
+    if options.light_groups:
+        scene.lumenray.light_mix.groups = options.light_groups.upper()
+    view = _view(options, scene, converted.luminous)
+    levels = _levels(options, scene, view, converted.luminous)
+    session = Session()
+    session.apply(converted.delta)
+    with Bar("render") as bar:
+        whole_picture = session.render(converted.camera, view, bar)
+    picture = whole_picture.mixed(levels)
+    white, linear = _expose(picture, scene.lumenray)
+    _write_exr(options.output, picture, white, linear)
+    shown = _preview(options, picture, converted.camera, linear)
+    write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
+    shortfall = view.rule.shortfall(whole_picture.relative_error)
+    report = _report(options, scene.camera.name, picture, converted.report, shortfall, shown.words)
+    write_json(options.output.with_suffix(".json"), report)
+    assumptions.tell(converted.report, picture.provenance.notes, shortfall)
+    mean = float(picture.tristimulus[..., 1].mean())
+    say(
+        f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
+        f"mean luminance {mean:.4g} cd/m2, picture error {percent(picture.relative_error, '.2f')}, "
+        f"white = {white:.4g} cd/m2" + (f"; light mix: {levels.text()}" if levels.text() else "")
+    )
+    return assumptions.exit_code(converted.report, options.accept_missing, shortfall)
+
+
+def check_files(options) -> None:
+    """Refuse to write over any of the files of a picture, see `check_free`."""
+    check_free(options, options.output)
+    if options.output.suffix.lower() != ".exr":
+        raise FileFormatError(options.output, "expected a name that ends in .exr")
+    beside = (options.output.with_suffix(end) for end in (".png", ".json"))
+    check_free(options, *beside, _spectral_path(options))
+
+
+def _spectral_path(options) -> Path:
+    return options.output.with_name(options.output.stem + "_spectral.exr")
+
+
+def _view(options, scene, luminous):
+    """Return the scene's `ViewSettings` with what was asked for."""
+    from ..blender_addon.rendering.render_engine import view_settings
+
+    view, settings = view_settings(scene, str(_spectral_path(options)), luminous), scene.lumenray
+    return replace(
+        view,
+        rule=rule_of(options, lambda: view.rule),
+        seed=seed_of(options, settings),
+        transport=transport_of(options, settings),
+        illuminance=options.illuminance or view.illuminance,
+        bands=options.spectral_exr or view.bands,
+        method=options.method or view.method,
+        guides=_denoises(options),
+    )
+
+
+def _levels(options, scene, view, luminous):
+    """Return the `LightMix` that was asked for, on top of the scene's."""
+    from ..blender_addon.rendering import light_mix
+    from ..engine.light_mix import Level, LightMix
+
+    kept = {each.name: each for each in light_mix.levels_of(scene).levels}
+    known = light_mix.names_of(view.groups, luminous)
+    for name, factor in options.mix:
+        if name not in known:
+            there = ", ".join(f"'{each}'" for each in known)
+            remedy = f"those of the scene are {there}" if known else NO_GROUPS
+            raise LumenrayError(f"--mix: no light group is called '{name}'; {remedy}")
+        kept[name] = replace(kept.get(name, Level(name)), factor=factor, is_on=factor > 0.0)
+    return LightMix(tuple(kept.values()) if view.groups else ())
+
+
+NO_GROUPS = "none are kept apart: say --light-groups groups, and name groups in the scene"
+
+
+def _expose(picture, settings):
+    """Return the luminance that becomes white [cd/m2], and the picture in the scene's linear colours. (h, w, 3)"""
+    from ..blender_addon.foundation.exposure import white_luminance
+    from ..blender_addon.rendering.render_engine import shown_light
+    from ..engine.photometry.colour import automatic_white, scene_linear
+
+    white = white_luminance(settings) or automatic_white(picture.tristimulus[..., 1])
+    return white, scene_linear(shown_light(picture), white)
+
+
+def _write_exr(path: Path, picture, white: float, linear) -> None:
+    from ..blender_addon.rendering.render_engine import shown_light
+    from ..engine.formats import exr
+    from ..engine.photometry.colour import scene_linear
+
+    channels = {name: linear[..., i] for i, name in enumerate("RGB")}
+    if picture.coverage is not None:
+        channels["A"] = picture.coverage
+    channels |= {
+        "Luminance.Y": picture.tristimulus[..., 1],
+        "Luminance.error": picture.luminance_error,
+        "Depth.Z": picture.depth,
+        **{f"Normal.{name}": picture.normal[..., i] for i, name in enumerate("XYZ")},
+        "IndexOB.X": picture.object_index,
+        "IndexMA.X": picture.material_index,
+    }
+    if picture.illuminance is not None:
+        channels |= {
+            "Illuminance.X": picture.illuminance,
+            "Illuminance.error": picture.illuminance_error,
+        }
+    for group in picture.groups:
+        seen = scene_linear(shown_light(group), white)
+        channels |= {f"Combined_{group.name}.{name}": seen[..., i] for i, name in enumerate("RGB")}
+        channels[f"Luminance_{group.name}.Y"] = group.tristimulus[..., 1]
+        channels[f"Luminance_{group.name}.error"] = group.luminance_error
+        if group.illuminance is not None:
+            channels[f"Illuminance_{group.name}.X"] = group.illuminance
+            channels[f"Illuminance_{group.name}.error"] = group.illuminance_error
+    # whiteLuminance is OpenEXR's standard attribute: the luminance of (1, 1, 1).
+    attributes = {"whiteLuminance": white, "sceneHash": picture.provenance.scene_hash}
+    exr.write_channels(path, channels, attributes)
+
+
+def _report(options, camera: str, picture, conversion, shortfall: str, preview: str) -> dict:
+    from ..engine.formats.report import compose
+
+    luminance = picture.tristimulus[..., 1]
+    row = {
+        "name": camera,
+        "quantity": "luminance",
+        "unit": "cd/m2",
+        "mean": float(luminance.mean()),
+        "minimum": float(luminance.min()),
+        "maximum": float(luminance.max()),
+        "relative_standard_error": picture.relative_error,
+        "samples": picture.provenance.samples,
+    }
+    rows = [row, *(_group_row(group, picture.groups) for group in picture.groups)]
+    content = compose(
+        options.file.name,
+        picture.provenance,
+        picture.provenance.seconds,
+        rows,
+        conversion.to_dicts(),
+        shortfall,
+    )
+    content["preview"] = preview
+    return content
+
+
+def _group_row(group, groups) -> dict:
+    """What a light group gives to the picture, at the flux of the scene."""
+    from ..engine.accuracy.estimate import relative_error
+
+    luminance = group.tristimulus[..., 1]
+    total = sum(each.tristimulus[..., 1] for each in groups)
+    return {
+        "name": f"light group {group.name}",
+        "quantity": "luminance",
+        "unit": "cd/m2",
+        "mean": float(luminance.mean()),
+        "minimum": float(luminance.min()),
+        "maximum": float(luminance.max()),
+        "relative_standard_error": relative_error(luminance, group.luminance_error),
+        "share": float(luminance.mean() / max(total.mean(), 1e-30)),
+        "samples": group.samples,
+    }
+
+
+def _denoises(options) -> bool:
+    """Whether the preview is to be denoised."""
+    from ..engine.analysis.denoiser import find_denoiser
+
+    return find_denoiser() is not None if options.denoise is None else options.denoise
+
+
+def _preview(options, picture, camera, linear):
+    """Return the picture as it is looked at, `looking.Filtered`; the numbers stay as they are."""
+    from ..engine.analysis.looking import Filtered, filter_noise
+
+    if not _denoises(options):
+        return Filtered(linear, "as computed")
+    made = filter_noise(linear, picture, camera.aperture_radius > 0.0)
+    if made.problem:
+        say(f"note: {made.problem}")
+        return replace(made, words="as computed")
+    return replace(made, words=f"{made.words}; all numbers are of the data as computed")

@@ -1,0 +1,1 @@
+"""The commands ``lumenray spectrum``: files of spectra told and drawn without Blender; `commands` is the door."""

@@ -1,0 +1,41 @@
+"""The mean spectrum of a scene's lights."""
+
+import numpy as np
+
+from ...photometry.spectra import GRID, illuminant
+from ...scene.light import ImageWorld
+from . import emission
+
+
+def find_mean_light(
+    world, world_luminance: float, sources, suns, radius: float
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1 (471,); and all that differ.
+
+    Only the proportions of lamps matter here (they steer sampling and photometric reflectances), so emitters whose
+    flux depends on the scene around them (world, sun) are weighed by the flux through the scene's bounds.
+
+    Parameters
+    ----------
+    world : World or None
+    world_luminance : float    Mean over all directions, without its suns. [cd/m2]
+    sources : list of Source
+    suns : list of SunLight
+    radius : float    Of the scene. [m]
+    """
+    disk = np.pi * max(radius, 1.0) ** 2
+    total = np.zeros(len(GRID))
+    shining = [(source.density, source.flux) for source in sources]
+    shining += [(m.density, m.amount * disk) for m in map(emission.sun_illuminance, suns)]
+    if world_luminance > 0.0 and not isinstance(world, ImageWorld):
+        made = emission.luminous(world_luminance, world.spectrum)
+        shining.append((made.density, made.amount * np.pi * 4.0 * disk))
+    different = {density.tobytes(): density for density, flux in shining if flux > 0.0}
+    for density, flux in shining:
+        total += density / max(density.sum(), 1e-300) * flux
+    if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
+        white = illuminant(GRID, "D65")
+        total += white / white.sum() * max(total.sum(), 1.0)
+    if total.sum() <= 0.0:
+        total = np.ones(len(GRID))
+    return total / total.sum(), list(different.values())

@@ -1,0 +1,216 @@
+"""What is told of a pixel: colour, illuminance, backdrop and bands of samples, and the result that their means make."""
+
+from dataclasses import replace
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...accuracy.estimate import Estimate
+from ...accuracy.lost_samples import find_missing
+from ...arrays import average
+from ...photometry.spectra import GRID, observer
+from ...photometry.units import LUMINOUS_EFFICACY
+from ..compiled.textures import is_spectral
+from ..rays import spawn_ray
+from . import gather
+from .sampler import hash_words, random_stream, sobol_pair
+from .visibility import closest_hit
+from .wavelengths import WavelengthSampler
+
+BAND_RANGE = (380.0, 780.0)
+"""Wavelengths that the bands cover. [nm]"""
+
+LONGEST_WAY = 1000
+"""Surfaces that a ray of the camera is followed through on its way out."""
+
+LOST = ("samples of the picture", "samples of the illuminance")
+"""Of what samples are counted that are no numbers."""
+
+
+class Channels:
+    """Numbers of pixels, in this order: X, Y, Z; illuminance; X, Y, Z and share of the backdrop; bands.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    settings : ViewSettings    Tells which of them are wanted.
+
+    Attributes
+    ----------
+    count : int    Numbers of a pixel.
+    """
+
+    def __init__(self, scene, settings):
+        self.scene = scene
+        self.illuminance, self.bands = settings.illuminance, settings.bands
+        self.transparent = settings.transparent
+        self.sampler = picture_sampler(scene, self.bands)
+        self.count = 3 + int(self.illuminance) + 4 * int(self.transparent) + self.bands
+        # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
+        self._lamp_tristimulus, self._lamp_bands = colour_of(scene.mean_light, self.bands)
+
+    # ---- inside kernels ----
+
+    def of_light(self, radiance, wavelengths) -> dict:
+        """Columns of radiance, by their numbers."""
+        made = dict(enumerate(self._colour(radiance, wavelengths)))
+        first = self.count - self.bands
+        return made | {first + k: each for k, each in enumerate(self._bands(radiance, wavelengths))}
+
+    def of_view(self, ray, wavelengths, sample, seed, row, lost) -> dict:
+        """Columns of the place that is seen and of what is behind everything, by their numbers.
+
+        ``lost``: `LostSamples` of the illuminance, with a counter for each ``row``.
+        """
+        columns = []
+        if self.illuminance:
+            columns += lost.keep([self._illuminance(ray, wavelengths, sample, seed)], row)
+        if self.transparent:
+            columns += self._backdrop(ray, wavelengths)
+        return {3 + k: each for k, each in enumerate(columns)}
+
+    def _colour(self, radiance, wavelengths) -> list:
+        if self.sampler is not None:
+            xyz = self.sampler.tristimulus(radiance, wavelengths)
+            return [xyz.x, xyz.y, xyz.z]
+        return [radiance[0] * float(c) for c in self._lamp_tristimulus]
+
+    def _bands(self, radiance, wavelengths) -> list:
+        """Spectral radiance by band."""
+        if self.sampler is None:
+            return [radiance[0] * float(value) for value in self._lamp_bands]
+        if not self.bands:
+            return []
+        width = (BAND_RANGE[1] - BAND_RANGE[0]) / self.bands
+        density = self.sampler.density(wavelengths)
+        made = [mi.Float(0.0)] * self.bands
+        for k in range(4):
+            value = radiance[k] / (4.0 * density[k] * width)
+            # A wavelength stands for the nanometre about it, which an edge between two bands may divide.
+            start = (wavelengths[k] - 0.5 - BAND_RANGE[0]) / width
+            for band in range(self.bands):
+                low = dr.maximum(start, float(band))
+                high = dr.minimum(start + 1.0 / width, band + 1.0)
+                made[band] = made[band] + value * dr.maximum((high - low) * width, 0.0)
+        return made
+
+    def _backdrop(self, ray, wavelengths) -> list:
+        """X, Y, Z of the surroundings that rays of the camera reach straight, and the share of rays that do."""
+        scene = self.scene
+        passed = way_out(scene, ray, wavelengths)
+        if scene.surroundings is None:
+            colour = [dr.zeros(mi.Float, dr.width(ray))] * 3
+        else:
+            away = dr.zeros(mi.SurfaceInteraction3f)
+            away.wi = -ray.d
+            if self.sampler is not None:
+                away.wavelengths = wavelengths
+            colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
+        return [*colour, average(passed)]
+
+    def _illuminance(self, ray, wavelengths, sample, own_seed):
+        """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
+        si = first_solid(self.scene, ray)
+        valid = si.is_valid()
+        faces = dr.dot(si.n, ray.d) < 0.0
+        side = dr.select(faces, 1.0, -1.0)
+        at = gather.receiver(
+            si.p, si.sh_frame.n * side, si.n * side, wavelengths, self.scene.extent_at(si)
+        )
+        pair = gather.PAIR_FILM + 1
+        value = gather.spectral_illuminance(
+            self.scene,
+            at,
+            wavelengths,
+            random_stream(sample, hash_words(own_seed, mi.UInt32(1))),
+            sobol_pair(sample, own_seed, pair),
+            sobol_pair(sample, own_seed, pair + 1),
+            valid,
+        )
+        value = gather.photometric(self.sampler, value, wavelengths)
+        return dr.select(valid, value, 0.0)
+
+    # ---- of means ----
+
+    def widened(self, estimate: Estimate, shares: np.ndarray) -> Estimate:
+        """With errors that hold what lost samples may have brought; the brightest pixel stands for those without any other.
+
+        ``shares``: of the samples of every pixel, of the colour and of the illuminance. (2, n) [-]
+        """
+        error = estimate.standard_error.copy()
+        # The illuminance, where there is one, stands behind the colour.
+        for part, share in zip((slice(0, 3), slice(3, 4)), shares, strict=True):
+            mean = estimate.mean[:, part]
+            missing = find_missing(mean, share[:, None], mean.mean(axis=0))
+            if not np.isinf(missing).all():
+                missing = np.where(np.isfinite(missing), missing, mean.max(axis=0, initial=0.0))
+            error[:, part] = np.hypot(error[:, part], missing)
+        return replace(estimate, standard_error=error)
+
+    def fields(self, estimate: Estimate, shape: tuple[int, int]) -> dict:
+        """Fields of `views.Picture` that means and errors of all pixels make. ``shape``: rows and columns."""
+        mean = estimate.mean.reshape(*shape, -1).astype(np.float32)
+        deviation = estimate.standard_error.reshape(*shape, -1).astype(np.float32)
+        made = {"tristimulus": mean[..., :3], "luminance_error": deviation[..., 1]}
+        if self.illuminance:
+            made["illuminance"] = mean[..., 3]
+            made["illuminance_error"] = deviation[..., 3]
+        if self.bands:
+            made["bands"] = mean[..., -self.bands :]
+            made["band_edges"] = np.linspace(*BAND_RANGE, self.bands + 1)
+        if self.transparent:
+            first = 3 + int(self.illuminance)
+            made["backdrop"] = mean[..., first : first + 3]
+            made["coverage"] = np.clip(1.0 - mean[..., first + 3], 0.0, 1.0)
+        return made
+
+
+def picture_sampler(scene, bands: int) -> WavelengthSampler | None:
+    """Wavelengths of a picture's paths; None in photometric variants."""
+    response = "bands" if bands else "colour"
+    return WavelengthSampler(scene.mean_light, response) if is_spectral() else None
+
+
+def colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
+    """X, Y, Z (Y = 1) and band radiances per unit of luminance of a spectrum on the grid."""
+    tristimulus = light @ observer()
+    density = light / (LUMINOUS_EFFICACY * tristimulus[1])
+    edges = np.linspace(*BAND_RANGE, bands + 1)
+    means = [
+        density[(a <= GRID) & (b > GRID)].mean() for a, b in zip(edges, edges[1:], strict=False)
+    ]
+    return tristimulus / tristimulus[1], np.array(means)
+
+
+def way_out(scene, ray, wavelengths):
+    """Share of rays of the camera that leaves the scene straight, through panes and what the camera does not see."""
+    ray = mi.Ray3f(ray)
+    if wavelengths is not None:
+        ray.wavelengths = wavelengths
+
+    def step(ray, share, active, steps):
+        si = closest_hit(scene, ray, active, looks=mi.Bool(True))
+        met = active & si.is_valid()
+        passed = scene.bsdf(si, met).eval_null_transmission(si, met)
+        if scene.hidden is not None:
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            passed = dr.select(dr.gather(mi.Bool, scene.hidden, ids, met), 1.0, passed)
+        share = dr.select(met, share * passed, share)
+        ray = dr.select(met, spawn_ray(scene, si, ray.d), ray)
+        going = met & dr.any(share != 0.0) & (steps < LONGEST_WAY)
+        return ray, dr.select(met & (steps >= LONGEST_WAY), 0.0, share), going, steps + 1
+
+    _, share, _, _ = dr.while_loop(
+        state=(ray, mi.Spectrum(1.0), mi.Bool(True), mi.UInt32(0)),
+        cond=lambda ray, share, active, steps: active,
+        body=step,
+        labels=("ray", "share", "active", "steps"),
+    )
+    return share
+
+
+def first_solid(scene, ray):
+    """First surface that a camera's ray meets behind panes and bodies of lights."""
+    looks = mi.Bool(True)
+    return closest_hit(scene, ray, looks, looks=looks, passes_veil=True)

@@ -1,0 +1,394 @@
+"""The picture job: passes over all pixels, even and odd halves, until the rule is met.
+
+Every pass doubles the samples of those tiles and kinds of samples that another one serves best. The halves have points of
+their own, so half the difference of their means is the error of a pixel.
+"""
+
+from dataclasses import replace
+from itertools import zip_longest
+
+import numpy as np
+
+from ...accuracy.estimate import Estimate, relative_error
+from ...accuracy.stopping import Clock
+from ...errors import Cancelled, SceneError
+from ...scene.camera import Camera
+from ..lux_maps.bands import TOLERANCE, interpolation_error
+from ..paths.channels import LOST
+from ..paths.film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, look
+from ..paths.first_layers import first_layers
+from ..paths.guides import trace_guides
+from .allocation import Allocation
+from .pixel_light import COSTS, STEERING, VIEW, PixelLight
+from .view_cells import ViewCells
+
+METHODS = ("auto", "cells", "paths")
+
+FEWEST_PIXELS, FEWEST_PATHS = 1 << 14, 1 << 20
+"""Pixels, and paths, below which finding the light of cells takes longer than full paths."""
+
+FEWEST_SECONDS = 30.0
+"""Time below which it would take too much of it. [s]"""
+
+CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.01, 1 << 12, 1 << 17
+"""Samples that compare cells with full paths, relative to all, and bounds on their number."""
+
+CHANCE = 2.0
+"""What of a measured change is taken for chance, in its standard errors."""
+
+LANES = 1 << 19
+FIRST_LANES = 1 << 18
+"""Samples of one launch, and of one of the first pass."""
+
+BELIEVED = 8
+"""Samples per pixel below which the error is not believed enough to stop by it: of so few it is too noisy itself."""
+
+DARK = 1 << 20
+"""Samples of a whole picture that have found no light at all, after which it is known to be dark."""
+
+GROWTH = 0.5
+"""Samples of a pass, relative to all before. [-]"""
+
+EVEN = 4
+"""Samples of a pixel in a half up to which all get as many: of fewer it is not known how they scatter."""
+
+LEAST_MEAN = 1.0
+"""Samples of a pixel in a half that a pass takes at least, on the mean, where the rule allows as many."""
+
+LEAST = 0.03
+"""Samples of a pass, relative to all before, that are worth one. [-]"""
+
+SWEEP_SHARE = 0.15
+"""Paths of later sweeps over the cells, relative to the samples of the picture. [-]"""
+
+
+def choose_method(scene, camera: Camera, settings) -> tuple[bool, str]:
+    """Whether to read light beyond the first bounce from cells, and why.
+
+    Raises
+    ------
+    SceneError    The method is none of the three.
+    """
+    if settings.method not in METHODS:
+        raise SceneError(f"method is '{settings.method}', expected {' or '.join(METHODS)}")
+    if settings.method == "paths":
+        return False, "full paths are asked for"
+    spectra = [] if not scene.requirements.spectral else scene.light_spectra
+    error = interpolation_error(scene.mean_light, spectra)
+    reason = "the radiance beyond the first bounce is read from cells"
+    if settings.method == "cells":
+        return True, f"{reason}, as asked for"
+    if error > TOLERANCE:
+        return False, (
+            f"the lights' spectra are so unlike that cells would be wrong by up to {100.0 * error:.2g} %: full paths"
+        )
+    rule, pixels = settings.rule, camera.width * camera.height
+    if rule.seconds is not None and rule.seconds < FEWEST_SECONDS:
+        return False, "there is so little time that cells would not pay: full paths"
+    if pixels < FEWEST_PIXELS or (rule.samples or np.inf) * pixels < FEWEST_PATHS:
+        return False, "there are so few paths that cells would not pay: full paths"
+    return True, f"{reason}; the bias is measured"
+
+
+def render(
+    scene,
+    camera: Camera,
+    settings,
+    uses_cells=True,
+    progress=None,
+    cancelled=lambda: False,
+    traced=None,
+):
+    """Render until the rule of ``settings`` is met.
+
+    Parameters
+    ----------
+    uses_cells : bool    Whether light beyond the first bounce is read from cells.
+    traced : CameraLight or None    Adds light that is traced to the camera.
+
+    Returns
+    -------
+    (dict, int, dict, tuple)    Fields of `views.Picture` but the provenance, the samples per pixel, how many were lost, as
+        of `lost_samples.tell_lost`, and notes.
+
+    Raises
+    ------
+    Cancelled    When ``cancelled`` answered true.
+    SceneError    The picture's size is not usable.
+    """
+    pixels = camera.width * camera.height
+    if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
+        raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
+    clock = Clock(settings.rule, "picture")
+    film = Film(camera, scene.origin)
+    layers = first_layers(scene, film)
+    learn_lights(scene, film)
+    cells = None
+    if uses_cells:
+        places, normals = look(scene, film)
+        if len(places):
+            cells = ViewCells(scene, places, normals, pixels, settings.seed, cancelled)
+    if cells:
+        if progress is not None:
+            progress(replace(clock.progress(0, float("inf")), stage="light of the cells"), None)
+        cells.prepare(None if settings.rule.samples is None else settings.rule.samples * pixels)
+    if settings.guides:
+        layers |= trace_guides(scene, film)
+    light = PixelLight(scene, film, settings, cells if cells else None)
+    return _Passes(light, camera, clock, settings, layers, progress, cancelled, traced).run()
+
+
+class TracedLight:
+    """Mean of the light that is traced to the camera, pass by pass.
+
+    Parameters
+    ----------
+    source : CameraLight
+    shape : tuple of int    Halves, pixels and channels.
+    """
+
+    def __init__(self, source, shape: tuple[int, int, int]):
+        self.source, self.samples = source, 0
+        self._sums = np.zeros(shape, dtype=np.float32)
+
+    def add(self, means: np.ndarray, samples: float) -> np.ndarray:
+        """Trace for a pass of so many samples of a pixel and half; returns the mean of all so far. (halves, n, channels)
+
+        ``means``: of all other light, which tell the first time how many paths are worth their time.
+        """
+        more = max(round(samples), 1)
+        new = means * more
+        self.source.add(new, self.samples, more)
+        self._sums += new - means * more
+        self.samples += more
+        return self._sums / self.samples
+
+
+class _Passes:
+    """Makes passes and adds them up."""
+
+    def __init__(
+        self, light: PixelLight, camera, clock, settings, layers, progress, cancelled, traced
+    ):
+        self.light, self.camera, self.rule = light, camera, settings.rule
+        self.layers, self.progress, self.cancelled = layers, progress, cancelled
+        self.pixels = camera.width * camera.height
+        self.clock, self._begun = clock, clock.seconds
+        shape = (GROUPS, self.pixels, light.channels.count)
+        costs = {kind: COSTS[kind] for kind in light.kinds}
+        self.allocation = Allocation(camera.width, camera.height, costs)
+        self.sums = {kind: np.zeros(shape, dtype=np.float32) for kind in light.kinds}
+        squares = (len(STEERING), GROUPS, self.pixels)
+        self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
+        self.error = float("inf")
+        self.traced = None if traced is None else TracedLight(traced, shape)
+
+    def run(self):
+        """Make passes until the rule is met; returns as `render`."""
+        added = self.allocation.begin()
+        while True:
+            self._pass(added)
+            whole = sum(self._mean(kind) for kind in self.sums)
+            if self.traced is not None:
+                whole += self.traced.add(whole, self.allocation.mean(added))
+            estimate = Estimate.from_groups(whole, self.samples)
+            self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
+            is_believed = self.samples >= BELIEVED
+            error = self.error if is_believed else float("inf")
+            if is_believed and self.samples * self.pixels >= DARK and not whole[..., 1].any():
+                error = 0.0
+            finished = self.clock.is_done(self.samples, error)
+            self._report(estimate.mean[:, :3])
+            if finished:
+                return self._finish(estimate)
+            squares = self._squares(estimate.mean[:, 1])
+            if self.allocation.samples < EVEN <= self._left:
+                added = self.allocation.double()
+            else:
+                added = self.allocation.choose(squares, self._budget(), self._left)
+
+    @property
+    def samples(self) -> int:
+        """Per pixel, on the mean."""
+        return round(GROUPS * self.allocation.samples)
+
+    # ---- private ----
+
+    def _mean(self, kind: int, channels=slice(None)) -> np.ndarray:
+        """Mean of the samples of a kind so far. (2, n, channels)"""
+        count = np.maximum(self.allocation.of_pixels(kind), 1)
+        sums = self.sums[kind][..., channels]
+        return sums / count.reshape(count.shape + (1,) * (sums.ndim - 2))
+
+    @property
+    def _left(self) -> float:
+        """Samples of a pixel in a half that the rule allows yet, on the mean."""
+        samples = self.rule.samples
+        return np.inf if samples is None else samples / GROUPS - self.allocation.samples
+
+    def _budget(self) -> float:
+        """Samples of a pixel in a half that the next pass may take, on the mean."""
+        done = self.allocation.samples
+        budget = max(GROWTH * done, LEAST_MEAN)
+        if self._left - budget < LEAST * done:
+            # What would be left is no pass of its own.
+            budget = self._left
+        if self.rule.seconds is not None:
+            each = (self.clock.seconds - self._begun) / max(done, 1e-9)
+            left = self.rule.seconds - self.clock.seconds
+            budget = min(budget, max(left / max(each, 1e-9), LEAST * done))
+        if self.rule.error is not None and self.samples >= BELIEVED:
+            # The error falls at least as one over the root.
+            more = done * ((self.error / self.rule.error) ** 2 - 1.0)
+            budget = min(budget, max(more, LEAST * done))
+        return budget
+
+    def _squares(self, luminance: np.ndarray) -> dict[int, np.ndarray]:
+        """Squares of the relative errors of pixels by kind, as single samples scatter. (n,) each
+
+        How the halves differ must not decide who gets samples: those whose halves agree by chance would be left alone, and
+        the error that is stated would be too small.
+        """
+        found = {}
+        for kind in self.sums:
+            found[kind] = self._scatter(kind, 0) / _scale(luminance) ** 2
+        if self.light.channels.illuminance:
+            lux = self._mean(VIEW, STEERING[1]).mean(axis=0)
+            found[VIEW] = found[VIEW] + self._scatter(VIEW, 1) / _scale(lux) ** 2
+        return found
+
+    def _scatter(self, kind: int, number: int) -> np.ndarray:
+        """Variance of the mean of a kind's samples, of one of `STEERING`, as single samples scatter. (n,)"""
+        count = self.allocation.of_pixels(kind)
+        mean = self._mean(kind, STEERING[number])
+        around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0).mean(axis=0)
+        return around / (GROUPS * np.maximum(count - 1, 1))
+
+    def _pass(self, added: dict[int, np.ndarray]) -> None:
+        cells, allocation = self.light.cells, self.allocation
+        if cells is not None and self._sweeps_due():
+            cells.refresh()
+        # What comes first is wanted soon.
+        lanes = LANES if allocation.samples else FIRST_LANES
+        work = sum(float(more @ allocation.size) for more in added.values()) * GROUPS
+        done = 0.0
+        for half in range(GROUPS):
+            if cells is not None:
+                cells.use(half)
+            for parts in self._parts(added, lanes):
+                for kind, part in parts:
+                    if self.cancelled():
+                        raise Cancelled("cancelled")
+                    sums = self.light.sum(kind, part, half)
+                    begins = np.flatnonzero(np.diff(part.lumel, prepend=-1))
+                    rows = part.lumel[begins]
+                    sums = np.add.reduceat(sums, begins, axis=0)
+                    values, squares = np.split(sums, [-len(STEERING)], axis=1)
+                    self.sums[kind][half][rows] += values
+                    self.squares[kind][:, half, rows] += squares.T
+                    done += len(part.lumel) * part.samples
+                self._report_part(added, done / max(work, 1.0))
+        allocation.extend(added)
+
+    def _parts(self, added: dict[int, np.ndarray], lanes: int):
+        """Yield kinds and units of work that fit a launch each, all kinds of some pixels together."""
+        units = {kind: self.allocation.units(kind, more) for kind, more in added.items()}
+        splits = [
+            [(kind, part) for part in each.split(lanes)]
+            for kind, each in units.items()
+            if each is not None
+        ]
+        for parts in zip_longest(*splits):
+            yield [part for part in parts if part is not None]
+
+    def _sweeps_due(self) -> bool:
+        cells = self.light.cells
+        spent = GROUPS * self.allocation.samples * len(self.sums) * self.pixels
+        return (cells.sweeps + 1) * cells.work <= SWEEP_SHARE * spent
+
+    def _report_part(self, added: dict[int, np.ndarray], share: float) -> None:
+        """Tell of a share of a pass; the first one shows what it has, as far as it is."""
+        if self.progress is None:
+            return
+        samples = GROUPS * (self.allocation.samples + share * self.allocation.mean(added))
+        state = self.clock.progress(int(samples + 1e-6), self.error)
+        if self.allocation.samples:
+            self.progress(state, None)
+            return
+        sums, shape = self.sums, (self.camera.height, self.camera.width, 3)
+        self.progress(state, lambda: sum(each[0, :, :3] for each in sums.values()).reshape(shape))
+
+    def _report(self, mean: np.ndarray) -> None:
+        if self.progress is None:
+            return
+        shape = (self.camera.height, self.camera.width, 3)
+        self.progress(
+            self.clock.progress(self.samples, self.error),
+            lambda: mean.reshape(shape).astype(np.float32),
+        )
+
+    def _finish(self, estimate: Estimate):
+        channels, counts = self.light.channels, self.allocation.counts
+        made = GROUPS * sum(int(n @ self.allocation.size) for n in counts.values())
+        # Of a kind that has lost much little may be left, however many samples others have.
+        shares = np.zeros((len(LOST), self.pixels))
+        for kind, lost in self.light.lost.items():
+            count = GROUPS * np.maximum(self.allocation.of_pixels(kind), 1)
+            shares = np.maximum(shares, lost / count)
+        if self.light.cells is not None:
+            shares[0] = np.maximum(shares[0], self.light.cells.lost_share)
+        if shares.any():
+            estimate = channels.widened(estimate, shares)
+        notes = ()
+        if self.light.cells is not None:
+            beyond, note = self._compare(float(estimate.mean[:, 1].mean()))
+            estimate.standard_error[:, :3] = np.hypot(
+                estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
+            )
+            notes = (note,)
+        self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
+        all_lost = sum(lost.sum(axis=1) for lost in self.light.lost.values())
+        lost = {name: (int(n), made) for name, n in zip(LOST, all_lost, strict=True)}
+        if self.light.cells is not None:
+            lost["samples of the cells"] = tuple(map(int, self.light.cells.counts))
+        shape = (self.camera.height, self.camera.width)
+        fields = {
+            **channels.fields(estimate, shape),
+            "relative_error": self.error,
+            **self.layers,
+        }
+        return fields, self.samples, lost, notes
+
+    def _compare(self, luminance: float) -> tuple[float, str]:
+        """Compare reading cells with full paths at random pixels.
+
+        ``luminance``: mean of the picture. [cd/m2]
+
+        Returns
+        -------
+        (float, str)    What cells add to that mean or take from it beyond chance, relative [-], and words on it.
+        """
+        samples = CHECK_SHARE * self.samples * self.pixels
+        count = int(np.clip(samples, FEWEST_CHECKS, MOST_CHECKS))
+        draw = np.random.default_rng([self.light.seed & 0xFFFFFFFF, 78])
+        found = []
+        for half in range(GROUPS):
+            if self.cancelled():
+                raise Cancelled("cancelled")
+            self.light.cells.use(half)
+            found.append(self.light.differences(np.sort(draw.integers(0, self.pixels, count))))
+        found = np.concatenate(found) / max(luminance, 1e-30)
+        bias, error = float(found.mean()), float(found.std(ddof=1) / np.sqrt(len(found)))
+        beyond = max(abs(bias) - CHANCE * error, 0.0)
+        note = (
+            f"cells instead of full paths change what is in straight view by {100.0 * bias:+.2g} +- "
+            f"{100.0 * error:.1g} % of the picture's mean (measured at {len(found)} pixels)"
+        )
+        if beyond > 0.0:
+            note += f"; the stated errors hold the {100.0 * beyond:.2g} % that are no chance"
+        return beyond, note
+
+
+def _scale(values: np.ndarray) -> np.ndarray:
+    """What errors of values are relative to, as `relative_error` counts them."""
+    return np.maximum(values, max(values.mean(), 1e-30))

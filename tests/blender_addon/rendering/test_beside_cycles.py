@@ -1,0 +1,114 @@
+"""Pictures of the engine beside those of Cycles."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from blender_objects import add_camera, add_cube, add_light, needs_cycles, new_world
+
+pytestmark = pytest.mark.usefixtures("extension")
+
+
+def directional_world():
+    """An environment that is bright around one direction only, turned about z."""
+    world, node = new_world((0, 0, 0))
+    image = bpy.data.images.new("Sky", 64, 32, float_buffer=True)
+    pixels = np.zeros((32, 64, 4), np.float32)
+    pixels[..., 3] = 1.0
+    pixels[20:24, 40:46, :3] = 50.0
+    pixels[18:20, 10:14, :3] = (30.0, 5.0, 5.0)
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = image
+    mapping = world.node_tree.nodes.new("ShaderNodeMapping")
+    mapping.inputs["Rotation"].default_value[2] = 0.7
+    where = world.node_tree.nodes.new("ShaderNodeTexCoord")
+    links = world.node_tree.links
+    links.new(where.outputs["Generated"], mapping.inputs["Vector"])
+    links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    links.new(texture.outputs["Color"], node.inputs["Color"])
+    return world
+
+
+def render_with(engine, camera_settings=None):
+    """Render 48 x 32 pixels and return linear luminance, row 0 at the bottom."""
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.render.resolution_x, scene.render.resolution_y = 48, 32
+    scene.render.resolution_percentage = 100
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "IMAGE"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    path = Path(bpy.app.tempdir) / f"{engine}.exr"
+    scene.render.filepath = str(path)
+    if engine == "CYCLES":
+        scene.cycles.samples = 256
+        scene.cycles.use_denoising = False
+        scene.cycles.use_adaptive_sampling = False
+        scene.cycles.device = "CPU"
+    else:
+        scene.lumenray.render.samples = 128
+        scene.lumenray.white_luminance = scene.lumenray.efficacy
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(str(path), check_existing=False)
+    pixels = np.array(image.pixels[:], np.float32).reshape(32, 48, -1)
+    bpy.data.images.remove(image)
+    return pixels[..., :3]
+
+
+@needs_cycles
+@pytest.mark.parametrize("view", ["perspective", "shifted", "orthographic", "panorama"])
+def test_pictures_agree_with_cycles(view):
+    add_cube(location=(0, 0, 0))
+    floor = add_cube(location=(0, 0, -1.5), scale=(6, 6, 0.4))
+    paint = bpy.data.materials.new("Paint")
+    paint.use_nodes = True
+    nodes = paint.node_tree.nodes
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.7, 0.4, 0.2, 1.0)
+    paint.node_tree.links.new(diffuse.outputs[0], nodes.get("Material Output").inputs["Surface"])
+    for item in (bpy.data.objects["Cube"], floor):
+        item.data.materials.append(paint)
+    add_light("POINT", location=(2, -3, 3), energy=300.0, shadow_soft_size=0.3)
+    add_light("AREA", location=(-3, -1, 3), energy=200.0, size=1.5)
+    new_world((0.2, 0.3, 0.5), 0.5)
+    settings = {
+        "perspective": {"lens": 30.0},
+        "shifted": {"lens": 40.0, "shift_x": 0.15, "shift_y": -0.1},
+        "orthographic": {"type": "ORTHO", "ortho_scale": 7.0},
+        "panorama": {"type": "PANO"},
+    }[view]
+    add_camera((5, -6, 4), (1.1, 0, 0.7), **settings)
+    if view == "panorama":
+        data = bpy.context.scene.camera.data
+        holder = data if hasattr(data, "panorama_type") else data.cycles
+        holder.panorama_type = "EQUIRECTANGULAR"
+    ours, theirs = render_with("LUMENRAY"), render_with("CYCLES")
+
+    # Blocks of 8 x 8 pixels even out noise; upsampled spectra and RGB differ a little in colour.
+    def blocks(picture):
+        return picture.reshape(4, 8, 6, 8, 3).mean(axis=(1, 3))
+
+    assert ours.mean() == pytest.approx(theirs.mean(), rel=0.03)
+    assert np.abs(blocks(ours) - blocks(theirs)).max() < 0.08 * blocks(theirs).max()
+
+
+@needs_cycles
+@pytest.mark.slow
+def test_environments_are_turned_like_cycles_turns_them():
+    directional_world()
+    add_camera((0, 0, 0), (1.4, 0.0, 0.0), lens=12.0)
+    compared = 0
+    for angle in (0.0, 2.0, 4.0):
+        bpy.context.scene.camera.rotation_euler[2] = angle
+        ours, theirs = render_with("LUMENRAY"), render_with("CYCLES")
+        if theirs.max() < 1.0:
+            continue
+        # The bright patches must fall on the same pixels.
+        a, b = ours.sum(axis=2), theirs.sum(axis=2)
+        assert (a * b).sum() / np.sqrt((a**2).sum() * (b**2).sum()) > 0.97
+        compared += 1
+    assert compared, "no view saw a bright patch"

@@ -1,0 +1,173 @@
+"""Commands on Blender files: what they measure, bake and render, and how they fail."""
+
+import json
+
+import numpy as np
+import pytest
+from lumenray.command_line import main as command_line
+from lumenray.engine.analysis.denoiser import find_denoiser
+from lumenray.libraries import scenes
+from PIL import Image
+
+pytestmark = pytest.mark.usefixtures("extension")
+
+
+def test_the_command_line_measures_the_inverse_square_law(tmp_path):
+    (tmp_path / "in.csv").write_text("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,0.5,0,0,1\n")
+    code = command_line.main(
+        ["measure", str(scenes.scene_path("inverse_square")), "--sensors", str(tmp_path / "in.csv"),
+         "-o", str(tmp_path / "out.csv"), "--samples", "4096"]
+    )  # fmt: skip
+    assert code == 0
+    rows = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)
+    assert rows["illuminance_lx"][0] == pytest.approx(7.9577, rel=2e-3)
+    assert rows["illuminance_lx"][1] == pytest.approx(4 * 7.9577, rel=2e-3)
+    assert (rows["standard_error_lx"] < 0.01).all()
+
+
+@pytest.mark.slow
+def test_the_command_line_bakes_and_renders(tmp_path, capsys):
+    box = str(scenes.scene_path("closed_box"))
+    assert (
+        command_line.main(
+            [
+                "bake",
+                box,
+                "-o",
+                str(tmp_path),
+                "--objects",
+                "Floor",
+                "--lumels-per-m",
+                "4",
+                "--samples",
+                "16",
+                "--save",
+                str(tmp_path / "saved.blend"),
+            ]
+        )
+        == 0
+    )
+    assert "Floor" in capsys.readouterr().out
+    assert (tmp_path / "saved.blend").exists()
+    out = tmp_path / "p.exr"
+    assert (
+        command_line.main(["render", box, "-o", str(out), "--size", "16x12", "--samples", "4"]) == 0
+    )
+    assert out.exists()
+    assert out.with_suffix(".png").exists()
+    assert json.loads(out.with_suffix(".json").read_text())["quantities"][0]["unit"] == "cd/m2"
+
+
+@pytest.mark.skipif(find_denoiser() is None, reason="Open Image Denoise is not installed")
+def test_a_denoised_preview_says_so_and_the_numbers_are_as_computed(tmp_path):
+    openexr = pytest.importorskip("OpenEXR")
+    seen = []
+    for name in ("--denoise", "--no-denoise"):
+        out = tmp_path / f"{name}.exr"
+        code = command_line.main(
+            ["render", str(scenes.scene_path("closed_box")), "-o", str(out), "--size", "48x32", "--samples", "4", name]
+        )  # fmt: skip
+        assert code == 0
+        with Image.open(out.with_suffix(".png")) as picture:
+            noise = np.abs(np.diff(np.asarray(picture, dtype=float), axis=1)).mean()
+            told = picture.text["Description"]
+        with openexr.File(str(out), separate_channels=True) as file:
+            numbers = {key: each.pixels.copy() for key, each in file.channels().items()}
+        assert json.loads(out.with_suffix(".json").read_text())["preview"] == told
+        seen.append((noise, told, numbers))
+    (calm, words, first), (rough, plain, second) = seen
+    assert words.startswith(
+        "denoised by Open Image Denoise; all numbers are of the data as computed"
+    )
+    assert plain == "as computed"
+    assert calm < 0.6 * rough
+    for key, values in first.items():
+        np.testing.assert_array_equal(values, second[key])
+
+
+def test_without_the_denoiser_it_is_refused_when_asked_for_and_left_out_otherwise(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("lumenray.engine.analysis.denoiser.find_denoiser", lambda: None)
+    box, out = str(scenes.scene_path("closed_box")), str(tmp_path / "a.exr")
+    assert command_line.main(["render", box, "-o", out, "--denoise"]) == 1
+    assert "Open Image Denoise is not installed" in capsys.readouterr().err
+    assert command_line.main(["render", box, "-o", out, "--size", "16x12", "--samples", "2"]) == 0
+    assert json.loads((tmp_path / "a.json").read_text())["preview"] == "as computed"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["render", "nowhere.blend", "-o", "a.exr"], "no such file"),
+        (["bake", "BOX", "-o", "out", "--objects", "Ghost"], "no object named Ghost"),
+        (["measure", "BOX", "--sensors", "none.csv", "-o", "out.csv"], "cannot be opened"),
+        (["render", "NOISE", "-o", "a.exr"], "cannot open"),
+    ],
+)
+def test_every_failure_is_one_line_and_a_code(tmp_path, capsys, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "noise.blend").write_bytes(b"this is no Blender file")
+    places = {"BOX": str(scenes.scene_path("closed_box")), "NOISE": "noise.blend"}
+    assert command_line.main([places.get(a, a) for a in arguments]) == 1
+    error = capsys.readouterr().err.strip()
+    assert words in error
+    assert len(error.splitlines()) == 1
+
+
+def test_a_picture_is_written_by_light_group_and_mixed(tmp_path, capsys):
+    openexr = pytest.importorskip("OpenEXR")
+    office = str(scenes.scene_path("closed_box"))
+
+    def render(name, *options):
+        out = tmp_path / f"{name}.exr"
+        more = ["-o", str(out), "--size", "16x12", "--samples", "8", "--no-denoise"]
+        assert command_line.main(["render", office, *more, *options]) == 0
+        with openexr.File(str(out), separate_channels=True) as file:
+            return {key: channel.pixels.copy() for key, channel in file.channels().items()}
+
+    kept = render("kept", "--light-groups", "each")
+    (name,) = (key[9:-2] for key in kept if key.startswith("Combined_") and key.endswith(".G"))
+    np.testing.assert_allclose(kept[f"Combined_{name}.G"], kept["G"], rtol=1e-5)
+    np.testing.assert_array_equal(kept[f"Luminance_{name}.Y"], kept["Luminance.Y"])
+    rows = json.loads((tmp_path / "kept.json").read_text())["quantities"]
+    assert rows[1]["name"] == f"light group {name}"
+    assert rows[1]["share"] == pytest.approx(1.0)
+    capsys.readouterr()
+    half = render("half", "--light-groups", "each", "--mix", f"{name}=50%")
+    assert f"light mix: {name} at 50 % of its flux" in capsys.readouterr().out
+    np.testing.assert_allclose(half["Luminance.Y"], 0.5 * kept["Luminance.Y"], rtol=1e-5)
+    np.testing.assert_allclose(half["Luminance.error"], 0.5 * kept["Luminance.error"], rtol=1e-5)
+    np.testing.assert_array_equal(half[f"Luminance_{name}.Y"], kept["Luminance.Y"])
+
+
+def test_the_report_of_a_picture_says_how_it_was_made_and_what_cells_change(tmp_path):
+    box, said = str(scenes.scene_path("closed_box")), {}
+    for method in ("cells", "paths"):
+        out = tmp_path / f"{method}.exr"
+        more = ["-o", str(out), "--size", "32x24", "--samples", "4", "--no-denoise"]
+        assert command_line.main(["render", box, *more, "--method", method]) == 0
+        said[method] = json.loads(out.with_suffix(".json").read_text())
+    assert any("read from cells, as asked for" in each for each in said["cells"]["decisions"])
+    assert any("of the picture's mean (measured at" in each for each in said["cells"]["notes"])
+    assert "full paths are asked for" in said["paths"]["decisions"]
+    assert not any("cells" in each for each in said["paths"]["notes"])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--mix", "Gone=0.5"], "none are kept apart"),
+        (["--light-groups", "each", "--mix", "Gone=0.5"], "no light group is called 'Gone'; those"),
+        (["--mix", "Ceiling"], "expected NAME=FACTOR"),
+        (["--mix", "Ceiling=-1"], "expected NAME=FACTOR"),
+    ],
+)
+def test_mixes_that_make_no_sense_are_refused(tmp_path, capsys, options, words):
+    box = str(scenes.scene_path("closed_box"))
+    try:
+        code = command_line.main(["render", box, "-o", str(tmp_path / "a.exr"), *options])
+    except SystemExit as end:
+        code = end.code
+    assert code in {1, 2}
+    assert words in capsys.readouterr().err

@@ -1,0 +1,119 @@
+"""Rules that end a job, and the forecast of its clock."""
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.estimate import Estimate
+from lumenray.engine.accuracy.stopping import Clock, StopRule, format_seconds
+from lumenray.engine.errors import SceneError
+
+
+def test_a_rule_without_an_end_is_refused():
+    with pytest.raises(SceneError, match="samples, an error or a time"):
+        StopRule()
+    with pytest.raises(SceneError, match="above 0"):
+        StopRule(error=-0.1)
+
+
+def test_the_forecast_follows_one_over_the_square_root(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.01))
+    now[0] = 110.0
+    assert clock.progress(50, float("inf")).seconds_left is None
+    # 2 % after 10 s needs four times as long: 30 s more.
+    assert not clock.is_done(100, 0.02)
+    assert clock.progress(100, 0.02).seconds_left == pytest.approx(30.0)
+    assert clock.is_done(400, 0.01)
+    assert format_seconds(709) == "11:49 min"
+
+
+@pytest.mark.parametrize("power", [0.5, 0.65, 0.8])
+def test_the_forecast_learns_how_the_error_falls(monkeypatch, power):
+    # 100 samples a second; the error is 10 % after 100 samples and falls as a power of their number.
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(each=0.001))
+    for samples in (100, 200, 400, 800):
+        now[0] = samples / 100.0
+        error = (100 / samples) ** power
+        assert not clock.is_done(samples, error, 0.1 * error / 0.001)
+    needed = 100.0 * 100.0 ** (1.0 / power) / 100.0
+    # In the middle of the next pass the error is still that of the last one.
+    now[0] = 10.0
+    assert clock.progress(1000, 1.0).seconds_left == pytest.approx(needed - 10.0)
+
+
+@pytest.mark.parametrize("power", [0.5, 0.8])
+def test_three_passes_tell_how_the_error_falls(monkeypatch, power):
+    """Each doubles what there is; two of them are not believed in full."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.001))
+    left = []
+    for samples in (100, 200, 400):
+        now[0] = samples / 100.0
+        error = 0.1 * (samples / 100.0) ** -power
+        assert not clock.is_done(samples, error)
+        left.append(clock.progress(samples, error).seconds_left + now[0])
+    needed = 100.0 ** (1.0 / power)
+    assert left[2] == pytest.approx(needed)
+    plain = 100.0 ** (1.0 / 0.5)
+    assert left[0] == pytest.approx(plain)
+    assert min(needed, plain) <= left[1] * 1.0001 and left[1] <= plain * 1.0001
+
+
+def test_a_fast_fall_of_the_error_at_first_is_not_carried_on_to_the_end(monkeypatch):
+    """As one over the samples so far; integrands with edges let well-distributed points fall by the power 3/4 at last."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.001))
+    for samples in (100, 200, 400, 800):
+        now[0] = samples / 100.0
+        assert not clock.is_done(samples, 10.0 / samples)
+    # Either on as before, or all the way from here as with edges, of which a part may be thought to be chance.
+    soonest, latest = 10_000.0 / 100.0, 8.0 * 12.5 ** (4.0 / 3.0)
+    left = clock.progress(800, 10.0 / 800).seconds_left
+    assert 1.2 * (soonest - now[0]) < left < 1.1 * (latest - now[0])
+
+
+def test_kernels_that_the_first_pass_makes_do_not_count_for_all_others(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(each=0.01))
+    # Eight seconds for kernels, then 100 samples a second.
+    for samples in (100, 200, 300, 400):
+        now[0] = 8.0 + samples / 100.0
+        error = 0.1 * (100 / samples) ** 0.5
+        assert not clock.is_done(samples, error, error / 0.01)
+    # A hundred times the samples of the first pass, whatever that took.
+    assert clock.progress(400, error).seconds_left == pytest.approx(96.0)
+
+
+@pytest.mark.parametrize("power, most", [(0.5, 0.38), (0.75, 0.26)])
+@pytest.mark.slow
+def test_the_forecast_of_the_worst_of_many_sensors_is_not_thrown_off_by_chance(
+    monkeypatch, power, most
+):
+    """Fifty sensors of known errors, whose worst one ends the job after 150 passes: forecast after three tenths."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    rng = np.random.default_rng(4)
+    groups, sensors, batch, passes = 16, 50, 256, 150
+    off = []
+    for _ in range(60):
+        now[0] = 0.0
+        scale = np.exp(0.4 * rng.normal(size=sensors))
+        allowed = scale.max() * (batch * passes) ** -power / np.sqrt(groups)
+        clock, walk, forecasts, samples = Clock(StopRule(each=1.0)), 0.0, [], 0
+        while True:
+            samples += batch
+            now[0] += 1.0
+            walk = walk + rng.normal(size=(groups, sensors)) * np.sqrt(batch)
+            means = scale * walk / samples * samples ** (0.5 - power)
+            error = Estimate.from_groups(means, samples).standard_error
+            if clock.is_done(samples, np.sqrt(np.mean(error**2)), error.max() / allowed):
+                break
+            forecasts.append(now[0] + clock.progress(samples, 1.0).seconds_left)
+        off.append(np.log(forecasts[int(0.3 * len(forecasts))] / now[0]))
+    assert np.sqrt(np.mean(np.square(off))) < most
+    assert abs(np.median(off)) < 0.12

@@ -1,0 +1,198 @@
+"""Reflectance models: sampling agrees with the stated density, energy and reciprocity hold."""
+
+import numpy as np
+import pytest
+from lumenray.engine.scene.material import (
+    Black,
+    Coated,
+    Dielectric,
+    Diffuse,
+    Glossy,
+    Mix,
+    ThinGlass,
+    Transparent,
+)
+from lumenray.engine.scene.spectrum import Constant, Rgb
+from lumenray.engine.transport import backend
+from scattering_models import towards
+from scipy import stats
+
+SMOOTH = {
+    "matt": Diffuse(Constant(0.6)),
+    "sheet": Diffuse(Constant(0.3), Constant(0.5)),
+    "gloss paint": Coated(Rgb(0.6, 0.3, 0.2), 1.5, 0.3),
+    "satin": Coated(Constant(0.2), 1.6, 0.7),
+    "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
+}
+
+
+@pytest.fixture(autouse=True)
+def _spectral():
+    backend.start(spectral=True)
+
+
+def plugin(surface):
+    import mitsuba as mi
+    from lumenray.engine.materials import plugins
+    from lumenray.engine.transport.compiled.surfaces import bsdf
+    from lumenray.engine.transport.compiled.textures import TextureMaker
+
+    plugins.register()
+    made = bsdf(surface, TextureMaker(np.ones(471)))
+    return mi.load_dict(made) if isinstance(made, dict) else made
+
+
+def interaction(direction, count):
+    import drjit as dr
+    import mitsuba as mi
+
+    si = dr.zeros(mi.SurfaceInteraction3f, count)
+    si.wi = mi.Vector3f(*map(float, direction))
+    si.n, si.sh_frame = mi.Normal3f(0, 0, 1), mi.Frame3f(mi.Normal3f(0, 0, 1))
+    si.wavelengths = mi.Spectrum(450.0, 550.0, 600.0, 650.0)
+    return si
+
+
+@pytest.mark.parametrize("angle", [10, 60, 130])
+@pytest.mark.parametrize("name", SMOOTH)
+def test_sampled_directions_follow_the_stated_density(name, angle):
+    import mitsuba as mi
+
+    bsdf = plugin(SMOOTH[name])
+    count = 1 << 17
+    stream = mi.PCG32(size=count, initstate=5)
+    si = interaction(towards(angle), count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    bs, weight = bsdf.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    valid = np.array(bs.pdf) > 0.0
+    wo = np.stack([np.array(c) for c in bs.wo], axis=1)[valid]
+    bins = (16, 24)
+
+    def cells(z, phi):
+        return np.clip(((z + 1) / 2 * bins[0]).astype(int), 0, bins[0] - 1) * bins[1] + np.clip(
+            ((phi / (2 * np.pi)) % 1.0 * bins[1]).astype(int), 0, bins[1] - 1
+        )
+
+    observed = np.bincount(
+        cells(wo[:, 2], np.arctan2(wo[:, 1], wo[:, 0])), minlength=bins[0] * bins[1]
+    )
+    # Expected counts: the density integrated over each cell with 24 x 24 points.
+    fine = 24
+    z = (np.arange(bins[0] * fine) + 0.5) / (bins[0] * fine) * 2 - 1
+    phi = (np.arange(bins[1] * fine) + 0.5) / (bins[1] * fine) * 2 * np.pi
+    zz, pp = (m.ravel() for m in np.meshgrid(z, phi, indexing="ij"))
+    radius = np.sqrt(1 - zz**2)
+    direction = mi.Vector3f(
+        mi.Float((radius * np.cos(pp)).astype(np.float32)),
+        mi.Float((radius * np.sin(pp)).astype(np.float32)),
+        mi.Float(zz.astype(np.float32)),
+    )
+    grid = interaction(towards(angle), len(zz))
+    pdf = np.array(bsdf.pdf(mi.BSDFContext(), grid, direction, True), dtype=float)
+    expected = np.bincount(cells(zz, pp), weights=pdf, minlength=bins[0] * bins[1])
+    expected *= 4 * np.pi / len(zz) * count
+    enough = expected > 8
+    chi = ((observed - expected)[enough] ** 2 / expected[enough]).sum()
+    assert stats.chi2.sf(chi, enough.sum() - 1) > 1e-4
+    assert abs(observed.sum() - expected.sum()) < 5 * np.sqrt(count) + 0.004 * count
+    # The weight is value / density.
+    value = bsdf.eval(mi.BSDFContext(), si, bs.wo, True)
+    ratio = np.array(value)[:, valid] / np.array(bs.pdf)[valid]
+    assert np.allclose(np.array(weight)[:, valid], ratio, rtol=2e-3, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["matt", "gloss paint", "satin"])
+def test_reflection_is_reciprocal(name):
+    import mitsuba as mi
+
+    bsdf = plugin(SMOOTH[name])
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        a, b = rng.normal(size=(2, 3))
+        a[2], b[2] = abs(a[2]) + 0.05, abs(b[2]) + 0.05
+        a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
+        there = (
+            np.array(
+                bsdf.eval(mi.BSDFContext(), interaction(a, 1), mi.Vector3f(*map(float, b)), True)
+            )
+            / b[2]
+        )
+        back = (
+            np.array(
+                bsdf.eval(mi.BSDFContext(), interaction(b, 1), mi.Vector3f(*map(float, a)), True)
+            )
+            / a[2]
+        )
+        assert np.allclose(there, back, rtol=1e-3)
+
+
+def albedo(surface, angle, count=1 << 16):
+    import mitsuba as mi
+
+    stream = mi.PCG32(size=count, initstate=9)
+    si = interaction(towards(angle), count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    _, weight = plugin(surface).sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    return float(np.array(weight).mean())
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80])
+@pytest.mark.parametrize("roughness", [0.1, 0.5, 1.0])
+def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(roughness, angle):
+    # Single scattering of a rough coat loses a few percent at grazing angles; nothing may be gained.
+    assert 0.93 < albedo(Coated(Constant(1.0), 1.5, roughness), angle) < 1.003
+
+
+def test_a_black_coated_surface_reflects_the_fresnel_share():
+    # Smooth limit at normal incidence: ((n - 1) / (n + 1))^2 = 4 %.
+    assert albedo(Coated(Constant(0.0), 1.5, 0.05), 0) == pytest.approx(0.04, rel=0.02)
+
+
+def test_a_pane_transmits_what_fresnel_and_its_body_say():
+    # n = 1.5, clear, normal incidence with all internal reflections: T = 2 n / (n^2 + 1) = 0.9231.
+    import mitsuba as mi
+    from lumenray.engine.materials.plugins import pane_optics
+
+    r, t = pane_optics(mi.Float(1.0), 1.5, mi.Spectrum(1.0))
+    assert np.allclose(np.array(t), 2 * 1.5 / (1.5**2 + 1), rtol=1e-5)
+    assert np.allclose(np.array(r) + np.array(t), 1.0, rtol=1e-5)
+    # At Brewster's angle (56.31 deg) p-polarised light passes in full; s: R1 = 0.1479, T = (1-R1)/(1+R1).
+    r, t = pane_optics(mi.Float(float(np.cos(np.arctan(1.5)))), 1.5, mi.Spectrum(1.0))
+    single = ((1.5**2 - 1) / (1.5**2 + 1)) ** 2
+    assert np.allclose(np.array(t), 0.5 * (1 + (1 - single) / (1 + single)), rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("surface", "expected"),
+    [
+        (Black(), 0.0),
+        (Diffuse(Constant(0.7)), 0.7),
+        (Diffuse(Constant(0.3), Constant(0.5)), 0.8),
+        (ThinGlass(1.5, Constant(1.0)), 1.0),
+        (Transparent(Constant(0.4)), 0.4),
+        (Dielectric(tint=Constant(1.0)), None),
+    ],
+    ids=lambda v: type(v).__name__,
+)
+def test_surfaces_return_the_stated_share(surface, expected):
+    made = albedo(surface, 30)
+    if expected is None:
+        # Radiance in glass is n^2 denser, so the transmitted weight is divided by n^2: R + (1 - R) / n^2.
+        reflectance = 0.0415  # Fresnel, n = 1.5, 30 degrees, unpolarised
+        expected = reflectance + (1 - reflectance) / 2.25
+    assert made == pytest.approx(expected, abs=0.004)
+
+
+def kinds_of(kind):
+    """All kinds of a kind of surface, those that only share code left out."""
+    for each in kind.__subclasses__():
+        yield from [] if each.__name__.startswith("_") else [each]
+        yield from kinds_of(each)
+
+
+def test_every_kind_of_surface_can_be_computed_and_shown_in_one_colour():
+    from lumenray.engine.formats.gltf_colour import LOOKS
+    from lumenray.engine.scene.material import Surface
+    from lumenray.engine.transport.compiled.surfaces import MAKERS
+
+    assert set(kinds_of(Surface)) == set(MAKERS) == set(LOOKS)

@@ -1,0 +1,92 @@
+"""Rules, seeds and cancelling of pictures by both methods, and what they tell."""
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.errors import Cancelled, SceneError
+from lumenray.engine.views import ViewSettings
+from small_pictures import ROOMS, look_in
+from small_scenes import session_of
+
+pytestmark = pytest.mark.mitsuba
+
+METHODS = ("cells", "paths")
+
+
+@pytest.fixture(scope="module")
+def session():
+    return session_of(*ROOMS["matt"])
+
+
+@pytest.fixture(params=METHODS)
+def method(request):
+    return request.param
+
+
+def made(session, method, rule, seed=1, size=(32, 24), progress=None):
+    settings = ViewSettings(rule, seed, method=method)
+    return session.render(look_in(*size), settings, progress)
+
+
+@pytest.mark.parametrize("size", [(32, 24), (8, 8), (13, 7)])
+@pytest.mark.parametrize("samples", [1, 2, 3, 100, 600])
+def test_as_many_samples_are_taken_as_are_asked_for(session, method, size, samples):
+    told = made(session, method, StopRule(samples=samples), size=size).provenance.samples
+    assert abs(told - samples) <= max(1, 0.05 * samples)
+
+
+def test_a_seed_gives_the_same_picture_whoever_looks_on_and_another_does_not(session, method):
+    rule, previews = StopRule(samples=24), []
+
+    def follow(_, preview):
+        previews.append(None if preview is None else preview())
+
+    first, again = made(session, method, rule), made(session, method, rule, progress=follow)
+    assert previews
+    for name in ("tristimulus", "luminance_error", "depth"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
+    assert first.relative_error == again.relative_error
+    other = made(session, method, rule, 2)
+    assert (first.tristimulus != other.tristimulus).any()
+
+
+def test_an_error_is_reached_and_not_overshot(session, method):
+    goal = 0.02
+    reached = made(session, method, StopRule(error=goal))
+    assert reached.relative_error <= goal
+    # What nearly as many samples reach, by the same seed, is no better than asked for.
+    fewer = round(reached.provenance.samples / 1.4)
+    assert fewer <= 8 or made(session, method, StopRule(samples=fewer)).relative_error > goal
+
+
+def test_a_picture_can_be_cancelled_in_the_middle(session, method):
+    seen = []
+
+    def follow(state, _):
+        seen.append(state.samples)
+        if state.samples >= 16:
+            session.cancel()
+
+    with pytest.raises(Cancelled):
+        made(session, method, StopRule(samples=1 << 20), progress=follow)
+    assert 16 <= seen[-1] < 1 << 10
+    assert made(session, method, StopRule(samples=2)).provenance.samples == 2
+
+
+def test_a_time_ends_a_picture(session, method):
+    assert made(session, method, StopRule(seconds=0.5)).provenance.samples > 0
+
+
+def test_pictures_tell_their_method_and_the_bias_of_cells(session):
+    cells, paths = (made(session, each, StopRule(samples=8)).provenance for each in METHODS)
+    assert any("read from cells" in each for each in cells.decisions)
+    assert any("of the picture's mean (measured at" in each for each in cells.notes)
+    assert any("full paths" in each for each in paths.decisions)
+    assert not any("cells" in each for each in paths.notes)
+    auto = made(session, "auto", StopRule(samples=8)).provenance
+    assert any("so few paths" in each for each in auto.decisions)
+
+
+def test_another_method_is_refused_in_a_sentence(session):
+    with pytest.raises(SceneError, match="method is 'nonsense', expected auto or cells or paths"):
+        made(session, "nonsense", StopRule(samples=1))

@@ -1,0 +1,73 @@
+"""Lights from ray sets with closed forms, and floors under them."""
+
+import functools
+from types import SimpleNamespace
+
+import numpy as np
+from baking_rooms import lumel_places
+from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
+from lumenray.engine.raysets.emission import prepare_light
+from lumenray.engine.raysets.record import Rays
+from lumenray.engine.scene.light import Luminaire, Output, Quantity
+from lumenray.engine.scene.spectrum import Constant
+from ray_files import zemax
+from small_scenes import paint, quad
+
+SIZE = 0.1
+"""Diameter of the source. [m]"""
+
+SCALE = SIZE / (2.0 * RADIUS)
+FLUX = 100.0
+WHITE = Constant(1.0)
+BLACK = paint(0.0, "black")
+
+
+def rays_of(source, count, seed=1):
+    position, direction = source(even_numbers(count, seed))
+    return Rays(
+        (position * SCALE).astype(np.float32), direction, np.full(count, FLUX / count, np.float32)
+    )
+
+
+@functools.cache
+def light_of(source, count=20_000):
+    """A ray file of a source of 100 lm, made ready."""
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "lamp.dat"
+        rays = rays_of(source, count)
+        path.write_bytes(zemax(np.column_stack([1e3 * rays.position, rays.direction, rays.weight])))
+        return prepare_light(path)
+
+
+def lamp_at(position, source=disk, spectrum=WHITE, **more):
+    made = light_of(source)
+    frame = np.eye(4)
+    frame[:3, 3] = position
+    output = Output(Quantity.LUMINOUS_FLUX, FLUX, spectrum)
+    return Luminaire("led", "led", output, frame, made.distribution, rays=made.emission, **more)
+
+
+def exact_disk(places, centre):
+    """Illuminance of horizontal places under a Lambertian disk that shines down, see `disk`. (n, 3) -> (n,) [lx]"""
+    away = places - centre
+    square, height, radius = (away[:, :2] ** 2).sum(axis=1), -away[:, 2], 0.5 * SIZE
+    total = square + height**2 + radius**2
+    factor = 0.5 * (1.0 - (total - 2.0 * radius**2) / np.sqrt(total**2 - 4.0 * radius**2 * square))
+    return FLUX / (np.pi * radius**2) * factor
+
+
+def floor(side, name="floor", height=0.0, material="black"):
+    return quad(name, (-side / 2, -side / 2, height), (side, 0, 0), (0, side, 0), material)
+
+
+def lumels_of(result, mesh):
+    """Values and places of the lumels of the only map whose places are known."""
+    values, places = result.lumels(0), lumel_places(result, result.maps[0], mesh)[0]
+    known = np.isfinite(places[:, 0])
+    columns = ("illuminance", "standard_error", "area")
+    return SimpleNamespace(**{name: getattr(values, name)[known] for name in columns}), places[
+        known
+    ]

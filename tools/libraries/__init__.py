@@ -1,0 +1,1 @@
+"""A package for each library, with the command that makes its data."""

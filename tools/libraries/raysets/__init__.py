@@ -1,0 +1,1 @@
+"""Makes the ray sets that ship, by tracing small models of lamps."""

@@ -1,0 +1,1 @@
+"""Builds the scenes that ship, in Blender."""

@@ -1,0 +1,1 @@
+"""Makes the spectral tables that ship, of the data in colour-science."""

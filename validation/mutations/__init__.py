@@ -1,0 +1,1 @@
+"""Faults of physics that the validation suite has to find; its door is `python -m lumenray.validation.mutations`."""
