@@ -8,8 +8,9 @@ from small_scenes import quad
 pytestmark = pytest.mark.mitsuba
 
 Z = 4.5
-CELLS_SHARE = 0.005
-"""What cells may change of a square of 8 x 8 pixels, beside noise, relative to it: their size in corners and edges. [-]"""
+CELLS_SHARE = 0.01
+"""What cells may change of a square of 8 x 8 pixels beside the noise of single pixels, relative to it: their size in corners
+and edges, and noise of theirs that the pixels have in common. [-]"""
 
 OPEN = quad("floor", (0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.0, 4.0, 0.0), "paint")
 
