@@ -102,6 +102,8 @@ class LightTable:
         self._plain = sum(source.luminaire is None for source in sources)
         self._rows = {id(source): i for i, source in enumerate(sources[self._plain :])}
         self._first_luminaire = dr.opaque(mi.UInt32, self._plain)
+        # No plain number: emitters are asked straight and over mirrors by the same code.
+        self._no_row = dr.opaque(mi.Float, 0.0)
         self._last_row = dr.opaque(mi.UInt32, max(self.count - self._plain, 1) - 1)
         self._slots = 1 << (self.count - 1).bit_length()
         padded = np.full(self._slots, ids[0], dtype=np.uint32)
@@ -235,7 +237,7 @@ class LightTable:
     def row(self, index):
         """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
         if self.palette is None:
-            return mi.Float(0.0)
+            return self._no_row
         first = self._first_luminaire
         return mi.Float(dr.select(index >= first, index - first, 0))
 

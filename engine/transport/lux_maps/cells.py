@@ -66,8 +66,9 @@ class CellSet:
         self._uv = upload(mi.Float, _join([m.uv for m in made]))
         self.whole = np.concatenate([m.whole for m in made]) if made else np.zeros(0)
         self.sides = np.flatnonzero(np.repeat(self.area > 0.0, 2)).astype(np.uint32)
-        self.values = dr.zeros(mi.Float, max(2 * cells * self.bands.count, 1))
-        self.uneven = dr.zeros(mi.Bool, max(2 * cells, 1))
+        # In memory from the first: what is known to be zero would make kernels of its own.
+        self.values = dr.opaque(mi.Float, 0.0, max(2 * cells * self.bands.count, 1))
+        self.uneven = dr.opaque(mi.Bool, False, max(2 * cells, 1))
         self._put_members(made)
         self._near = upload(mi.Float, near)
         self.neighbours = find_neighbours(made, sizes)

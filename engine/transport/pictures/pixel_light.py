@@ -250,12 +250,11 @@ class PixelLight:
             traced, read = cells.guide.light(scene, receiver, stream, by_width=True)
             light = traced + read
         else:
-            guide = None if is_alone else cells.guide
-            light = self._gather(receiver, guide, is_exact)
+            light = self._gather(receiver, is_exact, 0.0 if is_alone else 1.0)
         return dr.select(is_matt, light, 0.0)
 
-    def _gather(self, receiver: "_SeenSurface", guide, is_exact: bool):
-        """Light along a ray that the surface scatters."""
+    def _gather(self, receiver: "_SeenSurface", is_exact: bool, guided: float):
+        """Light along a ray that the surface scatters, beside so many points on cells."""
         si = receiver.si
         bs, weight = receiver.bsdf.sample(
             mi.BSDFContext(), si, receiver.stream.next_float32(), receiver.sample, receiver.active
@@ -272,7 +271,9 @@ class PixelLight:
             receiver.ratio,
             left_out=self._left_out,
             is_exact=is_exact,
-            guide=guide,
+            guide=None if is_exact else self.cells.guide,
+            # No plain number, which would make kernels of its own.
+            guided_ratio=dr.opaque(mi.Float, guided),
             spread=spread_of(bs.pdf),
         )
         return (rest + read) * weight
