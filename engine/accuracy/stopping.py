@@ -158,12 +158,17 @@ ROUNDS = 50
 class Clock:
     """Follows a job against its rule. The time left follows from how the error has fallen so far.
 
+    Attributes
+    ----------
+    grain : int    Samples by whole passes of which the job ends; 0: it may end anywhere.
+
     Raises
     ------
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
     def __init__(self, rule: StopRule, stage: str = ""):
+        self.grain = 0
         if rule.absolute is not None:
             raise SceneError(
                 "an error in lux of the whole stops lux maps only: give a relative error, an error of "
@@ -183,23 +188,37 @@ class Clock:
         """Seconds since the start."""
         return time.perf_counter() - self._start
 
-    def progress(self, samples: int, error: float) -> Progress:
-        """Describe the state after so many samples; the error is that of the last finished pass."""
+    @property
+    def samples_needed(self) -> float | None:
+        """Samples with which the rule will be met by number or error; None while nothing can be said."""
+        needed = [] if self.rule.samples is None else [float(self.rule.samples)]
+        if self._present is not None:
+            needed.append(self._to_whole_passes(self._samples_needed()))
+        return min(needed, default=None)
+
+    def restart(self) -> None:
+        """Forget how the error has fallen: from now on samples are others. Time goes on."""
+        self._history, self._present = [], None
+        self._times = [(0, self.seconds)]
+
+    def progress(self, samples: int, error: float, stage: str | None = None) -> Progress:
+        """Describe the state after so many samples; the error is that of the last finished pass.
+
+        ``stage``: what is being done; None: what the job is.
+        """
         seconds = self.seconds
         ends = []
         if self.rule.seconds is not None:
             ends.append(self.rule.seconds - seconds)
-        needed = [self.rule.samples] if self.rule.samples is not None else []
-        if self._present is not None:
-            needed.append(self._samples_needed())
-        if needed and samples > 0:
+        needed = self.samples_needed
+        if needed is not None and samples > 0:
             each = self._seconds_each(samples, seconds)
-            ends.append(max(min(needed) - samples, 0.0) * each)
+            ends.append(max(needed - samples, 0.0) * each)
         left = max(min(ends), 0.0) if ends else None
         done = 0.0
         if left is not None:
             done = seconds / (seconds + left) if seconds + left > 0.0 else 1.0
-        return Progress(done, samples, error, seconds, left, self.stage)
+        return Progress(done, samples, error, seconds, left, stage or self.stage)
 
     def is_done(self, samples: int, error: float, excess: float | None = None) -> bool:
         """Take note of a finished pass and tell whether any part of the rule is met.
@@ -226,6 +245,12 @@ class Clock:
             or (rule.seconds is not None and self.seconds >= rule.seconds)
             or excess <= 1.0
         )
+
+    def _to_whole_passes(self, samples: float) -> float:
+        """Samples at the end of the pass in which so many are reached."""
+        if not self.grain or samples <= self._present[0]:
+            return samples
+        return max(math.ceil(samples / self.grain - 1e-9), 1) * float(self.grain)
 
     def _seconds_each(self, samples: int, seconds: float) -> float:
         """What a sample takes, by the later half of them, as short passes at the beginning take long for theirs. [s]"""
