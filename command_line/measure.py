@@ -94,6 +94,7 @@ def run(options) -> int:
         assumptions.lines_of(report, notes, shortfall),
     )
     assumptions.tell(report, notes, shortfall)
+    say(f"method: {made.method}")
     say(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )

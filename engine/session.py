@@ -196,10 +196,14 @@ class Session:
             provenance = self._provenance(
                 compiled, seed, estimate.samples, start, made.notes, made.decisions
             )
-        mean, error, balance = estimate.mean, estimate.standard_error, made.balance
+        mean, error, more = (
+            estimate.mean,
+            estimate.standard_error,
+            (made.balance, made.decisions[0]),
+        )
         if colour:
-            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, balance)
-        return Measurement(mean, error, provenance, balance=balance)
+            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, *more)
+        return Measurement(mean, error, provenance, None, None, *more)
 
     def measure_sensors(
         self,

@@ -38,6 +38,9 @@ FIRST_SHARE, FIRST_SAMPLES = 64, 64
 """Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
 the error falls, so that a forecast can be made soon."""
 
+LATER_SHARE, GROWTH = 4, 8
+"""Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
+
 FEWEST_SAMPLES = 1 << 14
 """Samples per receiver before the errors of single receivers are believed."""
 
@@ -171,11 +174,10 @@ def compute(
     job = _Job(scene, receivers, groups, seed, reflections, colour, known)
     whole = _batch(total * groups, rule, groups)
     clock = Clock(rule, STAGE) if clock is None else clock
-    clock.grain = whole * groups
     error = float("inf")
     while True:
-        # Twice as many in all, up to whole passes.
-        batch = min(max(sums.samples, whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+        batch = _next_batch(sums.samples, whole, rule, groups)
+        clock.grain = batch * groups
         per_launch = max(LANES // (groups * batch), 1)
         new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
         for first in range(0, total, per_launch):
@@ -242,6 +244,19 @@ def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
     if rule.samples is not None:
         limit = min(limit, max(rule.samples // groups, 1))
     return 1 << int(np.floor(np.log2(max(limit, 1))))
+
+
+def _next_batch(samples: int, whole: int, rule: StopRule, groups: int) -> int:
+    """Samples per receiver and group in the pass after so many of them: a power of two.
+
+    Twice as many in all, up to a part of a whole pass; then as few that the end is met closely.
+    """
+    first = min(max(whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+    most = min(max(whole // LATER_SHARE, samples // GROWTH, 1), max(LANES // groups, 1))
+    batch = min(max(samples, first), most)
+    if rule.samples is not None and rule.samples > samples * groups:
+        batch = min(batch, -(-rule.samples // groups) - samples)
+    return 1 << int(np.log2(batch))
 
 
 class Places:

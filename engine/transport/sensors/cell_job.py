@@ -199,11 +199,10 @@ class CellJob:
             added[kind] = 1 << int(np.log2(min(sums.counts[kind], most)))
         if self.rule.samples is not None:
             left = self.rule.samples - sums.samples
-            while sums.samples_of(added) > left and max(added.values()) > 1:
+            # What is missing in the end is no pass of its own: rather a few more.
+            most = 2.0 * left - 1.0 if left < sums.samples / GROWTH else left
+            while sums.samples_of(added) > most and max(added.values()) > 1:
                 added = {kind: max(more // 2, 1) for kind, more in added.items()}
-            if sums.samples_of(added) * 2.0 * GROWTH**2 < sums.samples:
-                # What is missing is no pass of its own.
-                added = {kind: 2 * more for kind, more in added.items()}
         return added
 
     def _sweeps_due(self, sums: KindSums) -> bool:

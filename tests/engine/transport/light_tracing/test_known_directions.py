@@ -42,7 +42,13 @@ def illuminance_behind_a_ball(distances):
 
 def scene():
     floor = slab((-0.6, -0.6, -0.1), (0.6, 0.6, 0.0), "black", "floor")
-    return BLACK, GLASS, ball("ball", RADIUS, (0, 0, CENTRE), "glass", 128), point([0, 0, LAMP]), floor
+    return (
+        BLACK,
+        GLASS,
+        ball("ball", RADIUS, (0, 0, CENTRE), "glass", 128),
+        point([0, 0, LAMP]),
+        floor,
+    )
 
 
 def measure(samples, seed=0, **more):
@@ -69,3 +75,33 @@ def test_the_stated_error_in_a_caustic_is_the_true_one():
     true = values.var(axis=0, ddof=1) / values.mean(axis=0) ** 2
     stated = np.array([each.standard_error for each in made]) / values.mean(axis=0)
     assert 0.8 < np.sqrt((stated**2).mean() / true.mean()) < 1.25
+
+
+@pytest.mark.slow
+def test_sensors_in_a_caustic_have_what_is_traced_from_the_lamp():
+    """Light that is traced as into lux maps, in rings 1 mm wide about the axis, beside sensors in the middle of them."""
+    from lumenray.engine.transport.light_tracing.light_paths import LightTracer
+
+    compiled = session_of(*scene())._prepare("auto", False)
+    compiled.settle()
+    corners = {p.number: compiled.triangles(p).astype(float) for _, p, _ in compiled.parts()}
+    (floor,) = {p.number for _, p, item in compiled.parts() if item.id == "black"}
+    edges = PLACES[:, None] + [-0.0005, 0.0005]
+    area = np.pi * np.diff(edges**2, axis=1)[:, 0]
+    rounds = []
+    for seed in range(8):
+        landed = LightTracer(compiled).trace(1 << 18, seed)
+        own = landed.shape == floor
+        weights = np.column_stack([1.0 - landed.uv.sum(axis=1), landed.uv])[own]
+        places = np.einsum("mk,mki->mi", weights, corners[floor][landed.prim[own]])
+        places += compiled.origin
+        distance = np.hypot(places[:, 0], places[:, 1])
+        inside = (distance >= edges[:, :1]) & (distance < edges[:, 1:])
+        rounds.append(inside @ landed.flux[own].astype(float) / area)
+    traced, error = np.mean(rounds, axis=0), np.std(rounds, axis=0, ddof=1) / np.sqrt(len(rounds))
+    made = measure(1 << 16)
+    apart = made.illuminance / traced - 1.0
+    errors = np.hypot(made.standard_error / made.illuminance, error / traced)
+    assert (np.abs(apart) < 5.0 * errors + 0.003).all(), (apart, errors)
+    assert abs(apart.mean()) < 0.01
+    assert np.sqrt((errors**2).sum()) / len(errors) < 0.005
