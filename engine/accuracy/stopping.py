@@ -177,8 +177,8 @@ class Clock:
         self.rule = rule
         self.stage = stage
         self._start = time.perf_counter()
-        # Samples, error of the whole and error over what is allowed, infinite where it is not believed, after passes that lie
-        # apart; and the present state, once it is.
+        # Samples, error of the whole and error over what is allowed, infinite where it is not believed, after passes that
+        # lie apart; and the present state, once it is.
         self._history: list[tuple[int, float, float]] = []
         self._present: tuple[int, float, float] | None = None
         # Samples and seconds after such passes; the first one may have to make kernels.
