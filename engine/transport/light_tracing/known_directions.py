@@ -75,7 +75,7 @@ class KnownDirections:
         count = len(receivers.start)
         self.is_useful = False
         rays = min(ALL_RAYS // max(count, 1), RAYS[1], RAYS[1] if samples is None else samples)
-        if scene.bent is None or rays < RAYS[0]:
+        if scene.bent is None or not count or rays < RAYS[0]:
             return
         self._places = Places(scene, receivers)
         rays = 1 << int(np.log2(rays))

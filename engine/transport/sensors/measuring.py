@@ -98,7 +98,6 @@ class _Measuring:
         self.scene, self.receivers, self.rule, self.seed = scene, receivers, rule, seed
         self.colour, self.progress, self.cancelled = colour, progress, cancelled
         self.clock = Clock(rule, STAGE)
-        self._needed: float | None = None
         known = KnownDirections(scene, receivers, seed, rule.samples, cancelled)
         self.known = known if known.is_useful else None
 
@@ -118,7 +117,7 @@ class _Measuring:
 
     def _by_paths(self, reflections, choice: Choice | None = None) -> Estimate | None:
         leaves = {} if choice is None else {"leaves": choice.leaves}
-        made = compute(
+        return compute(
             self.scene,
             self.receivers,
             self.rule,
@@ -132,12 +131,10 @@ class _Measuring:
             self.clock,
             **leaves,
         )
-        self._needed = self.clock.samples_needed
-        return made
 
     def _by_cells(self, choice: Choice, is_forced: bool) -> tuple[Estimate | None, tuple[str, ...]]:
         """The estimate and notes on it; None where cells are off by too much."""
-        scene, count = self.scene, len(self.receivers.start)
+        scene = self.scene
         places, normals = self.receivers.outlooks(scene)
         spots, scene.spots = scene.spots, None
         try:
@@ -163,7 +160,7 @@ class _Measuring:
                 self.cancelled,
             )
             self.clock.restart()
-            made, bias = job.run((self._needed or 0.0) * count, np.inf if is_forced else BUDGET)
+            made, bias = job.run(choice.paths, np.inf if is_forced else BUDGET)
         finally:
             scene.spots = spots
         if made is None:

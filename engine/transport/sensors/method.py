@@ -9,11 +9,12 @@ from ...accuracy.estimate import Estimate
 from ...accuracy.stopping import Clock, StopRule
 from ...errors import SceneError
 from ..lux_maps.bands import TOLERANCE, interpolation_error
+from ..paths.illuminance import excess_of
 
 METHODS = ("auto", "cells", "paths")
 
 FEWEST_PATHS = 1 << 22
-"""Full paths, of all sensors together, in about the time that finding the light of cells takes."""
+"""Full paths still to go, of all sensors together, in about the time that finding the light of cells takes."""
 
 FEWEST_SECONDS = 30.0
 """Time below which it would take too much of it. [s]"""
@@ -50,6 +51,7 @@ class Choice:
     ----------
     uses_cells : bool or None    None: not before some paths have told what is needed, see `leaves`.
     reason : str    For people.
+    paths : float    Full paths of all sensors that would be needed; 0 while it is not known.
 
     Raises
     ------
@@ -59,7 +61,7 @@ class Choice:
     def __init__(self, scene, rule: StopRule, count: int, method: str, reflections: int | None):
         if method not in METHODS:
             raise SceneError(f"method is '{method}', expected {' or '.join(METHODS)}")
-        self.rule, self._count = rule, count
+        self.rule, self._count, self.paths = rule, count, 0.0
         self.uses_cells, self.reason = self._begin(scene, method, reflections)
 
     def leaves(self, brightness: Estimate, clock: Clock) -> bool:
@@ -67,15 +69,16 @@ class Choice:
         if self.uses_cells is not None or brightness.samples < BELIEVED:
             return False
         needed = clock.samples_needed
+        if needed is None:
+            needed = self._about_needed(brightness)
         if needed is not None:
-            if needed * self._count < FEWEST_PATHS:
+            if (needed - brightness.samples) * self._count < FEWEST_PATHS:
                 return False
             if self._expected_error(brightness, needed) < LEAST_ERROR:
+                self.uses_cells = False
                 self.reason = f"an error below {100.0 * LEAST_ERROR:g} % is more than cells can promise: {PATHS}"
                 return False
-        elif self.rule.seconds is None:
-            # Errors of single values are not believed yet.
-            return False
+            self.paths = needed * self._count
         self.uses_cells, self.reason = True, f"{CELLS}; the bias is measured"
         return True
 
@@ -109,6 +112,11 @@ class Choice:
         if self.rule.seconds is not None and self.rule.seconds < FEWEST_SECONDS:
             return False, f"there is so little time that cells would not pay: {PATHS}"
         return None, f"so few are needed that cells would not pay: {PATHS}"
+
+    def _about_needed(self, brightness: Estimate) -> float | None:
+        """Samples of a sensor by errors of single ones, which the clock does not believe yet; None: no such end."""
+        excess = excess_of(self.rule, brightness)
+        return None if excess is None else brightness.samples * max(excess, 1.0) ** 2
 
     def _expected_error(self, brightness: Estimate, samples: float) -> float:
         """Least relative error of a sensor that is asked for, or that so many samples give. [-]"""
