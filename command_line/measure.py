@@ -44,6 +44,12 @@ def add_command(commands) -> None:
         metavar="E",
         help="go on until the relative standard error of every sensor is below E",
     )
+    measure.add_argument(
+        "--method",
+        choices=("auto", "cells", "paths"),
+        help="what stands for the light of matt surfaces: cells are fast where many sensors or samples are asked for "
+        "(default: as the scene's lux maps have it)",
+    )
     add_witness(measure)
     add_rule(measure, "sensor")
     assumptions.add_option(measure)
@@ -73,6 +79,7 @@ def run(options) -> int:
             kind=SensorKind(options.kind),
             reflections=options.reflections,
             colour=options.colour,
+            method=options.method or settings.bake.method.lower(),
             witness=options.witness,
         )
     found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)
@@ -87,6 +94,7 @@ def run(options) -> int:
         assumptions.lines_of(report, notes, shortfall),
     )
     assumptions.tell(report, notes, shortfall)
+    say(f"method: {made.method}")
     say(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )

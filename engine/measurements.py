@@ -17,6 +17,7 @@ class Measurement:
     tristimulus : (n, 3) float64 or None    X, Y, Z with Y the illuminance, where colour was asked for. [lx]
     tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
     balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
+    method : str    How light beyond the first bounce was found and why so, for people.
     """
 
     illuminance: np.ndarray
@@ -25,6 +26,7 @@ class Measurement:
     tristimulus: np.ndarray | None = None
     tristimulus_error: np.ndarray | None = None
     balance: dict | None = None
+    method: str = ""
 
 
 @dataclass(frozen=True)

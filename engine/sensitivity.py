@@ -92,9 +92,10 @@ def measure_sensitivities(
                 session.apply(SceneDelta((changed,)))
                 readings.append([])
                 for repetition in range(REPETITIONS):
+                    # Of cells each scene would have its own, whose noise would not cancel.
                     measured = session.measure(
                         positions, normals, rule, seed + repetition, transport,
-                        kind=kind, witness=False,
+                        kind=kind, method="paths", witness=False,
                     )  # fmt: skip
                     readings[-1].append(measured.illuminance)
                     done += 1

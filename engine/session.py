@@ -31,9 +31,6 @@ from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
 from .views import Commit, Display, DisplayMode, Frame, LiveSettings, Picture, ViewSettings
 
-SENSOR_GROUPS = 16
-"""Independent groups for sensors: enough for an error of each, within 18 % of itself."""
-
 _ONE_AT_A_TIME = threading.RLock()
 """Mitsuba's variant belongs to the process, so jobs of several threads wait for each other."""
 
@@ -152,6 +149,7 @@ class Session:
         kind: SensorKind = SensorKind.PLANAR,
         reflections: int | None = None,
         colour: bool = False,
+        method: str = "auto",
         witness: bool = True,
     ) -> Measurement:
         """Illuminance at points.
@@ -165,71 +163,47 @@ class Session:
             Most reflections (scatterings, of any kind but passing straight) that light may have had: 0 gives the direct
             part, None everything.
         colour : bool    Whether X and Z are wanted too.
+        method : str
+            ``cells`` reads the light of matt surfaces from cells, ``paths`` follows it to its end, ``auto`` decides by what
+            is needed and says why.
         witness : bool
             Whether a pilot from the lights tells what the sensors receive, so that the errors cover what it finds.
 
         Raises
         ------
-        SceneError    A position or normal is not usable.
+        SceneError    A position, a normal or the method is not usable.
         Cancelled    After `cancel`.
         """
         with self._engine(transport) as compiled:
-            from .transport.light_tracing.bent_lights import bent_lights
-            from .transport.light_tracing.blur import find_blur
-            from .transport.light_tracing.bright_spots import bright_spots
-            from .transport.light_tracing.near_rays import near_rays
-            from .transport.paths.illuminance import Receivers, compute
+            from .transport.sensors.measuring import measure
 
             start = time.perf_counter()
-            receivers = Receivers.at_points(positions, normals, kind)
-            heard = None
-            seen = receivers.outlooks(compiled)
-            with (
-                near_rays(compiled, seen[0]) as kept,
-                bent_lights(compiled) as notes,
-                bright_spots(compiled, *seen),
-            ):
-                estimate = compute(
-                    compiled,
-                    receivers,
-                    rule,
-                    seed,
-                    SENSOR_GROUPS,
-                    progress,
-                    self._cancelled,
-                    reflections,
-                    colour,
-                )
-                blur = find_blur(
-                    compiled, receivers, estimate.samples, seed, reflections, self._cancelled
-                )
-                if blur.any():
-                    estimate = estimate.widened(blur)
-                if witness and self._has_witness and len(estimate.mean):
-                    from .transport.witness.sensors import hear_sensors
-
-                    bright = estimate.channel(1) if colour else estimate
-                    heard = hear_sensors(
-                        compiled,
-                        positions,
-                        normals,
-                        kind,
-                        bright,
-                        seed,
-                        reflections,
-                        self._cancelled,
-                    )
-                    estimate = estimate.widened(heard.floors)
-            made = estimate.samples * len(estimate.mean)
-            notes = (*notes, *kept, *tell_lost({"samples": (estimate.lost, made)}))
-            provenance = self._provenance(compiled, seed, estimate.samples, start, notes)
-        mean, error, balance = estimate.mean, estimate.standard_error, None
-        if heard is not None:
-            provenance = provenance.with_words(heard.decision, heard.notes)
-            balance = heard.balance
+            made = measure(
+                compiled,
+                positions,
+                normals,
+                rule,
+                seed,
+                kind,
+                reflections,
+                colour,
+                method,
+                witness and self._has_witness,
+                progress,
+                self._cancelled,
+            )
+            estimate = made.estimate
+            provenance = self._provenance(
+                compiled, seed, estimate.samples, start, made.notes, made.decisions
+            )
+        mean, error, more = (
+            estimate.mean,
+            estimate.standard_error,
+            (made.balance, made.decisions[0]),
+        )
         if colour:
-            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, balance)
-        return Measurement(mean, error, provenance, balance=balance)
+            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, *more)
+        return Measurement(mean, error, provenance, None, None, *more)
 
     def measure_sensors(
         self,
@@ -238,8 +212,9 @@ class Session:
         seed: int = 0,
         transport: str = "auto",
         progress: Callable[[Progress], None] | None = None,
+        method: str = "auto",
     ) -> Measurement:
-        """Illuminance at the sensors of one of the scene's sets, by its id. [lx]"""
+        """Illuminance at the sensors of one of the scene's sets, by its id; ``method`` as of `measure`. [lx]"""
         sensors = self.scene.sensors.get(key)
         if sensors is None:
             raise SceneError(f"the scene holds no sensors with the id {key}")
@@ -251,6 +226,7 @@ class Session:
             transport,
             progress,
             kind=sensors.kind,
+            method=method,
         )
 
     def probe(

@@ -136,7 +136,7 @@ def format_seconds(seconds: float) -> str:
     return f"{seconds // 3600}:{seconds % 3600 // 60:02d} h"
 
 
-SLOWEST, FASTEST = 0.4, 0.8
+SLOWEST, FASTEST = 0.4, 0.9
 """Bounds on the power of the samples by which an error is believed to go on falling: 1/2 for plain Monte Carlo.
 Well-distributed samples make it fall faster at first, but by 3/4 only in the end where the integrand has edges."""
 
@@ -158,12 +158,17 @@ ROUNDS = 50
 class Clock:
     """Follows a job against its rule. The time left follows from how the error has fallen so far.
 
+    Attributes
+    ----------
+    grain : int    Samples of the passes to come; the job ends with one of them. 0: it may end anywhere.
+
     Raises
     ------
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
     def __init__(self, rule: StopRule, stage: str = ""):
+        self.grain = 0
         if rule.absolute is not None:
             raise SceneError(
                 "an error in lux of the whole stops lux maps only: give a relative error, an error of "
@@ -172,7 +177,8 @@ class Clock:
         self.rule = rule
         self.stage = stage
         self._start = time.perf_counter()
-        # Samples, error of the whole and error over what is allowed, after passes that lie apart; and the present state.
+        # Samples, error of the whole and error over what is allowed, infinite where it is not believed, after passes that
+        # lie apart; and the present state, once it is.
         self._history: list[tuple[int, float, float]] = []
         self._present: tuple[int, float, float] | None = None
         # Samples and seconds after such passes; the first one may have to make kernels.
@@ -183,23 +189,37 @@ class Clock:
         """Seconds since the start."""
         return time.perf_counter() - self._start
 
-    def progress(self, samples: int, error: float) -> Progress:
-        """Describe the state after so many samples; the error is that of the last finished pass."""
+    @property
+    def samples_needed(self) -> float | None:
+        """Samples with which the rule will be met by number or error; None while nothing can be said."""
+        needed = [] if self.rule.samples is None else [float(self.rule.samples)]
+        if self._present is not None:
+            needed.append(self._to_whole_passes(self._samples_needed()))
+        return min(needed, default=None)
+
+    def restart(self) -> None:
+        """Forget how the error has fallen: from now on samples are others. Time goes on."""
+        self._history, self._present = [], None
+        self._times, self.grain = [(0, self.seconds)], 0
+
+    def progress(self, samples: int, error: float, stage: str | None = None) -> Progress:
+        """Describe the state after so many samples; the error is that of the last finished pass.
+
+        ``stage``: what is being done; None: what the job is.
+        """
         seconds = self.seconds
         ends = []
         if self.rule.seconds is not None:
             ends.append(self.rule.seconds - seconds)
-        needed = [self.rule.samples] if self.rule.samples is not None else []
-        if self._present is not None:
-            needed.append(self._samples_needed())
-        if needed and samples > 0:
+        needed = self.samples_needed
+        if needed is not None and samples > 0:
             each = self._seconds_each(samples, seconds)
-            ends.append(max(min(needed) - samples, 0.0) * each)
+            ends.append(max(needed - samples, 0.0) * each)
         left = max(min(ends), 0.0) if ends else None
         done = 0.0
         if left is not None:
             done = seconds / (seconds + left) if seconds + left > 0.0 else 1.0
-        return Progress(done, samples, error, seconds, left, self.stage)
+        return Progress(done, samples, error, seconds, left, stage or self.stage)
 
     def is_done(self, samples: int, error: float, excess: float | None = None) -> bool:
         """Take note of a finished pass and tell whether any part of the rule is met.
@@ -217,15 +237,24 @@ class Clock:
         excess = min(excesses, default=math.inf)
         if not self._times or samples >= STEP * self._times[-1][0]:
             self._times.append((samples, self.seconds))
-        if 0.0 < excess < math.inf and 0.0 < error < math.inf:
-            self._present = (samples, error, excess)
+        if 0.0 < error < math.inf and excess > 0.0:
+            state = (samples, error, excess)
+            if excess < math.inf:
+                self._present = state
             if not self._history or samples >= STEP * self._history[-1][0]:
-                self._history.append(self._present)
+                self._history.append(state)
         return (
             (rule.samples is not None and samples >= rule.samples)
             or (rule.seconds is not None and self.seconds >= rule.seconds)
             or excess <= 1.0
         )
+
+    def _to_whole_passes(self, samples: float) -> float:
+        """Samples at the end of the pass in which so many are reached, on the mean."""
+        present = self._present[0]
+        if samples <= present:
+            return samples
+        return max(samples + 0.5 * self.grain, present + self.grain)
 
     def _seconds_each(self, samples: int, seconds: float) -> float:
         """What a sample takes, by the later half of them, as short passes at the beginning take long for theirs. [s]"""
@@ -237,24 +266,38 @@ class Clock:
     def _samples_needed(self) -> float:
         """Samples at which the error will be what is allowed, if it goes on falling as it has.
 
-        The power is that of the error of the whole, which many values tell, by all passes. What the error of single
-        values is beside the power law, which a few groups tell, is by chance in part: the sum of N samples keeps the root
-        of N / M of it as a part of M samples.
+        The power is that of the error of the whole, which many values tell, by all passes. What an error lies beside the
+        power law, which a few groups tell, is by chance: squares of sums of N and M samples have N / M of it in common.
         """
         entries = [each for each in self._history if each[0] * WINDOW >= self._present[0]]
         if not entries or entries[-1] != self._present:
             entries.append(self._present)
         samples, whole, excess = (np.log([entry[k] for entry in entries]) for k in range(3))
-        apart = samples - samples.mean()
+        one, along, fallen = (_independent(each, samples) for each in (samples**0, samples, whole))
+        apart = along - one * float(one @ along) / float(one @ one)
         support = 0.0 if samples[-1] - samples[0] >= math.log(BASELINE) else SUPPORT
-        power = SUPPOSED * support - float(apart @ whole)
+        power = SUPPOSED * support - float(apart @ fallen)
         power = min(max(power / (support + float(apart @ apart)), SLOWEST), FASTEST)
-        levels = excess + power * samples
-        level, chance = float(levels.mean()), float(levels[-1] - levels.mean())
+        # Errors of single values are not believed from the first pass on.
+        is_known = np.isfinite(excess)
+        levels, of_level = (excess + power * samples)[is_known], samples[is_known]
+        one, levels_apart = (_independent(each, of_level) for each in (of_level**0, levels))
+        level = float(one @ levels_apart) / float(one @ one)
+        chance = float(levels[-1]) - level
         low = now = float(samples[-1])
         high = max((level + max(chance, 0.0)) / power, now)
         for _ in range(ROUNDS):
             end = 0.5 * (low + high)
-            falls_short = level + chance * math.exp(0.5 * (now - end)) > power * end
+            falls_short = level + chance * math.exp(now - end) > power * end
             low, high = (end, high) if falls_short else (low, end)
         return math.exp(min(high, LONGEST))
+
+
+def _independent(values: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """Combinations of values whose chances are independent and alike, if those of two have exp(-d) in common.
+
+    ``samples``: logarithms of how many each value comes from, ascending; d is their difference.
+    """
+    common = np.exp(-np.diff(samples))
+    rest = np.sqrt(np.maximum(1.0 - common**2, 1e-12))
+    return np.concatenate([values[:1], (values[1:] - common * values[:-1]) / rest])

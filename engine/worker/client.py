@@ -124,6 +124,7 @@ class RemoteSession:
         kind: SensorKind = SensorKind.PLANAR,
         reflections: int | None = None,
         colour: bool = False,
+        method: str = "auto",
         witness: bool = True,
     ) -> Measurement:
         """Illuminance at points, as `Session.measure`. Raises as `render`. (n, 3), (n, 3) [m -> lx]"""
@@ -134,6 +135,7 @@ class RemoteSession:
             "kind": kind,
             "reflections": reflections,
             "colour": colour,
+            "method": method,
             "witness": witness,
         }
         return self._wait("measure", (*points, rule), options, _states_only(progress), idle)
@@ -146,9 +148,10 @@ class RemoteSession:
         transport: str = "auto",
         progress: Callable[[Progress], None] | None = None,
         idle: Callable[[], None] | None = None,
+        method: str = "auto",
     ) -> Measurement:
         """Illuminance at the sensors of a set of the scene, by its id. Raises as `render`. [lx]"""
-        options = {"seed": seed, "transport": transport}
+        options = {"seed": seed, "transport": transport, "method": method}
         return self._wait("measure_sensors", (key, rule), options, _states_only(progress), idle)
 
     def bake_objects(

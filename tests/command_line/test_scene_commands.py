@@ -12,13 +12,14 @@ from PIL import Image
 pytestmark = pytest.mark.usefixtures("extension")
 
 
-def test_the_command_line_measures_the_inverse_square_law(tmp_path):
+def test_the_command_line_measures_the_inverse_square_law(tmp_path, capfd):
     (tmp_path / "in.csv").write_text("x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,0,0.5,0,0,1\n")
     code = command_line.main(
         ["measure", str(scenes.scene_path("inverse_square")), "--sensors", str(tmp_path / "in.csv"),
-         "-o", str(tmp_path / "out.csv"), "--samples", "4096"]
+         "-o", str(tmp_path / "out.csv"), "--samples", "4096", "--method", "paths"]
     )  # fmt: skip
     assert code == 0
+    assert "method: full paths are asked for" in "".join(capfd.readouterr())
     rows = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True)
     assert rows["illuminance_lx"][0] == pytest.approx(7.9577, rel=2e-3)
     assert rows["illuminance_lx"][1] == pytest.approx(4 * 7.9577, rel=2e-3)

@@ -73,7 +73,7 @@ class FakeSession:
         self._work("measure", rule.samples, transport, progress)
         return Measurement(positions.sum(axis=1), normals.sum(axis=1), _provenance(seed))
 
-    def measure_sensors(self, key, rule, seed=0, transport="auto", progress=None):
+    def measure_sensors(self, key, rule, seed=0, transport="auto", progress=None, method="auto"):
         item = self.items[key]
         return self.measure(item.positions, item.normals, rule, seed, transport, progress)
 

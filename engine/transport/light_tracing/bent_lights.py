@@ -152,7 +152,16 @@ class BentLights:
     # ---- inside kernels ----
 
     def light(
-        self, si, stream, respond, active, dispersed=False, limit=None, is_first=None, is_seen=None
+        self,
+        si,
+        stream,
+        respond,
+        active,
+        dispersed=False,
+        limit=None,
+        is_first=None,
+        is_seen=None,
+        known=None,
     ):
         """One-sample estimate of what lights send to a place over bends.
 
@@ -165,17 +174,36 @@ class BentLights:
         limit : UInt32 or None    Most bends and reflections on the way.
         is_first : Bool or None    Whether the place is the first of a path that spreads light; None: all are.
         is_seen : Bool or None    Whether a camera sees the place at once; None: none does.
+        known : known_directions.Directions or None    Where this place is known to get such light from.
 
         Returns
         -------
         Spectrum    Response times radiance.
         """
-        return self.ask(si, stream, respond, active, dispersed, limit, is_first, is_seen)[0]
+        return self.look(si, stream, respond, active, dispersed, limit, is_first, is_seen, known)[0]
 
-    def ask(
-        self, si, stream, respond, active, dispersed=False, limit=None, is_first=None, is_seen=None
-    ):
+    def ask(self, si, stream, respond, active):
         """As `light`, and the number of the light that was asked."""
+        value, index, _ = self.look(si, stream, respond, active)
+        return value, self.light_of(index)
+
+    def light_of(self, index):
+        """Number of the light that an aim belongs to."""
+        return mi.UInt32(self._number(index, 18))
+
+    def look(
+        self,
+        si,
+        stream,
+        respond,
+        active,
+        dispersed=False,
+        limit=None,
+        is_first=None,
+        is_seen=None,
+        known=None,
+    ):
+        """As `light`, and the aim by which was looked, and the direction."""
         lit, count = mi.Bool(active), self._count
         if is_seen is not None and self._unseen is not None:
             count = dr.select(is_seen, self._unseen, count)
@@ -187,13 +215,18 @@ class BentLights:
             lit &= stream.next_float32() < chance
         index, total = self._choose(si.p, stream.next_float32(), count, lit)
         direction = self._direct(index, si.p, stream)
+        if known is not None:
+            index, direction = known.draw(stream, index, direction)
         density = self._density(index, total, si.p, direction, count, lit)
+        if known is not None:
+            density = known.density(density, self.light_of(index), direction)
         response, _ = respond(direction, lit)
         amount = mi.Spectrum(response / dr.maximum(chance * density, 1e-30))
         lit &= (density > 0.0) & dr.any(amount != 0.0)
         ray = spawn_ray(self.scene, si, direction)
-        value = self._follow(index, ray, stream, lit, dispersed, limit)
-        return dr.select(lit, amount * value, 0.0), mi.UInt32(self._number(index, 18))
+        scale = mi.Float(1.0) if known is None else known.scale()
+        value = self._follow(index, ray, stream, lit, dispersed, limit, scale)
+        return dr.select(lit, amount * value, 0.0), index, direction
 
     def _number(self, index, column: int):
         return dr.gather(mi.Float, self._rows, index * COLUMNS + column)
@@ -278,8 +311,11 @@ class BentLights:
         made.append(_cone(self._vector(index, 6) - point, self._number(index, 9)))
         return made
 
-    def _follow(self, index, ray, stream, active, dispersed, limit):
-        """Radiance of a light along a ray over bends; what it gives straight does not count."""
+    def _follow(self, index, ray, stream, active, dispersed, limit, scale):
+        """Radiance of a light along a ray over bends; what it gives straight does not count.
+
+        ``scale``: size of spheres that stand for points, relative to the usual one.
+        """
         scene = self.scene
         start = self._number(index, 12)
         emitter_number = mi.UInt32(self._number(index, 14))
@@ -297,7 +333,7 @@ class BentLights:
             if self._points:
                 is_point = counts & (start == IDEAL)
                 way = dr.select(si.is_valid(), si.t, dr.inf)
-                radiance = self._point_radiance(index, rays.ray, way, is_point)
+                radiance = self._point_radiance(index, rays.ray, way, is_point, scale)
                 value = value + rays.throughput * radiance
             if self._suns and not self.is_compared:
                 leaves = counts & ~si.is_valid() & (start == SUN)
@@ -324,9 +360,9 @@ class BentLights:
         stream.state = rays.stream.state
         return value
 
-    def _point_radiance(self, index, ray, way, active):
+    def _point_radiance(self, index, ray, way, active, scale):
         """Radiance of the sphere that stands for an ideal point, where a ray meets it before ``way``. [m]"""
-        centre, radius = self._vector(index, 15), self._number(index, 11)
+        centre, radius = self._vector(index, 15), self._number(index, 11) * scale
         away = centre - ray.o
         along = dr.dot(away, ray.d)
         apart = dr.squared_norm(away - ray.d * along)

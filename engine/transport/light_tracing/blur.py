@@ -19,8 +19,8 @@ from ..paths.wavelengths import WavelengthSampler
 GROUPS, BATCHES = 16, (1 << 8, 1 << 14)
 """Independent groups of samples of every sensor, and fewest and most samples in each."""
 
-SHARE = 0.25
-"""Samples, relative to those of the sensors. [-]"""
+SHARE = 1.0
+"""Samples, relative to those of the sensors: of fewer, the difference at the tip of a caustic may pass for chance. [-]"""
 
 SURE = 3.0
 """Standard errors of a difference that are put down to chance."""
@@ -30,7 +30,7 @@ SALT = 0x9D2C
 
 
 def find_blur(
-    scene, receivers, samples: int, seed: int, reflections: int | None, cancelled
+    scene, receivers, samples: int, seed: int, reflections: int | None, cancelled, known=None
 ) -> np.ndarray:
     """By how much the size of points that are seen over bends may change the illuminance of receivers.
 
@@ -42,6 +42,7 @@ def find_blur(
     seed : int
     reflections : int or None    Most that light may have had.
     cancelled : callable    Asked before every launch.
+    known : KnownDirections or None    Where receivers get this light from, if it was looked for.
 
     Returns
     -------
@@ -63,7 +64,9 @@ def find_blur(
             if cancelled():
                 raise Cancelled("cancelled")
             width = min(step, count - first)
-            found = _launch(scene, receivers, columns, sampler, seed, limit, first, width, batch)
+            found = _launch(
+                scene, receivers, columns, sampler, seed, limit, first, width, batch, known
+            )
             sums[first : first + width] = found
     finally:
         scene.bent.is_compared = False
@@ -73,7 +76,9 @@ def find_blur(
     return 2.0 * np.maximum(np.abs(difference) - SURE * chance, 0.0)
 
 
-def _launch(scene, receivers, columns, sampler, seed, limit, first, width, batch) -> np.ndarray:
+def _launch(
+    scene, receivers, columns, sampler, seed, limit, first, width, batch, known
+) -> np.ndarray:
     """Sums of the samples of some receivers by group. (width, GROUPS)"""
     lane = dr.arange(mi.UInt32, width * GROUPS * batch)
     many = dr.opaque(mi.UInt32, GROUPS * batch)
@@ -91,6 +96,7 @@ def _launch(scene, receivers, columns, sampler, seed, limit, first, width, batch
         lambda direction, asked: (respond(direction), mi.Float(0.0)),
         mi.Bool(True),
         limit=limit,
+        known=None if known is None else known.of(who),
     )
     amount = gather.photometric(sampler, value, wavelengths)
     amount = dr.select(dr.isfinite(amount), amount, 0.0) + mi.Float(lane) * 0.0

@@ -65,6 +65,7 @@ def spectral_illuminance(
     active,
     kind: SensorKind = SensorKind.PLANAR,
     limit=None,
+    known=None,
 ):
     """One-sample estimate of the illuminance at a receiver.
 
@@ -72,6 +73,7 @@ def spectral_illuminance(
     ----------
     kind : SensorKind
     limit : UInt32 or None    Most reflections that light may have had.
+    known : known_directions.Directions or None    Where the receiver is known to get light over bends from.
 
     Returns
     -------
@@ -96,7 +98,7 @@ def spectral_illuminance(
             total += mirrored_light(scene, si, sample, stream, answer, active, limit)
 
     if scene.bent is not None:
-        total += scene.bent.light(si, stream, answer, active, limit=limit)
+        total += scene.bent.light(si, stream, answer, active, limit=limit, known=known)
 
     if scene.spots is not None and scene.lights.count:
         asked = active if limit is None else active & (limit > 0)

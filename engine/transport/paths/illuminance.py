@@ -27,6 +27,9 @@ LANES = 1 << 19
 LARGEST_SUM = 64
 """Most samples that are summed in single precision."""
 
+STAGE = "illuminance"
+"""What a job is called while it runs."""
+
 SNAP_DISTANCE = 1e-4
 """Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
 is a share of the radius. [m]"""
@@ -34,6 +37,9 @@ is a share of the radius. [m]"""
 FIRST_SHARE, FIRST_SAMPLES = 64, 64
 """Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
 the error falls, so that a forecast can be made soon."""
+
+LATER_SHARE, GROWTH = 4, 8
+"""Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
 
 FEWEST_SAMPLES = 1 << 14
 """Samples per receiver before the errors of single receivers are believed."""
@@ -129,8 +135,11 @@ def compute(
     cancelled=lambda: False,
     reflections: int | None = None,
     colour: bool = False,
+    known=None,
+    clock: Clock | None = None,
+    leaves=lambda brightness, clock: False,
 ):
-    """Estimate the illuminance of every receiver until the rule is met.
+    """Estimate the illuminance of every receiver by full paths until the rule is met.
 
     Parameters
     ----------
@@ -143,10 +152,15 @@ def compute(
     cancelled : callable    Asked before every launch.
     reflections : int or None    Most reflections that light may have had; None: no limit.
     colour : bool    Whether X and Z are wanted too.
+    known : KnownDirections or None    Where the receivers get light over bends from, if it was looked for.
+    clock : Clock or None    Follows the job; None: one of its own.
+    leaves : callable    Asked after every pass but the last, with the `Estimate` of the illuminance (n,) and the clock,
+        whether the job is to be left to others.
 
     Returns
     -------
-    Estimate    Of shape (n,), or (n, 3) for X, Y, Z; errors hold what lost samples may have brought. [lx]
+    Estimate or None    Of shape (n,), or (n, 3) for X, Y, Z; errors hold what lost samples may have brought [lx]. None: it
+        was left.
 
     Raises
     ------
@@ -156,14 +170,14 @@ def compute(
     channels, bright = (3, 1) if colour else (1, 0)
     sums, lost = Accumulator(groups, (total, channels)), np.zeros(total, dtype=np.int64)
     if total == 0:
-        return _finish(sums.estimate(), colour)
-    job = _Job(scene, receivers, groups, seed, reflections, colour)
+        return finish(sums.estimate(), colour)
+    job = _Job(scene, receivers, groups, seed, reflections, colour, known)
     whole = _batch(total * groups, rule, groups)
-    clock = Clock(rule, "illuminance")
+    clock = Clock(rule, STAGE) if clock is None else clock
     error = float("inf")
     while True:
-        # Twice as many in all, up to whole passes.
-        batch = min(max(sums.samples, whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+        batch = _next_batch(sums.samples, whole, rule, groups)
+        clock.grain = batch * groups
         per_launch = max(LANES // (groups * batch), 1)
         new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
         for first in range(0, total, per_launch):
@@ -179,26 +193,31 @@ def compute(
                 progress(clock.progress(int((sums.samples + share * batch) * groups), error))
         sums.add(new, batch, *tails)
         made = sums.estimate()
-        brightness = Estimate(made.mean[:, bright], made.standard_error[:, bright], 0)
+        brightness = made.channel(bright)
         error = brightness.relative_error(receivers.weights)
         samples = sums.samples * groups
-        excess = _excess(rule, brightness) if samples >= FEWEST_SAMPLES else None
+        excess = excess_of(rule, brightness) if samples >= FEWEST_SAMPLES else None
         is_done = clock.is_done(samples, error, excess)
         # So few samples may have seen nothing of what matters.
         if is_done and sums.samples >= whole:
-            return _finish(_widened(made, lost), colour)
+            shares = lost / max(made.samples, 1)
+            return finish(widened_by_loss(made, shares, int(lost.sum())), colour)
+        if leaves(brightness, clock):
+            return None
 
 
-def _widened(made: Estimate, lost: np.ndarray) -> Estimate:
-    """With errors that hold what lost samples may have brought. ``lost``: their number by receiver."""
-    if not lost.any():
+def widened_by_loss(made: Estimate, shares: np.ndarray, lost: int) -> Estimate:
+    """With errors that hold what lost samples may have brought, and with their number.
+
+    ``shares``: of its samples that each receiver has lost. (n,) [-]
+    """
+    if not shares.any():
         return made
     brightest = made.mean.max(axis=1)
-    missing = find_missing(brightest, lost / max(made.samples, 1), brightest.mean())
-    return replace(made.widened(missing), lost=int(lost.sum()))
+    return replace(made.widened(find_missing(brightest, shares, brightest.mean())), lost=lost)
 
 
-def _excess(rule: StopRule, made: Estimate) -> float | None:
+def excess_of(rule: StopRule, made: Estimate) -> float | None:
     """Largest error of a single value over what the rule allows it, None when it says nothing of single values."""
     if rule.limits:
         allowed = np.array(rule.limits)
@@ -208,7 +227,8 @@ def _excess(rule: StopRule, made: Estimate) -> float | None:
     return None if rule.each is None else made.largest_error(rule.floor) / rule.each
 
 
-def _finish(made: Estimate, colour: bool) -> Estimate:
+def finish(made: Estimate, colour: bool) -> Estimate:
+    """The illuminance alone where no colour is wanted."""
     events = made.events[:, 0] if made.events is not None else None
     if colour:
         return replace(made, events=events)
@@ -226,28 +246,36 @@ def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
     return 1 << int(np.floor(np.log2(max(limit, 1))))
 
 
-class _Job:
-    """What all launches of a job share."""
+def _next_batch(samples: int, whole: int, rule: StopRule, groups: int) -> int:
+    """Samples per receiver and group in the pass after so many of them: a power of two.
 
-    def __init__(
-        self, scene: CompiledScene, receivers: Receivers, groups, seed, reflections, colour
-    ):
-        self.scene, self.kind = scene, receivers.kind
-        self.groups, self.seed, self.colour = groups, seed, colour
-        self.sampler = None
-        if is_spectral():
-            response = "colour" if colour else "luminance"
-            self.sampler = WavelengthSampler(scene.mean_light, response)
-        places, normals = receivers.outlooks(scene)
-        learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
-        self.places = _upload(scene, receivers)
+    Twice as many in all, up to a part of a whole pass; then as few that the end is met closely.
+    """
+    first = min(max(whole // FIRST_SHARE, FIRST_SAMPLES), whole)
+    most = min(max(whole // LATER_SHARE, samples // GROWTH, 1), max(LANES // groups, 1))
+    batch = min(max(samples, first), most)
+    if rule.samples is not None and rule.samples > samples * groups:
+        batch = min(batch, -(-rule.samples // groups) - samples)
+    return 1 << int(np.log2(batch))
+
+
+class Places:
+    """Places of receivers on the device.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    receivers : Receivers    Places that are meant to lie on surfaces are put there.
+    """
+
+    def __init__(self, scene: CompiledScene, receivers: Receivers):
+        self._columns = _upload(scene, receivers)
         if receivers.snaps:
-            self._snap()
-        self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
+            self._snap(scene)
 
-    def _snap(self) -> None:
+    def _snap(self, scene) -> None:
         """Find the surfaces that places lie on, and lift those that are a little below onto them."""
-        scene, places = self.scene, self.places
+        places = self._columns
         point, normal = mi.Point3f(*places["p"]), mi.Vector3f(*places["n"])
         lift = dr.opaque(mi.Float, SNAP_DISTANCE * min(scene.radius, 1.0))
         ray = mi.Ray3f(point + normal * lift, -normal)
@@ -260,15 +288,115 @@ class _Job:
         places["p"] = [point.x, point.y, point.z]
         dr.eval(places)
 
+    def choose(self, who, sample, own_seed, wavelengths):
+        """One of the places of receivers, as `gather.receiver` gives it. ``who``: their numbers."""
+        places = self._columns
+        place_sample = sobol_pair(sample, own_seed, gather.PAIR_PLACE)
+        mine = dr.gather(mi.UInt32, places["count"], who)
+        chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
+        chosen += dr.gather(mi.UInt32, places["start"], who)
+
+        def fetch(kind, name):
+            return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
+
+        return gather.receiver(
+            fetch(mi.Point3f, "p"),
+            fetch(mi.Normal3f, "n"),
+            fetch(mi.Normal3f, "g"),
+            wavelengths,
+            dr.gather(mi.Float, places["extent"], chosen),
+        )
+
+
+class Meter:
+    """What receivers tell of the light that arrives: illuminance alone, or X, Y and Z.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    colour : bool    Whether X and Z are wanted too.
+    """
+
+    def __init__(self, scene: CompiledScene, colour: bool):
+        self._scene, self.colour, self.sampler = scene, colour, None
+        if is_spectral():
+            response = "colour" if colour else "luminance"
+            self.sampler = WavelengthSampler(scene.mean_light, response)
+        self.count, self.bright = (3, 1) if colour else (1, 0)
+
+    def sums(self, value, wavelengths, lane, rows: int, batch: int):
+        """Sums of samples, ``batch`` neighbours to each of ``rows``.
+
+        Parameters
+        ----------
+        value : Spectrum    Spectral irradiance [W/(m2 nm)], or illuminance [lx] in photometric variants.
+        wavelengths : Spectrum or None    [nm]
+        lane : UInt32    Numbers of the samples.
+
+        Returns
+        -------
+        (rows, channels), (2, rows), (rows,) array    Sums [lx]; sum and largest of the squares of the samples' illuminance,
+            up to a factor; how many of them are no numbers.
+        """
+        lost = LostSamples(rows)
+        kept = [
+            channel + mi.Float(lane) * 0.0
+            for channel in lost.keep(
+                self._channels(value, wavelengths), lane // dr.opaque(mi.UInt32, batch)
+            )
+        ]
+        # Squares of huge samples would not fit; the scale makes no difference.
+        square = dr.square(kept[self.bright] * 1e-6)
+        # Sums are made apart, since their length would be a part of the kernel.
+        dr.eval(kept, square)
+        block = min(batch, LARGEST_SUM)
+        sums = [dr.block_reduce(dr.ReduceOp.Add, channel, block) for channel in kept]
+        tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]
+        dr.eval(sums, tails)
+        made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
+        made = made.reshape(rows, batch // block, len(sums)).sum(axis=1)
+        squares, largest = (np.array(t, dtype=np.float64).reshape(rows, -1) for t in tails)
+        tails = np.stack([squares.sum(axis=1), largest.max(axis=1)])
+        return made, tails, lost.counts().astype(np.int64)
+
+    def _channels(self, value, wavelengths) -> list:
+        if not self.colour:
+            return [gather.photometric(self.sampler, value, wavelengths)]
+        if self.sampler is not None:
+            return list(self.sampler.tristimulus(value, wavelengths))
+        lamp = self._scene.mean_light @ observer()
+        return [value[0] * float(c / lamp[1]) for c in lamp]
+
+
+class _Job:
+    """What all launches of a job share."""
+
+    def __init__(
+        self,
+        scene: CompiledScene,
+        receivers: Receivers,
+        groups,
+        seed,
+        reflections,
+        colour,
+        known=None,
+    ):
+        self.scene, self.kind = scene, receivers.kind
+        self.groups, self.seed, self._known = groups, seed, known
+        self.meter = Meter(scene, colour)
+        places, normals = receivers.outlooks(scene)
+        learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
+        self.places = Places(scene, receivers)
+        self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
+
     def launch(self, first: int, count: int, batch: int, index: int):
         """Run one kernel.
 
         Returns
         -------
-        (groups, count, channels), (2, count), (count,) array    Sums of its samples; sum and largest of the squares of the
-            samples' illuminance, over all groups; how many of them are no numbers.
+        (groups, count, channels), (2, count), (count,) array    As `Meter.sums`, the latter two over all groups.
         """
-        groups, places = self.groups, self.places
+        groups, sampler = self.groups, self.meter.sampler
         first = dr.opaque(mi.UInt32, int(first))
         start_index = dr.opaque(mi.UInt32, int(index))
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
@@ -278,26 +406,10 @@ class _Job:
         group = (lane // many) % groups
         who = first + lane // (many * groups)
         own_seed = hash_words(who, hash_words(group, seed))
-
-        wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
-        place_sample = sobol_pair(sample, own_seed, gather.PAIR_PLACE)
-        mine = dr.gather(mi.UInt32, places["count"], who)
-        chosen = dr.minimum(mi.UInt32(place_sample.x * mi.Float(mine)), mine - 1)
-        chosen += dr.gather(mi.UInt32, places["start"], who)
-
-        def fetch(kind, name):
-            return kind(*(dr.gather(mi.Float, column, chosen) for column in places[name]))
-
-        si = gather.receiver(
-            fetch(mi.Point3f, "p"),
-            fetch(mi.Normal3f, "n"),
-            fetch(mi.Normal3f, "g"),
-            wavelengths,
-            dr.gather(mi.Float, places["extent"], chosen),
-        )
+        wavelengths = gather.draw_wavelengths(sampler, sample, own_seed)
         value = gather.spectral_illuminance(
             self.scene,
-            si,
+            self.places.choose(who, sample, own_seed, wavelengths),
             wavelengths,
             random_stream(sample, own_seed),
             sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
@@ -305,33 +417,13 @@ class _Job:
             mi.Bool(True),
             self.kind,
             self.limit,
+            None if self._known is None else self._known.of(who),
         )
-        lost = LostSamples(count)
-        kept = [
-            channel + mi.Float(lane) * 0.0
-            for channel in lost.keep(self._channels(value, wavelengths), lane // (many * groups))
-        ]
-        # Squares of huge samples would not fit; the scale makes no difference.
-        square = dr.square(kept[1 if self.colour else 0] * 1e-6)
-        # Sums are made apart, since their length would be a part of the kernel.
-        dr.eval(kept, square)
-        block = min(batch, LARGEST_SUM)
-        sums = [dr.block_reduce(dr.ReduceOp.Add, channel, block) for channel in kept]
-        tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]
-        dr.eval(sums, tails)
-        made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
-        made = made.reshape(count, groups, batch // block, len(sums)).sum(axis=2)
-        squares, largest = (np.array(t, dtype=np.float64).reshape(count, -1) for t in tails)
-        squares = np.stack([squares.sum(axis=1), largest.max(axis=1)])
-        return made.transpose(1, 0, 2), squares, lost.counts()
-
-    def _channels(self, value, wavelengths) -> list:
-        if not self.colour:
-            return [gather.photometric(self.sampler, value, wavelengths)]
-        if self.sampler is not None:
-            return list(self.sampler.tristimulus(value, wavelengths))
-        lamp = self.scene.mean_light @ observer()
-        return [value[0] * float(c / lamp[1]) for c in lamp]
+        made, squares, lost = self.meter.sums(value, wavelengths, lane, count * groups, batch)
+        squares = squares.reshape(2, count, groups)
+        squares = np.stack([squares[0].sum(axis=1), squares[1].max(axis=1)])
+        made = made.reshape(count, groups, -1).transpose(1, 0, 2)
+        return made, squares, lost.reshape(count, groups).sum(axis=1)
 
 
 def _upload(scene: CompiledScene, receivers: Receivers) -> dict:

@@ -117,3 +117,36 @@ def test_the_forecast_of_the_worst_of_many_sensors_is_not_thrown_off_by_chance(
         off.append(np.log(forecasts[int(0.3 * len(forecasts))] / now[0]))
     assert np.sqrt(np.mean(np.square(off))) < most
     assert abs(np.median(off)) < 0.12
+
+
+@pytest.mark.parametrize("power", [0.5, 0.7])
+def test_after_a_tenth_of_the_time_the_end_for_many_sensors_is_known_within_a_tenth(
+    monkeypatch, power
+):
+    """A hundred sensors whose errors as a whole end the job, with passes of an eighth of all samples so far."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    rng = np.random.default_rng(7)
+    groups, sensors, end = 16, 100, 60_000
+    off = []
+    for _ in range(40):
+        scale = np.exp(0.3 * rng.normal(size=sensors))
+        wanted = np.sqrt((scale**2).mean() / groups) * end**-power
+        clock, samples, walk, forecasts = Clock(StopRule(error=wanted)), 0, 0.0, []
+        while True:
+            more = 64 if not samples else min(samples, max(1024, samples // 8))
+            # Means of a group are like those of independent samples in what they keep of their chance.
+            kept = np.sqrt(samples / (samples + more))
+            walk = kept * walk + np.sqrt(1.0 - kept**2) * rng.normal(size=(groups, sensors))
+            samples += more
+            now[0] = float(samples)
+            clock.grain = more
+            made = Estimate.from_groups(1.0 + scale * walk * samples**-power, samples)
+            error = made.relative_error()
+            if clock.is_done(samples, error):
+                break
+            forecasts.append((samples, samples + clock.progress(samples, error).seconds_left))
+        told = next(each for at, each in forecasts if at >= 0.1 * samples)
+        off.append(told / samples - 1.0)
+    assert np.median(np.abs(off)) < 0.1
+    assert abs(np.median(off)) < 0.08

@@ -1,0 +1,1 @@
+"""The job that measures at sensors: full paths, or light that is sampled by kinds and read from cells."""

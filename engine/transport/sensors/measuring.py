@@ -1,0 +1,169 @@
+"""Illuminance at sensors: what a session asks for, by full paths or by cells, with all that their errors have to hold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...accuracy.estimate import Estimate
+from ...accuracy.lost_samples import tell_lost
+from ...accuracy.stopping import Clock, StopRule
+from ...scene.sensor import SensorKind
+from ..light_tracing.bent_lights import bent_lights
+from ..light_tracing.blur import find_blur
+from ..light_tracing.bright_spots import bright_spots
+from ..light_tracing.known_directions import KnownDirections
+from ..light_tracing.near_rays import near_rays
+from ..paths.illuminance import STAGE, Receivers, compute, finish
+from ..paths.light_learning import learn
+from ..paths import gather
+from ..witness.sensors import hear_sensors
+from .cell_job import CellJob
+from .method import BUDGET, Choice
+from .sensor_cells import SensorCells
+
+GROUPS = 16
+"""Independent groups of samples: enough for an error of each sensor, within 18 % of itself."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What sensors tell.
+
+    Parameters
+    ----------
+    estimate : Estimate    As of `illuminance.compute`. [lx]
+    decisions, notes : tuple of str    For people.
+    balance : dict or None    Of the second witness, see `WitnessReport.balance`. [lm]
+    """
+
+    estimate: Estimate
+    decisions: tuple[str, ...]
+    notes: tuple[str, ...]
+    balance: dict | None
+
+
+def measure(
+    scene,
+    positions,
+    normals,
+    rule: StopRule,
+    seed: int = 0,
+    kind: SensorKind = SensorKind.PLANAR,
+    reflections: int | None = None,
+    colour: bool = False,
+    method: str = "auto",
+    witness: bool = True,
+    progress=None,
+    cancelled=lambda: False,
+) -> Reading:
+    """Measure at points of a compiled scene; parameters as of `Session.measure`.
+
+    Raises
+    ------
+    SceneError    A position, a normal or the method is not usable.
+    Cancelled    When ``cancelled`` answered true.
+    """
+    receivers = Receivers.at_points(positions, normals, kind)
+    seen = receivers.outlooks(scene)
+    heard = None
+    with (
+        near_rays(scene, seen[0]) as kept,
+        bent_lights(scene) as notes,
+        bright_spots(scene, *seen),
+    ):
+        made = _Measuring(scene, receivers, rule, seed, colour, progress, cancelled)
+        estimate, decision, more = made.run(method, reflections)
+        blur = find_blur(
+            scene, receivers, estimate.samples, seed, reflections, cancelled, made.known
+        )
+        if blur.any():
+            estimate = estimate.widened(blur)
+        if witness and len(estimate.mean):
+            bright = estimate.channel(1) if colour else estimate
+            asked = positions, normals, kind, bright, seed, reflections, cancelled
+            heard = hear_sensors(scene, *asked)
+            estimate = estimate.widened(heard.floors)
+    whole = estimate.samples * len(estimate.mean)
+    notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
+    if heard is None:
+        return Reading(estimate, (decision,), notes, None)
+    decisions = (decision, heard.decision) if heard.decision else (decision,)
+    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance)
+
+
+class _Measuring:
+    """A measurement by the method that suits it."""
+
+    def __init__(self, scene, receivers: Receivers, rule, seed, colour, progress, cancelled):
+        self.scene, self.receivers, self.rule, self.seed = scene, receivers, rule, seed
+        self.colour, self.progress, self.cancelled = colour, progress, cancelled
+        self.clock = Clock(rule, STAGE)
+        known = KnownDirections(scene, receivers, seed, rule.samples, cancelled)
+        self.known = known if known.is_useful else None
+
+    def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
+        """The estimate, how it was made, and notes on it."""
+        count = len(self.receivers.start)
+        choice = Choice(self.scene, self.rule, count, method, reflections)
+        made, notes = None, ()
+        if count and choice.uses_cells is None:
+            made = self._by_paths(None, choice)
+        if made is None and count and choice.uses_cells:
+            made, notes = self._by_cells(choice, is_forced=method == "cells")
+        if made is None:
+            self.clock.restart()
+            made = self._by_paths(reflections)
+        return made, choice.reason, notes
+
+    def _by_paths(self, reflections, choice: Choice | None = None) -> Estimate | None:
+        leaves = {} if choice is None else {"leaves": choice.leaves}
+        return compute(
+            self.scene,
+            self.receivers,
+            self.rule,
+            self.seed,
+            GROUPS,
+            self.progress,
+            self.cancelled,
+            reflections,
+            self.colour,
+            self.known,
+            self.clock,
+            **leaves,
+        )
+
+    def _by_cells(self, choice: Choice, is_forced: bool) -> tuple[Estimate | None, tuple[str, ...]]:
+        """The estimate and notes on it; None where cells are off by too much."""
+        scene = self.scene
+        places, normals = self.receivers.outlooks(scene)
+        spots, scene.spots = scene.spots, None
+        try:
+            learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
+            cells = SensorCells(scene, places, normals, GROUPS, self.seed, self.cancelled)
+            if not cells:
+                choice.uses_cells, choice.reason = False, "no surface is matt: full paths"
+                return None, ()
+            if self.progress is not None:
+                self.progress(self.clock.progress(0, float("inf"), "light of the cells"))
+            cells.prepare(None)
+            job = CellJob(
+                scene,
+                self.receivers,
+                self.rule,
+                self.seed,
+                GROUPS,
+                self.colour,
+                cells,
+                self.known,
+                self.clock,
+                self.progress,
+                self.cancelled,
+            )
+            self.clock.restart()
+            made, bias = job.run(choice.paths, np.inf if is_forced else BUDGET)
+        finally:
+            scene.spots = spots
+        if made is None:
+            choice.refuse(bias.beyond)
+            return None, ()
+        return finish(made, self.colour), (bias.note(),)
