@@ -67,6 +67,7 @@ def add_command(commands) -> None:
         metavar="FOLDER",
         help="keep pictures here, and take those that are already there",
     )
+    _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add_with_peers(kinds)
     _add_pictures(kinds)
 
@@ -255,6 +256,16 @@ def _run_denoising(options, say) -> int:
     result = denoising.run(options.keep, say=say)
     tell(tell_bars(check_bars(result)))
     _write(denoising, result, options)
+    return 0
+
+
+def _run_kernels(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.kernels import run as kernels
+
+    result = kernels.run(say=say)
+    tell(tell_bars(kernels.check_bars(result)))
+    _write(kernels, result, options)
     return 0
 
 
