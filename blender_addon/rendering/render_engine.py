@@ -64,6 +64,7 @@ def view_settings(scene, spectral_file: str | None = None, luminous=()) -> ViewS
         groups=light_mix.groups_of(scene, luminous),
         preview=light_mix.levels_of(scene),
         method=own.method.lower(),
+        unbiased=own.use_unbiased,
         guides=own.use_pass_denoising or (own.use_denoising and find_denoiser() is not None),
     )
 

@@ -28,19 +28,27 @@ class Allocation:
     ----------
     width, height : int    Of the picture. [pixel]
     costs : dict    By kinds of samples.
+    floors : dict or None    Least samples of every tile over the mean of all, of kinds whose light is rare and bright. [-]
 
     Attributes
     ----------
     counts : dict    Samples of every tile's pixels in a half, by kind: (t,) int64.
     """
 
-    def __init__(self, width: int, height: int, costs: dict[int, float]):
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        costs: dict[int, float],
+        floors: dict[int, float] | None = None,
+    ):
         across = -(-width // TILE)
         self._shape = (-(-height // TILE), across)
         y, x = np.divmod(np.arange(width * height), width)
         self.tile = (y // TILE) * across + x // TILE
         self.size = np.bincount(self.tile)
         self.costs = costs
+        self._floors = np.array([(floors or {}).get(kind, 0.0) for kind in costs])
         self.counts = {kind: np.zeros(len(self.size), dtype=np.int64) for kind in costs}
 
     @property
@@ -86,7 +94,8 @@ class Allocation:
         worth = np.stack([self._spread(squares[kind]) * self.size for kind in kinds])
         # What has next to no samples comes first, then what lowers the error most.
         means = np.maximum(counts @ self.size / len(self.tile), self.samples / SPREAD)
-        urgent = counts * SPREAD < means[:, None]
+        least = np.maximum(means / SPREAD, self._floors * self.samples)
+        urgent = counts < least[:, None]
         worth = np.where(urgent, np.inf, worth / np.maximum(price, 1e-300)).ravel()
         order = np.argsort(-worth, kind="stable")
         spent = np.cumsum(price.ravel()[order])

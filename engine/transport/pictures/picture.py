@@ -19,7 +19,7 @@ from ..paths.film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, look
 from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
-from .pixel_light import COSTS, STEERING, VIEW, PixelLight
+from .pixel_light import CORRECTION, COSTS, STEERING, VIEW, PixelLight
 from .view_cells import ViewCells
 
 METHODS = ("auto", "cells", "paths")
@@ -58,6 +58,10 @@ LEAST_MEAN = 1.0
 LEAST = 0.03
 """Samples of a pass, relative to all before, that are worth one. [-]"""
 
+LEAST_CORRECTED = 1.0 / 8.0
+"""Least samples that correct cells, in every tile, over the mean of all: what cells know nothing of is rare and bright, and
+until a sample has met it, nothing tells of it. [-]"""
+
 SWEEP_SHARE = 0.15
 """Paths of later sweeps over the cells, relative to the samples of the picture. [-]"""
 
@@ -77,7 +81,13 @@ def choose_method(scene, camera: Camera, settings) -> tuple[bool, str]:
     error = interpolation_error(scene.mean_light, spectra)
     reason = "the radiance beyond the first bounce is read from cells"
     if settings.method == "cells":
-        return True, f"{reason}, as asked for"
+        remedy = "; what they change is corrected" if settings.unbiased else ""
+        return True, f"{reason}, as asked for{remedy}"
+    if settings.unbiased:
+        return (
+            False,
+            "an unbiased picture is asked for, and full paths are sooner than corrected cells: full paths",
+        )
     if error > TOLERANCE:
         return False, (
             f"the lights' spectra are so unlike that cells would be wrong by up to {100.0 * error:.2g} %: full paths"
@@ -176,7 +186,8 @@ class _Passes:
         self.clock, self._begun = clock, clock.seconds
         shape = (GROUPS, self.pixels, light.channels.count)
         costs = {kind: COSTS[kind] for kind in light.kinds}
-        self.allocation = Allocation(camera.width, camera.height, costs)
+        floors = {CORRECTION: LEAST_CORRECTED}
+        self.allocation = Allocation(camera.width, camera.height, costs, floors)
         self.sums = {kind: np.zeros(shape, dtype=np.float32) for kind in light.kinds}
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
@@ -303,6 +314,9 @@ class _Passes:
 
     def _sweeps_due(self) -> bool:
         cells = self.light.cells
+        if self.light.is_corrected:
+            # What one kind reads another takes away again, in numbers of their own: all have to read the same.
+            return False
         spent = GROUPS * self.allocation.samples * len(self.sums) * self.pixels
         return (cells.sweeps + 1) * cells.work <= SWEEP_SHARE * spent
 
@@ -341,7 +355,9 @@ class _Passes:
             estimate = channels.widened(estimate, shares)
         notes = ()
         if self.light.cells is not None:
-            beyond, note = self._compare(float(estimate.mean[:, 1].mean()))
+            luminance = float(estimate.mean[:, 1].mean())
+            tell = self._tell_correction if self.light.is_corrected else self._compare
+            beyond, note = tell(luminance)
             estimate.standard_error[:, :3] = np.hypot(
                 estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
             )
@@ -358,6 +374,19 @@ class _Passes:
             **self.layers,
         }
         return fields, self.samples, lost, notes
+
+    def _tell_correction(self, luminance: float) -> tuple[float, str]:
+        """Say what correcting cells by full paths has changed; parameters and values as of `_compare`."""
+        scale = max(luminance, 1e-30)
+        change = float(self._mean(CORRECTION, STEERING[0]).mean()) / scale
+        error = float(np.sqrt(self._scatter(CORRECTION, 0).sum())) / self.pixels / scale
+        counts, size = self.allocation.counts, self.allocation.size
+        share = COSTS[CORRECTION] * (counts[CORRECTION] @ size)
+        share /= sum(COSTS[kind] * (each @ size) for kind, each in counts.items())
+        return 0.0, (
+            f"what cells change is corrected by full paths, whose picture is the expected one: {100.0 * change:+.2g} +- "
+            f"{100.0 * error:.1g} % of the picture's mean, by about {100.0 * share:.0f} % of the work"
+        )
 
     def _compare(self, luminance: float) -> tuple[float, str]:
         """Compare reading cells with full paths at random pixels.
@@ -381,7 +410,7 @@ class _Passes:
         bias, error = float(found.mean()), float(found.std(ddof=1) / np.sqrt(len(found)))
         beyond = max(abs(bias) - CHANCE * error, 0.0)
         note = (
-            f"cells instead of full paths change what is in straight view by {100.0 * bias:+.2g} +- "
+            f"cells instead of full paths change what is seen by {100.0 * bias:+.2g} +- "
             f"{100.0 * error:.1g} % of the picture's mean (measured at {len(found)} pixels)"
         )
         if beyond > 0.0:

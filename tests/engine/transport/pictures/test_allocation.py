@@ -161,6 +161,18 @@ def test_no_tile_and_no_kind_is_left_far_behind():
     assert 3 * SPREAD**2 * second.min() >= made.samples
 
 
+def test_a_kind_that_has_a_floor_keeps_it_in_every_tile():
+    made = Allocation(32, 24, {FIRST: 2.5, SECOND: 1.0}, {SECOND: 0.25})
+    made.extend(made.begin())
+    values = {kind: np.zeros(len(made.size)) for kind in made.costs}
+    values[FIRST] += np.arange(len(made.size))
+    for _ in range(30):
+        made.extend(made.choose(squares_of(made, values), 0.5 * made.samples))
+        # As it was before the pass, which adds a half.
+        assert 1.6 * made.counts[SECOND].min() >= 0.25 * made.samples
+    assert made.counts[SECOND].max() <= 2.0 * 0.25 * made.samples
+
+
 @pytest.mark.parametrize(("width", "height"), SIZES)
 def test_units_hold_every_new_sample_of_every_pixel_once(width, height):
     made = begun(width, height)
