@@ -148,6 +148,9 @@ BASELINE, WINDOW, STEP = 3.9, 64.0, 1.2
 """Ratio of samples over which that power is taken, at least, as nearer ones differ by noise, and at most, as what was long
 ago says little; and ratio between passes of which note is taken."""
 
+UNLIKE = 2.0
+"""Ratio of the longest to the shortest pass, in samples, from which on what each takes beside them is told apart."""
+
 LONGEST = 100.0
 """Logarithm of most samples that are foretold."""
 
@@ -156,7 +159,10 @@ ROUNDS = 50
 
 
 class Clock:
-    """Follows a job against its rule. The time left follows from how the error has fallen so far.
+    """Follows a job against its rule.
+
+    The time left follows from the samples that are still needed, by how the error has fallen so far or as the job foresees
+    them, and from what passes have taken: each for itself, and each of its samples.
 
     Raises
     ------
@@ -175,13 +181,23 @@ class Clock:
         # Samples, error of the whole and error over what is allowed, after passes that lie apart; and the present state.
         self._history: list[tuple[int, float, float]] = []
         self._present: tuple[int, float, float] | None = None
-        # Samples and seconds after such passes; the first one may have to make kernels.
+        # Samples and seconds after all passes; the first one may have to make kernels.
         self._times: list[tuple[int, float]] = []
+        self._begun = 0.0
+        self._foreseen: float | None = None
 
     @property
     def seconds(self) -> float:
         """Seconds since the start."""
         return time.perf_counter() - self._start
+
+    def begin(self) -> None:
+        """Take note that samples are taken from now on: what was prepared before is done once."""
+        self._begun = self.seconds
+
+    def foresee(self, samples: float) -> None:
+        """Take note of the samples at which the error will be what is allowed, as the job foresees them."""
+        self._foreseen = samples
 
     def progress(self, samples: int, error: float) -> Progress:
         """Describe the state after so many samples; the error is that of the last finished pass."""
@@ -190,11 +206,12 @@ class Clock:
         if self.rule.seconds is not None:
             ends.append(self.rule.seconds - seconds)
         needed = [self.rule.samples] if self.rule.samples is not None else []
-        if self._present is not None:
+        if self._foreseen is not None:
+            needed.append(self._foreseen)
+        elif self._present is not None:
             needed.append(self._samples_needed())
         if needed and samples > 0:
-            each = self._seconds_each(samples, seconds)
-            ends.append(max(min(needed) - samples, 0.0) * each)
+            ends.append(self._seconds_until(min(needed), samples, seconds))
         left = max(min(ends), 0.0) if ends else None
         done = 0.0
         if left is not None:
@@ -215,8 +232,7 @@ class Clock:
         if rule.error is not None:
             excesses.append(error / rule.error)
         excess = min(excesses, default=math.inf)
-        if not self._times or samples >= STEP * self._times[-1][0]:
-            self._times.append((samples, self.seconds))
+        self._times.append((samples, self.seconds))
         if 0.0 < excess < math.inf and 0.0 < error < math.inf:
             self._present = (samples, error, excess)
             if not self._history or samples >= STEP * self._history[-1][0]:
@@ -227,12 +243,26 @@ class Clock:
             or excess <= 1.0
         )
 
+    def _seconds_until(self, end: float, samples: int, seconds: float) -> float:
+        """Seconds from the present samples to those at the end. [s]"""
+        more = end - samples
+        if more <= 0.0:
+            return 0.0
+        passes = np.diff(np.array(self._times, dtype=np.float64).reshape(-1, 2), axis=0)
+        passes = passes[(passes > 0.0).all(axis=1)]
+        if len(passes) < 2 or passes[:, 0].max() < UNLIKE * passes[:, 0].min():
+            return more * self._seconds_each(samples, seconds)
+        single, each = _fit_passes(*passes.T)
+        # As many passes as it takes if all that is done grows by each as it did by the last one.
+        growth = self._times[-1][0] / (self._times[-1][0] - passes[-1, 0])
+        return more * each + single * math.log(end / samples) / math.log(growth)
+
     def _seconds_each(self, samples: int, seconds: float) -> float:
-        """What a sample takes, by the later half of them, as short passes at the beginning take long for theirs. [s]"""
+        """What a sample takes, by the later half of them. [s]"""
         before = [each for each in self._times if 2 * each[0] <= samples] or self._times[:1]
         if before and samples > before[-1][0]:
             return max(seconds - before[-1][1], 0.0) / (samples - before[-1][0])
-        return seconds / samples
+        return (seconds - self._begun) / samples
 
     def _samples_needed(self) -> float:
         """Samples at which the error will be what is allowed, if it goes on falling as it has.
@@ -258,3 +288,18 @@ class Clock:
             falls_short = level + chance * math.exp(0.5 * (now - end)) > power * end
             low, high = (end, high) if falls_short else (low, end)
         return math.exp(min(high, LONGEST))
+
+
+def _fit_passes(samples: np.ndarray, seconds: np.ndarray) -> tuple[float, float]:
+    """What a pass takes beside its samples, and what each of them takes, both at least 0. [s]
+
+    ``samples``, ``seconds``: of passes, (n,) each. Chance adds up along a pass, so its square counts by the time.
+    """
+    weights = 1.0 / seconds
+    mean = np.average(samples, weights=weights)
+    apart = samples - mean
+    each = float((weights * apart) @ seconds / ((weights * apart) @ apart))
+    single = float(np.average(seconds, weights=weights) - each * mean)
+    if single < 0.0 or each <= 0.0:
+        return 0.0, float(seconds.sum() / samples.sum())
+    return single, each

@@ -196,6 +196,7 @@ class _Passes:
 
     def run(self):
         """Make passes until the rule is met; returns as `render`."""
+        self.clock.begin()
         added = self.allocation.begin()
         while True:
             self._pass(added)
@@ -208,11 +209,13 @@ class _Passes:
             error = self.error if is_believed else float("inf")
             if is_believed and self.samples * self.pixels >= DARK and not whole[..., 1].any():
                 error = 0.0
-            finished = self.clock.is_done(self.samples, error)
-            self._report(estimate.mean[:, :3])
-            if finished:
+            if self.clock.is_done(self.samples, error):
+                self._report(estimate.mean[:, :3])
                 return self._finish(estimate)
             squares = self._squares(estimate.mean[:, 1])
+            if is_believed and self.rule.error is not None:
+                self.clock.foresee(self._foresee(whole[..., 1], squares))
+            self._report(estimate.mean[:, :3])
             if self.allocation.samples < EVEN <= self._left:
                 added = self.allocation.double()
             else:
@@ -262,18 +265,36 @@ class _Passes:
         """
         found = {}
         for kind in self.sums:
-            found[kind] = self._scatter(kind, 0) / _scale(luminance) ** 2
+            found[kind] = self._scatter(kind, 0).mean(axis=0) / _scale(luminance) ** 2
         if self.light.channels.illuminance:
             lux = self._mean(VIEW, STEERING[1]).mean(axis=0)
-            found[VIEW] = found[VIEW] + self._scatter(VIEW, 1) / _scale(lux) ** 2
+            found[VIEW] = found[VIEW] + self._scatter(VIEW, 1).mean(axis=0) / _scale(lux) ** 2
         return found
 
     def _scatter(self, kind: int, number: int) -> np.ndarray:
-        """Variance of the mean of a kind's samples, of one of `STEERING`, as single samples scatter. (n,)"""
+        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)"""
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind, STEERING[number])
-        around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0).mean(axis=0)
+        around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
         return around / (GROUPS * np.maximum(count - 1, 1))
+
+    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> float:
+        """Samples at which the error will be the wanted one. ``halves``: luminance (2, n); ``squares``: as of `_squares`.
+
+        A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the
+        error of few samples is too small, and falls more slowly than it will. The scatter of each half is taken relative
+        to what the other one shows.
+        """
+        scale = _scale(halves.mean(axis=0))
+        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
+        now = sum(each.mean(axis=0) / scale**2 for each in scatter.values()).mean()
+        if not (now > 0.0 and 0.0 < self.error < np.inf):
+            return self.samples
+        others = np.stack([_scale(each) for each in halves[::-1]])
+        errors = {kind: (each / others**2).mean(axis=0) for kind, each in scatter.items()}
+        # Well-distributed points err less than single samples scatter; the noise of cells comes on top.
+        goal = now * (self.rule.error / self.error) ** 2
+        return GROUPS * self.allocation.foresee(squares, errors, goal)
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation
@@ -379,7 +400,8 @@ class _Passes:
         """Say what correcting cells by full paths has changed; parameters and values as of `_compare`."""
         scale = max(luminance, 1e-30)
         change = float(self._mean(CORRECTION, STEERING[0]).mean()) / scale
-        error = float(np.sqrt(self._scatter(CORRECTION, 0).sum())) / self.pixels / scale
+        scatter = self._scatter(CORRECTION, 0).mean(axis=0)
+        error = float(np.sqrt(scatter.sum())) / self.pixels / scale
         counts, size = self.allocation.counts, self.allocation.size
         share = COSTS[CORRECTION] * (counts[CORRECTION] @ size)
         share /= sum(COSTS[kind] * (each @ size) for kind, each in counts.items())
