@@ -158,6 +158,11 @@ ROUNDS = 50
 """Times that the interval which holds the samples needed is halved."""
 
 
+def read_clock() -> float:
+    """Time by which jobs are followed and forecasts are made. [s]"""
+    return time.perf_counter()
+
+
 class Clock:
     """Follows a job against its rule.
 
@@ -177,7 +182,7 @@ class Clock:
             )
         self.rule = rule
         self.stage = stage
-        self._start = time.perf_counter()
+        self._start = read_clock()
         # Samples, error of the whole and error over what is allowed, after passes that lie apart; and the present state.
         self._history: list[tuple[int, float, float]] = []
         self._present: tuple[int, float, float] | None = None
@@ -189,7 +194,7 @@ class Clock:
     @property
     def seconds(self) -> float:
         """Seconds since the start."""
-        return time.perf_counter() - self._start
+        return read_clock() - self._start
 
     def begin(self) -> None:
         """Take note that samples are taken from now on: what was prepared before is done once."""

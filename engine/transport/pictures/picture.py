@@ -43,6 +43,14 @@ FIRST_LANES = 1 << 18
 BELIEVED = 8
 """Samples per pixel below which the error is not believed enough to stop by it: of so few it is too noisy itself."""
 
+FORETOLD = 16
+"""Samples per pixel from which on it is foretold how many will be needed: of fewer it is not known where they will go."""
+
+POWER, STEEPEST, SUPPORT = -0.06, -0.2, 1.5
+"""Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
+better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, and how much the
+supposed one counts, as a sum of squares of logarithms of ratios of samples."""
+
 DARK = 1 << 20
 """Samples of a whole picture that have found no light at all, after which it is known to be dark."""
 
@@ -192,6 +200,8 @@ class _Passes:
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
         self.error = float("inf")
+        # Logarithms of samples, and of the square of the error over that by which single samples scatter.
+        self._parts_of_scatter: list[tuple[float, float]] = []
         self.traced = None if traced is None else TracedLight(traced, shape)
 
     def run(self):
@@ -213,7 +223,7 @@ class _Passes:
                 self._report(estimate.mean[:, :3])
                 return self._finish(estimate)
             squares = self._squares(estimate.mean[:, 1])
-            if is_believed and self.rule.error is not None:
+            if self.rule.error is not None and self.samples >= FORETOLD:
                 self.clock.foresee(self._foresee(whole[..., 1], squares))
             self._report(estimate.mean[:, :3])
             if self.allocation.samples < EVEN <= self._left:
@@ -293,8 +303,21 @@ class _Passes:
         others = np.stack([_scale(each) for each in halves[::-1]])
         errors = {kind: (each / others**2).mean(axis=0) for kind, each in scatter.items()}
         # Well-distributed points err less than single samples scatter; the noise of cells comes on top.
-        goal = now * (self.rule.error / self.error) ** 2
-        return GROUPS * self.allocation.foresee(squares, errors, goal)
+        part, end = self.error**2 / now, float(self.samples)
+        self._parts_of_scatter.append((np.log(end), np.log(part)))
+        for _ in range(2):
+            then = part * (end / self.samples) ** self._power()
+            end = GROUPS * self.allocation.foresee(squares, errors, self.rule.error**2 / then)
+            end = max(end, self.samples * (1.0 + LEAST))
+        return end
+
+    def _power(self) -> float:
+        """Power of the samples by which the error has fallen beside that of independent ones."""
+        samples, parts = np.array(self._parts_of_scatter).T
+        samples = samples - samples.mean()
+        supposed = POWER if len(self.sums) > 1 else 0.0
+        power = (SUPPORT * supposed + samples @ parts) / (SUPPORT + samples @ samples)
+        return float(np.clip(power, STEEPEST, 0.0))
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation
