@@ -166,22 +166,28 @@ def read_clock() -> float:
 class Clock:
     """Follows a job against its rule.
 
-    The time left follows from the samples that are still needed, by how the error has fallen so far or as the job foresees
-    them, and from what passes have taken: each for itself, and each of its samples.
+    The time left follows from the samples that are still needed, by how the error has fallen so far and within what the job
+    foresees, and from what passes have taken: each for itself, and each of its samples.
+
+    Parameters
+    ----------
+    rule : StopRule
+    stage : str    What is being done.
+    foresees : bool    Whether the job foresees its samples, so that none are foretold before it does.
 
     Raises
     ------
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
-    def __init__(self, rule: StopRule, stage: str = ""):
+    def __init__(self, rule: StopRule, stage: str = "", foresees: bool = False):
         if rule.absolute is not None:
             raise SceneError(
                 "an error in lux of the whole stops lux maps only: give a relative error, an error of "
                 "every value, a number of samples or a time"
             )
         self.rule = rule
-        self.stage = stage
+        self.stage, self._foresees = stage, foresees
         self._start = read_clock()
         # Samples, error of the whole and error over what is allowed, after passes that lie apart; and the present state.
         self._history: list[tuple[int, float, float]] = []
@@ -189,7 +195,7 @@ class Clock:
         # Samples and seconds after all passes; the first one may have to make kernels.
         self._times: list[tuple[int, float]] = []
         self._begun = 0.0
-        self._foreseen: float | None = None
+        self._foreseen: tuple[float, float] | None = None
 
     @property
     def seconds(self) -> float:
@@ -200,9 +206,9 @@ class Clock:
         """Take note that samples are taken from now on: what was prepared before is done once."""
         self._begun = self.seconds
 
-    def foresee(self, samples: float) -> None:
-        """Take note of the samples at which the error will be what is allowed, as the job foresees them."""
-        self._foreseen = samples
+    def foresee(self, least: float, most: float) -> None:
+        """Take note between which samples the error will come to what is allowed, as the job foresees it."""
+        self._foreseen = least, most
 
     def progress(self, samples: int, error: float) -> Progress:
         """Describe the state after so many samples; the error is that of the last finished pass."""
@@ -211,10 +217,9 @@ class Clock:
         if self.rule.seconds is not None:
             ends.append(self.rule.seconds - seconds)
         needed = [self.rule.samples] if self.rule.samples is not None else []
-        if self._foreseen is not None:
-            needed.append(self._foreseen)
-        elif self._present is not None:
-            needed.append(self._samples_needed())
+        if self._present is not None and (self._foreseen or not self._foresees):
+            least, most = self._foreseen or (0.0, math.inf)
+            needed.append(min(max(self._samples_needed(), least), most))
         if needed and samples > 0:
             ends.append(self._seconds_until(min(needed), samples, seconds))
         left = max(min(ends), 0.0) if ends else None

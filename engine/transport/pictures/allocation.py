@@ -131,7 +131,10 @@ class Allocation:
         costs = np.array(list(self.costs.values()))[:, None]
         price = costs * counts * self.size / (costs.sum() * len(self.tile))
         shares = self.size / len(self.tile)
-        left = np.stack([self._spread(errors[kind]) * shares for kind in self.costs])
+        left = np.stack(
+            [np.bincount(self.tile, errors[kind], len(self.size)) for kind in self.costs]
+        )
+        left /= len(self.tile)
         worth = np.stack([self._spread(squares[kind]) * shares for kind in self.costs])
         worth = np.log2(np.maximum(worth, 1e-300)) - np.log2(np.maximum(price, 1e-300))
 

@@ -137,7 +137,7 @@ def render(
     pixels = camera.width * camera.height
     if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
         raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
-    clock = Clock(settings.rule, "picture")
+    clock = Clock(settings.rule, "picture", foresees=True)
     film = Film(camera, scene.origin)
     layers = first_layers(scene, film)
     learn_lights(scene, film)
@@ -200,7 +200,7 @@ class _Passes:
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
         self.error = float("inf")
-        # Logarithms of samples, and of the square of the error over that by which single samples scatter.
+        # Samples, and the square of the error over that by which single samples scatter.
         self._parts_of_scatter: list[tuple[float, float]] = []
         self.traced = None if traced is None else TracedLight(traced, shape)
 
@@ -224,7 +224,7 @@ class _Passes:
                 return self._finish(estimate)
             squares = self._squares(estimate.mean[:, 1])
             if self.rule.error is not None and self.samples >= FORETOLD:
-                self.clock.foresee(self._foresee(whole[..., 1], squares))
+                self.clock.foresee(*self._foresee(whole[..., 1], squares))
             self._report(estimate.mean[:, :3])
             if self.allocation.samples < EVEN <= self._left:
                 added = self.allocation.double()
@@ -288,32 +288,45 @@ class _Passes:
         around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
         return around / (GROUPS * np.maximum(count - 1, 1))
 
-    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> float:
-        """Samples at which the error will be the wanted one. ``halves``: luminance (2, n); ``squares``: as of `_squares`.
+    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> tuple[float, float]:
+        """Least and most samples at which the error will be the wanted one.
 
-        A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the
-        error of few samples is too small, and falls more slowly than it will. The scatter of each half is taken relative
-        to what the other one shows.
+        A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the error
+        of few samples is too small, and falls more slowly than it will: least. Relative to what the other half shows the
+        scatter of a half is not, but where such samples are rare this goes on to the end, and the error stays small: most.
+
+        ``halves``: luminance, (2, n). [cd/m2] ``squares``: as of `_squares`.
         """
         scale = _scale(halves.mean(axis=0))
-        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
-        now = sum(each.mean(axis=0) / scale**2 for each in scatter.values()).mean()
-        if not (now > 0.0 and 0.0 < self.error < np.inf):
-            return self.samples
         others = np.stack([_scale(each) for each in halves[::-1]])
-        errors = {kind: (each / others**2).mean(axis=0) for kind, each in scatter.items()}
+        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
+        own, other = (
+            {kind: (each / by**2).mean(axis=0) for kind, each in scatter.items()}
+            for by in (scale, others)
+        )
+        now, end = float(sum(own.values()).mean()), float(self.samples)
+        if not (now > 0.0 and 0.0 < self.error < np.inf):
+            return end, end
         # Well-distributed points err less than single samples scatter; the noise of cells comes on top.
-        part, end = self.error**2 / now, float(self.samples)
-        self._parts_of_scatter.append((np.log(end), np.log(part)))
+        self._parts_of_scatter.append((end, self.error**2 / now))
+        samples, parts = np.array(self._parts_of_scatter).T
+        power = self._power(np.log(samples), np.log(parts))
+        # By all passes: where few pixels make most of the error, the difference of the halves is much by chance.
+        part = float((parts * (end / samples) ** power).mean())
+        found = sorted(self._end_of(squares, errors, part, power) for errors in (own, other))
+        return found[0], found[1]
+
+    def _end_of(self, squares, errors, part: float, power: float) -> float:
+        """Samples at which so large a part of the errors, which changes by a power of them, is the wanted one."""
+        end = float(self.samples)
         for _ in range(2):
-            then = part * (end / self.samples) ** self._power()
-            end = GROUPS * self.allocation.foresee(squares, errors, self.rule.error**2 / then)
+            goal = self.rule.error**2 / (part * (end / self.samples) ** power)
+            end = GROUPS * self.allocation.foresee(squares, errors, goal)
             end = max(end, self.samples * (1.0 + LEAST))
         return end
 
-    def _power(self) -> float:
-        """Power of the samples by which the error has fallen beside that of independent ones."""
-        samples, parts = np.array(self._parts_of_scatter).T
+    def _power(self, samples: np.ndarray, parts: np.ndarray) -> float:
+        """Power of the samples by which parts of the scatter fall, from the logarithms of both."""
         samples = samples - samples.mean()
         supposed = POWER if len(self.sums) > 1 else 0.0
         power = (SUPPORT * supposed + samples @ parts) / (SUPPORT + samples @ samples)
