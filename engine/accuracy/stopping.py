@@ -263,9 +263,13 @@ class Clock:
         if len(passes) < 2 or passes[:, 0].max() < UNLIKE * passes[:, 0].min():
             return more * self._seconds_each(samples, seconds)
         single, each = _fit_passes(*passes.T)
-        # As many passes as it takes if all that is done grows by each as it did by the last one.
-        growth = self._times[-1][0] / (self._times[-1][0] - passes[-1, 0])
-        return more * each + single * math.log(end / samples) / math.log(growth)
+        before, last = passes[-2:, 0]
+        many = more / last
+        if last > before:
+            # Passes grow: as many as it takes if all that is done grows by each as it did by the last one.
+            done = self._times[-1][0]
+            many = math.log(end / samples) / math.log(done / (done - last))
+        return more * each + single * many
 
     def _seconds_each(self, samples: int, seconds: float) -> float:
         """What a sample takes, by the later half of them. [s]"""
