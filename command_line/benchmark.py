@@ -153,6 +153,11 @@ def _add_pictures(kinds) -> None:
         help="run Cycles too, where it is installed (default: yes)",
     )
     pictures.add_argument(
+        "--processor-time",
+        action="store_true",
+        help="make and judge forecasts by the processor time of this process, on a machine that others share",
+    )
+    pictures.add_argument(
         "--resume",
         action="store_true",
         help="go on with the results that --json already holds; its scenes are not measured again",
@@ -346,7 +351,9 @@ def _run_pictures(options, say) -> int:
             pictures.write_pair(pair, key, folder)
         pictures.write_results(result, folder, options.json)
 
-    result = pictures.measure(scenes, wanted, budget, keep, options.peers, earlier, say)
+    result = pictures.measure(
+        scenes, wanted, budget, keep, options.peers, earlier, say, options.processor_time
+    )
     tell(tell_bars(check_bars(result)))
     _write(pictures, result, options, is_part)
     return 0

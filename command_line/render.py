@@ -48,6 +48,11 @@ def add_command(commands) -> None:
         help="what stands for the radiance beyond the first bounce (default: as the scene says)",
     )
     render.add_argument(
+        "--unbiased",
+        action=argparse.BooleanOptionalAction,
+        help="let the expected picture be that of full paths: cells are corrected by some (default: as the scene says)",
+    )
+    render.add_argument(
         "--illuminance",
         action="store_true",
         help="also compute the illuminance of the visible surfaces [lx]",
@@ -154,6 +159,7 @@ def _view(options, scene, luminous):
         illuminance=options.illuminance or view.illuminance,
         bands=options.spectral_exr or view.bands,
         method=options.method or view.method,
+        unbiased=view.unbiased if options.unbiased is None else options.unbiased,
         guides=_denoises(options),
     )
 

@@ -20,7 +20,8 @@ class ViewSettings:
     surroundings behind everything; ``groups``: light groups that are kept apart, to be mixed afterwards, with lights in
     none of them as one more, which share the samples; ``preview``: levels of the groups in pictures on the way; the finished
     one has all as they are; ``method``: ``cells`` reads light beyond the first bounce from cells, ``paths`` follows it to
-    its end, ``auto`` decides by the scene and says why; ``guides``: whether filters of noise will want theirs.
+    its end, ``auto`` decides by the scene and says why; ``guides``: whether filters of noise will want theirs; ``unbiased``:
+    whether what cells change is corrected by full paths, so that the expected picture is theirs.
     """
 
     rule: StopRule
@@ -34,6 +35,7 @@ class ViewSettings:
     preview: LightMix = NEUTRAL
     method: str = "auto"
     guides: bool = False
+    unbiased: bool = False
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,9 @@ class LUMENRAY_PT_sampling(RenderPanel, bpy.types.Panel):
         """Draw the stopping rule, the method, and what the last picture came to."""
         draw_stop(layout, settings.render)
         layout.prop(settings.render, "method")
+        row = layout.row()
+        row.active = settings.render.method != "PATHS"
+        row.prop(settings.render, "use_unbiased")
         text = context.window_manager.lumenray.render
         if text:
             draw_text(layout, context, f"Last: {text}", "INFO")

@@ -233,14 +233,19 @@ def _bias(scenes: list[dict]) -> list[str]:
     return [BIAS.format(seeds=SEEDS, block=BLOCK), make_table(head, rows)]
 
 
+def _tell_forecast(row: dict) -> str:
+    """Forecast over what it took, and when it was made."""
+    if row["share"] is None:
+        return "none"
+    clock = " of processor time" if row.get("by_processor") else ""
+    return f"{row['share']:.2f} (at {100 * row['at']:.0f} %{clock})"
+
+
 def _calibration(scenes: list[dict]) -> list[str]:
     rows = []
     for scene in scenes:
         stated = scene_calibration(scene)
-        forecasts = ", ".join(
-            "none" if row["share"] is None else f"{row['share']:.2f} (at {100 * row['at']:.0f} %)"
-            for row in scene["forecasts"]
-        )
+        forecasts = ", ".join(_tell_forecast(row) for row in scene["forecasts"])
         told = "-" if stated is None else f"{stated:.2f}"
         ours = scene["programs"][OURS]
         runs = zip(ours["stated"], ours["errors"], strict=True)

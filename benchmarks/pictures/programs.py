@@ -1,13 +1,15 @@
 """Programs that make pictures: ours by a method, and Cycles."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
+from ...engine.accuracy import stopping
 from ...engine.accuracy.stopping import StopRule
 from ...engine.photometry.colour import REC709_LUMINANCE, scene_linear
 from ...engine.scene.scene import SceneDelta
@@ -89,20 +91,33 @@ class Lumenray:
         glance = resize(self._scene.camera, GLANCE)
         session.render(glance, _settings(StopRule(samples=self.least), seed, METHODS[BEFORE]))
         settings = _settings(rule, seed, METHODS[self.name])
-        begin = time.perf_counter()
+        begin = stopping.read_clock()
 
         def tell(state, _preview):
             if progress is not None and state.seconds_left is not None:
-                progress(time.perf_counter() - begin, state.seconds_left)
+                progress(stopping.read_clock() - begin, state.seconds_left)
 
         picture = session.render(self._scene.camera, settings, tell)
-        seconds = time.perf_counter() - begin
+        seconds = stopping.read_clock() - begin
         linear = scene_linear(picture.tristimulus, 1.0)
         luminance = picture.tristimulus[..., 1]
         return Made(linear, luminance, seconds, float(picture.relative_error))
 
     def close(self) -> None:
         """Nothing is left running."""
+
+
+@contextmanager
+def processor_time() -> Iterator[None]:
+    """Follow our pictures, and make their forecasts, by the processor time of this process.
+
+    Where other programs share the machine, the time of day tells of them too, and no forecast knows of these.
+    """
+    kept, stopping.read_clock = stopping.read_clock, time.process_time
+    try:
+        yield
+    finally:
+        stopping.read_clock = kept
 
 
 def has_methods() -> bool:

@@ -19,6 +19,7 @@ def measure(
     with_peers: bool = True,
     earlier: dict | None = None,
     say=None,
+    by_processor: bool = False,
 ) -> dict:
     """Measure.
 
@@ -32,6 +33,7 @@ def measure(
     with_peers : bool    Whether Cycles is run too, where it is installed.
     earlier : dict or None    Results that are gone on with: scenes that they have in this size are not measured again.
     say : callable or None    Told in one line what was done.
+    by_processor : bool    Whether forecasts are of processor time.
 
     Returns
     -------
@@ -65,14 +67,16 @@ def measure(
             say(f"{key}: taken from earlier results")
             continue
         rows[key], pair = measure_scene(
-            key, size, budget, with_peers, lambda line, k=key: say(f"{k}: {line}")
+            key, size, budget, with_peers, lambda line, k=key: say(f"{k}: {line}"), by_processor
         )
         keep(collect(), key, pair)
     return collect()
 
 
-def measure_scene(key: str, size, budget: float, with_peers: bool, say) -> tuple[dict, list | None]:
-    """Measure one scene.
+def measure_scene(
+    key: str, size, budget: float, with_peers: bool, say, by_processor: bool = False
+) -> tuple[dict, list | None]:
+    """Measure one scene; parameters as of `measure`.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def measure_scene(key: str, size, budget: float, with_peers: bool, say) -> tuple
         made, pictures = race(programs, budget, say)
         pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
         del pictures
-        forecasts = measure_forecasts(scene, budget, say)
+        forecasts = measure_forecasts(scene, budget, say, by_processor)
         bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_methods() else None
         share = load.share()
     finally:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from ..foundation.report import ConversionReport
 from ..sync.scene_sync import SceneSync
 from ..sync.step import PART_BYTES, SyncStats
+from .animation import FrameTimes
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,17 @@ class SceneFeed:
     ----------
     session : Session or RemoteSession    With an empty scene.
     final : bool    Whether objects that are hidden in renders are left out.
+
+    Attributes
+    ----------
+    frames : FrameTimes    Of the animation whose frames it is for.
     """
 
     def __init__(self, session, final: bool = False):
         self.session = session
         self.sync = SceneSync(final)
         self.report = ConversionReport()
+        self.frames = FrameTimes()
         self.last: Edit | None = None
 
     def update(self, depsgraph, visible=None) -> Edit | None:

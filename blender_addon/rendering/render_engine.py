@@ -23,6 +23,7 @@ from ..foundation.handlers import leave, listen
 from ..foundation.report import ConversionReport
 from ..sync.camera import region
 from . import light_mix, view_drawing
+from .animation import Frames
 from .feed import SceneFeed
 from .viewport import Viewport
 
@@ -64,6 +65,7 @@ def view_settings(scene, spectral_file: str | None = None, luminous=()) -> ViewS
         groups=light_mix.groups_of(scene, luminous),
         preview=light_mix.levels_of(scene),
         method=own.method.lower(),
+        unbiased=own.use_unbiased,
         guides=own.use_pass_denoising or (own.use_denoising and find_denoiser() is not None),
     )
 
@@ -190,7 +192,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             picture = session.render(
                 camera,
                 asked,
-                self._follow(session, result, white),
+                self._follow(feed, scene, result, white),
                 idle=lambda: self.test_break() and session.cancel(),
             )
             finished = True
@@ -219,14 +221,17 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         _on_main_thread(lambda manager: show_render(manager, text))
         _on_main_thread(lambda _, original=scene.original: light_mix.keep(original, whole))
 
-    def _follow(self, session, result, white):
+    def _follow(self, feed, scene, result, white):
         """Return the function that follows the engine's progress."""
+        place = Frames.of(scene) if self.is_animation else None
+        feed.frames.begin()
 
         def follow(progress, preview):
             if self.test_break():
-                session.cancel()
+                feed.session.cancel()
             self.update_progress(progress.done)
-            self.update_stats("", progress.text())
+            text = progress.text() if place is None else feed.frames.describe(place, progress)
+            self.update_stats("", text)
             if preview is not None and progress.done < 1.0:
                 tristimulus = preview()
                 shown = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)

@@ -70,6 +70,14 @@ class LumenrayRenderSettings(PropertyGroup):
         ],
         default="AUTO",
     )
+    use_unbiased: BoolProperty(
+        name="Unbiased",
+        description=(
+            "Let the expected picture be that of full paths: Automatic follows them, and Cells correct what they change. "
+            "Default off: the bias of cells is small and measured, and taking it out takes many times as long"
+        ),
+        default=False,
+    )
     use_denoising: BoolProperty(
         name="Denoise",
         description=(

@@ -148,6 +148,9 @@ BASELINE, WINDOW, STEP = 3.9, 64.0, 1.2
 """Ratio of samples over which that power is taken, at least, as nearer ones differ by noise, and at most, as what was long
 ago says little; and ratio between passes of which note is taken."""
 
+UNLIKE = 2.0
+"""Ratio of the longest to the shortest pass, in samples, from which on what each takes beside them is told apart."""
+
 LONGEST = 100.0
 """Logarithm of most samples that are foretold."""
 
@@ -155,8 +158,22 @@ ROUNDS = 50
 """Times that the interval which holds the samples needed is halved."""
 
 
+def read_clock() -> float:
+    """Time by which jobs are followed and forecasts are made. [s]"""
+    return time.perf_counter()
+
+
 class Clock:
-    """Follows a job against its rule. The time left follows from how the error has fallen so far.
+    """Follows a job against its rule.
+
+    The time left follows from the samples that are still needed, by how the error has fallen so far and within what the job
+    foresees, and from what passes have taken: each for itself, and each of its samples.
+
+    Parameters
+    ----------
+    rule : StopRule
+    stage : str    What is being done.
+    foresees : bool    Whether the job foresees its samples, so that none are foretold before it does.
 
     Attributes
     ----------
@@ -167,7 +184,7 @@ class Clock:
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
-    def __init__(self, rule: StopRule, stage: str = ""):
+    def __init__(self, rule: StopRule, stage: str = "", foresees: bool = False):
         self.grain = 0
         if rule.absolute is not None:
             raise SceneError(
@@ -175,32 +192,44 @@ class Clock:
                 "every value, a number of samples or a time"
             )
         self.rule = rule
-        self.stage = stage
-        self._start = time.perf_counter()
+        self.stage, self._foresees = stage, foresees
+        self._start = read_clock()
         # Samples, error of the whole and error over what is allowed, infinite where it is not believed, after passes that
         # lie apart; and the present state, once it is.
         self._history: list[tuple[int, float, float]] = []
         self._present: tuple[int, float, float] | None = None
-        # Samples and seconds after such passes; the first one may have to make kernels.
+        # Samples and seconds after all passes; the first one may have to make kernels.
         self._times: list[tuple[int, float]] = []
+        self._begun = 0.0
+        self._foreseen: tuple[float, float] | None = None
 
     @property
     def seconds(self) -> float:
         """Seconds since the start."""
-        return time.perf_counter() - self._start
+        return read_clock() - self._start
+
+    def begin(self) -> None:
+        """Take note that samples are taken from now on: what was prepared before is done once."""
+        self._begun = self.seconds
+
+    def foresee(self, least: float, most: float) -> None:
+        """Take note between which samples the error will come to what is allowed, as the job foresees it."""
+        self._foreseen = least, most
 
     @property
     def samples_needed(self) -> float | None:
         """Samples with which the rule will be met by number or error; None while nothing can be said."""
         needed = [] if self.rule.samples is None else [float(self.rule.samples)]
-        if self._present is not None:
-            needed.append(self._to_whole_passes(self._samples_needed()))
+        if self._present is not None and (self._foreseen or not self._foresees):
+            least, most = self._foreseen or (0.0, math.inf)
+            needed.append(self._to_whole_passes(min(max(self._samples_needed(), least), most)))
         return min(needed, default=None)
 
     def restart(self) -> None:
         """Forget how the error has fallen: from now on samples are others. Time goes on."""
         self._history, self._present = [], None
         self._times, self.grain = [(0, self.seconds)], 0
+        self._begun, self._foreseen = self.seconds, None
 
     def progress(self, samples: int, error: float, stage: str | None = None) -> Progress:
         """Describe the state after so many samples; the error is that of the last finished pass.
@@ -213,8 +242,7 @@ class Clock:
             ends.append(self.rule.seconds - seconds)
         needed = self.samples_needed
         if needed is not None and samples > 0:
-            each = self._seconds_each(samples, seconds)
-            ends.append(max(needed - samples, 0.0) * each)
+            ends.append(self._seconds_until(needed, samples, seconds))
         left = max(min(ends), 0.0) if ends else None
         done = 0.0
         if left is not None:
@@ -235,8 +263,7 @@ class Clock:
         if rule.error is not None:
             excesses.append(error / rule.error)
         excess = min(excesses, default=math.inf)
-        if not self._times or samples >= STEP * self._times[-1][0]:
-            self._times.append((samples, self.seconds))
+        self._times.append((samples, self.seconds))
         if 0.0 < error < math.inf and excess > 0.0:
             state = (samples, error, excess)
             if excess < math.inf:
@@ -256,12 +283,30 @@ class Clock:
             return samples
         return max(samples + 0.5 * self.grain, present + self.grain)
 
+    def _seconds_until(self, end: float, samples: int, seconds: float) -> float:
+        """Seconds from the present samples to those at the end. [s]"""
+        more = end - samples
+        if more <= 0.0:
+            return 0.0
+        passes = np.diff(np.array(self._times, dtype=np.float64).reshape(-1, 2), axis=0)
+        passes = passes[(passes > 0.0).all(axis=1)]
+        if len(passes) < 2 or passes[:, 0].max() < UNLIKE * passes[:, 0].min():
+            return more * self._seconds_each(samples, seconds)
+        single, each = _fit_passes(*passes.T)
+        before, last = passes[-2:, 0]
+        many = more / last
+        if last > before:
+            # Passes grow: as many as it takes if all that is done grows by each as it did by the last one.
+            done = self._times[-1][0]
+            many = math.log(end / samples) / math.log(done / (done - last))
+        return more * each + single * many
+
     def _seconds_each(self, samples: int, seconds: float) -> float:
-        """What a sample takes, by the later half of them, as short passes at the beginning take long for theirs. [s]"""
+        """What a sample takes, by the later half of them. [s]"""
         before = [each for each in self._times if 2 * each[0] <= samples] or self._times[:1]
         if before and samples > before[-1][0]:
             return max(seconds - before[-1][1], 0.0) / (samples - before[-1][0])
-        return seconds / samples
+        return (seconds - self._begun) / samples
 
     def _samples_needed(self) -> float:
         """Samples at which the error will be what is allowed, if it goes on falling as it has.
@@ -301,3 +346,18 @@ def _independent(values: np.ndarray, samples: np.ndarray) -> np.ndarray:
     common = np.exp(-np.diff(samples))
     rest = np.sqrt(np.maximum(1.0 - common**2, 1e-12))
     return np.concatenate([values[:1], (values[1:] - common * values[:-1]) / rest])
+
+
+def _fit_passes(samples: np.ndarray, seconds: np.ndarray) -> tuple[float, float]:
+    """What a pass takes beside its samples, and what each of them takes, both at least 0. [s]
+
+    ``samples``, ``seconds``: of passes, (n,) each. Chance adds up along a pass, so its square counts by the time.
+    """
+    weights = 1.0 / seconds
+    mean = np.average(samples, weights=weights)
+    apart = samples - mean
+    each = float((weights * apart) @ seconds / ((weights * apart) @ apart))
+    single = float(np.average(seconds, weights=weights) - each * mean)
+    if single < 0.0 or each <= 0.0:
+        return 0.0, float(seconds.sum() / samples.sum())
+    return single, each

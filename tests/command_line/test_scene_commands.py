@@ -144,15 +144,18 @@ def test_a_picture_is_written_by_light_group_and_mixed(tmp_path, capsys):
 
 def test_the_report_of_a_picture_says_how_it_was_made_and_what_cells_change(tmp_path):
     box, said = str(scenes.scene_path("closed_box")), {}
-    for method in ("cells", "paths"):
-        out = tmp_path / f"{method}.exr"
+    ways = {"cells": ["cells"], "paths": ["paths"], "corrected": ["cells", "--unbiased"]}
+    for name, way in ways.items():
+        out = tmp_path / f"{name}.exr"
         more = ["-o", str(out), "--size", "32x24", "--samples", "4", "--no-denoise"]
-        assert command_line.main(["render", box, *more, "--method", method]) == 0
-        said[method] = json.loads(out.with_suffix(".json").read_text())
+        assert command_line.main(["render", box, *more, "--method", *way]) == 0
+        said[name] = json.loads(out.with_suffix(".json").read_text())
     assert any("read from cells, as asked for" in each for each in said["cells"]["decisions"])
     assert any("of the picture's mean (measured at" in each for each in said["cells"]["notes"])
     assert "full paths are asked for" in said["paths"]["decisions"]
     assert not any("cells" in each for each in said["paths"]["notes"])
+    assert any("what they change is corrected" in each for each in said["corrected"]["decisions"])
+    assert any("corrected by full paths" in each for each in said["corrected"]["notes"])
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,7 @@ def test_world_panels_draw(unit):
 def test_render_panels_draw_what_their_choice_needs(stop):
     bpy.context.scene.lumenray.render.stop = stop
     drawn = {"SAMPLES": "samples", "ERROR": "error_percent", "TIME": "time"}[stop]
-    assert {drawn, "method"} <= set(draw("LUMENRAY_PT_sampling", context()))
+    assert {drawn, "method", "use_unbiased"} <= set(draw("LUMENRAY_PT_sampling", context()))
     for name in ("LUMENRAY_PT_passes", "LUMENRAY_PT_advanced"):
         assert draw(name, context())
 

@@ -21,6 +21,10 @@ SPREAD = 16
 samples have missed may still be there."""
 
 
+MOST_DOUBLINGS, HALVINGS = 40, 30
+"""Doublings of a tile's samples that are foretold at most, and steps in which the end of them is found."""
+
+
 class Allocation:
     """Samples so far, and who gets more.
 
@@ -28,19 +32,27 @@ class Allocation:
     ----------
     width, height : int    Of the picture. [pixel]
     costs : dict    By kinds of samples.
+    floors : dict or None    Least samples of every tile over the mean of all, of kinds whose light is rare and bright. [-]
 
     Attributes
     ----------
     counts : dict    Samples of every tile's pixels in a half, by kind: (t,) int64.
     """
 
-    def __init__(self, width: int, height: int, costs: dict[int, float]):
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        costs: dict[int, float],
+        floors: dict[int, float] | None = None,
+    ):
         across = -(-width // TILE)
         self._shape = (-(-height // TILE), across)
         y, x = np.divmod(np.arange(width * height), width)
         self.tile = (y // TILE) * across + x // TILE
         self.size = np.bincount(self.tile)
         self.costs = costs
+        self._floors = np.array([(floors or {}).get(kind, 0.0) for kind in costs])
         self.counts = {kind: np.zeros(len(self.size), dtype=np.int64) for kind in costs}
 
     @property
@@ -86,7 +98,8 @@ class Allocation:
         worth = np.stack([self._spread(squares[kind]) * self.size for kind in kinds])
         # What has next to no samples comes first, then what lowers the error most.
         means = np.maximum(counts @ self.size / len(self.tile), self.samples / SPREAD)
-        urgent = counts * SPREAD < means[:, None]
+        least = np.maximum(means / SPREAD, self._floors * self.samples)
+        urgent = counts < least[:, None]
         worth = np.where(urgent, np.inf, worth / np.maximum(price, 1e-300)).ravel()
         order = np.argsort(-worth, kind="stable")
         spent = np.cumsum(price.ravel()[order])
@@ -98,6 +111,54 @@ class Allocation:
             fits = int(counts.flat[order[0]] * most * whole / spent[0])
             added.flat[order[0]] = 1 << max(fits.bit_length() - 1, 0)
         return dict(zip(kinds, added, strict=True))
+
+    def foresee(
+        self, squares: dict[int, np.ndarray], errors: dict[int, np.ndarray], goal: float
+    ) -> float:
+        """Samples at which the error will have come down to a goal, if those who need them most are doubled.
+
+        Parameters
+        ----------
+        squares : dict    As of `choose`: they tell who is doubled.
+        errors : dict    Squares of the errors that count, alike.
+        goal : float    What the errors' sum over the kinds has to come to on the mean of the pixels.
+
+        Returns
+        -------
+        float    Samples of a pixel in a half, on the mean; those that there are if the goal is met.
+        """
+        counts = np.stack([self.counts[kind] for kind in self.costs])
+        costs = np.array(list(self.costs.values()))[:, None]
+        price = costs * counts * self.size / (costs.sum() * len(self.tile))
+        shares = self.size / len(self.tile)
+        left = np.stack(
+            [np.bincount(self.tile, errors[kind], len(self.size)) for kind in self.costs]
+        )
+        left /= len(self.tile)
+        worth = np.stack([self._spread(squares[kind]) * shares for kind in self.costs])
+        worth = np.log2(np.maximum(worth, 1e-300)) - np.log2(np.maximum(price, 1e-300))
+
+        def after(least: float) -> tuple[float, float]:
+            """Errors and samples once nothing is worth more than two to the power of the least."""
+            # Each doubling halves the square and doubles its price.
+            doublings = np.maximum(np.ceil(0.5 * (worth - least)), 0.0)
+            return float((left * 2.0**-doublings).sum()), float((price * 2.0**doublings).sum())
+
+        high = float(worth.max())
+        far = after(high)
+        if far[0] <= goal:
+            return self.samples
+        low = high - 2.0 * MOST_DOUBLINGS
+        near = after(low)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            now = after(middle)
+            if now[0] > goal:
+                high, far = middle, now
+            else:
+                low, near = middle, now
+        share = (far[0] - goal) / max(far[0] - near[0], 1e-300)
+        return far[1] + min(share, 1.0) * (near[1] - far[1])
 
     def extend(self, added: dict[int, np.ndarray]) -> None:
         """Take note that samples were taken."""

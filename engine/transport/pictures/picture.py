@@ -19,7 +19,7 @@ from ..paths.film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, look
 from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
-from .pixel_light import COSTS, STEERING, VIEW, PixelLight
+from .pixel_light import CORRECTION, COSTS, STEERING, VIEW, PixelLight
 from .view_cells import ViewCells
 
 METHODS = ("auto", "cells", "paths")
@@ -43,6 +43,14 @@ FIRST_LANES = 1 << 18
 BELIEVED = 8
 """Samples per pixel below which the error is not believed enough to stop by it: of so few it is too noisy itself."""
 
+FORETOLD = 16
+"""Samples per pixel from which on it is foretold how many will be needed: of fewer it is not known where they will go."""
+
+POWER, STEEPEST, SUPPORT = -0.06, -0.2, 1.5
+"""Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
+better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, and how much the
+supposed one counts, as a sum of squares of logarithms of ratios of samples."""
+
 DARK = 1 << 20
 """Samples of a whole picture that have found no light at all, after which it is known to be dark."""
 
@@ -57,6 +65,10 @@ LEAST_MEAN = 1.0
 
 LEAST = 0.03
 """Samples of a pass, relative to all before, that are worth one. [-]"""
+
+LEAST_CORRECTED = 1.0 / 8.0
+"""Least samples that correct cells, in every tile, over the mean of all: what cells know nothing of is rare and bright, and
+until a sample has met it, nothing tells of it. [-]"""
 
 SWEEP_SHARE = 0.15
 """Paths of later sweeps over the cells, relative to the samples of the picture. [-]"""
@@ -77,7 +89,13 @@ def choose_method(scene, camera: Camera, settings) -> tuple[bool, str]:
     error = interpolation_error(scene.mean_light, spectra)
     reason = "the radiance beyond the first bounce is read from cells"
     if settings.method == "cells":
-        return True, f"{reason}, as asked for"
+        remedy = "; what they change is corrected" if settings.unbiased else ""
+        return True, f"{reason}, as asked for{remedy}"
+    if settings.unbiased:
+        return (
+            False,
+            "an unbiased picture is asked for, and full paths are sooner than corrected cells: full paths",
+        )
     if error > TOLERANCE:
         return False, (
             f"the lights' spectra are so unlike that cells would be wrong by up to {100.0 * error:.2g} %: full paths"
@@ -119,7 +137,7 @@ def render(
     pixels = camera.width * camera.height
     if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
         raise SceneError(f"a picture of {camera.width} x {camera.height} pixels cannot be rendered")
-    clock = Clock(settings.rule, "picture")
+    clock = Clock(settings.rule, "picture", foresees=True)
     film = Film(camera, scene.origin)
     layers = first_layers(scene, film)
     learn_lights(scene, film)
@@ -176,15 +194,19 @@ class _Passes:
         self.clock, self._begun = clock, clock.seconds
         shape = (GROUPS, self.pixels, light.channels.count)
         costs = {kind: COSTS[kind] for kind in light.kinds}
-        self.allocation = Allocation(camera.width, camera.height, costs)
+        floors = {CORRECTION: LEAST_CORRECTED}
+        self.allocation = Allocation(camera.width, camera.height, costs, floors)
         self.sums = {kind: np.zeros(shape, dtype=np.float32) for kind in light.kinds}
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
         self.error = float("inf")
+        # Samples, and the square of the error over that by which single samples scatter.
+        self._parts_of_scatter: list[tuple[float, float]] = []
         self.traced = None if traced is None else TracedLight(traced, shape)
 
     def run(self):
         """Make passes until the rule is met; returns as `render`."""
+        self.clock.begin()
         added = self.allocation.begin()
         while True:
             self._pass(added)
@@ -197,11 +219,13 @@ class _Passes:
             error = self.error if is_believed else float("inf")
             if is_believed and self.samples * self.pixels >= DARK and not whole[..., 1].any():
                 error = 0.0
-            finished = self.clock.is_done(self.samples, error)
-            self._report(estimate.mean[:, :3])
-            if finished:
+            if self.clock.is_done(self.samples, error):
+                self._report(estimate.mean[:, :3])
                 return self._finish(estimate)
             squares = self._squares(estimate.mean[:, 1])
+            if self.rule.error is not None and self.samples >= FORETOLD:
+                self.clock.foresee(*self._foresee(whole[..., 1], squares))
+            self._report(estimate.mean[:, :3])
             if self.allocation.samples < EVEN <= self._left:
                 added = self.allocation.double()
             else:
@@ -251,18 +275,62 @@ class _Passes:
         """
         found = {}
         for kind in self.sums:
-            found[kind] = self._scatter(kind, 0) / _scale(luminance) ** 2
+            found[kind] = self._scatter(kind, 0).mean(axis=0) / _scale(luminance) ** 2
         if self.light.channels.illuminance:
             lux = self._mean(VIEW, STEERING[1]).mean(axis=0)
-            found[VIEW] = found[VIEW] + self._scatter(VIEW, 1) / _scale(lux) ** 2
+            found[VIEW] = found[VIEW] + self._scatter(VIEW, 1).mean(axis=0) / _scale(lux) ** 2
         return found
 
     def _scatter(self, kind: int, number: int) -> np.ndarray:
-        """Variance of the mean of a kind's samples, of one of `STEERING`, as single samples scatter. (n,)"""
+        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)"""
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind, STEERING[number])
-        around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0).mean(axis=0)
+        around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
         return around / (GROUPS * np.maximum(count - 1, 1))
+
+    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> tuple[float, float]:
+        """Least and most samples at which the error will be the wanted one.
+
+        A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the error
+        of few samples is too small, and falls more slowly than it will: least. Relative to what the other half shows the
+        scatter of a half is not, but where such samples are rare this goes on to the end, and the error stays small: most.
+
+        ``halves``: luminance, (2, n). [cd/m2] ``squares``: as of `_squares`.
+        """
+        scale = _scale(halves.mean(axis=0))
+        others = np.stack([_scale(each) for each in halves[::-1]])
+        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
+        own, other = (
+            {kind: (each / by**2).mean(axis=0) for kind, each in scatter.items()}
+            for by in (scale, others)
+        )
+        now, end = float(sum(own.values()).mean()), float(self.samples)
+        if not (now > 0.0 and 0.0 < self.error < np.inf):
+            return end, end
+        # Well-distributed points err less than single samples scatter; the noise of cells comes on top.
+        self._parts_of_scatter.append((end, self.error**2 / now))
+        samples, parts = np.array(self._parts_of_scatter).T
+        power = self._power(np.log(samples), np.log(parts))
+        # By all passes: where few pixels make most of the error, the difference of the halves is much by chance.
+        part = float((parts * (end / samples) ** power).mean())
+        found = sorted(self._end_of(squares, errors, part, power) for errors in (own, other))
+        return found[0], found[1]
+
+    def _end_of(self, squares, errors, part: float, power: float) -> float:
+        """Samples at which so large a part of the errors, which changes by a power of them, is the wanted one."""
+        end = float(self.samples)
+        for _ in range(2):
+            goal = self.rule.error**2 / (part * (end / self.samples) ** power)
+            end = GROUPS * self.allocation.foresee(squares, errors, goal)
+            end = max(end, self.samples * (1.0 + LEAST))
+        return end
+
+    def _power(self, samples: np.ndarray, parts: np.ndarray) -> float:
+        """Power of the samples by which parts of the scatter fall, from the logarithms of both."""
+        samples = samples - samples.mean()
+        supposed = POWER if len(self.sums) > 1 else 0.0
+        power = (SUPPORT * supposed + samples @ parts) / (SUPPORT + samples @ samples)
+        return float(np.clip(power, STEEPEST, 0.0))
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation
@@ -303,6 +371,9 @@ class _Passes:
 
     def _sweeps_due(self) -> bool:
         cells = self.light.cells
+        if self.light.is_corrected:
+            # What one kind reads another takes away again, in numbers of their own: all have to read the same.
+            return False
         spent = GROUPS * self.allocation.samples * len(self.sums) * self.pixels
         return (cells.sweeps + 1) * cells.work <= SWEEP_SHARE * spent
 
@@ -341,7 +412,9 @@ class _Passes:
             estimate = channels.widened(estimate, shares)
         notes = ()
         if self.light.cells is not None:
-            beyond, note = self._compare(float(estimate.mean[:, 1].mean()))
+            luminance = float(estimate.mean[:, 1].mean())
+            tell = self._tell_correction if self.light.is_corrected else self._compare
+            beyond, note = tell(luminance)
             estimate.standard_error[:, :3] = np.hypot(
                 estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
             )
@@ -358,6 +431,20 @@ class _Passes:
             **self.layers,
         }
         return fields, self.samples, lost, notes
+
+    def _tell_correction(self, luminance: float) -> tuple[float, str]:
+        """Say what correcting cells by full paths has changed; parameters and values as of `_compare`."""
+        scale = max(luminance, 1e-30)
+        change = float(self._mean(CORRECTION, STEERING[0]).mean()) / scale
+        scatter = self._scatter(CORRECTION, 0).mean(axis=0)
+        error = float(np.sqrt(scatter.sum())) / self.pixels / scale
+        counts, size = self.allocation.counts, self.allocation.size
+        share = COSTS[CORRECTION] * (counts[CORRECTION] @ size)
+        share /= sum(COSTS[kind] * (each @ size) for kind, each in counts.items())
+        return 0.0, (
+            f"what cells change is corrected by full paths, whose picture is the expected one: {100.0 * change:+.2g} +- "
+            f"{100.0 * error:.1g} % of the picture's mean, by about {100.0 * share:.0f} % of the work"
+        )
 
     def _compare(self, luminance: float) -> tuple[float, str]:
         """Compare reading cells with full paths at random pixels.
@@ -381,7 +468,7 @@ class _Passes:
         bias, error = float(found.mean()), float(found.std(ddof=1) / np.sqrt(len(found)))
         beyond = max(abs(bias) - CHANCE * error, 0.0)
         note = (
-            f"cells instead of full paths change what is in straight view by {100.0 * bias:+.2g} +- "
+            f"cells instead of full paths change what is seen by {100.0 * bias:+.2g} +- "
             f"{100.0 * error:.1g} % of the picture's mean (measured at {len(found)} pixels)"
         )
         if beyond > 0.0:

@@ -4,9 +4,17 @@ What a camera sees first is often matt. Its base answers light from all sides al
 sampled as at a lumel of a lux map: next-event to lights, rays that end at cells, points on bright cells, next-event over
 mirrors, each with as many samples as it needs. All other light of a pixel comes by paths: emitters in view, coats, glass,
 metals, and what is seen through or in them.
+
+Where the answer has to be unbiased a last kind corrects what cells change (two-level Monte Carlo): the same sample by full
+paths, less what it reads of the same cells.
+
+References
+----------
+S. Heinrich: Multilevel Monte Carlo Methods, in: Large-Scale Scientific Computing, 2001.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import drjit as dr
 import mitsuba as mi
@@ -29,12 +37,12 @@ from ..paths.visibility import closest_hit
 from ..rays import spawn_ray
 from .view_cells import ViewCells
 
-KINDS = ("view", "direct", "gathered", "guided", "mirrored", "bent")
+KINDS = ("view", "direct", "gathered", "guided", "mirrored", "bent", "correction")
 """Ways in which light is sampled."""
 
-VIEW, DIRECT, GATHERED, GUIDED, MIRRORED, BENT = range(6)
+VIEW, DIRECT, GATHERED, GUIDED, MIRRORED, BENT, CORRECTION = range(7)
 
-COSTS = (2.5, 1.0, 2.0, 0.7, 0.7, 1.0)
+COSTS = (2.5, 1.0, 2.0, 0.7, 0.7, 1.0, 14.0)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
 
 PAIRS = (
@@ -44,6 +52,7 @@ PAIRS = (
     gather.PAIR_PLACE,
     gather.PAIR_LIGHT,
     gather.PAIR_LIGHT,
+    gather.PAIR_SCATTER,
 )
 """Points for the choice of a light or a direction, by kind."""
 
@@ -83,6 +92,7 @@ class PixelLight:
 
     Attributes
     ----------
+    is_corrected : bool    Whether what cells change is taken out by samples of their own.
     lost : dict    Samples that were no numbers, by kind and pixel: (2, n), of each of `channels.LOST`.
     """
 
@@ -90,6 +100,7 @@ class PixelLight:
         self.scene, self.film, self.seed = scene, film, settings.seed
         self.channels = Channels(scene, settings)
         self.cells, self._pixels = cells, film.camera.width * film.camera.height
+        self.is_corrected = cells is not None and settings.unbiased
         self.lost: dict[int, np.ndarray] = {}
         self._left_out = None if scene.bent is None else scene.bent.left_out
         self._reader = None
@@ -106,29 +117,12 @@ class PixelLight:
             BENT: self.scene.bent is not None,
             GUIDED: self.cells.guide is not None,
             MIRRORED: self.scene.mirrors is not None and self.scene.lights.count > 0,
+            CORRECTION: self.is_corrected,
         }
         return tuple(kind for kind in range(len(KINDS)) if needed.get(kind, True))
 
     def sum(self, kind: int, units: Units, half: int) -> np.ndarray:
         """Sums over the samples of units, those of squares of `STEERING` last. (u, channels + 2)"""
-        return self._sum(kind, units, half, self._receive)
-
-    def differences(self, pixels: np.ndarray) -> np.ndarray:
-        """Luminance that reading cells adds to that of full paths, by one sample at each of some pixels. (k,) [cd/m2]"""
-        units = Units(pixels, np.arange(len(pixels)), 1, np.zeros(0))
-
-        def compare(kind, ray, wavelengths, sample, own):
-            read, full = (
-                self._receive(kind, ray, wavelengths, sample, own, is_exact=exact, is_alone=True)
-                for exact in (False, True)
-            )
-            return read - full
-
-        return self._sum(GATHERED, units, GROUPS, compare)[:, 1]
-
-    # ---- private ----
-
-    def _sum(self, kind: int, units: Units, half: int, receive) -> np.ndarray:
         who, begin = upload(mi.UInt32, units.lumel), upload(mi.UInt32, units.first)
         many = dr.opaque(mi.UInt32, units.samples)
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
@@ -145,7 +139,8 @@ class PixelLight:
         if kind == VIEW:
             columns = self._look(ray, wavelengths, sample, own, row, lost)
         else:
-            light = receive(kind, ray, wavelengths, sample, own)
+            receive = self._correct if kind == CORRECTION else partial(self._receive, kind)
+            light = receive(ray, wavelengths, sample, own)
             light = mi.Spectrum(*lost[0].keep(light, row))
             columns = self.channels.of_light(light, wavelengths)
         # At the full width of the launch, and apart from the sums, whose length would be a part of the kernel.
@@ -165,6 +160,13 @@ class PixelLight:
             made[:, number] = np.array(dr.block_reduce(dr.ReduceOp.Add, each, units.samples))
         return made
 
+    def differences(self, pixels: np.ndarray) -> np.ndarray:
+        """Luminance that reading cells adds to that of full paths, by one sample at each of some pixels. (k,) [cd/m2]"""
+        units = Units(pixels, np.arange(len(pixels)), 1, np.zeros(0))
+        return -self.sum(CORRECTION, units, GROUPS)[:, 1]
+
+    # ---- private ----
+
     def _look(self, ray, wavelengths, sample, own, row, lost) -> dict:
         """Light by paths, and what else is told of a pixel."""
         radiance = mi.Spectrum(*lost[0].keep(self._follow(ray, wavelengths, sample, own), row))
@@ -175,13 +177,31 @@ class PixelLight:
         """Radiance along paths of the camera, without what matt surfaces send that are seen first."""
         numbers = _Numbers(ray, wavelengths, sample, own)
         if self._reader is None:
-            return self._trace(numbers)
-        # Most paths end at once at a matt surface. The others go on in a kernel of their own.
-        few = dr.compress(self._goes_on(ray, sample))
-        whole = dr.zeros(mi.Spectrum, dr.width(sample))
-        if len(few):
-            dr.scatter(whole, self._trace(numbers.take(few)), few)
-        return whole
+            return self._trace(numbers, None)
+        return _of_few(
+            numbers, self._goes_on(ray, sample), lambda few: self._trace(few, self._reader)
+        )
+
+    def _correct(self, ray, wavelengths, sample, own):
+        """What full paths add to light that is read from cells, by the same sample of either.
+
+        Points on bright cells take nothing away from rays here: what both together read is what rays alone would.
+        """
+        full, read = (
+            self._receive(GATHERED, ray, wavelengths, sample, own, is_exact=exact, is_alone=True)
+            for exact in (True, False)
+        )
+        return full - read + self._correct_view(_Numbers(ray, wavelengths, sample, own))
+
+    def _correct_view(self, numbers: "_Numbers"):
+        """The same of paths of the camera that meet anything but a matt surface first."""
+        _, is_matt = self._first(numbers.ray)
+        goes_on = self._goes_on(numbers.ray, numbers.sample) & ~is_matt
+        return _of_few(
+            numbers,
+            goes_on,
+            lambda few: self._trace(few, None) - self._trace(few, self._reader),
+        )
 
     def _goes_on(self, ray, sample):
         """Which paths meet anything but a matt surface without light of its own first."""
@@ -195,7 +215,7 @@ class PixelLight:
         dr.eval(goes_on)
         return goes_on
 
-    def _trace(self, numbers: "_Numbers"):
+    def _trace(self, numbers: "_Numbers", reader: CellReader | None):
         sample, own = numbers.sample, numbers.own
         return trace(
             self.scene,
@@ -209,7 +229,7 @@ class PixelLight:
                 sobol_pair(sample, own, gather.PAIR_LIGHT),
                 sobol_pair(sample, own, gather.PAIR_SCATTER),
             ),
-            reader=self._reader,
+            reader=reader,
         )
 
     def _first(self, ray):
@@ -277,6 +297,15 @@ class PixelLight:
             spread=spread_of(bs.pdf),
         )
         return (rest + read) * weight
+
+
+def _of_few(numbers: _Numbers, goes_on, trace):
+    """Light of those paths that go on, in a kernel of their own: most end at once at a matt surface."""
+    few = dr.compress(goes_on)
+    whole = dr.zeros(mi.Spectrum, dr.width(numbers.sample))
+    if len(few):
+        dr.scatter(whole, trace(numbers.take(few)), few)
+    return whole
 
 
 @dataclass(frozen=True)

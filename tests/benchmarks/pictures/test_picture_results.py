@@ -139,7 +139,7 @@ def test_a_run_keeps_each_scene_and_goes_on_with_an_earlier_one(monkeypatch):
 
     asked, kept = [], []
 
-    def measure_scene(key, size, budget, with_peers, say):
+    def measure_scene(key, size, budget, with_peers, say, by_processor):
         asked.append(key)
         if key == "window":
             raise KeyboardInterrupt

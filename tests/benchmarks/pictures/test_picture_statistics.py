@@ -1,5 +1,6 @@
 """True errors without a converged picture, times to an error and bias by blocks, by closed forms."""
 
+import time
 import zlib
 
 import numpy as np
@@ -194,3 +195,16 @@ def test_a_forecast_is_taken_after_a_tenth_of_the_time():
         {"seconds": 10.0, "at": 0.12, "share": 1.1}
     )
     assert judge_forecast(states[:1], 10.0)["share"] is None
+
+
+def test_forecasts_in_processor_time_know_nothing_of_waiting():
+    from lumenray.benchmarks.pictures.programs import processor_time
+    from lumenray.engine.accuracy.stopping import Clock, StopRule
+
+    with processor_time():
+        clock = Clock(StopRule(seconds=1.0))
+        time.sleep(0.3)
+        assert clock.seconds < 0.2
+    clock = Clock(StopRule(seconds=1.0))
+    time.sleep(0.3)
+    assert clock.seconds >= 0.3

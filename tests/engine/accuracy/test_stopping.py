@@ -89,6 +89,54 @@ def test_kernels_that_the_first_pass_makes_do_not_count_for_all_others(monkeypat
     assert clock.progress(400, error).seconds_left == pytest.approx(96.0)
 
 
+def test_what_passes_take_beside_their_samples_is_told_from_what_these_take(monkeypatch):
+    """Half a second for each pass and 50 samples a second; passes that grow by a half, after one that makes kernels."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock, samples, new = Clock(StopRule(samples=3000)), 0, 8
+    now[0] = 20.0
+    clock.begin()
+    forecasts = []
+    while True:
+        samples += new
+        now[0] += 0.5 + new / 50.0 + (7.0 if samples == new else 0.0)
+        if clock.is_done(samples, 1.0):
+            break
+        forecasts.append(now[0] + clock.progress(samples, 1.0).seconds_left)
+        new = min(samples // 2, 3000 - samples)
+    assert np.allclose(forecasts[3:], now[0], rtol=0.03)
+
+
+def test_a_job_that_foresees_its_samples_is_believed_and_nothing_is_told_before(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.01), foresees=True)
+    for samples in (100, 200):
+        now[0] = samples / 100.0
+        assert not clock.is_done(samples, 0.1)
+        assert clock.progress(samples, 0.1).seconds_left is None
+    # The fall of the error, which has not begun, decides between least and most.
+    clock.foresee(500.0, 1000.0)
+    assert clock.progress(200, 0.1).seconds_left == pytest.approx(8.0)
+    assert clock.progress(1100, 0.1).seconds_left == 0.0
+    now[0] = 4.0
+    assert not clock.is_done(400, 0.0125)
+    clock.foresee(500.0, 600.0)
+    assert 1.0 < clock.progress(400, 0.0125).seconds_left <= 2.0
+
+
+def test_the_end_of_a_job_by_either_of_two_rules_is_the_nearer_one(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(samples=500, error=0.01), foresees=True)
+    for samples in (100, 200):
+        now[0] = samples / 100.0
+        clock.is_done(samples, 0.1)
+    assert clock.progress(200, 0.1).seconds_left == pytest.approx(3.0)
+    clock.foresee(300.0, 300.0)
+    assert clock.progress(200, 0.1).seconds_left == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("power, most", [(0.5, 0.38), (0.75, 0.26)])
 @pytest.mark.slow
 def test_the_forecast_of_the_worst_of_many_sensors_is_not_thrown_off_by_chance(

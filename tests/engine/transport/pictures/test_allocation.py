@@ -161,6 +161,18 @@ def test_no_tile_and_no_kind_is_left_far_behind():
     assert 3 * SPREAD**2 * second.min() >= made.samples
 
 
+def test_a_kind_that_has_a_floor_keeps_it_in_every_tile():
+    made = Allocation(32, 24, {FIRST: 2.5, SECOND: 1.0}, {SECOND: 0.25})
+    made.extend(made.begin())
+    values = {kind: np.zeros(len(made.size)) for kind in made.costs}
+    values[FIRST] += np.arange(len(made.size))
+    for _ in range(30):
+        made.extend(made.choose(squares_of(made, values), 0.5 * made.samples))
+        # As it was before the pass, which adds a half.
+        assert 1.6 * made.counts[SECOND].min() >= 0.25 * made.samples
+    assert made.counts[SECOND].max() <= 2.0 * 0.25 * made.samples
+
+
 @pytest.mark.parametrize(("width", "height"), SIZES)
 def test_units_hold_every_new_sample_of_every_pixel_once(width, height):
     made = begun(width, height)
@@ -189,3 +201,42 @@ def test_units_hold_every_new_sample_of_every_pixel_once(width, height):
             each = made.of_pixels(kind)
             assert [len(numbers) for numbers in seen[kind]] == each.tolist()
             assert [max(numbers) + 1 for numbers in seen[kind]] == each.tolist()
+
+
+def test_what_is_foreseen_of_even_pixels_falls_as_one_over_the_samples():
+    made = Allocation(32, 24, {FIRST: 2.5})
+    made.extend(made.begin())
+    made.extend(made.begin())
+    now = even(made, 0.04)
+    assert made.foresee(now, now, 0.05) == made.samples == 2.0
+    for share in (0.5, 0.25, 1.0 / 64.0):
+        assert made.foresee(now, now, 0.04 * share) == pytest.approx(2.0 / share, rel=1e-6)
+
+
+@pytest.mark.parametrize("goal", [0.3, 0.03, 0.003])
+def test_what_is_foreseen_is_what_choices_come_to(goal):
+    made = begun(64, 64)
+    rng = np.random.default_rng(5)
+    variance = {kind: rng.random(len(made.size)) ** 6 for kind in made.costs}
+
+    def now():
+        return squares_of(made, {kind: variance[kind] / made.counts[kind] for kind in made.costs})
+
+    def left():
+        return sum(each.mean() for each in now().values())
+
+    goal *= left()
+    foreseen = made.foresee(now(), now(), goal)
+    while left() > goal:
+        made.extend(made.choose(now(), 0.1 * made.samples))
+    # Choices see how their neighbours have fallen meanwhile, and are a little better.
+    assert 0.9 * made.samples < foreseen < 1.25 * made.samples
+
+
+def test_errors_that_do_not_count_draw_samples_that_are_foreseen():
+    """What steers by illuminance takes samples that lower the error of the luminance little."""
+    made = begun()
+    errors, squares = even(made, 0.02), even(made, 0.02)
+    squares[SECOND] = squares[SECOND] * 16.0
+    alone, both = made.foresee(errors, errors, 0.01), made.foresee(squares, errors, 0.01)
+    assert both > 1.1 * alone

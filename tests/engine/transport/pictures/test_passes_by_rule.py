@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.accuracy.stopping import Clock, StopRule
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.engine.views import ViewSettings
 from small_pictures import ROOMS, look_in
@@ -57,6 +57,28 @@ def test_an_error_is_reached_and_not_overshot(session, method):
     # What nearly as many samples reach, by the same seed, is no better than asked for.
     fewer = round(reached.provenance.samples / 1.4)
     assert fewer <= 8 or made(session, method, StopRule(samples=fewer)).relative_error > goal
+
+
+def test_the_samples_that_an_error_needs_are_foreseen(session, method):
+    """By the time that is left over that of a sample so far, on a clock that goes on by samples alone."""
+    states = []
+    goal = {"cells": 0.004, "paths": 0.014}[method]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Clock, "_seconds_until", lambda _, end, samples, __: max(end - samples, 0.0))
+        needed = made(
+            session,
+            method,
+            StopRule(error=goal),
+            size=(64, 48),
+            progress=lambda state, _: states.append(state),
+        ).provenance.samples
+    assert needed > 160
+    told = [(each.samples, each.seconds_left) for each in states if each.seconds_left is not None]
+    assert told[0][0] < 32
+    # Before, four pixels at the edge of the lamp make most of the error.
+    off = np.array([np.log((n + left) / needed) for n, left in told if n > needed / 3])
+    assert np.abs(np.median(off)) < np.log(1.15), np.exp(off)
+    assert np.abs(off).max() < np.log(1.45), np.exp(off)
 
 
 def test_a_picture_can_be_cancelled_in_the_middle(session, method):

@@ -12,7 +12,8 @@ pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
 
 SEEDS, SAMPLES, LONG = 24, 64, 8192
 VIEW = look_in(32, 24)
-METHODS = ("cells", "paths")
+METHODS = ("cells", "corrected", "paths")
+"""Corrected cells are unbiased ones."""
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,14 @@ def session():
 
 def luminance_of(session, samples, method, seed):
     """Luminance and its errors. (h, w) each"""
-    made = session.render(VIEW, ViewSettings(StopRule(samples=samples), seed, method=method))
+    is_corrected = method == "corrected"
+    settings = ViewSettings(
+        StopRule(samples=samples),
+        seed,
+        method="cells" if is_corrected else method,
+        unbiased=is_corrected,
+    )
+    made = session.render(VIEW, settings)
     return made.tristimulus[..., 1].astype(float), made.luminance_error.astype(float)
 
 
