@@ -405,7 +405,7 @@ class Session:
             start = time.perf_counter()
             is_new = not view.has_begun(self.revision)
             if is_new:
-                view.begin(compiled, self.scene, self.revision)
+                view.begin(compiled, self.scene, self.revision, self._kept)
             is_due = view.refine()
             if is_new:
                 seconds = time.perf_counter() - start

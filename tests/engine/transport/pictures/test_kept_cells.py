@@ -8,7 +8,6 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, Quantity
 from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.transport.pictures import kept_cells
 from lumenray.engine.transport.pictures.kept_cells import NOTE
 from lumenray.engine.views import ViewSettings
