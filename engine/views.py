@@ -97,8 +97,8 @@ class LiveSettings:
 
     ``samples`` per pixel are the most it goes to; ``groups``: light groups that are kept apart, as in `ViewSettings`, so
     that the display can mix them; ``denoise``: whether its picture is to be denoised once it rests, where Open Image Denoise
-    is installed. Groups are not denoised. ``method``: as in `ViewSettings`; cells are read as soon as their light is known, and
-    groups are followed by paths.
+    is installed. Groups are not denoised. ``method``: as in `ViewSettings`; cells are read as soon as their light is
+    known, and groups are followed by paths.
     """
 
     samples: int = 1024

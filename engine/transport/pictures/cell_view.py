@@ -1,7 +1,7 @@
 """The live view of a room: paths at first, and kinds of samples apart with cells as soon as their light is known.
 
-The first images come by paths, as in every `LiveView`. Once the view has been left alone for a moment, the light of the cells
-is found slice by slice beside them. From then on pixels are sampled as those of a picture. What the paths have found stays:
+The first images come by paths, as in every `LiveView`. Once the view has been left alone for a moment, the cells' light is
+found slice by slice beside them. From then on pixels are sampled as those of a picture. What the paths have found stays:
 both means are joined by their variances, which are known of the whole image and of no single pixel, so no pixel decides by
 its own noise how much it counts.
 """
@@ -25,8 +25,8 @@ PIXELS_SHARE = 0.25
 """Pixels by which cells are counted, relative to those of the view: fewer cells than in a picture are ready sooner. [-]"""
 
 SMALLEST_LAUNCH = 1 << 14
-"""Samples of a slice. With cells it is many kernels, and putting them together takes a tenth of a second, however few samples
-they get."""
+"""Least samples of a slice. With cells it is many kernels, and putting them together takes a tenth of a second, however few
+samples they get."""
 
 FINDING_SHARE = 0.75
 """Share of the time that finding the light of the cells takes, beside paths. [-]"""

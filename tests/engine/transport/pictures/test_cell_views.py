@@ -14,7 +14,7 @@ pytestmark = pytest.mark.mitsuba
 
 Z = 4.5
 CELLS_SHARE = 0.01
-"""What cells of a view may change of a square of 8 x 8 pixels, beside noise, relative to it; they are larger than a picture's."""
+"""What cells may change of a square of 8 x 8 pixels, beside noise, relative to it; those of a view are large. [-]"""
 
 VIEW = look_in(48, 32)
 
