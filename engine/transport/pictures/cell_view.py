@@ -24,9 +24,12 @@ from .pixel_light import COSTS, STEERING, PixelLight
 PIXELS_SHARE = 0.25
 """Pixels by which cells are counted, relative to those of the view: fewer cells than in a picture are ready sooner. [-]"""
 
-SMALLEST_LAUNCH = 1 << 14
-"""Least samples of a slice. With cells it is many kernels, and putting them together takes a tenth of a second, however few
-samples they get."""
+SHORT_LAUNCH, LONG_LAUNCH = 1 << 14, 1 << 15
+"""Least samples of a slice, at first and from `REST` on. With cells it is many kernels, and putting them together takes a tenth
+of a second, however few samples they get."""
+
+REST = 5.0
+"""Time after which the next edit is hardly to come at once. [s]"""
 
 FINDING_SHARE = 0.75
 """Share of the time that finding the light of the cells takes, beside paths. [-]"""
@@ -61,7 +64,7 @@ class CellView(LiveView):
         self._reads_cells, _ = choose_method(scene, camera, wanted)
         self._kept = kept
         self._cells = self._steps = self._passes_by_kind = None
-        self._lanes = SMALLEST_LAUNCH
+        self._lanes = SHORT_LAUNCH
         self._finding = self._following = 0.0
 
     @property
@@ -172,7 +175,9 @@ class CellView(LiveView):
         start = time.perf_counter()
         made = next(self._steps, DONE)
         seconds = time.perf_counter() - start
-        self._lanes = self._adapted(self._lanes, self._lanes, seconds, SMALLEST_LAUNCH)
+        has_rested = time.perf_counter() - self._begun > REST
+        least = LONG_LAUNCH if has_rested else SHORT_LAUNCH
+        self._lanes = self._adapted(self._lanes, self._lanes, seconds, least)
         return made
 
     def _joined(self) -> np.ndarray:

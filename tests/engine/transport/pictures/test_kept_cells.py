@@ -1,5 +1,7 @@
 """Cells that pictures of one session share: the same where nothing has changed, right where something has."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -144,3 +146,12 @@ def test_cells_of_one_scene_are_not_those_of_the_next(divisions):
     other = rendered(session, 2, transport="spectral")
     assert len(divisions) == 2
     assert NOTE not in other.provenance.notes
+
+
+def test_kept_cells_go_with_their_scene():
+    session = session_of(*ROOMS["matt"])
+    rendered(session, 2, transport="mono")
+    scene = weakref.ref(session._compiled)
+    rendered(session, 2, transport="spectral")
+    gc.collect()
+    assert scene() is None
