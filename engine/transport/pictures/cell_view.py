@@ -25,8 +25,8 @@ PIXELS_SHARE = 0.25
 """Pixels by which cells are counted, relative to those of the view: fewer cells than in a picture are ready sooner. [-]"""
 
 SHORT_LAUNCH, LONG_LAUNCH = 1 << 14, 1 << 15
-"""Least samples of a slice, at first and from `REST` on. With cells it is many kernels, and putting them together takes a tenth
-of a second, however few samples they get."""
+"""Least samples of a slice, at first and from `REST` on. With cells it is many kernels, and putting them together takes a
+tenth of a second, however few samples they get."""
 
 REST = 5.0
 """Time after which the next edit is hardly to come at once. [s]"""
