@@ -31,7 +31,7 @@ tenth of a second, however few samples they get."""
 REST = 5.0
 """Time after which the next edit is hardly to come at once. [s]"""
 
-FINDING_SHARE = 0.75
+FINDING_SHARE = 0.85
 """Share of the time that finding the light of the cells takes, beside paths. [-]"""
 
 DONE = object()
