@@ -52,7 +52,7 @@ def luminance_of(picture):
     return picture.tristimulus[..., 1].astype(float), picture.luminance_error.astype(float)
 
 
-@pytest.mark.parametrize("room", ["matt", "coats"])
+@pytest.mark.parametrize("room", ["matt", pytest.param("coats", marks=pytest.mark.slow)])
 def test_a_view_with_cells_shows_what_paths_show_with_less_noise(room):
     session = session_of(*ROOMS[room])
     view = finish(session, transport="mono")
@@ -66,6 +66,7 @@ def test_a_view_with_cells_shows_what_paths_show_with_less_noise(room):
     assert (view[1] ** 2).mean() < 0.5 * (paths[1] ** 2).mean()
 
 
+@pytest.mark.slow
 def test_the_stated_error_of_a_view_is_how_far_seeds_are_apart():
     views = [finish(session_of(*ROOMS["matt"]), 128, seed=seed) for seed in range(3)]
     scatter = np.var([view[0] for view in views], axis=0, ddof=1).mean()
@@ -83,6 +84,7 @@ def test_after_an_edit_a_view_is_that_of_the_edited_scene():
     assert_agree(finish(session), picture)
 
 
+@pytest.mark.slow
 def test_what_paths_have_found_is_joined_and_the_image_gets_no_worse(monkeypatch):
     monkeypatch.setattr(cell_view, "FINDING_SHARE", 0.75)
     session = session_of(*ROOMS["matt"])
@@ -118,6 +120,7 @@ def test_the_size_of_slices_decides_nothing():
     np.testing.assert_allclose(found[1][1], found[0][1], rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_picture_in_between_does_not_disturb_a_view():
     session = session_of(*ROOMS["matt"])
     settings = LiveSettings(samples=512, method="cells")

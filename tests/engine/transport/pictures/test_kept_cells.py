@@ -87,7 +87,7 @@ def test_another_seed_has_light_of_its_own(divisions):
     assert 0.7 < gap / expected < 1.4
 
 
-@pytest.mark.parametrize("transport", ["mono", "spectral"])
+@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_after_an_edit_of_a_light_its_picture_is_that_of_the_new_light(divisions, transport):
     """Another place, amount and spectrum, on the other side of a screen."""
     session = session_of(*ROOMS["matt"])
@@ -130,6 +130,7 @@ def test_after_an_edit_of_an_object_all_begins_anew(divisions):
     np.testing.assert_array_equal(edited.tristimulus, alone.tristimulus)
 
 
+@pytest.mark.slow
 def test_light_groups_share_a_division_and_add_up(divisions):
     other = replace(ELSEWHERE, id="other", name="other")
     session = session_of(*ROOMS["matt"], other)
