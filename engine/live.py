@@ -27,10 +27,11 @@ class WatchedView:
     camera : Camera
     settings : LiveSettings
     display : Display
-    work : transport.paths.live_view.LiveView, that of groups, or None    None: it has not begun.
+    work : transport.pictures.cell_view.CellView, that of groups, or None    None: it has not begun.
     denoised : DenoisedView or None    Its copy without noise; None: none is wanted.
     revision : int    State of the scene that it shows.
     is_shown : bool    Whether the last frame shows all that there is.
+    shown_changes : int    How often its image had changed by then.
     shown_at : float    When that was made, by `time.perf_counter`. [s]
     frame_seconds : float    What making it took. [s]
     """
@@ -42,6 +43,7 @@ class WatchedView:
     denoised: DenoisedView | None = None
     revision: int = -1
     is_shown: bool = False
+    shown_changes: int = -1
     shown_at: float = 0.0
     frame_seconds: float = 0.0
 
@@ -77,19 +79,21 @@ class WatchedView:
         """Whether a copy without noise may be shown: of pictures only, never of what is read as a number."""
         return self.denoised is not None and self.display.mode is DisplayMode.PICTURE
 
-    def begin(self, compiled, scene: Scene, revision: int) -> None:
-        """Begin anew with a state of the scene."""
+    def begin(self, compiled, scene: Scene, revision: int, kept) -> None:
+        """Begin anew with a state of the scene. ``kept``: cells of the session, a `KeptCells`."""
         from .transport.paths.grouped_view import GroupedView
-        from .transport.paths.live_view import LiveView
+        from .transport.pictures.cell_view import CellView
 
         self.leave()
         self.revision, self.work, self.is_shown, self.denoised = revision, None, False, None
+        self.shown_changes = -1
         shares = share_out(scene, self.settings.groups) if self.settings.groups else []
         if shares:
             self.work = GroupedView(compiled, shares, self.camera, self.settings)
             return
         compiled.shine()
-        self.work = LiveView(compiled, self.camera, self.settings)
+        kept.begin()
+        self.work = CellView(compiled, self.camera, self.settings, kept)
         if self.settings.denoise:
             self.denoised = DenoisedView(compiled, self.camera)
 
@@ -101,6 +105,7 @@ class WatchedView:
         waits = max(FRAME_INTERVAL, self.frame_seconds / FRAME_SHARE)
         is_due = not was_complete and time.perf_counter() - self.shown_at > waits
         is_due &= is_pass_done or self.work.factor == 1
+        is_due &= self.work.changes != self.shown_changes
         is_last = self.work.is_complete and not was_complete
         return has_copy or is_last or is_due or not self.is_shown
 
@@ -126,6 +131,7 @@ class WatchedView:
             words="" if denoised is None else denoised.words,
         )
         self.is_shown, self.shown_at = True, time.perf_counter()
+        self.shown_changes = self.work.changes
         self.frame_seconds = self.shown_at - start
         return frame
 

@@ -69,6 +69,8 @@ class Session:
         self._requirements: tuple | None = None
         self._pending: dict[str, None] = {}
         self._view: WatchedView | None = None
+        # Cells of the compiled scene for pictures and views, see `transport.pictures.kept_cells`.
+        self._kept = None
         self._cancel = self._stop = False
         self._is_busy = False
 
@@ -117,6 +119,7 @@ class Session:
         check_item(camera)
         with self._engine(settings.transport) as compiled:
             start = time.perf_counter()
+            self._kept.begin()
             shares = share_out(self.scene, settings.groups) if settings.groups else []
             if shares:
 
@@ -378,7 +381,7 @@ class Session:
             start = time.perf_counter()
             is_new = not view.has_begun(self.revision)
             if is_new:
-                view.begin(compiled, self.scene, self.revision)
+                view.begin(compiled, self.scene, self.revision, self._kept)
             is_due = view.refine()
             if is_new:
                 seconds = time.perf_counter() - start
@@ -407,7 +410,14 @@ class Session:
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
             made, samples, lost, more = picture.render(
-                compiled, camera, settings, uses_cells, progress, self._cancelled, traced
+                compiled,
+                camera,
+                settings,
+                uses_cells,
+                progress,
+                self._cancelled,
+                traced,
+                self._kept,
             )
         lost["paths of light"] = light.lost
         return Rendered(made, samples, lost, (*notes, *light.notes, *kept, *more), (reason,))
@@ -460,9 +470,11 @@ class Session:
         variant = backend.start(needs.spectral)
         from .transport.compiled.changes import Outgrown
         from .transport.compiled.compile import CompiledScene
+        from .transport.pictures.kept_cells import KeptCells
 
         start = time.perf_counter()
         compiled, self._compiled = self._compiled, None
+        kept, self._kept = self._kept, None
         named, count = list(self._pending), len(self._pending)
         action = ""
         if compiled is not None and self._variant == variant:
@@ -476,13 +488,15 @@ class Session:
             compiled = None
         self._variant = variant
         if compiled is None:
+            # What is kept of the old one would keep it, and all its kernels, alive.
+            kept = None
             compiled = CompiledScene(self.scene, needs)
             count = len(self.scene.meshes) + len(self.scene.lights) + len(self.scene.materials)
             action = "everything built"
         if action:
             self.commit = Commit(count, action, time.perf_counter() - start)
         self._pending.clear()
-        self._compiled = compiled
+        self._compiled, self._kept = compiled, kept or KeptCells()
         return compiled
 
     def _compile_aside(self, scene: Scene, like):

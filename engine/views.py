@@ -99,7 +99,8 @@ class LiveSettings:
 
     ``samples`` per pixel are the most it goes to; ``groups``: light groups that are kept apart, as in `ViewSettings`, so
     that the display can mix them; ``denoise``: whether its picture is to be denoised once it rests, where Open Image Denoise
-    is installed. Groups are not denoised.
+    is installed. Groups are not denoised. ``method``: as in `ViewSettings`; cells are read as soon as their light is
+    known, and groups are followed by paths.
     """
 
     samples: int = 1024
@@ -108,6 +109,7 @@ class LiveSettings:
     transport: str = "auto"
     groups: tuple[LightGroup, ...] = ()
     denoise: bool = False
+    method: str = "auto"
 
 
 class DisplayMode(Enum):

@@ -94,6 +94,7 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
                 column.prop(settings, "high", text=f"To [{unit}]")
             column.prop(settings, "logarithmic")
         column.prop(settings, "samples", text="Samples")
+        column.prop(settings, "method", text="Method")
         if settings.display == "PICTURE":
             row = column.row()
             row.active = find_denoiser() is not None

@@ -5,6 +5,13 @@ from bpy.types import PropertyGroup
 
 from ..foundation.settings import percentage, redraw_views
 
+METHODS = [
+    ("AUTO", "Automatic", "What suits the scene and the picture, which says which and why", 0),
+    ("CELLS", "Cells", "Radiance kept on coarse cells: fast; its bias is measured", 1),
+    ("PATHS", "Full Paths", "Paths to their end: no bias at all, slower in rooms", 2),
+]
+"""How pictures find the radiance beyond the first bounce."""
+
 
 class LumenrayRenderSettings(PropertyGroup):
     """When a picture is done, and what is written of it."""
@@ -58,16 +65,7 @@ class LumenrayRenderSettings(PropertyGroup):
         description=(
             "What stands for the radiance beyond the first bounce. Default Automatic: fast where its bias is small"
         ),
-        items=[
-            (
-                "AUTO",
-                "Automatic",
-                "What suits the scene and the picture, which says which and why",
-                0,
-            ),
-            ("CELLS", "Cells", "Radiance kept on coarse cells: fast; its bias is measured", 1),
-            ("PATHS", "Full Paths", "Paths to their end: no bias at all, slower in rooms", 2),
-        ],
+        items=METHODS,
         default="AUTO",
     )
     use_unbiased: BoolProperty(
@@ -150,6 +148,16 @@ class LumenrayViewportSettings(PropertyGroup):
         default=256,
         min=2,
         max=1 << 20,
+        update=redraw_views,
+    )
+    method: EnumProperty(
+        name="Viewport Method",
+        description=(
+            "What stands for the radiance beyond the first bounce, once the view has been left alone for some seconds; the "
+            "first images come by paths. Default Automatic: a room gets clean sooner"
+        ),
+        items=METHODS,
+        default="AUTO",
         update=redraw_views,
     )
     use_denoising: BoolProperty(

@@ -231,6 +231,7 @@ def live_settings(scene, groups=()) -> LiveSettings:
         transport=settings.transport.lower(),
         groups=groups,
         denoise=settings.viewport.use_denoising,
+        method=settings.viewport.method.lower(),
     )
 
 

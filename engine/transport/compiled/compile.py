@@ -23,7 +23,7 @@ from ...sky import plugin as sky_plugin
 from ...sky.picture import describe_faults
 from ..requirements import Requirements
 from .bounds import find_bounds, frame_of
-from .changes import Changes, Outgrown
+from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
 from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .layers import Layer
@@ -49,6 +49,7 @@ class CompiledScene:
     ``shown`` what is there for the camera alone. ``lights`` chooses emitters; ``surroundings`` is what rays that leave the
     scene see. Positions are relative to ``origin`` (float64, world) so that single precision serves scenes far from the
     world's origin; ``extent`` [m] is the largest of them.
+    ``stamps`` tell what commits have changed.
 
     Raises
     ------
@@ -78,6 +79,7 @@ class CompiledScene:
         self.polarisation = None
         self.indices: dict = {}
         self.notes: list[str] = []
+        self.stamps = Stamps()
         # Light over bends for the paths of a job, see `bent_lights`.
         self.bent = None
         # Small bright spots towards which paths are scattered, see `bright_spots`.
@@ -144,6 +146,7 @@ class CompiledScene:
         self._commit_tables()
         changes.is_rebuilt = self.solid.commit() | self._transparent.commit() | self._shown.commit()
         self._note(scene)
+        self.stamps = self.stamps.after(changes)
         return changes
 
     def shine(self, members: frozenset[str] | None = None) -> bool:

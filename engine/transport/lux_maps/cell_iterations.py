@@ -63,6 +63,10 @@ UNEVEN = 1.25
 MIRROR_SALT = 0x51ED27
 """Sets the points of light over mirrors apart from those of straight light."""
 
+MOST_RENEWED, RENEWED = 8, 0.01
+"""Sweeps that set out from the light of another state of the scene, at most; and the share of all light that more of them
+would move from place to place. [-]"""
+
 EDGE = 10.0
 """Ratio between neighbouring cells from which neither is read."""
 
@@ -88,6 +92,7 @@ class Sweeper:
     Attributes
     ----------
     counts : (2,) int array    Samples that were no numbers, and all, since `refresh` began the last time.
+    lanes : int    Most samples of a launch. How many they are changes no value.
     """
 
     def __init__(
@@ -103,7 +108,7 @@ class Sweeper:
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
         self._left_out = left_out
         self.guide, self.counts = None, np.zeros(2, dtype=np.int64)
-        self.seed = seed
+        self.seed, self.lanes = seed, LANES
         self._luminous = cells.bands.luminous()
         is_known = looks is not None and looks[sides].sum() > 0.0
         self._worth = looks if is_known else np.repeat(cells.area, 2)
@@ -117,12 +122,64 @@ class Sweeper:
         work : float or None    Samples of the job, where they are known: sweeps need not be more careful than that.
         careful : int    Paths of the last sweep, where cells are few.
         """
+        finish(self.finding(work, careful))
+
+    def finding(self, work: float | None = None, careful: int = CAREFUL_PATHS, is_warm=False):
+        """As `find`, but a generator that pauses after every launch.
+
+        ``is_warm``: whether to set out from the light that the cells hold, that of another state of the scene.
+        """
+        turns = self.cells.bands.turns
+        lit = yield from self._renewing() if is_warm else self._converging()
+        lanes = max(self.lanes_per_sample, 1)
+        wanted = max(CAREFUL // turns, careful // lanes)
+        if work is not None:
+            wanted = min(wanted, max(CAREFUL_SHARE * work, careful) / lanes)
+        wanted = max(wanted, 8)
+        samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
+        for number, share in enumerate((ROUGH_SHARE, 1.0)):
+            if is_warm and share < 1.0:
+                # What it sets out from has no lack of samples.
+                continue
+            made = yield from self._sweeping(FIRST_SWEEPS - 1 - number, int(share * samples))
+            values = self._balanced(made)
+            lit |= values.max(axis=1, initial=0.0) > 0.0
+            self._store(values)
+        self._mark_uneven(made.sum(axis=0))
+        yield from self._emptying_shade(values)
+        # Sides that no light was ever found on lie inside solids.
+        self._set_sides(self._sides[lit])
+
+    def _renewing(self):
+        """Sweep on from the light of another state until little changes; returns as `_converging`."""
+        held, last = self._held(), None
+        lit = held.max(axis=1, initial=0.0) > 0.0
+        for _ in range(MOST_RENEWED):
+            made = yield from self._sweeping(FIRST_SWEEPS, max(FEWEST // self.cells.bands.turns, 1))
+            if not made[0].any():
+                break
+            values = self._balanced(made, MOST_RAISED)
+            lit |= values.max(axis=1, initial=0.0) > 0.0
+            self._store(values)
+            # Of light that has moved the sum tells nothing.
+            change, now = self._total(np.abs(values - held)), self._total(values)
+            if last is not None:
+                share = min(change / last, 0.98) if last > 0.0 else 0.0
+                if change * max(share / (1.0 - share), 1.0) <= RENEWED * now:
+                    return lit
+            held, last = values, change
+        # Light that nothing sends any more would die away slowly.
+        self._store(np.zeros((len(self._sides), self.cells.bands.count)))
+        return (yield from self._converging())
+
+    def _converging(self):
+        """Sweep from nothing until the rest is negligible; returns which sides any light was found on."""
         total, before = 0.0, None
         turns = self.cells.bands.turns
         lit = np.zeros(len(self._sides), dtype=bool)
         for number in range(MOST_SWEEPS):
             # The same points each time, so that what is added falls evenly, without noise.
-            made = self._sweep(FIRST_SWEEPS, max(FEWEST // turns, 1))
+            made = yield from self._sweeping(FIRST_SWEEPS, max(FEWEST // turns, 1))
             values = self._balanced(made, MOST_RAISED)
             before_lit = int(lit.sum())
             lit |= values.max(axis=1, initial=0.0) > 0.0
@@ -137,21 +194,7 @@ class Sweeper:
                 if change * max(share / (1.0 - share), 1.0) <= NEGLIGIBLE * now:
                     break
             before = change
-        lanes = max(self.lanes_per_sample, 1)
-        wanted = max(CAREFUL // turns, careful // lanes)
-        if work is not None:
-            wanted = min(wanted, max(CAREFUL_SHARE * work, careful) / lanes)
-        wanted = max(wanted, 8)
-        samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
-        for number, share in enumerate((ROUGH_SHARE, 1.0)):
-            made = self._sweep(FIRST_SWEEPS - 1 - number, int(share * samples))
-            values = self._balanced(made)
-            lit |= values.max(axis=1, initial=0.0) > 0.0
-            self._store(values)
-        self._mark_uneven(made.sum(axis=0))
-        self._empty_shade(values)
-        # Sides that no light was ever found on lie inside solids.
-        self._set_sides(self._sides[lit])
+        return lit
 
     def refresh(self, number: int, samples: int) -> None:
         """Sweep once. ``number``: which points, ``samples``: for every cell and turn, a power of two.
@@ -159,9 +202,14 @@ class Sweeper:
         Nothing of what cells held is kept. On the average over passes that would lower no noise; it would only be the
         same in passes that follow each other, whose scatter would not show it.
         """
+        finish(self.refreshing(number, samples))
+
+    def refreshing(self, number: int, samples: int):
+        """As `refresh`, but a generator that pauses after every launch. Until its end the cells hold what they held."""
         self.counts = np.zeros(2, dtype=np.int64)
         if len(self._sides):
-            self._store(self._balanced(self._sweep(number, samples)))
+            made = yield from self._sweeping(number, samples)
+            self._store(self._balanced(made))
 
     def _held(self) -> np.ndarray:
         """Ratios (sides, nodes) of the sides at work, as they are."""
@@ -237,7 +285,7 @@ class Sweeper:
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)
 
-    def _empty_shade(self, values: np.ndarray) -> None:
+    def _emptying_shade(self, values: np.ndarray):
         """Sweep dark sides until they have lost what came from cells that are not read any more.
 
         Cells that reach under a wall bring light into the dark room behind it before they are known as uneven. There it
@@ -255,7 +303,8 @@ class Sweeper:
         for number in range(MOST_SWEEPS):
             before = float((values[shade] @ self._luminous * worth).sum())
             self._set_sides(dark)
-            values[shade] = _whole(self._sweep(FIRST_SWEEPS - 3 - number, samples))
+            made = yield from self._sweeping(FIRST_SWEEPS - 3 - number, samples)
+            values[shade] = _whole(made)
             self._set_sides(everyone)
             self._store(values)
             after = float((values[shade] @ self._luminous * worth).sum())
@@ -276,12 +325,14 @@ class Sweeper:
             marked[a[far]] = marked[b[far]] = True
         return marked[self._sides]
 
-    def _sweep(self, salt: int, samples: int) -> np.ndarray:
+    def _sweeping(self, salt: int, samples: int):
         """Ratios, that of the cells apart from the rest, by side, node, quarter and half.
 
         Returns
         -------
         (2, sides, nodes, 4, 2) float32 array of ``samples`` of 8 and more, (.., 1, 1) of fewer.
+
+        It pauses after every launch.
         """
         turns = self.cells.bands.turns
         split = (4, 2) if samples >= 8 else (1, 1)
@@ -289,19 +340,26 @@ class Sweeper:
         per_launch = max(LANES // (turns * samples), 1)
         nodes = self.cells.bands.count
         found = np.empty((2, len(self._sides), nodes, *split), dtype=np.float32)
-        for first in range(0, len(self._sides), per_launch):
+        first = 0
+        while first < len(self._sides):
             if self.cancelled():
                 raise Cancelled("cancelled")
-            count = min(per_launch, len(self._sides) - first)
-            for part, ratios in zip(found, self._launch(first, count, samples, salt), strict=True):
+            # The numbers of samples begin anew with every whole launch, however it is cut.
+            begun = first % per_launch
+            count = min(per_launch - begun, max(self.lanes // (turns * samples), 1))
+            count = min(count, len(self._sides) - first)
+            launched = self._launch(first, count, samples, salt, begun)
+            for part, ratios in zip(found, launched, strict=True):
                 for k, ratio in enumerate(ratios):
                     sums = dr.block_reduce(dr.ReduceOp.Add, ratio, block)
                     made = np.array(sums).reshape(count, turns, *split) / block
                     # Number of a node = turn + turns * place in the path.
                     part[first : first + count, k * turns : (k + 1) * turns] = made
+            first += count
+            yield
         return found
 
-    def _launch(self, first: int, count: int, samples: int, salt: int) -> list[list]:
+    def _launch(self, first: int, count: int, samples: int, salt: int, begun: int) -> list[list]:
         scene, cells = self.scene, self.cells
         turns = cells.bands.turns
         many = dr.opaque(mi.UInt32, samples)
@@ -322,7 +380,8 @@ class Sweeper:
         wavelengths = cells.bands.wavelengths(turn)
         if wavelengths is not None:
             si.wavelengths = wavelengths
-        stream, one = random_stream(lane, own), mi.Float(1.0)
+        serial = lane + dr.opaque(mi.UInt32, begun * turns * samples)
+        stream, one = random_stream(serial, own), mi.Float(1.0)
 
         def respond(direction):
             cosine = dr.maximum(dr.dot(direction, si.sh_frame.n), 0.0)
@@ -360,6 +419,15 @@ class Sweeper:
         dr.eval(kept)
         self.counts += int(lost.counts()[0]), dr.width(lane)
         return [kept[: len(ratios[0])], kept[len(ratios[0]) :]]
+
+
+def finish(steps):
+    """Run a generator to its end; returns what it returns."""
+    try:
+        while True:
+            next(steps)
+    except StopIteration as end:
+        return end.value
 
 
 def _whole(made: np.ndarray) -> np.ndarray:

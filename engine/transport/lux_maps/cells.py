@@ -47,6 +47,10 @@ class CellSet:
     importance : callable
         Says how often a job looks at each shape: numbers of shapes (n,) to shares (n,). The more often, the finer.
     refine : callable or None    Gives a factor on ``count``, from the sizes of cells by shape that it would make. [m]
+
+    Attributes
+    ----------
+    sizes : (shapes,) array    Of cells, by the number of their shape; 0 for what has none. [m]
     """
 
     def __init__(self, scene, count: int, importance, refine=None):
@@ -71,6 +75,7 @@ class CellSet:
         self.uneven = dr.opaque(mi.Bool, False, max(2 * cells, 1))
         self._put_members(made)
         self._near = upload(mi.Float, near)
+        self.sizes = near
         self.neighbours = find_neighbours(made, sizes)
         # Light traced from the lights, see `put_traced`.
         self.traced = None

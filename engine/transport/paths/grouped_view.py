@@ -65,6 +65,11 @@ class GroupedView:
         return sum(samples) if all(samples) else 0
 
     @property
+    def changes(self) -> int:
+        """How often an image has changed."""
+        return sum(part.view.changes for part in self._parts)
+
+    @property
     def is_complete(self) -> bool:
         """Whether all samples were taken."""
         return all(part.view.is_complete for part in self._parts)

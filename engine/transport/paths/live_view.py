@@ -46,6 +46,10 @@ class LiveView:
     scene : CompiledScene
     camera : Camera    Of the whole view.
     settings : LiveSettings
+
+    Attributes
+    ----------
+    changes : int    How often the image has changed.
     """
 
     def __init__(self, scene: CompiledScene, camera: Camera, settings):
@@ -61,6 +65,7 @@ class LiveView:
         self._begun = time.perf_counter()
         self._slice = FIRST_PIXELS * GROUPS
         self._has_coarser = False
+        self.changes = 0
         self.error = float("inf")
         self._begin_level()
 
@@ -90,7 +95,9 @@ class LiveView:
         # The image is kept up to date slice by slice: making it anew for every frame would hold up edits.
         self._image[part] = self._sums[:, part].sum(axis=0) / (GROUPS * (self._passes + 1))
         self._cursor += count
-        self._adapt(count * GROUPS, time.perf_counter() - start)
+        self.changes += 1
+        seconds = time.perf_counter() - start
+        self._slice = self._adapted(self._slice, count * GROUPS, seconds)
         if self._cursor < self._pixels:
             return False
         self._finish_pass()
@@ -108,13 +115,16 @@ class LiveView:
 
     # ---- private ----
 
-    def _adapt(self, paths: int, seconds: float) -> None:
-        """Let the next slice take about as long as slices should."""
+    def _adapted(self, last: int, paths: int, seconds: float, least: int = SMALLEST_SLICE) -> int:
+        """Paths of the next slice, so that it takes about as long as slices should.
+
+        ``last``: of the slice before, ``paths``: what of it there was to do.
+        """
         share = min((time.perf_counter() - self._begun) / CALM, 1.0)
         goal = SHORT_SLICE + (LONG_SLICE - SHORT_SLICE) * share
         wanted = paths * goal / max(seconds, 1e-4)
-        bounded = np.clip(wanted, 0.25 * self._slice, 4.0 * self._slice)
-        self._slice = int(np.clip(bounded, SMALLEST_SLICE, LARGEST_SLICE))
+        bounded = np.clip(wanted, 0.25 * last, 4.0 * last)
+        return int(np.clip(bounded, least, LARGEST_SLICE))
 
     def _begin_level(self) -> None:
         self._camera = replace(
@@ -169,6 +179,10 @@ class LiveView:
             means = self._sums[..., 1] / self._passes
             self.error = relative_error(means.mean(axis=0), 0.5 * np.abs(means[0] - means[1]))
             return
+        self._refine_level()
+
+    def _refine_level(self) -> None:
+        """Go on with twice the pixels across."""
         coarse = self.image()
         self.factor //= 2
         self._begin_level()

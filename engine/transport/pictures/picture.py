@@ -19,8 +19,8 @@ from ..paths.film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, look
 from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
+from .kept_cells import KeptCells
 from .pixel_light import CORRECTION, COSTS, STEERING, VIEW, PixelLight
-from .view_cells import ViewCells
 
 METHODS = ("auto", "cells", "paths")
 
@@ -116,6 +116,7 @@ def render(
     progress=None,
     cancelled=lambda: False,
     traced=None,
+    kept: KeptCells | None = None,
 ):
     """Render until the rule of ``settings`` is met.
 
@@ -123,6 +124,7 @@ def render(
     ----------
     uses_cells : bool    Whether light beyond the first bounce is read from cells.
     traced : CameraLight or None    Adds light that is traced to the camera.
+    kept : KeptCells or None    Cells that pictures of the session share.
 
     Returns
     -------
@@ -142,14 +144,16 @@ def render(
     layers = first_layers(scene, film)
     learn_lights(scene, film)
     cells = None
+    samples = None if settings.rule.samples is None else settings.rule.samples * pixels
     if uses_cells:
         places, normals = look(scene, film)
         if len(places):
-            cells = ViewCells(scene, places, normals, pixels, settings.seed, cancelled)
+            kept = KeptCells() if kept is None else kept
+            cells = kept.open(scene, places, normals, pixels, settings.seed, samples, cancelled)
     if cells:
         if progress is not None:
             progress(replace(clock.progress(0, float("inf")), stage="light of the cells"), None)
-        cells.prepare(None if settings.rule.samples is None else settings.rule.samples * pixels)
+        cells.prepare()
     if settings.guides:
         layers |= trace_guides(scene, film)
     light = PixelLight(scene, film, settings, cells if cells else None)
@@ -418,7 +422,7 @@ class _Passes:
             estimate.standard_error[:, :3] = np.hypot(
                 estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
             )
-            notes = (note,)
+            notes = (note, *self.light.cells.notes)
         self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
         all_lost = sum(lost.sum(axis=1) for lost in self.light.lost.values())
         lost = {name: (int(n), made) for name, n in zip(LOST, all_lost, strict=True)}

@@ -4,27 +4,26 @@ The halves share where cells lie and the light of late reflections, but no sampl
 the cells, which many pixels have in common, shows in the difference of the halves like all other noise.
 """
 
+from dataclasses import dataclass
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
+from ...photometry.units import MINIMUM_WAVELENGTH
+from ..compiled.changes import Stamps
+from ..compiled.diffuse import DiffuseTable
+from ..lux_maps.bands import Bands
 from ..lux_maps.cell_guide import Guide
-from ..lux_maps.cell_iterations import Sweeper
+from ..lux_maps.cell_iterations import Sweeper, finish
 from ..lux_maps.cell_reader import NEAR
 from ..lux_maps.cells import CellSet
 from ..paths.film import GROUPS
 from ..paths.visible_surfaces import Sight
 
-CELLS_PER_PIXEL = 1.0 / 64.0
-FEWEST_CELLS, MOST_CELLS = 3_000, 60_000
-"""How many cells there are: as many as serve the pixels, within bounds."""
-
 NEAR_SHARE, MOST_FINER = 0.1, 2.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
-
-LOOKS, FEWEST_LOOKS = 4, 1 << 15
-"""Rays for every cell that find which surfaces matter, and the fewest of all."""
 
 SWEPT, MOST_SWEPT = 1 << 17, 64
 """Paths of the sweep of a half, about, and most samples of a cell and turn in it."""
@@ -38,6 +37,110 @@ CAREFUL = 1 << 19
 FIRST_SWEEP = 1 << 20
 """Number before that of the first sweep of a half; no two have the same."""
 
+SLACK = 1.5
+"""How many times more cells a view may want, and how much larger a share of its rays may land too near, before surfaces are
+divided anew. [-]"""
+
+
+class Division:
+    """How surfaces are divided into cells, and which of these may be seen.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    sight : Sight
+    wanted : int    About how many cells.
+
+    Attributes
+    ----------
+    cells : CellSet
+    sides : (n,) uint32 array    Sides of cells that may be seen.
+    looks : (2 c,) array    How often every side is looked at.
+    turn : int    How many have used the cells. They hold what the last one of these has put into them.
+    """
+
+    def __init__(self, scene, sight: Sight, wanted: int):
+        def refine(sizes: np.ndarray) -> float:
+            finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
+            return float(np.clip(finer, 1.0, MOST_FINER))
+
+        self._scene, self._wanted, self._stamps = scene, wanted, scene.stamps
+        self.turn = 0
+        self.cells = CellSet(scene, wanted, sight.shares, refine)
+        self._near_share = sight.near_share(NEAR * self.cells.sizes)
+        self.sides = np.zeros(0, dtype=np.uint32)
+        self.looks = np.zeros(0)
+        if self.cells:
+            self.sides, self.looks = sight.sides(self.cells)
+
+    def serves(self, scene, sight: Sight, wanted: int) -> bool:
+        """Whether another view, or another state of the scene, may have the same cells."""
+        if scene is not self._scene or scene.stamps.objects != self._stamps.objects:
+            return False
+        if scene.shape_count != len(self.cells.sizes) or wanted > SLACK * self._wanted:
+            return False
+        if scene.stamps.surfaces != self._stamps.surfaces:
+            matt = DiffuseTable(scene)
+            if matt.shapes != self.cells.matt.shapes:
+                return False
+            self.cells.matt, self._stamps = matt, scene.stamps
+        near = sight.near_share(NEAR * self.cells.sizes)
+        return near <= SLACK * max(self._near_share, NEAR_SHARE)
+
+    def look(self, sight: Sight, unknown: float) -> bool:
+        """Turn to another view; tell whether more than a share of its looks are at sides that were not known. [-]"""
+        if not self.cells:
+            return False
+        sides, looks = sight.sides(self.cells)
+        is_known = np.zeros(len(looks), dtype=bool)
+        is_known[self.sides] = True
+        self.looks = looks
+        if looks[~is_known].sum() <= unknown * looks.sum():
+            return False
+        self.sides = np.union1d(self.sides, sides).astype(np.uint32)
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class CellLight:
+    """Light of the cells of a division, as it is before a picture begins.
+
+    Parameters
+    ----------
+    stamps : Stamps    State of the scene.
+    seed : int
+    sides : (n,) uint32 array    Sides with light; all others are not read.
+    uneven : (2 c,) bool array
+    common : (n, nodes) float32 array    What both halves set out from, as a ratio to the mean light.
+    halves : (2, n, nodes) float32 array
+    counts : (2,) array    Samples of sweeps that were no numbers, and all.
+    bands : Bands
+    """
+
+    stamps: Stamps
+    seed: int
+    sides: np.ndarray
+    uneven: np.ndarray
+    common: np.ndarray
+    halves: np.ndarray
+    counts: np.ndarray
+    bands: Bands
+
+    @property
+    def bytes(self) -> int:
+        """Memory that it takes."""
+        return self.uneven.nbytes + self.common.nbytes + self.halves.nbytes + self.sides.nbytes
+
+    def in_bands(self, bands: Bands) -> np.ndarray:
+        """Return what the halves have in common as ratios to another mean light."""
+        if bands.count == 1 or np.array_equal(bands.light, self.bands.light):
+            return self.common
+        old, new = (
+            (each.light / each.light.max())[each.nodes - int(MINIMUM_WAVELENGTH)]
+            for each in (self.bands, bands)
+        )
+        return self.common * np.divide(old, new, out=np.zeros(len(new)), where=new > 0.0)
+
 
 class ViewCells:
     """Cells for a picture.
@@ -45,10 +148,13 @@ class ViewCells:
     Parameters
     ----------
     scene : CompiledScene    With its lights over bends, if there are any.
-    places, normals : (n, 3) array    What the camera sees, in the scene's frame. [m]
-    pixels : int
+    division : Division
     seed : int
     cancelled : callable    Asked before every launch.
+    light : CellLight or None    To begin with; None: it is found from nothing.
+    is_stale : bool    Whether ``light`` is that of another state of the scene, from which to set out.
+    keep : callable or None    Gets the `CellLight` when it is there.
+    samples : float or None    Of the picture, where their number is known.
 
     Attributes
     ----------
@@ -56,35 +162,49 @@ class ViewCells:
     guide : Guide or None    Points on bright cells beside rays.
     sweeps : int    How often the light of each half was found.
     counts : (2,) array    Samples of the sweeps that were no numbers, and all.
+    notes : tuple of str    For people.
     """
 
-    def __init__(self, scene, places, normals, pixels: int, seed: int, cancelled):
-        self.scene = scene
-        wanted = int(np.clip(pixels * CELLS_PER_PIXEL, FEWEST_CELLS, MOST_CELLS))
-        rays = max(LOOKS * wanted, FEWEST_LOOKS)
-        rows = np.random.default_rng([seed & 0xFFFFFFFF, 6]).integers(0, len(places), rays)
-        sight = Sight(scene, places[rows], normals[rows], seed)
-
-        def refine(sizes: np.ndarray) -> float:
-            finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
-            return float(np.clip(finer, 1.0, MOST_FINER))
-
-        self.cells = CellSet(scene, wanted, sight.shares, refine)
-        self.guide, self.sweeps = None, 0
+    def __init__(
+        self,
+        scene,
+        division: Division,
+        seed: int,
+        cancelled=lambda: False,
+        light: CellLight | None = None,
+        is_stale: bool = False,
+        keep=None,
+        samples: float | None = None,
+    ):
+        self.scene, self.cells, self.seed = scene, division.cells, seed
+        self.guide, self.sweeps, self.notes = None, 0, ()
+        division.turn += 1
+        self._division, self._turn = division, division.turn
         self.counts = np.zeros(2, dtype=np.int64)
         self._made, self._samples = 0, 1
         self._tables: list[np.ndarray] = []
+        self._on_device: list = [None] * GROUPS
+        self._light, self._is_stale, self._keep = light, is_stale, keep
+        self._planned = samples
         self._sweeper = None
         if not self.cells:
             return
-        sides, looks = sight.sides(self.cells)
+        self._sides = division.sides
+        if not np.array_equal(self.cells.bands.light, scene.mean_light):
+            self.cells.bands = Bands(scene.mean_light)
         left_out = None if scene.bent is None else scene.bent.left_out
-        self._sweeper = Sweeper(scene, self.cells, sides, seed, cancelled, left_out, looks)
-        self._sides = sides
+        self._sweeper = Sweeper(
+            scene, self.cells, self._sides, seed, cancelled, left_out, division.looks
+        )
 
     def __bool__(self) -> bool:
         """Whether there is anything to read."""
         return bool(self.cells)
+
+    @property
+    def is_current(self) -> bool:
+        """Whether nobody else has used the cells since."""
+        return self._division.turn == self._turn
 
     @property
     def work(self) -> int:
@@ -96,30 +216,90 @@ class ViewCells:
         """Share of the samples that were no numbers. [-]"""
         return float(self.counts[0] / max(self.counts[1], 1))
 
-    def prepare(self, samples: float | None) -> None:
-        """Find the light of all cells. ``samples``: of the picture, where their number is known."""
-        self._sweeper.find(samples, CAREFUL)
+    def cut(self, lanes: int) -> None:
+        """Have no more samples in a launch."""
+        self._sweeper.lanes = lanes
+
+    def prepare(self) -> None:
+        """Find the light of all cells."""
+        finish(self.preparing())
+
+    def preparing(self):
+        """As `prepare`, but a generator that pauses after every launch."""
+        light, sweeper = self._light, self._sweeper
+        self._restore(light)
+        if light is None or self._is_stale:
+            yield from sweeper.finding(self._planned, CAREFUL, is_warm=light is not None)
         guide = Guide(self.cells, None, self._sides)
-        self.guide = self._sweeper.guide = guide if guide.is_useful else None
-        wanted = np.log2(SWEPT / max(self._sweeper.lanes_per_sample, 1))
+        self.guide = sweeper.guide = guide if guide.is_useful else None
+        wanted = np.log2(SWEPT / max(sweeper.lanes_per_sample, 1))
         self._samples = 1 << int(np.clip(round(wanted), 0, np.log2(MOST_SWEPT)))
-        self._tables = [np.array(self.cells.values) for _ in range(GROUPS)]
-        for _ in range(APART):
-            self.sweeps = 0
-            self.refresh()
+        common = np.array(self.cells.values)
+        if light is not None and not self._is_stale and light.seed == self.seed:
+            self._tables = [self._spread(light.sides, half) for half in light.halves]
+            self.counts, self.sweeps, self._made = light.counts, 1, APART * GROUPS
+        else:
+            self._tables = [np.array(common) for _ in range(GROUPS)]
+            for _ in range(APART):
+                self.sweeps = 0
+                yield from self.refreshing()
+        self._on_device = [None] * GROUPS
+        if self._keep is not None:
+            self._keep(self._describe(common))
 
     def refresh(self) -> None:
         """Sweep once more for each half; what is read is the mean over all sweeps of it."""
+        finish(self.refreshing())
+
+    def refreshing(self):
+        """As `refresh`, but a generator that pauses after every launch."""
         self.sweeps += 1
         for half in range(GROUPS):
-            self.use(half)
             self._made += 1
-            self._sweeper.refresh(FIRST_SWEEP + self._made, self._samples)
+            self._on_device[half] = None
+            self.use(half)
+            yield from self._sweeper.refreshing(FIRST_SWEEP + self._made, self._samples)
             self.counts = self.counts + self._sweeper.counts
             made = np.array(self.cells.values)
             self._tables[half] += (made - self._tables[half]) / self.sweeps
+            self._on_device[half] = None
 
     def use(self, half: int) -> None:
         """Have the light of a half read."""
-        self.cells.values = upload(mi.Float, self._tables[half])
-        dr.eval(self.cells.values)
+        if self._on_device[half] is None:
+            self._on_device[half] = upload(mi.Float, self._tables[half])
+            dr.eval(self._on_device[half])
+        self.cells.values = self._on_device[half]
+
+    # ---- private ----
+
+    def _restore(self, light: CellLight | None) -> None:
+        """Have the cells hold what they begin with."""
+        cells = self.cells
+        if light is None:
+            cells.values = dr.zeros(mi.Float, max(2 * cells.count * cells.bands.count, 1))
+            cells.uneven = dr.zeros(mi.Bool, max(2 * cells.count, 1))
+            dr.eval(cells.values, cells.uneven)
+            return
+        values = self._spread(light.sides, light.in_bands(cells.bands))
+        sides = self._sides if self._is_stale else light.sides
+        self._sweeper.restore({"values": values, "uneven": light.uneven, "sides": sides})
+
+    def _spread(self, sides: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Values of all sides, flat, from those of some."""
+        table = np.zeros((2 * self.cells.count, self.cells.bands.count), dtype=np.float32)
+        table[sides] = rows
+        return table.ravel()
+
+    def _describe(self, common: np.ndarray) -> CellLight:
+        nodes, sides = self.cells.bands.count, self._sweeper.state()["sides"]
+        return CellLight(
+            self.scene.stamps,
+            self.seed,
+            sides,
+            np.array(self.cells.uneven),
+            common.reshape(-1, nodes)[sides],
+            np.stack([table.reshape(-1, nodes)[sides] for table in self._tables]),
+            self.counts,
+            self.cells.bands,
+        )
