@@ -19,7 +19,7 @@ from ..paths.live_view import CALM, PILOT_LANES, LiveView
 from .allocation import Allocation
 from .kept_cells import KeptCells
 from .picture import EVEN, GROWTH, LEAST, LEAST_MEAN, SWEEP_SHARE, choose_method
-from .pixel_light import COSTS, STEERING, PixelLight
+from .pixel_light import COSTS, FLOORS, STEERING, PixelLight
 
 PIXELS_SHARE = 0.25
 """Pixels by which cells are counted, relative to those of the view: fewer cells than in a picture are ready sooner. [-]"""
@@ -221,9 +221,8 @@ class _KindPasses:
     def __init__(self, light: PixelLight, camera, lanes):
         self.light, self._lanes = light, lanes
         self._pixels = camera.width * camera.height
-        self.allocation = Allocation(
-            camera.width, camera.height, {kind: COSTS[kind] for kind in light.kinds}
-        )
+        costs = {kind: COSTS[kind] for kind in light.kinds}
+        self.allocation = Allocation(camera.width, camera.height, costs, FLOORS)
         shape = (GROUPS, self._pixels, light.channels.count)
         self._sums = {kind: np.zeros(shape, dtype=np.float32) for kind in light.kinds}
         squares = (len(STEERING), GROUPS, self._pixels)

@@ -20,7 +20,7 @@ from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
 from .kept_cells import KeptCells
-from .pixel_light import CORRECTION, COSTS, STEERING, VIEW, PixelLight
+from .pixel_light import COSTS, FLOORS, STEERING, VIEW, PixelLight
 
 METHODS = ("auto", "cells", "paths")
 
@@ -65,10 +65,6 @@ LEAST_MEAN = 1.0
 
 LEAST = 0.03
 """Samples of a pass, relative to all before, that are worth one. [-]"""
-
-LEAST_CORRECTED = 1.0 / 8.0
-"""Least samples that correct cells, in every tile, over the mean of all: what cells know nothing of is rare and bright, and
-until a sample has met it, nothing tells of it. [-]"""
 
 SWEEP_SHARE = 0.15
 """Paths of later sweeps over the cells, relative to the samples of the picture. [-]"""
@@ -198,8 +194,7 @@ class _Passes:
         self.clock, self._begun = clock, clock.seconds
         shape = (GROUPS, self.pixels, light.channels.count)
         costs = {kind: COSTS[kind] for kind in light.kinds}
-        floors = {CORRECTION: LEAST_CORRECTED}
-        self.allocation = Allocation(camera.width, camera.height, costs, floors)
+        self.allocation = Allocation(camera.width, camera.height, costs, FLOORS)
         self.sums = {kind: np.zeros(shape, dtype=np.float32) for kind in light.kinds}
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
