@@ -20,7 +20,7 @@ from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
 from .kept_cells import KeptCells
-from .pixel_light import COSTS, FLOORS, STEERING, VIEW, PixelLight
+from .pixel_light import CORRECTION, COSTS, FLOORS, STEERING, VIEW, PixelLight
 
 METHODS = ("auto", "cells", "paths")
 

@@ -46,8 +46,8 @@ COSTS = (2.5, 1.0, 2.0, 0.7, 0.7, 1.0, 14.0)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
 
 FLOORS = {VIEW: 1.0 / 4.0, CORRECTION: 1.0 / 8.0}
-"""Least samples of kinds whose light may be rare and bright, over the mean of all: until one has met it, nothing tells of it.
-That are thin slivers of lamps in view, and what cells know nothing of. [-]"""
+"""Least samples of kinds whose light may be rare and bright, thin slivers of lamps in view and what cells know nothing of,
+over the mean of all: until one has met it, nothing tells of it. [-]"""
 
 PAIRS = (
     gather.PAIR_LIGHT,
