@@ -13,9 +13,9 @@ from ..light_tracing.blur import find_blur
 from ..light_tracing.bright_spots import bright_spots
 from ..light_tracing.known_directions import KnownDirections
 from ..light_tracing.near_rays import near_rays
+from ..paths import gather
 from ..paths.illuminance import STAGE, Receivers, compute, finish
 from ..paths.light_learning import learn
-from ..paths import gather
 from ..witness.sensors import hear_sensors
 from .cell_job import CellJob
 from .method import BUDGET, Choice
