@@ -17,6 +17,9 @@ HERE = Path(__file__).resolve().parent
 WIDTH, HEIGHT = 800, 560
 """Of the screen and the window. [pixel]"""
 
+LARGE = 1400, 860
+"""Likewise, where the view itself must have a certain size. [pixel]"""
+
 ENGINE = b"lumenray.engine.worker"
 """What the command line of the engine's process holds."""
 
@@ -53,15 +56,15 @@ def shared_memory():
 
 
 class Window:
-    """A Blender in the foreground, with a part of `viewport.py` or other arguments."""
+    """A Blender in the foreground, with a part of a script or other arguments."""
 
-    def __init__(self, folder, name, *arguments, part=True):
+    def __init__(self, folder, name, *arguments, part="viewport.py", size=(WIDTH, HEIGHT)):
         self.folder, self.name = folder, name
         self.memory_before = shared_memory()
         self.record = folder / f"{name}.json"
         self.record.unlink(missing_ok=True)
-        script = ["--python", str(HERE / "viewport.py"), "--", name, str(folder), *arguments]
-        size = ["--window-geometry", "0", "0", str(WIDTH), str(HEIGHT)]
+        script = ["--python", str(HERE / part), "--", name, str(folder), *arguments]
+        size = ["--window-geometry", "0", "0", *map(str, size)]
         self.start = time.monotonic()
         self.log = folder / f"{name}.log"
         with self.log.open("wb") as output:
@@ -112,10 +115,10 @@ class Window:
             os.kill(pid, signal.SIGKILL)
 
 
-def use(folder, name, seconds, *arguments):
+def use(folder, name, seconds, *arguments, **more):
     """Run a part to its end."""
     print(f"\n{name}", flush=True)
-    window = Window(folder, name, *arguments)
+    window = Window(folder, name, *arguments, **more)
     window.wait(seconds)
     window.report()
     window.check_traces(name)
@@ -155,7 +158,7 @@ def close(folder):
     for number in (signal.SIGKILL, signal.SIGTERM):
         print(f"\nrender from the command line, {number.name}", flush=True)
         order = ("-b", str(folder / "long.blend"), "-o", str(folder / "long_"), "-f", "1")
-        window = Window(folder, "line", *order, part=False)
+        window = Window(folder, "line", *order, part="")
         note(wait_until(engines, 60), "the engine runs")
         time.sleep(3.0)
         window.end(number)
@@ -168,6 +171,7 @@ PARTS = {
     "memory": lambda folder: use(folder, "memory", 600),
     "some_memory": lambda folder: use(folder, "memory", 200, "0.1"),
     "close": close,
+    "office": lambda folder: use(folder, "office", 1800, part="office_view.py", size=LARGE),
 }
 
 
@@ -175,15 +179,17 @@ def main():
     """Run the parts; return the exit status."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
+    parts = sys.argv[2:] or ("look", "faults", "memory", "close")
+    width, height = LARGE if "office" in parts else (WIDTH, HEIGHT)
     screen = subprocess.Popen(
-        ["Xvfb", ":77", "-screen", "0", f"{WIDTH}x{HEIGHT}x24"],
+        ["Xvfb", ":77", "-screen", "0", f"{width}x{height}x24"],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
     os.environ["DISPLAY"] = ":77"
     wait_until(screen_answers, 20)
     try:
-        for part in sys.argv[2:] or ("look", "faults", "memory", "close"):
+        for part in parts:
             PARTS[part](folder)
     finally:
         screen.kill()
