@@ -1,15 +1,20 @@
-"""Mitsuba's textures of pictures, each made once and kept for as long as a material uses it."""
+"""Pictures on the device, as Mitsuba's textures or rows of a table, each made once and kept for as long as a material uses it."""
 
 from dataclasses import dataclass, replace
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ...materials.picture_table import PictureTable, Texels
 from ...scene.texture import ImageTexture
 from ..requirements import spread
 
 LARGE = 1 << 22
-"""Pictures with more numbers than this are kept in half precision."""
+"""Textures of pictures with more numbers than this are kept in half precision."""
+
+ROW = "row"
+"""Begins the keys of rows, which are those of textures otherwise."""
 
 _WRAPS = {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}
 
@@ -24,19 +29,30 @@ class _Made:
     is_half: bool
 
 
-class Bitmaps:
-    """Textures by the identity of a picture's array and the way it is laid.
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """A row of the table with the array that its texels were made of, which keeps the array's id taken."""
 
-    ``asked`` holds the keys of what was asked for; whoever wants to know empties it before.
+    pixels: np.ndarray
+    row: int
+
+
+class Bitmaps:
+    """Textures and rows by the identity of a picture's array and the way it is laid.
+
+    ``asked`` holds the keys of what was asked for; whoever wants to know empties it before. ``table`` holds the rows; it
+    waits for its `commit`.
     """
 
     def __init__(self):
         self.asked: set[tuple] = set()
+        self.table = PictureTable()
         self._made: dict[tuple, _Made] = {}
+        self._rows: dict[tuple, _Laid] = {}
 
     def __len__(self) -> int:
-        """Number of textures that are kept."""
-        return len(self._made)
+        """Number of textures and rows that are kept."""
+        return len(self._made) + len(self._rows)
 
     def texture(self, picture: ImageTexture, largest: float = 1.0, power: float | None = None):
         """Return the texture of a picture.
@@ -56,10 +72,31 @@ class Bitmaps:
             self._made[key] = self._make(picture, key, next(alike, None))
         return self._made[key].texture
 
+    def row(self, picture: ImageTexture) -> int:
+        """Return the row of a picture in ``table``: a reflectance within 0 and 1."""
+        pixels = picture.pixels
+        if pixels.flags.writeable:
+            # Its numbers may become others under the same name.
+            pixels = pixels.copy()
+            picture = replace(picture, pixels=pixels)
+        key = (ROW, *key_of(picture))
+        self.asked.add(key)
+        if key not in self._rows:
+            name = key[1]
+            if not self.table.holds(name):
+                self.table.put(name, _texels(picture))
+            row = self.table.lay(
+                name, picture.transform, picture.interpolation == "closest", picture.extension
+            )
+            self._rows[key] = _Laid(pixels, row)
+        return self._rows[key].row
+
     def keep(self, keys: set[tuple]) -> None:
         """Forget all others; Mitsuba frees a texture with the last surface that uses it."""
         for key in [key for key in self._made if key not in keys]:
             del self._made[key]
+        for key in [key for key in self._rows if key not in keys]:
+            self.table.drop(self._rows.pop(key).row)
 
     def _make(self, picture: ImageTexture, key: tuple, alike: _Made | None) -> _Made:
         if alike is None:
@@ -90,6 +127,17 @@ def _values(picture: ImageTexture, largest: float, power: float | None) -> np.nd
     if pixels.shape[2] == 3 and spread(pixels) <= 1e-6:
         pixels = pixels[:, :, :1]
     return pixels
+
+
+def _texels(picture: ImageTexture) -> Texels:
+    """Numbers of a picture as Mitsuba's texture has them, or their luminances in photometric variants."""
+    values = mi.traverse(_load(picture, _values(picture, 1.0, None), is_half=False))["data"]
+    height, width, channels = values.shape
+    flat = values.array
+    if channels == 3 and mi.is_monochromatic:
+        index = dr.arange(mi.UInt32, height * width)
+        flat, channels = mi.luminance(dr.gather(mi.Color3f, flat, index)), 1
+    return Texels(flat, width, height, channels)
 
 
 def _load(picture: ImageTexture, pixels: np.ndarray, is_half: bool | None = None):

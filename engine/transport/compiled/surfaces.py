@@ -19,6 +19,7 @@ from ...scene.material import (
     ThinGlass,
     Transparent,
 )
+from ...scene.spectrum import Constant
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
@@ -30,9 +31,8 @@ PALETTE_STEPS = 471
 
 
 def is_plain(surface: Surface) -> bool:
-    """Tell whether a surface can join a palette: a diffuse base with or without a coat, and the same all over."""
-    coated = surface.as_coated
-    return coated is not None and not isinstance(coated.reflectance, ImageTexture)
+    """Tell whether a surface can join a palette: a diffuse base with or without a coat."""
+    return surface.as_coated is not None
 
 
 def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray]:
@@ -50,12 +50,19 @@ def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray
 
 def _row_spectrum(colour, make: TextureMaker) -> np.ndarray:
     if isinstance(colour, ImageTexture):
-        return np.zeros(1)
+        # Every row is as long as all others.
+        colour = Constant(0.0)
     return make.spectrum(colour, PALETTE_STEPS)
 
 
+def picture_row(surface: Surface, make: TextureMaker) -> int:
+    """Row of the picture of a palette's surface in the table of pictures plus 1; 0: it is the same all over."""
+    colour = surface.as_coated.reflectance
+    return make.row(colour) + 1 if isinstance(colour, ImageTexture) else 0
+
+
 def _coated(surface, make: TextureMaker):
-    """A plug-in of its own, for surfaces with a picture or inside a mixture."""
+    """A plug-in of its own, for surfaces inside a mixture."""
     import mitsuba as mi
 
     properties = {"type": "lumenray_coated"}

@@ -85,6 +85,10 @@ class TextureMaker:
         """Texture of a picture."""
         return self.bitmaps.texture(texture, largest)
 
+    def row(self, texture: ImageTexture) -> int:
+        """Row of a picture in the table of pictures, for a reflectance."""
+        return self.bitmaps.row(texture)
+
     def scalar(self, value, power: float = 1.0):
         """Texture of a plain number or one-channel picture, raised to ``power``."""
         if isinstance(value, ImageTexture):

@@ -1,0 +1,136 @@
+"""Pictures in a table have the values that Mitsuba's `bitmap` gives, whatever they are beside."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from lumenray.engine.scene.texture import ImageTexture
+from lumenray.engine.transport import backend
+
+TURNED = np.array([[2.3, 0.4, -0.7], [-0.3, -1.6, 0.2], [0.0, 0.0, 1.0]])
+WRAPS = {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}
+COUNT = 4000
+
+
+def pixels(height, width, channels, seed=0):
+    values = np.random.default_rng(seed).random((height, width, channels)).astype(np.float32)
+    # Spectra of black and white are limits of the model of all others.
+    values[0, 0], values[-1, -1] = 0.0, 1.0
+    values.flags.writeable = False
+    return values
+
+
+def surfaces():
+    """Random places, some of them far outside, in four random wavelengths."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from lumenray.engine.arrays import upload
+
+    rng = np.random.default_rng(1)
+    uv = rng.random((2, COUNT)) * 8.0 - 4.0
+    uv[:, :8] = [
+        [0.0, 1.0, -1.0, 2.0, 0.5, 0.0, -2.0, 1.0],
+        [0.0, 1.0, 1.0, 0.0, 0.5, -1.0, 3.0, 0.0],
+    ]
+    si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
+    si.uv = mi.Point2f(*(upload(mi.Float, axis) for axis in uv))
+    for k in range(len(si.wavelengths)):
+        si.wavelengths[k] = upload(mi.Float, rng.random(COUNT) * 470.0 + 360.0)
+    return si
+
+
+def bitmap(picture):
+    import mitsuba as mi
+
+    return mi.load_dict(
+        {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.array(picture.pixels)),
+            "raw": picture.pixels.shape[2] == 1,
+            "format": "variant",
+            "filter_type": "nearest" if picture.interpolation == "closest" else "bilinear",
+            "wrap_mode": WRAPS[picture.extension],
+            "to_uv": mi.ScalarTransform3f(picture.transform.tolist()),
+        }
+    )
+
+
+def laid():
+    """Pictures of many sizes in all ways."""
+    shapes = [(5, 7, 3), (16, 4, 1), (1, 9, 3), (64, 64, 3), (3, 1, 1)]
+    stored = [pixels(*shape, seed) for seed, shape in enumerate(shapes)]
+    ways = product(("linear", "closest"), WRAPS, (np.eye(3), TURNED))
+    return [
+        ImageTexture(values, "", transform, filtering, wrap)
+        for filtering, wrap, transform in ways
+        for values in stored
+    ]
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("spectral", [False, True])
+def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.compiled.bitmaps import Bitmaps
+
+    backend.start(spectral)
+    pictures, bitmaps, si = laid(), Bitmaps(), surfaces()
+    rows = [bitmaps.row(picture) for picture in pictures]
+    assert len(set(rows)) == len(pictures)
+    bitmaps.table.commit()
+    for picture, row in zip(pictures, rows, strict=True):
+        found = np.array(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+        wanted = np.array(bitmap(picture).eval(si, mi.Bool(True)))
+        apart = np.abs(found - wanted).max(axis=0)
+        # A place may fall on the other side of the border between two squares by rounding.
+        allowed = 2 if picture.interpolation == "closest" else 0
+        assert (apart > 1e-4).sum() <= allowed, (picture, apart.max())
+
+
+@pytest.mark.mitsuba
+def test_rows_keep_their_pictures_while_others_come_and_go():
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.compiled.bitmaps import ROW, Bitmaps, key_of
+
+    backend.start(False)
+    pictures, bitmaps, si = laid(), Bitmaps(), surfaces()
+
+    def check(shown):
+        kept = {(ROW, *key_of(picture)) for picture in shown}
+        bitmaps.keep(kept)
+        rows = [bitmaps.row(picture) for picture in shown]
+        bitmaps.table.commit()
+        assert len(bitmaps) == len(bitmaps.table) == len(shown)
+        for picture, row in zip(shown, rows, strict=True):
+            found = np.array(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+            wanted = np.array(bitmap(picture).eval(si, mi.Bool(True)))
+            assert np.median(np.abs(found - wanted)) < 1e-6
+
+    check(pictures[:7])
+    check(pictures[3:5])
+    check([pictures[9], *pictures[3:5]])
+    check([pictures[4], pictures[14], pictures[5]])
+
+
+@pytest.mark.mitsuba
+def test_a_picture_of_another_kind_meets_the_same_kernel():
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.transport.compiled.bitmaps import Bitmaps
+
+    backend.start(True)
+    si, built = surfaces(), []
+    pictures = laid()
+    for shown in ([pictures[0]], [pictures[16], pictures[3]], pictures[20:32]):
+        bitmaps = Bitmaps()
+        row = max(bitmaps.row(picture) for picture in shown)
+        bitmaps.table.commit()
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            dr.kernel_history_clear()
+            dr.eval(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+            built.append([kernel["hash"] for kernel in dr.kernel_history() if "hash" in kernel])
+    assert built[0]
+    assert built[0] == built[1] == built[2]
