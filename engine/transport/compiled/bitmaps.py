@@ -1,4 +1,4 @@
-"""Pictures on the device, as Mitsuba's textures or rows of a table, each made once and kept for as long as a material uses it."""
+"""Pictures on the device, as Mitsuba's textures or rows of a table: each is made once and kept while a material uses it."""
 
 from dataclasses import dataclass, replace
 
