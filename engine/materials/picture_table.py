@@ -8,6 +8,7 @@ Texels are in single precision. They take no more memory than the scene's own co
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import drjit as dr
 import mitsuba as mi
@@ -171,6 +172,17 @@ class PictureTable:
         -------
         Spectrum    [-]
         """
+        read = self._read_plain
+        if len(si.wavelengths):
+            read = partial(self._read_colour, si.wavelengths)
+        return self._interpolate(si, row, read, mi.Spectrum(0.0), active)
+
+    def eval_1(self, si, row, active):
+        """As `eval`, for pictures of plain numbers. -> Float"""
+        return self._interpolate(si, row, self._read_plain, mi.Float(0.0), active)
+
+    def _interpolate(self, si, row, read, nothing, active):
+        """Value between texels that ``read(index, is_coloured, active)`` gives."""
         offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
         is_nearest = (bits & _IS_NEAREST) != 0
         is_coloured = (bits & _IS_COLOURED) != 0
@@ -186,21 +198,22 @@ class PictureTable:
             columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
             weights.append([1.0 - share, share])
         stride = dr.select(is_coloured, mi.UInt32(3), 1)
-        value = mi.Spectrum(0.0)
+        value = nothing
         for j in (0, 1):
-            line = mi.Spectrum(0.0)
+            line = nothing
             for i in (0, 1):
                 index = offset + (columns[1][j] * width + columns[0][i]) * stride
-                texel = self._texel(index, is_coloured, si.wavelengths, active)
-                line = dr.fma(weights[0][i], texel, line)
+                line = dr.fma(weights[0][i], read(index, is_coloured, active), line)
             value = dr.fma(weights[1][j], line, value)
         return value
 
-    def _texel(self, index, is_coloured, wavelengths, active):
-        """Value of one texel whose numbers begin at an index."""
+    def _read_plain(self, index, _is_coloured, active):
+        """Number of a texel."""
+        return dr.gather(mi.Float, self._texels, index, active)
+
+    def _read_colour(self, wavelengths, index, is_coloured, active):
+        """Spectrum of a texel whose numbers begin at an index."""
         plain = dr.gather(mi.Float, self._texels, index, active)
-        if not len(wavelengths):
-            return mi.Spectrum(plain)
         others = (dr.gather(mi.Float, self._texels, index + k, active) for k in (1, 2))
         colour = mi.srgb_model_eval(mi.Color3f(plain, *others), wavelengths)
         return dr.select(is_coloured, colour, plain)

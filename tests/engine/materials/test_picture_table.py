@@ -93,13 +93,13 @@ def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
 def test_rows_keep_their_pictures_while_others_come_and_go():
     import drjit as dr
     import mitsuba as mi
-    from lumenray.engine.transport.compiled.bitmaps import ROW, Bitmaps, key_of
+    from lumenray.engine.transport.compiled.bitmaps import Bitmaps, key_of
 
     backend.start(False)
     pictures, bitmaps, si = laid(), Bitmaps(), surfaces()
 
     def check(shown):
-        kept = {(ROW, *key_of(picture)) for picture in shown}
+        kept = {key_of(picture) for picture in shown}
         bitmaps.keep(kept)
         rows = [bitmaps.row(picture) for picture in shown]
         bitmaps.table.commit()
