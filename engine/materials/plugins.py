@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture, picture.
+"""Models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture, picture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -62,8 +62,7 @@ def register() -> None:
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))
-    picture = picture_class()
-    mi.register_texture("lumenray_picture", lambda props: picture(props))
+    mi.register_texture("lumenray_laid_picture", picture_class())
 
 
 def _sheet_class():

@@ -37,7 +37,7 @@ class Bitmaps:
 
     def texture(self, picture: ImageTexture, largest: float = 1.0, power: float | None = None):
         """Return a texture of a picture. Parameters are those of `row`."""
-        texture = mi.load_dict({"type": "lumenray_picture"})
+        texture = mi.load_dict({"type": "lumenray_laid_picture"})
         texture.lay(self.table, self.row(picture, largest, power))
         return texture
 

@@ -5,15 +5,11 @@ import numpy as np
 
 from ...arrays import pointer_id
 from ...errors import SceneError
-from ...scene.material import Diffuse, Material
-from ...scene.spectrum import Constant
+from ...scene.material import Material
 from ..requirements import is_coloured
 from .bitmaps import key_of
-from .surfaces import approximations, bsdf, is_plain, palette, picture_row
+from .surfaces import NOTHING, approximations, bsdf, is_plain, palette, picture_row
 from .textures import TextureMaker, is_spectral
-
-NOTHING = Diffuse(Constant(0.0))
-"""What the palette holds before there are plain materials."""
 
 
 class MaterialPalette:
