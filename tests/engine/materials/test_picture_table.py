@@ -134,3 +134,49 @@ def test_a_picture_of_another_kind_meets_the_same_kernel():
             built.append([kernel["hash"] for kernel in dr.kernel_history() if "hash" in kernel])
     assert built[0]
     assert built[0] == built[1] == built[2]
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("spectral", [False, True])
+def test_a_palette_shows_each_shape_its_own_picture(spectral):
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.arrays import upload
+    from lumenray.engine.materials import plugins
+    from lumenray.engine.scene.material import Black, Coated, Diffuse, Material
+    from lumenray.engine.scene.spectrum import Constant
+    from lumenray.engine.transport.compiled.material_palette import MaterialPalette
+
+    backend.start(spectral)
+    plugins.register()
+    pictures = [ImageTexture(pixels(8, 6, 3)), ImageTexture(pixels(4, 4, 1), "", TURNED, "closest")]
+    surfaces_of = {
+        "picture": Diffuse(pictures[0]),
+        "plain": Coated(Constant(0.3), roughness=0.2),
+        "other": Coated(pictures[1]),
+        "black": Black(),
+    }
+    palette = MaterialPalette(np.ones(471))
+    for key, surface in surfaces_of.items():
+        palette.put(Material(key, key, surface))
+    palette.commit(np.array([0.0, *(palette.row(key) for key in surfaces_of)]))
+    assert len({palette.plugin_number(key) for key in surfaces_of}) == 1
+
+    si = surfaces()
+    shape = np.arange(COUNT) % 4
+    si.shape = dr.reinterpret_array(mi.ShapePtr, upload(mi.UInt32, shape + 1))
+    found = np.array(palette.palette.eval_diffuse_reflectance(si, mi.Bool(True)))
+    shown = [np.array(bitmap(picture).eval(si, mi.Bool(True))) for picture in pictures]
+    even = np.ones_like(shown[0])
+    wanted = np.choose(shape, [shown[0], 0.3 * even, shown[1], 0.0 * even])
+    # A place may fall on the other side of the border between two squares by rounding.
+    assert (np.abs(found - wanted).max(axis=0) > 1e-5).sum() <= 2
+
+    # The last picture leaves, and with it what looks for pictures.
+    for key in ("picture", "other"):
+        palette.put(Material(key, key, Coated(Constant(0.1))))
+    palette.commit(np.array([0.0, *(palette.row(key) for key in surfaces_of)]))
+    assert palette.palette.pictures is None
+    found = np.array(palette.palette.eval_diffuse_reflectance(si, mi.Bool(True)))
+    wanted = np.choose(shape, [0.1 * even, 0.3 * even, 0.1 * even, 0.0 * even])
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)
