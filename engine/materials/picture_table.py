@@ -69,7 +69,7 @@ class PictureTable:
         self._rows: list[_Row | None] = []
         self._staged: dict[object, Texels] = {}
         self._places: dict[object, tuple[int, Texels]] = {}
-        self._has_changed = False
+        self._has_changed = self._has_gaps = False
         self._texels = self._numbers = self._transforms = None
 
     def __len__(self) -> int:
@@ -81,7 +81,7 @@ class PictureTable:
         return name in self._places or name in self._staged
 
     def put(self, name, texels: Texels) -> None:
-        """Take texels in under a name; they arrive with `commit`."""
+        """Take texels in under a name, for rows to come; they arrive with `commit`."""
         self._staged[name] = texels
 
     def lay(self, name, transform, is_nearest: bool, extension: str) -> int:
@@ -105,9 +105,13 @@ class PictureTable:
         return number
 
     def drop(self, number: int) -> None:
-        """Give a row back; texels go with the last row that shows them, at `commit`."""
-        self._rows[number] = None
+        """Give a row back; texels go with the last row that shows them, and their memory at `commit`."""
+        name, self._rows[number] = self._rows[number].name, None
         self._has_changed = True
+        if all(row is None or row.name != name for row in self._rows):
+            # The name may be given to others from now on.
+            self._staged.pop(name, None)
+            self._has_gaps |= self._places.pop(name, None) is not None
 
     def commit(self) -> None:
         """Bring what kernels read up to date.
@@ -135,11 +139,9 @@ class PictureTable:
         dr.eval(self._numbers, self._transforms)
 
     def _commit_texels(self) -> None:
-        used = {row.name for row in self._rows if row is not None}
-        if not self._staged and used == set(self._places):
+        if not self._staged and not self._has_gaps:
             return
-        pieces = {name: self._places[name] for name in self._places if name in used}
-        pieces |= {name: (None, texels) for name, texels in self._staged.items() if name in used}
+        pieces = self._places | {name: (None, texels) for name, texels in self._staged.items()}
         # Plain numbers are read as three too.
         size = sum(texels.size for _, texels in pieces.values()) + 2
         if size > MOST_NUMBERS:
@@ -158,7 +160,7 @@ class PictureTable:
             places[name] = (start, Texels(None, texels.width, texels.height, texels.channels))
             start += texels.size
         dr.eval(made)
-        self._texels, self._places, self._staged = made, places, {}
+        self._texels, self._places, self._staged, self._has_gaps = made, places, {}, False
 
     def eval(self, si, row, active):
         """Value of pictures at surfaces.
