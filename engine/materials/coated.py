@@ -156,9 +156,15 @@ def coated_class():
             if self.pictures is None:
                 return value
             picture = dr.gather(mi.UInt32, self.pictures, row, active)
-            is_shown = active & (picture > 0)
-            shown = self.picture_table.eval(si, dr.maximum(picture, 1) - 1, is_shown)
-            return dr.select(picture > 0, shown, value)
+            # Most surfaces have none, and a packet without any does not wait for those that do.
+            return dr.if_stmt(
+                (mi.Point2f(si.uv), si.wavelengths, picture, value),
+                mi.Bool(active) & (picture > 0),
+                lambda uv, wavelengths, picture, value: self.picture_table.eval(
+                    uv, wavelengths, picture - 1, mi.Bool(True)
+                ),
+                lambda uv, wavelengths, picture, value: value,
+            )
 
         def _own_spectrum(self, si, row, active):
             if self.width == 1:

@@ -162,12 +162,13 @@ class PictureTable:
         dr.eval(made)
         self._texels, self._places, self._staged, self._has_gaps = made, places, {}, False
 
-    def eval(self, si, row, active):
+    def eval(self, uv, wavelengths, row, active):
         """Value of pictures at surfaces.
 
         Parameters
         ----------
-        si : SurfaceInteraction3f    ``uv`` and, in spectral variants, ``wavelengths`` are read.
+        uv : Point2f    Of the surface, before a picture's transform.
+        wavelengths : Wavelength    Of the surface; photometric variants have none. [nm]
         row : UInt32    As `lay` gave it.
 
         Returns
@@ -175,15 +176,15 @@ class PictureTable:
         Spectrum    [-]
         """
         read = self._read_plain
-        if len(si.wavelengths):
-            read = partial(self._read_colour, si.wavelengths)
-        return self._interpolate(si, row, read, mi.Spectrum(0.0), active)
+        if len(wavelengths):
+            read = partial(self._read_colour, wavelengths)
+        return self._interpolate(uv, row, read, mi.Spectrum(0.0), active)
 
-    def eval_1(self, si, row, active):
+    def eval_1(self, uv, row, active):
         """As `eval`, for pictures of plain numbers. -> Float"""
-        return self._interpolate(si, row, self._read_plain, mi.Float(0.0), active)
+        return self._interpolate(uv, row, self._read_plain, mi.Float(0.0), active)
 
-    def _interpolate(self, si, row, read, nothing, active):
+    def _interpolate(self, uv, row, read, nothing, active):
         """Value between texels that ``read(index, is_coloured, active)`` gives."""
         offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
         is_nearest = (bits & _IS_NEAREST) != 0
@@ -192,7 +193,7 @@ class PictureTable:
         columns, weights = [], []
         for axis, count in enumerate((width, height)):
             a, b, c, _ = dr.gather(mi.Vector4f, self._transforms, 2 * row + axis, active)
-            place = dr.fma(b, si.uv.y, dr.fma(a, si.uv.x, c))
+            place = dr.fma(b, uv.y, dr.fma(a, uv.x, c))
             place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
             below = dr.floor(place)
             share = dr.select(is_nearest, 0.0, place - below)

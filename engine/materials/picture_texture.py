@@ -26,10 +26,10 @@ def picture_class():
             callback.put("row", self.row, mi.ParamFlags.NonDifferentiable)
 
         def eval(self, si, active=True):
-            return mi.Spectrum(self.table.eval(si, self.row, mi.Bool(active)))
+            return mi.Spectrum(self.table.eval(si.uv, si.wavelengths, self.row, mi.Bool(active)))
 
         def eval_1(self, si, active=True):
-            return self.table.eval_1(si, self.row, mi.Bool(active))
+            return self.table.eval_1(si.uv, self.row, mi.Bool(active))
 
         def is_spatially_varying(self):
             return True

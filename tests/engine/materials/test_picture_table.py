@@ -56,6 +56,13 @@ def bitmap(picture):
     )
 
 
+def look_up(table, si, row):
+    import drjit as dr
+    import mitsuba as mi
+
+    return table.eval(si.uv, si.wavelengths, dr.opaque(mi.UInt32, row), mi.Bool(True))
+
+
 def laid():
     """Pictures of many sizes in all ways."""
     shapes = [(5, 7, 3), (16, 4, 1), (1, 9, 3), (64, 64, 3), (3, 1, 1)]
@@ -71,7 +78,6 @@ def laid():
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("spectral", [False, True])
 def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
-    import drjit as dr
     import mitsuba as mi
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
@@ -81,7 +87,7 @@ def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
     assert len(set(rows)) == len(pictures)
     bitmaps.table.commit()
     for picture, row in zip(pictures, rows, strict=True):
-        found = np.array(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+        found = np.array(look_up(bitmaps.table, si, row))
         wanted = np.array(bitmap(picture).eval(si, mi.Bool(True)))
         apart = np.abs(found - wanted).max(axis=0)
         # A place may fall on the other side of the border between two squares by rounding.
@@ -91,7 +97,6 @@ def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
 
 @pytest.mark.mitsuba
 def test_rows_keep_their_pictures_while_others_come_and_go():
-    import drjit as dr
     import mitsuba as mi
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps, key_of
 
@@ -105,7 +110,7 @@ def test_rows_keep_their_pictures_while_others_come_and_go():
         bitmaps.table.commit()
         assert len(bitmaps) == len(bitmaps.table) == len(shown)
         for picture, row in zip(shown, rows, strict=True):
-            found = np.array(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+            found = np.array(look_up(bitmaps.table, si, row))
             wanted = np.array(bitmap(picture).eval(si, mi.Bool(True)))
             assert np.median(np.abs(found - wanted)) < 1e-6
 
@@ -118,7 +123,6 @@ def test_rows_keep_their_pictures_while_others_come_and_go():
 @pytest.mark.mitsuba
 def test_a_picture_of_another_kind_meets_the_same_kernel():
     import drjit as dr
-    import mitsuba as mi
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
     backend.start(True)
@@ -130,7 +134,7 @@ def test_a_picture_of_another_kind_meets_the_same_kernel():
         bitmaps.table.commit()
         with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
             dr.kernel_history_clear()
-            dr.eval(bitmaps.table.eval(si, dr.opaque(mi.UInt32, row), mi.Bool(True)))
+            dr.eval(look_up(bitmaps.table, si, row))
             built.append([kernel["hash"] for kernel in dr.kernel_history() if "hash" in kernel])
     assert built[0]
     assert built[0] == built[1] == built[2]
