@@ -4,7 +4,8 @@ Mitsuba's `bitmap` writes the size of a picture, its filter and its way to go on
 model of its own, which every packet of rays visits. Here a picture is a row of numbers, and a look-up reads its row. Values
 are those of `bitmap`: texels of colours are interpolated after their spectra are evaluated, not before.
 
-Texels are in single precision. They take no more memory than the scene's own copy of the picture on the host.
+Texels are in single precision. They take no more memory than the scene's own copy of the picture on the host, and twice as
+much for the moment in which pictures come or go.
 """
 
 from dataclasses import dataclass

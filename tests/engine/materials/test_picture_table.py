@@ -184,3 +184,19 @@ def test_a_palette_shows_each_shape_its_own_picture(spectral):
     found = np.array(palette.palette.eval_diffuse_reflectance(si, mi.Bool(True)))
     wanted = np.choose(shape, [0.1 * even, 0.3 * even, 0.1 * even, 0.0 * even])
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
+
+
+@pytest.mark.mitsuba
+def test_more_texels_than_can_be_addressed_are_refused(monkeypatch):
+    from lumenray.engine.errors import SceneError
+    from lumenray.engine.materials import picture_table
+    from lumenray.engine.transport.compiled.bitmaps import Bitmaps
+
+    backend.start(True)
+    monkeypatch.setattr(picture_table, "MOST_NUMBERS", 400)
+    bitmaps = Bitmaps()
+    bitmaps.row(ImageTexture(pixels(10, 10, 3)))
+    bitmaps.table.commit()
+    bitmaps.row(ImageTexture(pixels(8, 8, 3)))
+    with pytest.raises(SceneError, match="hold 494 numbers, and at most 400"):
+        bitmaps.table.commit()
