@@ -9,8 +9,8 @@ coat's directional reflectance E and its hemispherical mean E_mean = 2 * integra
 base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
 is Lambert's law exactly.
 
-Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all untextured
-materials of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit.
+Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all such materials
+of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit, pictures included.
 
 References
 ----------
@@ -107,8 +107,11 @@ def coated_class():
             self.m_flags = self.m_components[0] | self.m_components[1]
             self.rows = None
 
-        def set_palette(self, alpha, eta, specular, spectra):
-            """Set the materials' parameters: (m,) each, ``spectra`` (m, w) even over 360..830 nm."""
+        def set_palette(self, alpha, eta, specular, spectra, pictures=None, picture_table=None):
+            """Set the materials' parameters: (m,) each, ``spectra`` (m, w) even over 360..830 nm.
+
+            ``pictures`` holds rows of ``picture_table`` plus 1; 0: the spectrum holds all over.
+            """
             alpha = np.maximum(alpha, MINIMUM_ALPHA)
             tables = np.stack(
                 [
@@ -124,7 +127,12 @@ def coated_class():
             self.width = spectra.shape[1]
             self.spectra = upload(mi.Float, spectra)
             self.single = len(alpha) == 1
+            # Where there are none, kernels do not look for them.
+            has_pictures = pictures is not None and np.any(pictures)
+            self.pictures = upload(mi.UInt32, pictures) if has_pictures else None
+            self.picture_table = picture_table if has_pictures else None
             dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
+            dr.eval(self.pictures)
 
         def set_rows(self, rows):
             """Set the table from shape id to row."""
@@ -144,6 +152,21 @@ def coated_class():
         def _reflectance(self, si, row, active):
             if self.texture is not None:
                 return self.texture.eval(si, active)
+            value = self._own_spectrum(si, row, active)
+            if self.pictures is None:
+                return value
+            picture = dr.gather(mi.UInt32, self.pictures, row, active)
+            # Most surfaces have none, and a packet without any does not wait for those that do.
+            return dr.if_stmt(
+                (mi.Point2f(si.uv), si.wavelengths, picture, value),
+                mi.Bool(active) & (picture > 0),
+                lambda uv, wavelengths, picture, value: self.picture_table.eval(
+                    uv, wavelengths, picture - 1, mi.Bool(True)
+                ),
+                lambda uv, wavelengths, picture, value: value,
+            )
+
+        def _own_spectrum(self, si, row, active):
             if self.width == 1:
                 return mi.Spectrum(dr.gather(mi.Float, self.spectra, row, active))
             value = mi.Spectrum(0.0)

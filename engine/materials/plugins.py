@@ -1,4 +1,4 @@
-"""Reflectance models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture.
+"""Models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture, picture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -10,6 +10,7 @@ import mitsuba as mi
 from ..arrays import average
 from .coated import coated_class
 from .fabric import fabric_class
+from .picture_texture import picture_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 
@@ -61,6 +62,7 @@ def register() -> None:
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))
+    mi.register_texture("lumenray_laid_picture", picture_class())
 
 
 def _sheet_class():

@@ -1,45 +1,48 @@
-"""Mitsuba's textures of pictures, each made once and kept for as long as a material uses it."""
+"""Pictures on the device, as rows of one table: each is made once and kept while a material uses it."""
 
 from dataclasses import dataclass, replace
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ...materials.picture_table import PictureTable, Texels
 from ...scene.texture import ImageTexture
 from ..requirements import spread
 
-LARGE = 1 << 22
-"""Pictures with more numbers than this are kept in half precision."""
-
-_WRAPS = {"repeat": "repeat", "extend": "clamp", "mirror": "mirror"}
-
 
 @dataclass(frozen=True, eq=False)
-class _Made:
-    """A texture with the array that it was made of, which keeps the array's id taken."""
+class _Laid:
+    """A row of the table with the array that its texels were made of, which keeps the array's id taken."""
 
     pixels: np.ndarray
-    texture: object
-    channels: int
-    is_half: bool
+    row: int
 
 
 class Bitmaps:
-    """Textures by the identity of a picture's array and the way it is laid.
+    """Rows by the identity of a picture's array and the way it is laid.
 
-    ``asked`` holds the keys of what was asked for; whoever wants to know empties it before.
+    ``asked`` holds the keys of what was asked for; whoever wants to know empties it before. ``table`` holds the rows; it
+    waits for its `commit`.
     """
 
     def __init__(self):
         self.asked: set[tuple] = set()
-        self._made: dict[tuple, _Made] = {}
+        self.table = PictureTable()
+        self._rows: dict[tuple, _Laid] = {}
 
     def __len__(self) -> int:
-        """Number of textures that are kept."""
-        return len(self._made)
+        """Number of pictures that are kept, each as often as it is laid in another way."""
+        return len(self._rows)
 
     def texture(self, picture: ImageTexture, largest: float = 1.0, power: float | None = None):
-        """Return the texture of a picture.
+        """Return a texture of a picture. Parameters are those of `row`."""
+        texture = mi.load_dict({"type": "lumenray_laid_picture"})
+        texture.lay(self.table, self.row(picture, largest, power))
+        return texture
+
+    def row(self, picture: ImageTexture, largest: float = 1.0, power: float | None = None) -> int:
+        """Return the row of a picture in ``table``.
 
         Parameters
         ----------
@@ -48,42 +51,34 @@ class Bitmaps:
         power : float or None    For plain numbers: the channels' mean is raised to it. None: a colour.
         """
         if picture.pixels.flags.writeable:
-            return _load(picture, _values(picture, largest, power))
+            # Its numbers may become others under the same name.
+            picture = replace(picture, pixels=picture.pixels.copy())
         key = key_of(picture, largest, power)
         self.asked.add(key)
-        if key not in self._made:
-            alike = (made for other, made in self._made.items() if other[0] == key[0])
-            self._made[key] = self._make(picture, key, next(alike, None))
-        return self._made[key].texture
+        if key not in self._rows:
+            name = key[0]
+            if not self.table.holds(name):
+                self.table.put(name, _texels(_values(picture.pixels, largest, power)))
+            row = self.table.lay(
+                name, picture.transform, picture.interpolation == "closest", picture.extension
+            )
+            self._rows[key] = _Laid(picture.pixels, row)
+        return self._rows[key].row
 
     def keep(self, keys: set[tuple]) -> None:
-        """Forget all others; Mitsuba frees a texture with the last surface that uses it."""
-        for key in [key for key in self._made if key not in keys]:
-            del self._made[key]
-
-    def _make(self, picture: ImageTexture, key: tuple, alike: _Made | None) -> _Made:
-        if alike is None:
-            values = _values(picture, *key[0][1:])
-            made = _load(picture, values)
-            return _Made(picture.pixels, made, values.shape[2], values.size > LARGE)
-        # The same numbers laid in another way: they are shared, for making them takes seconds.
-        small = np.zeros((2, 2, alike.channels), dtype=np.float32)
-        made = _load(picture, small, alike.is_half)
-        parameters = mi.traverse(made)
-        parameters["data"] = mi.traverse(alike.texture)["data"]
-        parameters.update()
-        return replace(alike, texture=made)
+        """Forget all others: their rows are given to what comes next."""
+        for key in [key for key in self._rows if key not in keys]:
+            self.table.drop(self._rows.pop(key).row)
 
 
 def key_of(picture: ImageTexture, largest: float = 1.0, power: float | None = None) -> tuple:
-    """Name a texture: same key, same texture, while the array lives."""
+    """Name a picture laid in a way: same key, same row, while the array lives."""
     transform = np.asarray(picture.transform, dtype=np.float64).tobytes()
     how = (picture.interpolation, picture.extension, transform)
     return ((id(picture.pixels), float(largest), power), *how)
 
 
-def _values(picture: ImageTexture, largest: float, power: float | None) -> np.ndarray:
-    pixels = picture.pixels
+def _values(pixels: np.ndarray, largest: float, power: float | None) -> np.ndarray:
     if power is not None:
         pixels = np.clip(pixels.mean(axis=2, keepdims=True), 0.0, 1.0) ** power
     pixels = np.clip(np.nan_to_num(pixels), 0.0, largest).astype(np.float32)
@@ -92,19 +87,21 @@ def _values(picture: ImageTexture, largest: float, power: float | None) -> np.nd
     return pixels
 
 
-def _load(picture: ImageTexture, pixels: np.ndarray, is_half: bool | None = None):
-    is_half = pixels.size > LARGE if is_half is None else is_half
-    return mi.load_dict(
+def _texels(values: np.ndarray) -> Texels:
+    """Numbers of a picture as Mitsuba's texture has them, or their luminances in photometric variants."""
+    texture = mi.load_dict(
         {
             "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(pixels)),
+            "bitmap": mi.Bitmap(np.ascontiguousarray(values)),
             # Three channels are upsampled spectrally by Mitsuba (`srgb_model`).
-            "raw": pixels.shape[2] == 1,
-            "format": "fp16" if is_half else "variant",
-            "filter_type": "nearest" if picture.interpolation == "closest" else "bilinear",
-            "wrap_mode": _WRAPS[picture.extension],
-            "to_uv": mi.ScalarTransform3f(
-                [list(row) for row in np.asarray(picture.transform, dtype=np.float64)]
-            ),
+            "raw": values.shape[2] == 1,
+            "format": "variant",
         }
     )
+    data = mi.traverse(texture)["data"]
+    height, width, channels = data.shape
+    flat = data.array
+    if channels == 3 and mi.is_monochromatic:
+        index = dr.arange(mi.UInt32, height * width)
+        flat, channels = mi.luminance(dr.gather(mi.Color3f, flat, index)), 1
+    return Texels(flat, width, height, channels)

@@ -5,15 +5,11 @@ import numpy as np
 
 from ...arrays import pointer_id
 from ...errors import SceneError
-from ...scene.material import Diffuse, Material
-from ...scene.spectrum import Constant
+from ...scene.material import Material
 from ..requirements import is_coloured
 from .bitmaps import key_of
-from .surfaces import approximations, bsdf, is_plain, palette
+from .surfaces import NOTHING, approximations, bsdf, is_plain, palette, picture_row
 from .textures import TextureMaker, is_spectral
-
-NOTHING = Diffuse(Constant(0.0))
-"""What the palette holds before there are plain materials."""
 
 
 class MaterialPalette:
@@ -50,15 +46,14 @@ class MaterialPalette:
         was_plain = material.id in self._rows
         self._items[material.id] = material
         if is_plain(material.surface):
-            self._note_pictures(material, frozenset())
             if not was_plain:
                 self._rows[material.id] = self._free_row()
-            self._columns[self._rows[material.id]] = palette([material.surface], self.make)
+            self._columns[self._rows[material.id]] = self._columns_of(material)
             self._changed = True
             self._plugins.pop(material.id, None)
             return
         if was_plain:
-            self._rows.pop(material.id)
+            self._give_row_back(material.id)
         self.make.bitmaps.asked.clear()
         try:
             model = bsdf(material.surface, self.make)
@@ -73,7 +68,8 @@ class MaterialPalette:
     def drop(self, material_id: str) -> None:
         """Forget a material that no shape uses any more."""
         self._items.pop(material_id, None)
-        self._rows.pop(material_id, None)
+        if material_id in self._rows:
+            self._give_row_back(material_id)
         self._plugins.pop(material_id, None)
         self._has_unused |= bool(self._pictures.pop(material_id, None))
 
@@ -100,16 +96,26 @@ class MaterialPalette:
 
     def commit(self, rows_by_shape: np.ndarray) -> None:
         """Bring the palette up to date. ``rows_by_shape``: row of the shape with each number."""
-        if self._changed:
-            columns = self._columns or [palette([NOTHING], self.make)]
-            self.palette.set_palette(
-                **{name: np.concatenate([c[name] for c in columns]) for name in columns[0]}
-            )
-            self._changed = False
-        self.palette.set_rows(rows_by_shape)
         if self._has_unused:
             self.make.bitmaps.keep(set().union(*self._pictures.values()))
             self._has_unused = False
+        self.make.bitmaps.table.commit()
+        if self._changed:
+            columns = self._columns or [palette([NOTHING], self.make)]
+            self.palette.set_palette(
+                **{name: np.concatenate([c[name] for c in columns]) for name in columns[0]},
+                picture_table=self.make.bitmaps.table,
+            )
+            self._changed = False
+        self.palette.set_rows(rows_by_shape)
+
+    def _columns_of(self, material: Material) -> dict[str, np.ndarray]:
+        """Row of a plain material, and note the picture that it shows."""
+        self.make.bitmaps.asked.clear()
+        columns = palette([material.surface], self.make)
+        columns["pictures"] = np.array([picture_row(material.surface, self.make)])
+        self._note_pictures(material, frozenset(self.make.bitmaps.asked))
+        return columns
 
     def _note_pictures(self, material: Material, keys: frozenset[tuple]) -> None:
         """Note which textures a material uses, that of its emission included."""
@@ -122,6 +128,12 @@ class MaterialPalette:
             self._pictures[material.id] = keys
         else:
             self._pictures.pop(material.id, None)
+
+    def _give_row_back(self, material_id: str) -> None:
+        """Let others use the row of a material, which shows no picture any more."""
+        columns = self._columns[self._rows.pop(material_id)]
+        self._changed |= bool(columns["pictures"].any())
+        columns["pictures"] = np.zeros(1)
 
     def _free_row(self) -> int:
         taken = set(self._rows.values())

@@ -19,25 +19,32 @@ from ...scene.material import (
     ThinGlass,
     Transparent,
 )
+from ...scene.spectrum import Constant
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
 SODIUM_D = 589.3
 """Wavelength that stands for the visible range where one refractive index must do. [nm]"""
 
+NOTHING = Diffuse(Constant(0.0))
+"""What a black surface is to light, and what the palette holds before there are plain materials."""
+
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
 
 
 def is_plain(surface: Surface) -> bool:
-    """Tell whether a surface can join a palette: a diffuse base with or without a coat, and the same all over."""
-    coated = surface.as_coated
-    return coated is not None and not isinstance(coated.reflectance, ImageTexture)
+    """Tell whether a surface can join a palette: a diffuse base with or without a coat, or black."""
+    return _as_plain(surface) is not None
+
+
+def _as_plain(surface: Surface) -> Coated | None:
+    return NOTHING.as_coated if isinstance(surface, Black) else surface.as_coated
 
 
 def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray]:
     """Rows of parameters of diffuse surfaces, coated or not, as `coated_class` takes them."""
-    coats = [surface.as_coated for surface in surfaces]
+    coats = [_as_plain(surface) for surface in surfaces]
     return {
         "alpha": np.array([alpha(c.roughness) for c in coats]),
         "eta": np.array([max(c.ior, 1.0001) for c in coats]),
@@ -50,12 +57,19 @@ def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray
 
 def _row_spectrum(colour, make: TextureMaker) -> np.ndarray:
     if isinstance(colour, ImageTexture):
-        return np.zeros(1)
+        # Every row is as long as all others.
+        colour = Constant(0.0)
     return make.spectrum(colour, PALETTE_STEPS)
 
 
+def picture_row(surface: Surface, make: TextureMaker) -> int:
+    """Row of the picture of a palette's surface in the table of pictures plus 1; 0: it is the same all over."""
+    colour = _as_plain(surface).reflectance
+    return make.row(colour) + 1 if isinstance(colour, ImageTexture) else 0
+
+
 def _coated(surface, make: TextureMaker):
-    """A plug-in of its own, for surfaces with a picture or inside a mixture."""
+    """A plug-in of its own, for surfaces inside a mixture."""
     import mitsuba as mi
 
     properties = {"type": "lumenray_coated"}
@@ -96,18 +110,23 @@ def _fabric(surface: Fabric, make: TextureMaker) -> dict:
     }
 
 
-def _black(_surface: Black, _make: TextureMaker) -> dict:
-    return {"type": "lumenray_sheet", "reflectance": number(0.0)}
+def _black(_surface: Black, make: TextureMaker):
+    return _coated(NOTHING, make)
 
 
 def _glossy(surface: Glossy, make: TextureMaker) -> dict:
     colour = make.reflectance(surface.reflectance)
-    properties = {"material": "none", "specular_reflectance": colour}
+    properties = {**make.metal("none"), "specular_reflectance": colour}
     return _mirror_like(properties, surface.roughness, make)
 
 
 def _conductor(surface: Conductor, make: TextureMaker) -> dict:
-    return _mirror_like({"material": surface.metal}, surface.roughness, make)
+    # With what a glossy surface has, so that both are one model.
+    properties = {
+        **make.metal(surface.metal),
+        "specular_reflectance": make.reflectance(Constant(1.0)),
+    }
+    return _mirror_like(properties, surface.roughness, make)
 
 
 def _thin_glass(surface: ThinGlass, make: TextureMaker) -> dict:

@@ -51,10 +51,11 @@ class TextureMaker:
         """Texture of a reflectance or transmittance in [0, 1]."""
         if isinstance(colour, ImageTexture):
             return self.picture(colour)
-        if isinstance(colour, Constant):
-            return number(np.clip(colour.value, 0.0, 1.0))
+        # Constants too: what differs in the kind of its textures is another model to a kernel. A table must not be empty.
         values = np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
-        return table(values) if is_spectral() else number(float(values @ self._weight))
+        if is_spectral() and values.any():
+            return table(values)
+        return number(float(values @ self._weight))
 
     def spectrum(self, colour, steps: int) -> np.ndarray:
         """Reflectance at even steps from 360 to 830 nm, or the one photometric value. (steps,) or (1,)"""
@@ -85,15 +86,37 @@ class TextureMaker:
         """Texture of a picture."""
         return self.bitmaps.texture(texture, largest)
 
+    def row(self, texture: ImageTexture) -> int:
+        """Row of a picture in the table of pictures, for a reflectance."""
+        return self.bitmaps.row(texture)
+
     def scalar(self, value, power: float = 1.0):
         """Texture of a plain number or one-channel picture, raised to ``power``."""
         if isinstance(value, ImageTexture):
             return self.bitmaps.texture(value, power=power)
         return number(float(value) ** power)
 
+    def metal(self, name: str) -> dict:
+        """Properties of Mitsuba's conductors for the complex refractive index of a metal; ``none``: a perfect mirror."""
+        if not is_spectral():
+            return {"material": name}
+        known = mi.traverse(mi.load_dict({"type": "conductor", "material": name}))
+        # Files of metals have entries at their own wavelengths, whose number is part of a model.
+        return {part: table(_on_grid(known, part)) for part in ("eta", "k")}
+
     def refractive_index(self, ior) -> dict:
         """Texture of a refractive index by wavelength."""
         return table(refractive_index(ior, GRID))
+
+
+def _on_grid(known, part: str) -> np.ndarray:
+    """Spectrum among a plug-in's parameters at every nanometre. (471,)"""
+    if f"{part}.value" in known:
+        # A table must not be empty, and this much changes no digit of a mirror's reflectance.
+        return np.full(len(GRID), max(np.array(known[f"{part}.value"]).item(), 1e-9))
+    return np.interp(
+        GRID, np.array(known[f"{part}.wavelengths"]), np.array(known[f"{part}.values"])
+    )
 
 
 def refractive_index(ior, wavelengths) -> np.ndarray:

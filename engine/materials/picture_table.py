@@ -1,0 +1,235 @@
+"""Pictures of many materials in one table, so that their size, filter and extension are data and not code.
+
+Mitsuba's `bitmap` writes the size of a picture, its filter and its way to go on outside into the kernel: each kind is a
+model of its own, which every packet of rays visits. Here a picture is a row of numbers, and a look-up reads its row. Values
+are those of `bitmap`: texels of colours are interpolated after their spectra are evaluated, not before.
+
+Texels are in single precision. They take no more memory than the scene's own copy of the picture on the host, and twice as
+much for the moment in which pictures come or go.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..arrays import upload
+from ..errors import SceneError
+
+WRAPS = ("repeat", "extend", "mirror")
+"""What is outside 0..1, by the number in a row."""
+
+MOST_NUMBERS = 1 << 31
+"""Of all texels together: longer arrays cannot be addressed."""
+
+_IS_NEAREST, _IS_COLOURED, _WRAP = 1, 2, 4
+"""Bits of the last number of a row; the wrap is in units of the last."""
+
+
+@dataclass(frozen=True, eq=False)
+class Texels:
+    """Numbers of a picture on the device, row by row from v = 0.
+
+    Parameters
+    ----------
+    values : Float    (height * width * channels,)
+    width, height : int    [pixel]
+    channels : int    1: plain numbers. 3: coefficients of `srgb_model_eval`, in spectral variants.
+    """
+
+    values: object
+    width: int
+    height: int
+    channels: int
+
+    @property
+    def size(self) -> int:
+        """Count of numbers."""
+        return self.width * self.height * self.channels
+
+
+@dataclass(frozen=True, eq=False)
+class _Row:
+    """A way to lay a picture."""
+
+    name: object
+    transform: np.ndarray
+    is_nearest: bool
+    wrap: int
+
+
+class PictureTable:
+    """Looks up pictures by a row. Owned and used by one thread.
+
+    A picture's texels are there once, whatever the number of rows that show it.
+    """
+
+    def __init__(self):
+        self._rows: list[_Row | None] = []
+        self._staged: dict[object, Texels] = {}
+        self._places: dict[object, tuple[int, Texels]] = {}
+        self._has_changed = self._has_gaps = False
+        self._texels = self._numbers = self._transforms = None
+
+    def __len__(self) -> int:
+        """Count of rows in use."""
+        return sum(row is not None for row in self._rows)
+
+    def holds(self, name) -> bool:
+        """Tell whether texels are there."""
+        return name in self._places or name in self._staged
+
+    def put(self, name, texels: Texels) -> None:
+        """Take texels in under a name, for rows to come; they arrive with `commit`."""
+        self._staged[name] = texels
+
+    def lay(self, name, transform, is_nearest: bool, extension: str) -> int:
+        """Take a row for texels that are there, and return its number.
+
+        Parameters
+        ----------
+        transform : (3, 3) array    As of `ImageTexture`.
+        is_nearest : bool    Whether texels are squares; if not, values are bilinear between their centres.
+        extension : str    One of `WRAPS`.
+        """
+        transform = np.asarray(transform, dtype=np.float64)
+        row = _Row(name, transform, is_nearest, WRAPS.index(extension))
+        self._has_changed = True
+        if None in self._rows:
+            number = self._rows.index(None)
+            self._rows[number] = row
+        else:
+            number = len(self._rows)
+            self._rows.append(row)
+        return number
+
+    def drop(self, number: int) -> None:
+        """Give a row back; texels go with the last row that shows them, and their memory at `commit`."""
+        name, self._rows[number] = self._rows[number].name, None
+        self._has_changed = True
+        if all(row is None or row.name != name for row in self._rows):
+            # The name may be given to others from now on.
+            self._staged.pop(name, None)
+            self._has_gaps |= self._places.pop(name, None) is not None
+
+    def commit(self) -> None:
+        """Bring what kernels read up to date.
+
+        Raises
+        ------
+        SceneError    The pictures are too large together.
+        """
+        if not self._has_changed:
+            return
+        self._has_changed = False
+        self._commit_texels()
+        numbers = np.zeros((max(len(self._rows), 2), 4), dtype=np.uint32)
+        # Two packets of four: what becomes u, and what becomes v.
+        transforms = np.zeros((len(numbers), 2, 4))
+        for number, row in enumerate(self._rows):
+            if row is None:
+                continue
+            offset, texels = self._places[row.name]
+            bits = _IS_NEAREST * row.is_nearest + _IS_COLOURED * (texels.channels == 3)
+            numbers[number] = (offset, texels.width, texels.height, bits + _WRAP * row.wrap)
+            transforms[number, :, :3] = row.transform[:2]
+        self._numbers = upload(mi.UInt32, numbers)
+        self._transforms = upload(mi.Float, transforms)
+        dr.eval(self._numbers, self._transforms)
+
+    def _commit_texels(self) -> None:
+        if not self._staged and not self._has_gaps:
+            return
+        pieces = self._places | {name: (None, texels) for name, texels in self._staged.items()}
+        # Plain numbers are read as three too.
+        size = sum(texels.size for _, texels in pieces.values()) + 2
+        if size > MOST_NUMBERS:
+            raise SceneError(
+                f"the pictures of the scene's materials hold {size} numbers, and at most {MOST_NUMBERS} "
+                "can be addressed; use smaller pictures"
+            )
+        made, start = dr.zeros(mi.Float, size), 0
+        places = {}
+        for name, (old, texels) in pieces.items():
+            index = dr.arange(mi.UInt32, texels.size)
+            values = texels.values
+            if old is not None:
+                values = dr.gather(mi.Float, self._texels, index + dr.opaque(mi.UInt32, old))
+            dr.scatter(made, values, index + dr.opaque(mi.UInt32, start))
+            places[name] = (start, Texels(None, texels.width, texels.height, texels.channels))
+            start += texels.size
+        dr.eval(made)
+        self._texels, self._places, self._staged, self._has_gaps = made, places, {}, False
+
+    def eval(self, uv, wavelengths, row, active):
+        """Value of pictures at surfaces.
+
+        Parameters
+        ----------
+        uv : Point2f    Of the surface, before a picture's transform.
+        wavelengths : Wavelength    Of the surface; photometric variants have none. [nm]
+        row : UInt32    As `lay` gave it.
+
+        Returns
+        -------
+        Spectrum    [-]
+        """
+        read = self._read_plain
+        if len(wavelengths):
+            read = partial(self._read_colour, wavelengths)
+        return self._interpolate(uv, row, read, mi.Spectrum(0.0), active)
+
+    def eval_1(self, uv, row, active):
+        """As `eval`, for pictures of plain numbers. -> Float"""
+        return self._interpolate(uv, row, self._read_plain, mi.Float(0.0), active)
+
+    def _interpolate(self, uv, row, read, nothing, active):
+        """Value between texels that ``read(index, is_coloured, active)`` gives."""
+        offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
+        is_nearest = (bits & _IS_NEAREST) != 0
+        is_coloured = (bits & _IS_COLOURED) != 0
+        wrap = bits // _WRAP
+        columns, weights = [], []
+        for axis, count in enumerate((width, height)):
+            a, b, c, _ = dr.gather(mi.Vector4f, self._transforms, 2 * row + axis, active)
+            place = dr.fma(b, uv.y, dr.fma(a, uv.x, c))
+            place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
+            below = dr.floor(place)
+            share = dr.select(is_nearest, 0.0, place - below)
+            first = mi.Int32(below)
+            columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
+            weights.append([1.0 - share, share])
+        stride = dr.select(is_coloured, mi.UInt32(3), 1)
+        value = nothing
+        for j in (0, 1):
+            line = nothing
+            for i in (0, 1):
+                index = offset + (columns[1][j] * width + columns[0][i]) * stride
+                line = dr.fma(weights[0][i], read(index, is_coloured, active), line)
+            value = dr.fma(weights[1][j], line, value)
+        return value
+
+    def _read_plain(self, index, _is_coloured, active):
+        """Number of a texel."""
+        return dr.gather(mi.Float, self._texels, index, active)
+
+    def _read_colour(self, wavelengths, index, is_coloured, active):
+        """Spectrum of a texel whose numbers begin at an index."""
+        plain = dr.gather(mi.Float, self._texels, index, active)
+        others = (dr.gather(mi.Float, self._texels, index + k, active) for k in (1, 2))
+        colour = mi.srgb_model_eval(mi.Color3f(plain, *others), wavelengths)
+        return dr.select(is_coloured, colour, plain)
+
+
+def _wrap(place, count, wrap):
+    """Index of a texel that stands for one outside a picture."""
+    # Single precision errs by one period at most where it is exact to the texel, which the remainder shows.
+    period = mi.Int32(dr.floor(mi.Float(place) / mi.Float(count)))
+    rest = place - period * count
+    period += dr.select(rest < 0, -1, dr.select(rest >= count, 1, 0))
+    rest = place - period * count
+    rest = dr.select((wrap == WRAPS.index("mirror")) & ((period & 1) == 1), count - 1 - rest, rest)
+    rest = dr.select(wrap == WRAPS.index("extend"), place, rest)
+    return mi.UInt32(dr.clip(rest, 0, count - 1))

@@ -1,0 +1,88 @@
+"""Metals reflect what Mitsuba's own files of them say, and all rough ones are one model."""
+
+import numpy as np
+import pytest
+from lumenray.engine.scene.material import Conductor, Glossy
+from lumenray.engine.scene.spectrum import Constant, Rgb
+from lumenray.engine.transport import backend
+
+pytestmark = pytest.mark.mitsuba
+
+COUNT = 64
+
+
+@pytest.fixture(autouse=True)
+def _spectral():
+    backend.start(spectral=True)
+
+
+def plugin(surface):
+    import mitsuba as mi
+    from lumenray.engine.transport.compiled.surfaces import bsdf
+    from lumenray.engine.transport.compiled.textures import TextureMaker
+
+    return mi.load_dict(bsdf(surface, TextureMaker(np.ones(471))))
+
+
+def looked_at():
+    """Places in many wavelengths, seen from the side."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.arrays import upload
+
+    si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
+    si.wi = mi.Vector3f(0.8, 0.0, 0.6)
+    si.n, si.sh_frame = mi.Normal3f(0, 0, 1), mi.Frame3f(mi.Normal3f(0, 0, 1))
+    rng = np.random.default_rng(0)
+    for k in range(len(si.wavelengths)):
+        si.wavelengths[k] = upload(mi.Float, rng.random(COUNT) * 470.0 + 360.0)
+    return si
+
+
+@pytest.mark.parametrize("metal", ["Cr", "Cu", "Au", "Ag", "Al"])
+def test_a_metal_is_that_of_its_file(metal):
+    import mitsuba as mi
+
+    si, context = looked_at(), mi.BSDFContext()
+    wo = mi.Vector3f(-si.wi.x, si.wi.y, si.wi.z)
+    own = plugin(Conductor(metal, 0.4))
+    known = mi.load_dict(
+        {"type": "roughconductor", "material": metal, "alpha": 0.16, "distribution": "ggx"}
+    )
+    found = np.array(own.eval(context, si, wo))
+    assert found.min() > 0.0
+    # Between nanometres a file may bend where the table is straight.
+    np.testing.assert_allclose(found, np.array(known.eval(context, si, wo)), rtol=2e-3)
+
+
+def test_a_perfect_mirror_reflects_all_of_its_colour():
+    import mitsuba as mi
+
+    si = looked_at()
+    sample = mi.Point2f(0.3, 0.6)
+    for colour in (0.0, 0.37, 1.0):
+        weight = plugin(Glossy(Constant(colour), 0.0)).sample(
+            mi.BSDFContext(), si, mi.Float(0.5), sample, True
+        )[1]
+        np.testing.assert_allclose(np.array(weight), colour, rtol=1e-6)
+
+
+def test_all_rough_metals_are_one_model():
+    import drjit as dr
+    import mitsuba as mi
+
+    surfaces = (
+        Conductor("Cr", 0.4),
+        Conductor("Au", 0.1),
+        Glossy(Constant(0.8), 0.3),
+        Glossy(Rgb(0.8, 0.4, 0.2), 0.5),
+    )
+    models = []
+    for surface in surfaces:
+        si, model = looked_at(), plugin(surface)
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            dr.kernel_history_clear()
+            dr.eval(model.eval(mi.BSDFContext(), si, mi.Vector3f(-si.wi.x, si.wi.y, si.wi.z)))
+            models.append([entry["hash"] for entry in dr.kernel_history() if "hash" in entry])
+    assert models[0]
+    assert all(model == models[0] for model in models)
