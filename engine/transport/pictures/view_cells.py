@@ -1,7 +1,7 @@
-"""Cells of what a camera sees, with light that is found twice, for the even and for the odd half of a picture.
+"""Cells of what a camera or sensors see, with light that is found apart for every group of samples.
 
-The halves share where cells lie and the light of late reflections, but no samples of the sweeps after that. So the noise of
-the cells, which many pixels have in common, shows in the difference of the halves like all other noise.
+A picture has two groups, its halves. They share where cells lie and the light of late reflections, but no samples of the sweeps after that. So the noise of
+the cells, which many pixels have in common, shows in how the groups differ like all other noise.
 """
 
 from dataclasses import dataclass
@@ -25,17 +25,17 @@ from ..paths.visible_surfaces import Sight
 NEAR_SHARE, MOST_FINER = 0.1, 2.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
-SWEPT, MOST_SWEPT = 1 << 17, 64
-"""Paths of the sweep of a half, about, and most samples of a cell and turn in it."""
+SWEPT, MOST_SWEPT = 1 << 18, 64
+"""Paths of a sweep for all groups together, about, and most samples of a cell and turn in it."""
 
 APART = 2
-"""Sweeps of a half before one counts: what the halves have in common loses with each what surfaces absorb."""
+"""Sweeps of a group before one counts: what the groups have in common loses with each what surfaces absorb."""
 
 CAREFUL = 1 << 19
 """Paths of the sweep that finds out which cells are uneven. Pictures are ready when lux maps have just begun."""
 
 FIRST_SWEEP = 1 << 20
-"""Number before that of the first sweep of a half; no two have the same."""
+"""Number before that of the first sweep of a group; no two have the same."""
 
 SLACK = 1.5
 """How many times more cells a view may want, and how much larger a share of its rays may land too near, before surfaces are
@@ -111,8 +111,8 @@ class CellLight:
     seed : int
     sides : (n,) uint32 array    Sides with light; all others are not read.
     uneven : (2 c,) bool array
-    common : (n, nodes) float32 array    What both halves set out from, as a ratio to the mean light.
-    halves : (2, n, nodes) float32 array
+    common : (n, nodes) float32 array    What all groups set out from, as a ratio to the mean light.
+    groups : (g, n, nodes) float32 array
     counts : (2,) array    Samples of sweeps that were no numbers, and all.
     bands : Bands
     """
@@ -122,17 +122,17 @@ class CellLight:
     sides: np.ndarray
     uneven: np.ndarray
     common: np.ndarray
-    halves: np.ndarray
+    groups: np.ndarray
     counts: np.ndarray
     bands: Bands
 
     @property
     def bytes(self) -> int:
         """Memory that it takes."""
-        return self.uneven.nbytes + self.common.nbytes + self.halves.nbytes + self.sides.nbytes
+        return self.uneven.nbytes + self.common.nbytes + self.groups.nbytes + self.sides.nbytes
 
     def in_bands(self, bands: Bands) -> np.ndarray:
-        """Return what the halves have in common as ratios to another mean light."""
+        """Return what the groups have in common as ratios to another mean light."""
         if bands.count == 1 or np.array_equal(bands.light, self.bands.light):
             return self.common
         old, new = (
@@ -143,7 +143,7 @@ class CellLight:
 
 
 class ViewCells:
-    """Cells for a picture.
+    """Cells for a picture or for sensors.
 
     Parameters
     ----------
@@ -154,13 +154,14 @@ class ViewCells:
     light : CellLight or None    To begin with; None: it is found from nothing.
     is_stale : bool    Whether ``light`` is that of another state of the scene, from which to set out.
     keep : callable or None    Gets the `CellLight` when it is there.
-    samples : float or None    Of the picture, where their number is known.
+    samples : float or None    Of the job, where their number is known.
+    groups : int    Independent groups of samples.
 
     Attributes
     ----------
     cells : CellSet
     guide : Guide or None    Points on bright cells beside rays.
-    sweeps : int    How often the light of each half was found.
+    sweeps : int    How often the light of each group was found.
     counts : (2,) array    Samples of the sweeps that were no numbers, and all.
     notes : tuple of str    For people.
     """
@@ -175,7 +176,9 @@ class ViewCells:
         is_stale: bool = False,
         keep=None,
         samples: float | None = None,
+        groups: int = GROUPS,
     ):
+        self._groups = groups
         self.scene, self.cells, self.seed = scene, division.cells, seed
         self.guide, self.sweeps, self.notes = None, 0, ()
         division.turn += 1
@@ -183,7 +186,7 @@ class ViewCells:
         self.counts = np.zeros(2, dtype=np.int64)
         self._made, self._samples = 0, 1
         self._tables: list[np.ndarray] = []
-        self._on_device: list = [None] * GROUPS
+        self._on_device: list = [None] * self._groups
         self._light, self._is_stale, self._keep = light, is_stale, keep
         self._planned = samples
         self._sweeper = None
@@ -208,8 +211,8 @@ class ViewCells:
 
     @property
     def work(self) -> int:
-        """Paths of the sweeps of both halves."""
-        return GROUPS * self._samples * self._sweeper.lanes_per_sample
+        """Paths of a sweep of all groups."""
+        return self._groups * self._samples * self._sweeper.lanes_per_sample
 
     @property
     def lost_share(self) -> float:
@@ -232,44 +235,44 @@ class ViewCells:
             yield from sweeper.finding(self._planned, CAREFUL, is_warm=light is not None)
         guide = Guide(self.cells, None, self._sides)
         self.guide = sweeper.guide = guide if guide.is_useful else None
-        wanted = np.log2(SWEPT / max(sweeper.lanes_per_sample, 1))
+        wanted = np.log2(SWEPT / (self._groups * max(sweeper.lanes_per_sample, 1)))
         self._samples = 1 << int(np.clip(round(wanted), 0, np.log2(MOST_SWEPT)))
         common = np.array(self.cells.values)
         if light is not None and not self._is_stale and light.seed == self.seed:
-            self._tables = [self._spread(light.sides, half) for half in light.halves]
-            self.counts, self.sweeps, self._made = light.counts, 1, APART * GROUPS
+            self._tables = [self._spread(light.sides, each) for each in light.groups]
+            self.counts, self.sweeps, self._made = light.counts, 1, APART * self._groups
         else:
-            self._tables = [np.array(common) for _ in range(GROUPS)]
+            self._tables = [np.array(common) for _ in range(self._groups)]
             for _ in range(APART):
                 self.sweeps = 0
                 yield from self.refreshing()
-        self._on_device = [None] * GROUPS
+        self._on_device = [None] * self._groups
         if self._keep is not None:
             self._keep(self._describe(common))
 
     def refresh(self) -> None:
-        """Sweep once more for each half; what is read is the mean over all sweeps of it."""
+        """Sweep once more for each group; what is read is the mean over all sweeps of it."""
         finish(self.refreshing())
 
     def refreshing(self):
         """As `refresh`, but a generator that pauses after every launch."""
         self.sweeps += 1
-        for half in range(GROUPS):
+        for group in range(self._groups):
             self._made += 1
-            self._on_device[half] = None
-            self.use(half)
+            self._on_device[group] = None
+            self.use(group)
             yield from self._sweeper.refreshing(FIRST_SWEEP + self._made, self._samples)
             self.counts = self.counts + self._sweeper.counts
             made = np.array(self.cells.values)
-            self._tables[half] += (made - self._tables[half]) / self.sweeps
-            self._on_device[half] = None
+            self._tables[group] += (made - self._tables[group]) / self.sweeps
+            self._on_device[group] = None
 
-    def use(self, half: int) -> None:
-        """Have the light of a half read."""
-        if self._on_device[half] is None:
-            self._on_device[half] = upload(mi.Float, self._tables[half])
-            dr.eval(self._on_device[half])
-        self.cells.values = self._on_device[half]
+    def use(self, group: int) -> None:
+        """Have the light of a group read."""
+        if self._on_device[group] is None:
+            self._on_device[group] = upload(mi.Float, self._tables[group])
+            dr.eval(self._on_device[group])
+        self.cells.values = self._on_device[group]
 
     # ---- private ----
 

@@ -13,7 +13,7 @@ from ...accuracy.stopping import Clock, StopRule
 from ...errors import Cancelled
 from ..paths.illuminance import LANES, Receivers, excess_of, widened_by_loss
 from .kind_sums import KindSums
-from .sensor_cells import SensorCells
+from ..pictures.view_cells import ViewCells
 from .sensor_light import COSTS, RESIDUAL, SensorLight
 
 FIRST_SAMPLES, FIRST_LANES = 64, 1 << 15
@@ -84,7 +84,7 @@ class CellJob:
     rule : StopRule
     seed, groups : int    As of `illuminance.compute`.
     colour : bool    Whether X and Z are wanted too.
-    cells : SensorCells    Prepared.
+    cells : ViewCells    Prepared.
     known : KnownDirections or None    Where the receivers get light over bends from, if it was looked for.
     clock : Clock    Begun.
     progress, cancelled : callable    As of `illuminance.compute`.
@@ -98,7 +98,7 @@ class CellJob:
         seed: int,
         groups: int,
         colour: bool,
-        cells: SensorCells,
+        cells: ViewCells,
         known,
         clock: Clock,
         progress=None,

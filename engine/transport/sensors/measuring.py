@@ -16,13 +16,20 @@ from ..light_tracing.near_rays import near_rays
 from ..paths import gather
 from ..paths.illuminance import STAGE, Receivers, compute, finish
 from ..paths.light_learning import learn
+from ..paths.visible_surfaces import Sight
+from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import hear_sensors
 from .cell_job import CellJob
 from .method import BUDGET, Choice
-from .sensor_cells import SensorCells
 
 GROUPS = 16
 """Independent groups of samples: enough for an error of each sensor, within 18 % of itself."""
+
+CELLS = 12_000
+"""How many cells there are, about, whatever the number of sensors: each of them looks at all of a room."""
+
+LOOKS = 1 << 16
+"""Rays that find which surfaces matter."""
 
 
 @dataclass(frozen=True)
@@ -139,13 +146,17 @@ class _Measuring:
         spots, scene.spots = scene.spots, None
         try:
             learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
-            cells = SensorCells(scene, places, normals, GROUPS, self.seed, self.cancelled)
+            rows = np.random.default_rng([self.seed & 0xFFFFFFFF, 6]).integers(
+                0, len(places), LOOKS
+            )
+            division = Division(scene, Sight(scene, places[rows], normals[rows], self.seed), CELLS)
+            cells = ViewCells(scene, division, self.seed, self.cancelled, groups=GROUPS)
             if not cells:
                 choice.uses_cells, choice.reason = False, "no surface is matt: full paths"
                 return None, ()
             if self.progress is not None:
                 self.progress(self.clock.progress(0, float("inf"), "light of the cells"))
-            cells.prepare(None)
+            cells.prepare()
             job = CellJob(
                 scene,
                 self.receivers,

@@ -9,7 +9,7 @@ from ..lux_maps.receiving import Receiver, direct, gathered, mirrored
 from ..paths import gather
 from ..paths.illuminance import Meter, Places, Receivers
 from ..paths.sampler import hash_words, random_stream, sobol_pair
-from .sensor_cells import SensorCells
+from ..pictures.view_cells import ViewCells
 
 KINDS = ("direct", "gathered", "guided", "mirrored", "bent", "residual")
 """Ways in which light is sampled; the last one is what cells leave out of full paths."""
@@ -51,7 +51,7 @@ class SensorLight:
     receivers : Receivers
     seed : int
     colour : bool    Whether X and Z are wanted too.
-    cells : SensorCells
+    cells : ViewCells
     known : KnownDirections or None    Where the receivers get light over bends from, if it was looked for.
     """
 
@@ -61,7 +61,7 @@ class SensorLight:
         receivers: Receivers,
         seed: int,
         colour: bool,
-        cells: SensorCells,
+        cells: ViewCells,
         known=None,
     ):
         self.scene, self.cells, self.seed, self._known = scene, cells, seed, known
