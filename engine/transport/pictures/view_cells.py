@@ -1,7 +1,8 @@
 """Cells of what a camera or sensors see, with light that is found apart for every group of samples.
 
-A picture has two groups, its halves. They share where cells lie and the light of late reflections, but no samples of the sweeps after that. So the noise of
-the cells, which many pixels have in common, shows in how the groups differ like all other noise.
+A picture has two groups, its halves. They share where cells lie and the light of late reflections, but no samples of the
+sweeps after that. So the noise of the cells, which many pixels have in common, shows in how the groups differ like all
+other noise.
 """
 
 from dataclasses import dataclass
