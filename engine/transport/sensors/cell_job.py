@@ -12,8 +12,8 @@ from ...accuracy.estimate import Estimate
 from ...accuracy.stopping import Clock, StopRule
 from ...errors import Cancelled
 from ..paths.illuminance import LANES, Receivers, excess_of, widened_by_loss
-from .kind_sums import KindSums
 from ..pictures.view_cells import ViewCells
+from .kind_sums import KindSums
 from .sensor_light import COSTS, RESIDUAL, SensorLight
 
 FIRST_SAMPLES, FIRST_LANES = 64, 1 << 15

@@ -24,7 +24,6 @@ def surfaces():
     """Random places, some of them far outside, in four random wavelengths."""
     import drjit as dr
     import mitsuba as mi
-
     from lumenray.engine.arrays import upload
 
     rng = np.random.default_rng(1)
