@@ -235,6 +235,37 @@ def test_an_edit_gives_what_a_fresh_scene_gives():
 
 
 @pytest.mark.mitsuba
+def test_pictures_that_come_and_go_build_no_kernel():
+    from lumenray.engine.transport import backend
+
+    backend.start(True)
+    import drjit as dr
+
+    def shown(key, size, **laid):
+        surface = Coated(ImageTexture(pixels(size, size).values, **laid))
+        return Material(key, key, surface)
+
+    def kernels():
+        """Names of the kernels of a measurement, small ones that move texels aside."""
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            dr.kernel_history_clear()
+            work(session)
+            history = [entry for entry in dr.kernel_history() if "hash" in entry]
+        return {entry["hash"] for entry in history if entry["operation_count"] > 100}
+
+    session = lit(shown("m", 160), Material("n", "n", Coated()), floor("n", "second"))
+    known = kernels()
+    assert known
+    for made in (
+        shown("m", 72, extension="mirror", interpolation="closest"),
+        shown("n", 200, extension="extend", transform=np.diag([2.0, 3.0, 1.0])),
+        Material("m", "m", Coated()),
+    ):
+        session.apply(SceneDelta((made,)))
+        assert kernels() <= known
+
+
+@pytest.mark.mitsuba
 def test_pictures_are_freed_with_their_last_use():
     session = lit(pixels(), painted("pixels:0"))
     bitmaps = work(session)
