@@ -59,7 +59,10 @@ class CellView(LiveView):
     def __init__(self, scene, camera, settings, kept: KeptCells):
         super().__init__(scene, camera, settings)
         wanted = SimpleNamespace(
-            method=settings.method, rule=StopRule(samples=settings.samples), seed=settings.seed
+            method=settings.method,
+            rule=StopRule(samples=settings.samples),
+            seed=settings.seed,
+            unbiased=False,
         )
         self._reads_cells, _ = choose_method(scene, camera, wanted)
         self._kept = kept
@@ -144,6 +147,7 @@ class CellView(LiveView):
             illuminance=self.settings.illuminance,
             bands=0,
             transparent=False,
+            unbiased=False,
         )
         light = PixelLight(self.scene, self._film, wanted, self._cells)
         self._passes_by_kind = _KindPasses(light, self._camera, lambda: self._lanes)
