@@ -38,7 +38,7 @@ def assert_alike(cells, paths):
     gaps = np.abs(cells.illuminance - paths.illuminance) - CELLS_SHARE * paths.illuminance
     assert (gaps < Z * errors).all(), gaps / errors
     # The errors must be small enough to find anything.
-    assert np.median(errors / paths.illuminance) < 0.02
+    assert np.median(errors / paths.illuminance) < 0.03
     assert "read from cells" in cells.method and cells.method in cells.provenance.decisions
     assert any("cells instead of full paths" in each for each in cells.provenance.notes)
 
