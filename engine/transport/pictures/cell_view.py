@@ -34,6 +34,9 @@ REST = 5.0
 FINDING_SHARE = 0.85
 """Share of the time that finding the light of the cells takes, beside paths. [-]"""
 
+SOON = 20.0
+"""Time within which all samples are taken by paths, where cells are not worth finding their light. [s]"""
+
 DONE = object()
 """Stands for the end of steps."""
 
@@ -69,6 +72,7 @@ class CellView(LiveView):
         self._cells = self._steps = self._passes_by_kind = None
         self._lanes = SHORT_LAUNCH
         self._finding = self._following = 0.0
+        self._traced = 0
 
     @property
     def samples(self) -> int:
@@ -83,6 +87,7 @@ class CellView(LiveView):
             return self._sample_kinds()
         if not self._is_time_for_cells():
             start = time.perf_counter()
+            self._traced += GROUPS * min(self._slice // GROUPS, self._pixels - self._cursor)
             made = super().refine()
             self._following += time.perf_counter() - start
             return made
@@ -106,8 +111,15 @@ class CellView(LiveView):
         """Whether the next slice goes into finding the light of the cells."""
         if not self._reads_cells or self.is_complete or time.perf_counter() - self._begun < CALM:
             return False
+        if self.settings.method == "auto" and self._cells is None and self._is_soon_done():
+            return False
         spent = self._finding + self._following
         return self._finding <= FINDING_SHARE * spent
+
+    def _is_soon_done(self) -> bool:
+        """Whether paths take the samples that are left sooner than cells would be worth their time."""
+        left = (self.settings.samples - super().samples) * self.camera.width * self.camera.height
+        return left * self._following <= SOON * self._traced
 
     def _find_cells(self) -> None:
         """Take one step towards the light of the cells."""
