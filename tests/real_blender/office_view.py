@@ -21,7 +21,7 @@ FOLDER = Path(FOLDER)
 GOALS = 0.2, 0.1, 0.05
 """Relative errors of the picture that are waited for. [-]"""
 
-PATIENCE = 240.0
+PATIENCE = 120.0
 """How long each of them is waited for. [s]"""
 
 SIZE = 960, 600
