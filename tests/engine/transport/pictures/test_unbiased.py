@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.transport.lux_maps import cell_guide, cell_reader
-from lumenray.engine.transport.pictures import picture, view_cells
+from lumenray.engine.transport.pictures import kept_cells, picture, view_cells
 from lumenray.engine.transport.pictures.view_cells import ViewCells
 from lumenray.engine.views import ViewSettings
 from small_pictures import ROOMS, block_errors, blocks_of, look_in, picture_of
@@ -36,7 +36,7 @@ def wrong_cells(monkeypatch):
 def coarse_cells(monkeypatch):
     """A hundred cells of half a metre and more, which are read next to corners."""
     for name in ("FEWEST_CELLS", "MOST_CELLS"):
-        monkeypatch.setattr(view_cells, name, COARSE_CELLS)
+        monkeypatch.setattr(kept_cells, name, COARSE_CELLS)
     for module in (cell_reader, cell_guide, view_cells):
         monkeypatch.setattr(module, "NEAR", COARSE_NEAR)
 
