@@ -30,7 +30,10 @@ OUTDATED = Stamps(-1, -1, -1)
 MOST_BYTES = 1 << 28
 """Memory for kept light; beyond that the oldest is dropped. [byte]"""
 
-NOTE = "cells were kept from before in this session; rendered alone, the picture would differ within its error"
+NOTE = (
+    "cells were kept from before in this session, whose error is common to pictures that share them; "
+    "rendered alone, the picture would differ within its error"
+)
 """Of pictures that a fresh start would not give bit for bit."""
 
 
