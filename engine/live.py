@@ -121,6 +121,7 @@ class WatchedView:
             image, error = self.work.image(), self.work.error
         denoised = self.denoised if self._shows_denoised else None
         colour = None if denoised is None else denoised.colour
+        words = (self.work.words, "" if denoised is None else denoised.words)
         frame = Frame(
             **show(image, self.display.mode.value, self.display, colour),
             revision=self.revision,
@@ -128,7 +129,7 @@ class WatchedView:
             relative_error=error,
             is_final=self._is_complete,
             commit=commit,
-            words="" if denoised is None else denoised.words,
+            words=", ".join(filter(None, words)),
         )
         self.is_shown, self.shown_at = True, time.perf_counter()
         self.shown_changes = self.work.changes

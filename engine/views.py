@@ -174,7 +174,7 @@ class Frame:
     samples : int    Per pixel.
     relative_error : float    As in `Picture`; infinite while unknown.
     is_final : bool    Whether no better frame will come.
-    words : str    How its noise was filtered, for people; empty: it is as computed.
+    words : str    How its light was found and its noise filtered, for people; empty: by full paths, as computed.
     """
 
     pixels: np.ndarray

@@ -53,6 +53,9 @@ class GroupedView:
             self._parts.append(_Part(name, members, view))
         self._turn = 0
 
+    words = ""
+    """As of `LiveView`."""
+
     @property
     def factor(self) -> int:
         """By what the coarsest group's image is smaller than the view."""

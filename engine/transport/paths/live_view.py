@@ -50,7 +50,10 @@ class LiveView:
     Attributes
     ----------
     changes : int    How often the image has changed.
+    words : str    What a frame says of how its light was found, for people; empty: there is nothing to say.
     """
+
+    words = ""
 
     def __init__(self, scene: CompiledScene, camera: Camera, settings):
         pixels = camera.width * camera.height

@@ -37,6 +37,9 @@ FINDING_SHARE = 0.85
 SOON = 20.0
 """Time within which all samples are taken by paths, where cells are not worth finding their light. [s]"""
 
+WORDS = "by cells, their bias not measured"
+"""What a frame says whose light beyond the first bounce was read from cells."""
+
 DONE = object()
 """Stands for the end of steps."""
 
@@ -80,6 +83,12 @@ class CellView(LiveView):
         joined = self._passes_by_kind
         more = 0.0 if joined is None or joined.means is None else joined.allocation.samples
         return super().samples + round(GROUPS * more)
+
+    @property
+    def words(self) -> str:
+        """As of `LiveView`: measuring what cells change takes kernels of its own, whose making would hold up edits."""
+        joined = self._passes_by_kind
+        return "" if joined is None or joined.means is None else WORDS
 
     def refine(self) -> bool:
         """Do one slice of work; true when a pass over the image was finished."""

@@ -58,6 +58,7 @@ def test_a_view_with_cells_shows_what_paths_show_with_less_noise(room):
     view = finish(session, transport="mono")
     assert view[2].samples == 256
     assert view[2].is_final
+    assert "bias not measured" in view[2].words
     paths = luminance_of(picture_of(ROOMS[room], 512, "paths", 3, VIEW, transport="mono"))
     assert_agree(view, paths)
     as_many = luminance_of(picture_of(ROOMS[room], 256, "paths", 4, VIEW, transport="mono"))
