@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...engine.errors import LumenrayError
+from ...engine.kernel_cache import NewKernels
 from ...engine.views import Display, DisplayMode, Frame, LiveSettings
 from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
@@ -78,6 +79,7 @@ class Viewport:
         self._scene_key = None
         self._asked = None
         self._groups = ("NONE", ())
+        self._kernels = NewKernels()
         _views[self.number] = self
         _start_timer()
 
@@ -156,7 +158,7 @@ class Viewport:
         if status.message:
             return status.message
         if self.frame is None:
-            return "Preparing…"
+            return f"Preparing, {self._kernels.words}…" if self._kernels.count else "Preparing…"
         parts = [f"{status.samples} samples" if status.samples else "coarse"]
         if status.error < 1e6:
             parts.append(f"error {100.0 * status.error:.1f} %")
@@ -177,7 +179,7 @@ class Viewport:
             return True
         frame = feed.session.frame()
         if frame is None:
-            return False
+            return self.frame is None and self._kernels.look()
         self.frame = frame
         self.frame_number += 1
         status = self.status

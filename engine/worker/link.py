@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from .. import VERSION
 from ..accuracy.stopping import Progress
 from ..errors import CodecError, EngineLost, LumenrayError
+from ..kernel_cache import NewKernels
 from . import faults
 from .channel import Channel, Message
 from .process import Process
@@ -250,6 +251,7 @@ class Link:
         LumenrayError    What the job says.
         """
         said = None
+        kernels = None if progress is None else NewKernels()
         end = None if seconds is None else time.monotonic() + seconds
         try:
             while True:
@@ -263,6 +265,8 @@ class Link:
                         progress(_resting(call, waiting), None)
                     if news is not None:
                         progress(*news)
+                    elif waiting is None and kernels.look():
+                        progress(_resting(call, kernels.words), None)
                     said = waiting
                 if call.is_done:
                     break
@@ -460,7 +464,7 @@ def _check_time(end: float | None, seconds: float | None) -> None:
 
 
 def _resting(call: Call, text: str) -> Progress:
-    """Progress of a job that is not being worked on."""
+    """Progress of a job that does not get on."""
     return Progress(call.done, 0, float("inf"), time.monotonic() - call.start, None, text)
 
 

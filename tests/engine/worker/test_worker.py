@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from lumenray.engine import kernel_cache
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import Cancelled, CodecError, EngineFault, EngineLost, SceneError
@@ -96,6 +97,27 @@ def test_progress_and_pictures_come_on_the_callers_thread(worker):
     pictures.clear()
     session.render(camera(), view(20), progress, preview_interval=None)
     assert pictures == []
+
+
+def test_who_waits_is_told_that_kernels_are_compiled(worker, monkeypatch, tmp_path):
+    monkeypatch.setenv("DRJIT_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(kernel_cache, "LOOK", 0.0)
+    (tmp_path / "old.llvm.bin").touch()
+    stages = []
+    session = worker.session("a")
+    session.apply(SceneDelta(room()))
+
+    def compile_one():
+        known = len(list(tmp_path.iterdir()))
+        (tmp_path / f"{min(known, 3)}.llvm.bin").touch()
+
+    def progress(state, _preview):
+        stages.append(state.stage)
+
+    session.render(camera(), view(40), progress, idle=compile_one)
+    told = [stage for stage in stages if "compiling" in stage]
+    assert told[-1] == "compiling kernels, 3 so far, which are kept for next time"
+    assert len(told) <= 3
 
 
 def test_idle_is_called_often_even_when_nothing_comes(worker):
