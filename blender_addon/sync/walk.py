@@ -69,7 +69,7 @@ class Walk:
         if self._concerns_objects():
             self._visit_all()
             self._sweep()
-        sent.materials.refresh(self._used_materials())
+        sent.materials.refresh(self._used_materials(), self.depsgraph)
         self._update_world()
 
     def images(self) -> set[int]:
@@ -220,8 +220,9 @@ class Walk:
             self._place(shown, None)
             return
         table = self.sent.materials
-        materials = tuple(table.use(slot.material) for slot in source.material_slots)
-        materials = materials or (table.use(None),)
+        graph = self.depsgraph
+        materials = tuple(table.use(slot.material, graph) for slot in source.material_slots)
+        materials = materials or (table.use(None, graph),)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
         layer = self.depsgraph.view_layer
         found = visibility_of(source, parent, layer)

@@ -59,7 +59,7 @@ class MaterialTable:
         for session_uid, entry in self._entries.items():
             entry.is_stale = session_uid > 0
 
-    def use(self, material) -> str:
+    def use(self, material, depsgraph) -> str:
         """Return the id of a material (None: what stands for a missing one); it is converted if it is new."""
         if material is None:
             return self._take_made(0, default_material(DEFAULT_MATERIAL))
@@ -68,7 +68,7 @@ class MaterialTable:
         entry = self._entries.get(session_uid)
         if entry is None:
             entry = self._entries[session_uid] = _Entry(engine_id(original))
-            self._update(original, entry)
+            self._update(original, entry, depsgraph)
         return entry.key
 
     def use_portal(self) -> str:
@@ -82,7 +82,7 @@ class MaterialTable:
             self.changed.append(made)
         return made.id
 
-    def refresh(self, used: set[str]) -> None:
+    def refresh(self, used: set[str], depsgraph) -> None:
         """Convert what is out of date among the materials in use; give up those that Blender has no more."""
         stale = [
             key for key, entry in self._entries.items() if entry.is_stale and entry.key in used
@@ -93,7 +93,7 @@ class MaterialTable:
         blocks = {block.session_uid: block for block in bpy.data.materials}
         for session_uid in stale:
             if session_uid in blocks:
-                self._update(blocks[session_uid], self._entries[session_uid])
+                self._update(blocks[session_uid], self._entries[session_uid], depsgraph)
         for session_uid in unused:
             if session_uid not in blocks or not blocks[session_uid].users:
                 key = self._entries.pop(session_uid).key
@@ -127,10 +127,16 @@ class MaterialTable:
         """Ids of the materials that the engine has."""
         return (entry.key for entry in self._entries.values())
 
-    def _update(self, block, entry) -> None:
+    def _update(self, block, entry, depsgraph) -> None:
         entry.report = ConversionReport()
+        # In the frames of a render only the evaluated one has what is animated.
         made = convert_material(
-            block, entry.key, entry.report, self.efficacy, self._images, self._is_patient
+            block.evaluated_get(depsgraph),
+            entry.key,
+            entry.report,
+            self.efficacy,
+            self._images,
+            self._is_patient,
         )
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)

@@ -13,6 +13,7 @@ from lumenray.engine.scene.light import CieSky, UniformWorld
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Daylight
 from random_edits import remember
+from rendered_frames import note_frames
 
 SIDES = {"north": (0, 1, 0), "east": (1, 0, 0), "south": (0, -1, 0), "west": (-1, 0, 0)}
 """Where upright sensors look."""
@@ -283,36 +284,17 @@ def test_f12_shows_the_sky(extension, world, tmp_path):
     assert pixels @ (0.2126, 0.7152, 0.0722) == pytest.approx(1.0, rel=0.02)
 
 
-class Recorder(bpy.types.RenderEngine):
-    """Render engine that only notes the sky of each frame."""
-
-    bl_idname = "LUMENRAY_TEST_SKY"
-    bl_label = "Sky recorder"
-    suns: list = []
-
-    def render(self, depsgraph):
-        scene = Scene()
-        scene.apply(SceneSync(final=True).walk(depsgraph).delta)
-        self.suns.append(scene.world.towards_sun)
-
-
 def test_the_frames_of_a_render_have_the_animated_sun(world, tmp_path):
     settings = world.lumenray.sky
     settings.type = "12"
     for frame, height in ((1, 10.0), (21, 50.0)):
         settings.elevation = math.radians(height)
         settings.keyframe_insert("elevation", frame=frame)
-    scene = bpy.context.scene
-    scene.camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
-    scene.collection.objects.link(scene.camera)
-    scene.frame_start, scene.frame_end, scene.frame_step = 1, 21, 20
-    scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.render.filepath = str(tmp_path / "frame")
-    bpy.utils.register_class(Recorder)
-    try:
-        scene.render.engine = Recorder.bl_idname
-        bpy.ops.render.render(animation=True)
-    finally:
-        scene.render.engine = "LUMENRAY"
-        bpy.utils.unregister_class(Recorder)
-    np.testing.assert_allclose(Recorder.suns, [compass(10, 180), compass(50, 180)], atol=1e-6)
+
+    def sun(depsgraph):
+        scene = Scene()
+        scene.apply(SceneSync(final=True).walk(depsgraph).delta)
+        return scene.world.towards_sun
+
+    suns = note_frames(sun, (1, 21, 20), tmp_path)
+    np.testing.assert_allclose(suns, [compass(10, 180), compass(50, 180)], atol=1e-6)
