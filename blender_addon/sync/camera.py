@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from ...engine.scene.camera import Camera, Projection
+from .departures import CAMERA, tell
 
 
 def film_size(render) -> tuple[int, int]:
@@ -34,6 +35,7 @@ def convert_camera(source, scene, scale: float, report) -> Camera:
     report : ConversionReport
     """
     data = source.data
+    tell(CAMERA, data, source.name, report)
     full_width, full_height = film_size(scene.render)
     left, low, width, height = region(scene.render)
     frame = np.array(source.matrix_world, dtype=np.float64)

@@ -72,6 +72,7 @@ class Sent:
     ----------
     shown : dict    Of `Shown`, by what tells instances apart.
     scale, efficacy : float    Metres per unit and lumens per watt as they were.
+    filters : tuple or None    Whether the view layer showed surfaces, and session uid of the material in place of all, or 0.
     walks, last_visit : int    Walks so far, and the number of the last one that looked at the instances.
     """
 
@@ -82,6 +83,7 @@ class Sent:
         self.materials = MaterialTable(self.images, self.pictures, final)
         self.world = SentWorld()
         self.scale = self.efficacy = 0.0
+        self.filters: tuple[bool, int] | None = None
         self.walks = self.last_visit = 0
 
     def ids(self) -> set[str]:

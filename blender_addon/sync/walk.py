@@ -16,6 +16,7 @@ from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
+from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
@@ -31,7 +32,7 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
-from .world import convert_world, follows_sun_lamp
+from .world import convert_world, follows_sun_lamp, world_of
 
 UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
@@ -43,7 +44,7 @@ class Walk:
     def __init__(self, sent: Sent, final: bool, depsgraph, visible, tags: Tags):
         self.sent, self.final = sent, final
         self.depsgraph, self.visible, self.tags = depsgraph, visible, tags
-        self.scene = depsgraph.scene
+        self.scene, self.layer = depsgraph.scene, depsgraph.view_layer
         self.changed: list[Placement | Light] = []
         self.worlds: list = []
         self.world_changed = False
@@ -60,6 +61,10 @@ class Walk:
         scale, efficacy = metres_per_unit(self.scene), self.scene.lumenray.efficacy
         self.is_rescaled = scale != sent.scale
         self.is_rerated = efficacy != sent.efficacy
+        override = self.layer.material_override
+        filters = (self.layer.use_solid, override.session_uid if override else 0)
+        self.is_refiltered = filters != sent.filters
+        sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
         sent.geometries.mark(tags.geometry)
         sent.images.forget(tags.shading)
@@ -90,10 +95,8 @@ class Walk:
             reports.append(sent.world.report)
         for part in reports:
             whole.include(part)
-        if self.scene.render.use_motion_blur:
-            whole.warn(
-                self.scene.name, "motion blur is not computed", "the frame's own moment counts"
-            )
+        tell(SCENE, self.scene, self.scene.name, whole)
+        tell_passes(self.layer, whole)
         if not is_lit and not sent.world.digest:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
@@ -113,11 +116,11 @@ class Walk:
         sent, tags = self.sent, self.tags
         sent.last_visit = self.number
         touched = tags.objects | tags.geometry | tags.shading
-        is_all = self.is_rescaled or self.is_rerated
+        is_all = self.is_rescaled or self.is_rerated or self.is_refiltered
         shown_before, number = sent.shown, self.number
         matrices = _read_matrices(self.depsgraph.object_instances)
         if self.final:
-            self._unrendered = find_unrendered(self.depsgraph.view_layer)
+            self._unrendered = find_unrendered(self.layer)
         for row, instance in enumerate(self.depsgraph.object_instances):
             if not instance.show_self or not self._is_visible(instance):
                 continue
@@ -215,20 +218,21 @@ class Walk:
         shown.key = key
 
     def _convert_mesh(self, shown, instance, source, original) -> None:
-        geometry = self._geometry(instance, source, original)
+        layer = self.layer
+        geometry = self._geometry(instance, source, original) if layer.use_solid else None
         if geometry is None:
             self._place(shown, None)
             return
         table = self.sent.materials
-        graph = self.depsgraph
-        materials = tuple(table.use(slot.material, graph) for slot in source.material_slots)
-        materials = materials or (table.use(None, graph),)
+        slots = [layer.material_override or slot.material for slot in source.material_slots]
+        slots = slots or [layer.material_override]
+        materials = tuple(table.use(material, self.depsgraph) for material in slots)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
-        layer = self.depsgraph.view_layer
         found = visibility_of(source, parent, layer)
         report = ConversionReport()
         tell_visibility(found, shown.name, report)
         tell_departures(source, shown.name, report, layer)
+        tell(OBJECT, original, shown.name, report)
         if found.light and table.is_luminous(materials):
             tell_linking(source, shown.name, report)
         shown.report = report if report.rows else None
@@ -384,7 +388,7 @@ class Walk:
     # ---- world ----
 
     def _update_world(self) -> None:
-        sent, world = self.sent, self.scene.world
+        sent, world = self.sent, world_of(self.scene, self.layer)
         original = world.original if world is not None else None
         # In the frames of a render only the evaluated one has what is animated.
         evaluated = original.evaluated_get(self.depsgraph) if original is not None else None
@@ -398,6 +402,8 @@ class Walk:
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
         made = None
+        if evaluated is not None:
+            tell(WORLD, evaluated, evaluated.name, report)
         if evaluated is None or not is_dark_world(evaluated, report):
             made = convert_world(evaluated, key, sent.efficacy, report, sent.images, sun_lamp)
         digest = content_digest(made) if made is not None else b""

@@ -79,6 +79,13 @@ def convert_world(
     return ImageWorld(image, per_unit, rotation, world_id) if per_unit > 0.0 else None
 
 
+def world_of(scene, view_layer):
+    """Return the world that a view layer has, None if it has none."""
+    if not view_layer.use_sky:
+        return None
+    return getattr(view_layer, "world_override", None) or scene.world
+
+
 def follows_sun_lamp(world) -> bool:
     """Tell whether a world, or None, depends on where the scene's Sun light shines from."""
     if world is None or world.lumenray.source != "CIE":

@@ -11,6 +11,7 @@ from ...luminaires.convert import LEFT_OUT, convert_luminaire
 from ...luminaires.settings import is_luminaire, settings_of
 from ...raysets.convert import convert_rays
 from ...raysets.settings import is_rayset, rays_of
+from ..departures import LIGHT, tell
 from ..nodes.evaluation import Context
 from ..nodes.fields import luminance
 from ..spectra import check_visible, convert_spectrum, light_spectrum
@@ -52,8 +53,10 @@ def convert_light(
     if is_dark(source, name, report):
         return None
     tell_linking(source, name, report)
-    if source.type == "LIGHT" and not source.data.use_shadow:
-        report.error(name, "the light casts no shadows in Blender", "it casts them")
+    if source.type == "LIGHT":
+        tell(LIGHT, source.data, name, report)
+        if not source.data.use_shadow:
+            report.error(name, "the light casts no shadows in Blender", "it casts them")
     try:
         light = _convert(source, place, efficacy, report, images, is_patient)
         if light is not None:

@@ -11,6 +11,7 @@ from ....engine.scene.material import Black, Diffuse, Emission, Material, Transp
 from ....engine.scene.spectrum import Constant, Illuminant
 from ...foundation.node_trees import uses_nodes
 from ...foundation.report import ConversionReport
+from ..departures import MATERIAL, tell
 from ..images.cache import ImageCache
 from ..nodes.evaluation import Context
 from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
@@ -62,6 +63,7 @@ def convert_material(
         surface, emission = convert_override(settings, report, material.name, is_patient)
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
+    tell(MATERIAL, material, material.name, report)
     try:
         closure = _convert_tree(material, report, images)
         depth = 0 if closure.surface is None else closure.surface.depth
