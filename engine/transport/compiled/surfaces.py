@@ -181,9 +181,7 @@ def _mirror_like(properties: dict, roughness, make: TextureMaker) -> dict:
         return _two_sided({"type": "conductor", **properties})
     else:
         width = alpha(roughness)
-    return _two_sided(
-        {"type": "roughconductor", "distribution": "ggx", "alpha": width, **properties}
-    )
+    return {"type": "lumenray_rough_metal", "alpha": width, **properties}
 
 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:

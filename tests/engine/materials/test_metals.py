@@ -45,9 +45,10 @@ def test_a_metal_is_that_of_its_file(metal):
 
     si, context = looked_at(), mi.BSDFContext()
     wo = mi.Vector3f(-si.wi.x, si.wi.y, si.wi.z)
-    own = plugin(Conductor(metal, 0.4))
+    # So smooth that next to no light comes by more than one facet.
+    own = plugin(Conductor(metal, 0.2))
     known = mi.load_dict(
-        {"type": "roughconductor", "material": metal, "alpha": 0.16, "distribution": "ggx"}
+        {"type": "roughconductor", "material": metal, "alpha": 0.04, "distribution": "ggx"}
     )
     found = np.array(own.eval(context, si, wo))
     assert found.min() > 0.0
