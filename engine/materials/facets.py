@@ -34,23 +34,24 @@ def fresnel(cosine, eta):
     return 0.5 * a**2 * (1.0 + b**2)
 
 
-@lru_cache(maxsize=512)
-def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
-    """Share of light that facets reflect once, E(cosine), at `COSINES` steps even in the root. (32,) [-]
+def cosines() -> np.ndarray:
+    """Return the cosines of a table; 0 is moved a little, where nothing would be seen. (32,) [-]"""
+    cosine = np.linspace(0.0, 1.0, COSINES, dtype=np.float32) ** 2
+    cosine[0] = 0.25 * cosine[1]
+    return cosine
 
-    Quadrature over the distribution of visible normals, `POINTS` for each cosine. ``eta``: refractive index of facets
-    of a dielectric; infinite: they reflect everything.
-    """
+
+def visible_normals(alpha: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return directions to `cosines` and facets that are seen from there. (32, 1, 3), (32, `POINTS`, 3)"""
     number = np.arange(POINTS) + 0.5
     # Half a turn of the azimuth serves, by symmetry.
     u, v = (
         part.astype(np.float32)
         for part in (number / PLASTIC % 1.0, 0.5 * (number / PLASTIC**2 % 1.0))
     )
-    cosine = np.linspace(0.0, 1.0, COSINES, dtype=np.float32) ** 2
-    cosine[0] = 0.25 * cosine[1]
+    cosine = cosines()
     wi = np.stack([np.sqrt(1.0 - cosine**2), np.zeros_like(cosine), cosine], axis=1)[:, None, :]
-    # Visible normals by spherical caps: reflect a cap sample on the stretched view direction.
+    # By spherical caps: reflect a cap sample on the stretched view direction.
     widths = np.array([alpha, alpha, 1.0], dtype=np.float32)
     stretched = wi * widths
     stretched /= np.linalg.norm(stretched, axis=2, keepdims=True)
@@ -59,24 +60,52 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
     phi = 2.0 * np.pi * v
     cap = np.stack([radius * np.cos(phi), radius * np.sin(phi), z], axis=2)
     normal = (cap + stretched) * widths
-    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    return wi, normal / np.linalg.norm(normal, axis=2, keepdims=True)
+
+
+@lru_cache(maxsize=512)
+def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
+    """Share of light that facets reflect once, E(cosine), at `COSINES` steps even in the root. (32,) [-]
+
+    Quadrature over the distribution of visible normals. ``eta``: refractive index of facets of a dielectric; infinite: they
+    reflect everything.
+    """
+    wi, normal = visible_normals(alpha)
     dot = (wi * normal).sum(axis=2)
-    out = 2.0 * dot[..., None] * normal - wi
-    cos_o = out[..., 2]
-    cos_i = cosine[:, None]
-
-    def smith(c):
-        return np.sqrt(alpha**2 + (1.0 - alpha**2) * c**2)
-
+    cos_o = 2.0 * dot * normal[..., 2] - wi[..., 2]
+    cos_i = wi[..., 2]
+    root_i, root_o = smith_root(cos_i, alpha), smith_root(cos_o, alpha)
     # G2 / G1 of the height-correlated Smith term.
-    ratio = (
-        cos_o
-        * (cos_i + smith(cos_i))
-        / np.maximum(cos_o * smith(cos_i) + cos_i * smith(cos_o), 1e-12)
-    )
+    ratio = cos_o * (cos_i + root_i) / np.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
     mirror = 1.0 if np.isinf(eta) else fresnel(np.clip(dot, 0.0, 1.0), eta)
     weight = np.where(cos_o > 0.0, mirror * ratio, 0.0)
     return np.clip(weight.mean(axis=1, dtype=np.float64), 0.0, 1.0)
+
+
+@lru_cache(maxsize=512)
+def lost_by_glass(alpha: float, eta: float) -> float:
+    """Share of even light from outside that a rough boundary neither reflects nor lets in, as Mitsuba computes it. [-]
+
+    What the first facet sends to another one is lost.
+    """
+    wi, normal = visible_normals(alpha)
+    dot = np.clip((wi * normal).sum(axis=2), 0.0, 1.0)
+    mirror = fresnel(dot, eta)
+    reflected = 2.0 * dot * normal[..., 2] - wi[..., 2]
+    inner = np.sqrt(1.0 - (1.0 - dot**2) / eta**2)
+    refracted = (dot / eta - inner) * normal[..., 2] - wi[..., 2] / eta
+
+    def seen(cosine):
+        root = smith_root(cosine, alpha)
+        return np.where(cosine > 0.0, 2.0 * cosine / np.maximum(cosine + root, 1e-12), 0.0)
+
+    kept = mirror * seen(reflected) + (1.0 - mirror) * seen(-refracted)
+    return 1.0 - mean_reflectance(kept.mean(axis=1, dtype=np.float64))
+
+
+def smith_root(cosine, alpha):
+    """Root in Smith's masking of GGX. [-]"""
+    return np.sqrt(alpha**2 + (1.0 - alpha**2) * cosine**2)
 
 
 def mean_reflectance(table: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...materials.facets import lost_by_glass
 from ...scattering.data.surface import usable
 from ...scene.material import (
     SMOOTH_ROUGHNESS,
@@ -28,6 +29,9 @@ SODIUM_D = 589.3
 
 NOTHING = Diffuse(Constant(0.0))
 """What a black surface is to light, and what the palette holds before there are plain materials."""
+
+TOLD_LOSS = 0.005
+"""Share of light that a surface may lose without a word. [-]"""
 
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
@@ -224,6 +228,20 @@ def approximations(surface: Surface) -> list[str]:
             return approximations(surface.first) + approximations(surface.second)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
-        case Dielectric() if surface.is_dispersive and not surface.is_smooth:
-            return ["rough glass is computed without dispersion, with its index at 589 nm"]
+        case Dielectric() if not surface.is_smooth:
+            return _of_rough_glass(surface)
     return []
+
+
+def _of_rough_glass(surface: Dielectric) -> list[str]:
+    said = []
+    if surface.is_dispersive:
+        said.append("rough glass is computed without dispersion, with its index at 589 nm")
+    index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
+    lost = lost_by_glass(round(alpha(surface.roughness), 4), round(index, 3))
+    if lost >= TOLD_LOSS:
+        said.append(
+            "light that passes from facet to facet of rough glass is not computed: "
+            f"{100.0 * lost:.2g} % of even light is lost at each surface"
+        )
+    return said

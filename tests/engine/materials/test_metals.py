@@ -18,9 +18,11 @@ def _spectral():
 
 def plugin(surface):
     import mitsuba as mi
+    from lumenray.engine.materials import plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf
     from lumenray.engine.transport.compiled.textures import TextureMaker
 
+    plugins.register()
     return mi.load_dict(bsdf(surface, TextureMaker(np.ones(471))))
 
 
@@ -87,3 +89,29 @@ def test_all_rough_metals_are_one_model():
             models.append([entry["hash"] for entry in dr.kernel_history() if "hash" in entry])
     assert models[0]
     assert all(model == models[0] for model in models)
+
+
+@pytest.mark.parametrize("roughness", [0.4, 0.8])
+def test_what_rough_glass_loses_is_said(roughness):
+    """By Mitsuba's own rough glass, in light that comes from all sides alike."""
+    import drjit as dr
+    import mitsuba as mi
+    from lumenray.engine.scene.material import Dielectric
+    from lumenray.engine.transport.compiled.surfaces import approximations
+
+    count = 1 << 18
+    stream = mi.PCG32(size=count, initstate=1)
+    si = dr.zeros(mi.SurfaceInteraction3f, count)
+    si.wi = mi.warp.square_to_cosine_hemisphere(
+        mi.Point2f(stream.next_float32(), stream.next_float32())
+    )
+    si.n, si.sh_frame = mi.Normal3f(0, 0, 1), mi.Frame3f(mi.Normal3f(0, 0, 1))
+    glass = mi.load_dict(
+        {"type": "roughdielectric", "distribution": "ggx", "alpha": roughness**2, "int_ior": 1.5}
+    )
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    bs, weight = glass.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    lost = 100.0 * (1.0 - float((np.array(weight)[0] * np.array(bs.eta) ** 2).mean()))
+    (said,) = approximations(Dielectric(roughness=roughness))
+    assert float(said.split(": ")[1].split(" %")[0]) == pytest.approx(lost, rel=0.05)
+    assert approximations(Dielectric(roughness=0.1)) == []

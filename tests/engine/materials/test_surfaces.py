@@ -173,7 +173,7 @@ def test_what_facets_reflect_once_and_what_comes_by_more_of_them(roughness):
     root = np.sqrt(np.cos(np.radians(angle)))
     by_roughness = [np.interp(root, np.linspace(0.0, 1.0, row.size), row) for row in rows]
     once = np.interp(roughness, places, by_roughness)
-    assert theirs < once < theirs + 0.006
+    assert theirs - 0.002 < once < theirs + 0.006
     mean = np.interp(roughness, places, means)
     # A geometric series over the facets that light meets, each of which lets E_mean of it go.
     more = (1.0 - once) * colour**2 * mean / (1.0 - colour * (1.0 - mean))
