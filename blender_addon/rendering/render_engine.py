@@ -179,9 +179,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Preparing")
         white = white_luminance(scene.lumenray)
         wanted = wanted_passes(scene, depsgraph.view_layer_eval)
-        left, low, width, height = region(scene.render)
-        crop = scene.render.use_border and scene.render.use_crop_to_border
-        place = (0, 0, width, height) if crop else (left, low, width, height)
+        # Where only a region is rendered Blender's result is that region, and Blender itself puts it into the frame.
+        place = (0, 0, *region(scene.render)[2:])
         for name, channels, _ in PASSES:
             if name in wanted and name in OWN_PASSES:
                 self.add_pass(name, len(channels), channels, layer=depsgraph.view_layer_eval.name)

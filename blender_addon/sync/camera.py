@@ -19,9 +19,14 @@ def region(render) -> tuple[int, int, int, int]:
     width, height = film_size(render)
     if not render.use_border:
         return 0, 0, width, height
-    left, right = round(render.border_min_x * width), round(render.border_max_x * width)
-    low, high = round(render.border_min_y * height), round(render.border_max_y * height)
+    left, right = (_whole(share, width) for share in (render.border_min_x, render.border_max_x))
+    low, high = (_whole(share, height) for share in (render.border_min_y, render.border_max_y))
     return left, low, max(right - left, 1), max(high - low, 1)
+
+
+def _whole(share: float, pixels: int) -> int:
+    """Pixels of a share of them, cut off as Blender does, in its precision."""
+    return int(np.float32(share) * np.float32(pixels))
 
 
 def convert_camera(source, scene, scale: float, report) -> Camera:

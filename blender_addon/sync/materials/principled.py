@@ -17,6 +17,7 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket, trace
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+from .facets import report_facets
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
@@ -48,6 +49,8 @@ def convert_principled(at) -> Closure:
     transmission = at("Transmission Weight").clipped()
     alpha = at("Alpha").clipped()
 
+    if not (metallic.is_everywhere(0) and transmission.is_everywhere(0)):
+        report_facets(at, roughness)
     surface = None
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)

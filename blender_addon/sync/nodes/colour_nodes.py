@@ -283,6 +283,8 @@ def _falloff(at):
             f"Light falloff {at.output.name!r} is not physical",
             "the strength falls with the square of the distance",
         )
+    elif not at("Smooth").is_everywhere(0):
+        at.note("A smoothed light falloff is not physical", "it is not smoothed")
     return at("Strength")
 
 

@@ -93,6 +93,45 @@ def rendered(scene, path):
     return channels, bpy.context.window_manager.lumenray.render
 
 
+@pytest.mark.parametrize("is_cropped", [True, False])
+@pytest.mark.parametrize(
+    "border",
+    [(0.21, 0.63, 0.13, 0.71), (0.0, 0.5, 0.3, 1.0), (0.9, 0.7, 0.97, 0.6), (0.7, 0.98, 0.9, 1.0)],
+)
+def test_a_region_is_the_part_of_the_picture_that_blender_cuts(tmp_path, border, is_cropped):
+    tiny.build_closed_box()
+    add_camera((0, 0, 0), (1.2, 0.7, 0.4), lens=24.0)
+    scene = bpy.context.scene
+    small_layered(scene)
+    scene.view_layers[0].use_pass_z = True
+    scene.lumenray.render.samples = 2
+    whole, _ = rendered(scene, tmp_path / "whole.exr")
+    render = scene.render
+    render.use_border, render.use_crop_to_border = True, is_cropped
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = border
+    try:
+        part, _ = rendered(scene, tmp_path / "part.exr")
+    except RuntimeError as error:
+        # Blender itself refuses what has no pixels.
+        assert "too small" in str(error)
+        assert border[0] > border[1]
+        return
+    depth = next(name for name in whole if name.startswith(("Depth", "Z")))
+    left, right, low, high = (
+        int(np.float32(share) * np.float32(size))
+        for share, size in zip(border, (48, 48, 32, 32), strict=True)
+    )
+    expected = whole[depth][32 - high : 32 - low, left:right]
+    found = part[depth]
+    if not is_cropped:
+        assert found.shape == (32, 48)
+        outside = np.ones(found.shape, dtype=bool)
+        outside[32 - high : 32 - low, left:right] = False
+        assert not part["Combined.R"][outside].any()
+        found = found[32 - high : 32 - low, left:right]
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
 @pytest.mark.skipif(find_denoiser() is None, reason="Open Image Denoise is not installed")
 def test_denoising_changes_what_is_seen_but_no_luminance_and_is_told(tmp_path):
     tiny.build_closed_box()
