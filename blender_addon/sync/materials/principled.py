@@ -17,7 +17,6 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket, trace
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
-from .facets import report_facets
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
@@ -49,8 +48,8 @@ def convert_principled(at) -> Closure:
     transmission = at("Transmission Weight").clipped()
     alpha = at("Alpha").clipped()
 
-    if not (metallic.is_everywhere(0) and transmission.is_everywhere(0)):
-        report_facets(at, roughness)
+    if not metallic.is_everywhere(0):
+        report_facets(at)
     surface = None
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
@@ -124,3 +123,20 @@ def report_normal(at, *names):
             continue
         if origin.socket.node.bl_idname not in {"ShaderNodeNewGeometry", "ShaderNodeTexCoord"}:
             at.remark("Bump and normal maps are not supported", "the mesh's own normal is used")
+
+
+_FACETS = {"BECKMANN": "Beckmann", "ASHIKHMIN_SHIRLEY": "Ashikhmin and Shirley"}
+
+
+def report_facets(at) -> None:
+    """Report a distribution of a metal's facets that is not Blender's usual one."""
+    chosen = getattr(at.node, "distribution", "MULTI_GGX")
+    if chosen == "MULTI_GGX" or at("Roughness").is_everywhere(0):
+        return
+    if chosen in _FACETS:
+        at.note(f"Facets are distributed as by {_FACETS[chosen]}", "GGX is used")
+    else:
+        at.remark(
+            "Blender loses the light that passes from facet to facet by this distribution",
+            "it is kept",
+        )
