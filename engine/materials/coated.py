@@ -15,75 +15,18 @@ of a scene share one plug-in (a palette), which looks its parameters up by the s
 References
 ----------
 C. Kelemen, L. Szirmay-Kalos: A Microfacet Based Coupled Specular-Matte BRDF Model, Eurographics 2001 (short).
-B. Walter et al.: Microfacet Models for Refraction through Rough Surfaces, EGSR 2007 (GGX).
-J. Dupuy, A. Benyoub: Sampling Visible GGX Normals with Spherical Caps, HPG 2023.
 """
-
-from functools import lru_cache
 
 import numpy as np
 
-COSINES = 32
-"""Entries of a table of E over the cosine, evenly from 0 to 1."""
-
-MINIMUM_ALPHA = 1e-3
-"""Narrowest lobe that single precision evaluates well."""
-
-
-def fresnel(cosine, eta):
-    """Reflectance of a dielectric boundary from outside, unpolarised. [-]"""
-    g = np.sqrt(np.maximum(eta**2 - 1.0 + cosine**2, 0.0))
-    a = (g - cosine) / np.maximum(g + cosine, 1e-12)
-    b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0)
-    return 0.5 * a**2 * (1.0 + b**2)
-
-
-@lru_cache(maxsize=512)
-def directional_reflectance(alpha: float, eta: float) -> np.ndarray:
-    """Share of light that the coat reflects, E(cosine) at `COSINES` even steps from 0 to 1. (32,) [-]
-
-    Quadrature over the distribution of visible normals, 64 x 64 points for each cosine.
-    """
-    grid = (np.arange(64) + 0.5) / 64.0
-    # Half a turn of the azimuth serves, by symmetry.
-    u, v = (m.ravel() for m in np.meshgrid(grid, grid[:32]))
-    cosine = np.linspace(0.0, 1.0, COSINES) ** 2
-    cosine[0] = 0.25 * cosine[1]
-    wi = np.stack([np.sqrt(1.0 - cosine**2), np.zeros(COSINES), cosine], axis=1)[:, None, :]
-    # Visible normals by spherical caps: reflect a cap sample on the stretched view direction.
-    stretched = wi * np.array([alpha, alpha, 1.0])
-    stretched /= np.linalg.norm(stretched, axis=2, keepdims=True)
-    z = (1.0 - u) * (1.0 + stretched[..., 2]) - stretched[..., 2]
-    radius = np.sqrt(np.clip(1.0 - z**2, 0.0, None))
-    phi = 2.0 * np.pi * v
-    cap = np.stack([radius * np.cos(phi), radius * np.sin(phi), z], axis=2)
-    normal = (cap + stretched) * np.array([alpha, alpha, 1.0])
-    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-    dot = (wi * normal).sum(axis=2)
-    out = 2.0 * dot[..., None] * normal - wi
-    cos_o = out[..., 2]
-    cos_i = cosine[:, None]
-
-    def smith(c):
-        return np.sqrt(alpha**2 + (1.0 - alpha**2) * c**2)
-
-    # G2 / G1 of the height-correlated Smith term.
-    ratio = (
-        cos_o
-        * (cos_i + smith(cos_i))
-        / np.maximum(cos_o * smith(cos_i) + cos_i * smith(cos_o), 1e-12)
-    )
-    weight = np.where(cos_o > 0.0, fresnel(np.clip(dot, 0.0, 1.0), eta) * ratio, 0.0)
-    return np.clip(weight.mean(axis=1), 0.0, 1.0)
-
-
-def mean_reflectance(table: np.ndarray) -> float:
-    """Hemispherical mean 2 * integral of E cos of a table, exactly for its linear interpolant. [-]"""
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    root = np.linspace(0.0, 1.0, len(table))
-    step = root[1]
-    places = root[:-1, None] + 0.5 * step * (nodes + 1.0)
-    return float(4.0 * (0.5 * step * weights * np.interp(places, root, table) * places**3).sum())
+from .facets import (
+    MINIMUM_ALPHA,
+    directional_reflectance,
+    mean_reflectance,
+    mirror_light,
+    read_row,
+    reflect_on_facet,
+)
 
 
 def coated_class():
@@ -181,12 +124,7 @@ def coated_class():
 
         def _coat(self, row, cosine, active):
             """Directional reflectance of the coat, its scale included."""
-            place = dr.sqrt(dr.clip(cosine, 0.0, 1.0)) * (COSINES - 1)
-            below = dr.minimum(mi.UInt32(place), COSINES - 2)
-            index = row * COSINES + below
-            low = dr.gather(mi.Float, self.table, index, active)
-            high = dr.gather(mi.Float, self.table, index + 1, active)
-            return dr.lerp(low, high, place - mi.Float(below))
+            return read_row(self.table, row, cosine, active)
 
         def _prepare(self, si, active):
             row = self._row(si, active)
@@ -198,44 +136,22 @@ def coated_class():
             return row, cos_i, reflectance, coat, share
 
         def _evaluate(self, si, wo, prepared, active):
-            row, cos_i, reflectance, coat, share = prepared
+            row, _, reflectance, coat, share = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
             alpha = dr.gather(mi.Float, self.alpha, row, active)
             eta = dr.gather(mi.Float, self.eta, row, active)
             scale = dr.gather(mi.Float, self.scale, row, active)
-            half = dr.normalize(si.wi + wo)
-            a2 = dr.square(alpha)
-            # 1 - (1 - a2) cos^2 without cancellation for narrow lobes.
-            spread = dr.square(half.x) + dr.square(half.y) + a2 * dr.square(half.z)
-            density = a2 * dr.inv_pi / dr.maximum(dr.square(spread), 1e-30)
-            root_i = dr.sqrt(a2 + (1.0 - a2) * dr.square(cos_i))
-            root_o = dr.sqrt(a2 + (1.0 - a2) * dr.square(cos_o))
-            visibility = 0.5 / dr.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
-            mirror = mi.fresnel(dr.abs(dr.dot(si.wi, half)), eta)[0] * density * visibility * cos_o
+            light, density, cosine = mirror_light(si.wi, wo, alpha)
+            mirror = mi.fresnel(cosine, eta)[0] * light
             mean = dr.gather(mi.Float, self.mean, row, active)
             lambert = cos_o * dr.inv_pi
             matte = (
                 (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
             )
             value = scale * mirror + reflectance * matte * lambert
-            # Density of visible normals over reflected directions: D G1 / (4 cos_i).
-            pdf = (
-                share * density * 0.5 / dr.maximum(cos_i + root_i, 1e-12) + (1.0 - share) * lambert
-            )
+            pdf = share * density + (1.0 - share) * lambert
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
-
-        def _sample_mirror(self, wi, alpha, sample):
-            """Reflect on a visible normal; ``wi`` above the surface."""
-            stretched = dr.normalize(mi.Vector3f(alpha * wi.x, alpha * wi.y, wi.z))
-            z = (1.0 - sample.x) * (1.0 + stretched.z) - stretched.z
-            radius = dr.safe_sqrt(1.0 - z * z)
-            sin_phi, cos_phi = dr.sincos(dr.two_pi * sample.y)
-            cap = mi.Vector3f(radius * cos_phi, radius * sin_phi, z) + stretched
-            normal = dr.normalize(
-                mi.Vector3f(alpha * cap.x, alpha * cap.y, dr.maximum(cap.z, 1e-12))
-            )
-            return mi.reflect(wi, mi.Normal3f(normal))
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             prepared = self._prepare(si, active)
@@ -247,7 +163,7 @@ def coated_class():
             glossy = sample1 < share
             wo = dr.select(
                 glossy,
-                self._sample_mirror(wi, alpha, sample2),
+                reflect_on_facet(wi, alpha, sample2),
                 mi.warp.square_to_cosine_hemisphere(sample2),
             )
             valid = active & (wo.z > 0.0) & (wi.z > 0.0)

@@ -1,4 +1,4 @@
-"""Models that Mitsuba lacks, as its plug-ins: coated, sheet, fabric, panes, smooth glass, transparency, mixture, picture.
+"""Models that Mitsuba lacks, as its plug-ins: coated, rough metal, sheet, fabric, panes, glass, transparency, mixture.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -11,6 +11,8 @@ from ..arrays import average
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
+from .rough_glass import rough_glass_class
+from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 
@@ -52,6 +54,8 @@ def register() -> None:
     """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
     for name, make in (
         ("lumenray_coated", coated_class),
+        ("lumenray_rough_glass", rough_glass_class),
+        ("lumenray_rough_metal", rough_metal_class),
         ("lumenray_sheet", _sheet_class),
         ("lumenray_fabric", fabric_class),
         ("lumenray_pane", _pane_class),

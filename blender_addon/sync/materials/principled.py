@@ -17,7 +17,6 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket, trace
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
-from .facets import report_facets
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
@@ -27,7 +26,6 @@ _LEFT_OUT = {
     "Sheen Weight": (0.0, "Sheen"),
     "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
-    "Specular Tint": (1.0, "The tint of the highlight"),
 }
 
 _AS_DIFFUSE = {
@@ -49,16 +47,20 @@ def convert_principled(at) -> Closure:
     transmission = at("Transmission Weight").clipped()
     alpha = at("Alpha").clipped()
 
-    if not (metallic.is_everywhere(0) and transmission.is_everywhere(0)):
-        report_facets(at, roughness)
+    if not metallic.is_everywhere(0):
+        report_facets(at)
     surface = None
+    if not metallic.is_everywhere(1) and not at("Specular Tint").is_everywhere(1):
+        at.note("The tint of the highlight is not supported but for metals", "it is left out")
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
         pane = _pane if _is_thin_wall(at) else _glass
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
-        surface = mix_surfaces(surface, Glossy(as_colour(base), as_scalar(roughness)), metallic)
+        edge = as_colour(reflectance_of(at, at("Specular Tint")))
+        metal = Glossy(as_colour(base), as_scalar(roughness), edge)
+        surface = mix_surfaces(surface, metal, metallic)
     radiance = _radiance(at)
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
@@ -124,3 +126,20 @@ def report_normal(at, *names):
             continue
         if origin.socket.node.bl_idname not in {"ShaderNodeNewGeometry", "ShaderNodeTexCoord"}:
             at.remark("Bump and normal maps are not supported", "the mesh's own normal is used")
+
+
+_FACETS = {"BECKMANN": "Beckmann", "ASHIKHMIN_SHIRLEY": "Ashikhmin and Shirley"}
+
+
+def report_facets(at) -> None:
+    """Report a distribution of a metal's facets that is not Blender's usual one."""
+    chosen = getattr(at.node, "distribution", "MULTI_GGX")
+    if chosen == "MULTI_GGX" or at("Roughness").is_everywhere(0):
+        return
+    if chosen in _FACETS:
+        at.note(f"Facets are distributed as by {_FACETS[chosen]}", "GGX is used")
+    else:
+        at.remark(
+            "Blender loses the light that passes from facet to facet by this distribution",
+            "it is kept",
+        )

@@ -18,8 +18,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
-from .facets import report_facets
-from .principled import convert_principled, report_normal
+from .principled import convert_principled, report_facets, report_normal
 
 _MIRROR = 0.1
 """Roughness below which a gloss over a transparent shader is meant as a pane."""
@@ -80,7 +79,7 @@ def _glossy(at):
     report_normal(at)
     if not at("Anisotropy").is_everywhere(0):
         at.note("Anisotropy is not supported", "it is left out")
-    report_facets(at, at("Roughness"))
+    report_facets(at)
     return Closure(Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
 
 
@@ -91,13 +90,11 @@ def _metallic(at):
             at.note(f"{subject} is not supported", "it is left out")
     if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
         at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
-        colour = at.map(_normal_reflectance, at("IOR"), at("Extinction"))
+        colour, edge = at.map(_normal_reflectance, at("IOR"), at("Extinction")), None
     else:
-        colour = _colour(at, "Base Color")
-        if not at("Edge Tint").is_everywhere(1):
-            at.remark("Edge tint is not supported", "it is left out")
-    report_facets(at, at("Roughness"))
-    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness"))))
+        colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
+    report_facets(at)
+    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
 
 
 def _normal_reflectance(n, k):
@@ -111,14 +108,20 @@ def _glass(at):
     colour = _colour(at)
     if not colour.is_everywhere(1):
         at.remark("Blender tints the reflection of coloured glass", "only what passes is tinted")
-    report_facets(at, at("Roughness"))
+    _report_beckmann(at)
     return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
+
+
+def _report_beckmann(at):
+    """Glass is of GGX; what light passes from facet to facet is lost, which the engine says."""
+    if at.node.distribution == "BECKMANN" and not at("Roughness").is_everywhere(0):
+        at.note("Facets are distributed as by Beckmann", "GGX is used")
 
 
 def _refraction(at):
     at.remark("A Refraction BSDF does not reflect", "glass, which does, is used")
     report_normal(at)
-    report_facets(at, at("Roughness"))
+    _report_beckmann(at)
     return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(_colour(at))))
 
 

@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...materials.coated import COSINES, MINIMUM_ALPHA, directional_reflectance, mean_reflectance
+from ...materials.facets import COSINES, MINIMUM_ALPHA, directional_reflectance, mean_reflectance
 from .surfaces import alpha
 
 

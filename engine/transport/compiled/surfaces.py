@@ -117,7 +117,7 @@ def _black(_surface: Black, make: TextureMaker):
 def _glossy(surface: Glossy, make: TextureMaker) -> dict:
     colour = make.reflectance(surface.reflectance)
     properties = {**make.metal("none"), "specular_reflectance": colour}
-    return _mirror_like(properties, surface.roughness, make)
+    return _mirror_like(properties, surface.roughness, make, surface.edge)
 
 
 def _conductor(surface: Conductor, make: TextureMaker) -> dict:
@@ -174,16 +174,20 @@ def _two_sided(made: dict) -> dict:
     return {"type": "twosided", "nested": made}
 
 
-def _mirror_like(properties: dict, roughness, make: TextureMaker) -> dict:
+def _mirror_like(properties: dict, roughness, make: TextureMaker, edge=None) -> dict:
     if isinstance(roughness, ImageTexture):
         width = make.scalar(roughness, power=2.0)
     elif roughness < SMOOTH_ROUGHNESS:
         return _two_sided({"type": "conductor", **properties})
     else:
         width = alpha(roughness)
-    return _two_sided(
-        {"type": "roughconductor", "distribution": "ggx", "alpha": width, **properties}
-    )
+    return {
+        "type": "lumenray_rough_metal",
+        "alpha": width,
+        "rise": 0.0 if edge is None else 1.0,
+        "edge": make.reflectance(Constant(1.0) if edge is None else edge),
+        **properties,
+    }
 
 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
@@ -193,13 +197,15 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
         return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
-    return {
+    width = alpha(surface.roughness)
+    nested = {
         "type": "roughdielectric",
         "distribution": "ggx",
-        "alpha": alpha(surface.roughness),
+        "alpha": width,
         "int_ior": index,
         "specular_transmittance": tint,
     }
+    return {"type": "lumenray_rough_glass", "alpha": width, "index": index, "nested": nested}
 
 
 MAKERS = {
@@ -228,4 +234,6 @@ def approximations(surface: Surface) -> list[str]:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:
             return ["rough glass is computed without dispersion, with its index at 589 nm"]
+        case Glossy() if surface.edge is not None and surface.is_mirror:
+            return ["an ideal mirror reflects from all sides what it reflects along its normal"]
     return []

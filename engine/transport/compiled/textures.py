@@ -98,11 +98,12 @@ class TextureMaker:
 
     def metal(self, name: str) -> dict:
         """Properties of Mitsuba's conductors for the complex refractive index of a metal; ``none``: a perfect mirror."""
-        if not is_spectral():
-            return {"material": name}
         known = mi.traverse(mi.load_dict({"type": "conductor", "material": name}))
         # Files of metals have entries at their own wavelengths, whose number is part of a model.
-        return {part: table(_on_grid(known, part)) for part in ("eta", "k")}
+        parts = {part: _on_grid(known, part) for part in ("eta", "k")}
+        if is_spectral():
+            return {part: table(values) for part, values in parts.items()}
+        return {part: number(float(values @ self._weight)) for part, values in parts.items()}
 
     def refractive_index(self, ior) -> dict:
         """Texture of a refractive index by wavelength."""

@@ -5,6 +5,7 @@ import pytest
 from lumenray.engine.scene.material import (
     Black,
     Coated,
+    Conductor,
     Dielectric,
     Diffuse,
     Glossy,
@@ -22,6 +23,9 @@ SMOOTH = {
     "sheet": Diffuse(Constant(0.3), Constant(0.5)),
     "gloss paint": Coated(Rgb(0.6, 0.3, 0.2), 1.5, 0.3),
     "satin": Coated(Constant(0.2), 1.6, 0.7),
+    "rough gloss": Glossy(Rgb(0.9, 0.6, 0.3), 0.8),
+    "rough metal": Conductor("Au", 0.5),
+    "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -101,7 +105,9 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
     assert np.allclose(np.array(weight)[:, valid], ratio, rtol=2e-3, atol=1e-4)
 
 
-@pytest.mark.parametrize("name", ["matt", "gloss paint", "satin"])
+@pytest.mark.parametrize(
+    "name", ["matt", "gloss paint", "satin", "rough gloss", "rough metal", "tinted edge"]
+)
 def test_reflection_is_reciprocal(name):
     import mitsuba as mi
 
@@ -141,6 +147,62 @@ def albedo(surface, angle, count=1 << 16):
 def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(roughness, angle):
     # Single scattering of a rough coat loses a few percent at grazing angles; nothing may be gained.
     assert 0.93 < albedo(Coated(Constant(1.0), 1.5, roughness), angle) < 1.003
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 110])
+@pytest.mark.parametrize("roughness", [0.1, 0.3, 0.52, 0.75, 1.0])
+def test_white_facets_reflect_everything(roughness, angle):
+    found = albedo(Glossy(Constant(1.0), roughness), angle, 1 << 18)
+    assert found == pytest.approx(1.0, abs=2.5e-3)
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 110, 170])
+@pytest.mark.parametrize("roughness", [0.1, 0.4, 0.7, 1.0])
+def test_clear_rough_glass_sends_all_light_on(roughness, angle):
+    """Radiance grows with the square of the index, so the flux that goes on is the weight times the square of eta."""
+    import mitsuba as mi
+
+    count = 1 << 18
+    stream = mi.PCG32(size=count, initstate=9)
+    si = interaction(towards(angle), count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    glass = plugin(Dielectric(roughness=roughness))
+    bs, weight = glass.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    flux = np.array(weight)[0] * np.array(bs.eta) ** 2
+    assert flux.mean() == pytest.approx(1.0, abs=3e-3)
+    # The weight is value over density.
+    value, pdf = glass.eval_pdf(mi.BSDFContext(), si, bs.wo, True)
+    valid = (np.array(pdf) > 1e-3) & (flux > 0.0)
+    ratio = np.array(value)[0][valid] / np.array(pdf)[valid]
+    assert np.allclose(np.array(weight)[0][valid], ratio, rtol=0.02)
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.7])
+def test_what_facets_reflect_once_and_what_comes_by_more_of_them(roughness):
+    """Mitsuba's own rough conductor knows single reflections only; its masking and shadowing know nothing of each other."""
+    import mitsuba as mi
+    from lumenray.engine.materials.rough_metal import tables
+
+    count, angle, colour = 1 << 18, 45, 0.5
+    stream = mi.PCG32(size=count, initstate=9)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    known = mi.load_dict(
+        {"type": "roughconductor", "material": "none", "alpha": roughness**2, "distribution": "ggx"}
+    )
+    si = interaction(towards(angle), count)
+    _, weight = known.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    theirs = float(np.array(weight).mean())
+    rows, means = tables()
+    places = np.linspace(0.0, 1.0, len(rows))
+    root = np.sqrt(np.cos(np.radians(angle)))
+    by_roughness = [np.interp(root, np.linspace(0.0, 1.0, row.size), row) for row in rows]
+    once = np.interp(roughness, places, by_roughness)
+    assert theirs - 0.002 < once < theirs + 0.006
+    mean = np.interp(roughness, places, means)
+    # A geometric series over the facets that light meets, each of which lets E_mean of it go.
+    more = (1.0 - once) * colour**2 * mean / (1.0 - colour * (1.0 - mean))
+    found = albedo(Glossy(Constant(colour), roughness), angle, count)
+    assert found == pytest.approx(colour * once + more, abs=3e-3)
 
 
 def test_a_black_coated_surface_reflects_the_fresnel_share():

@@ -30,6 +30,8 @@ KINDS = sorted(
 COMMON = {each.identifier for each in bpy.types.ShaderNode.bl_rna.properties}
 
 WITHOUT = {
+    # The factor's own value lies within 0 and 1; with links it is compared with Cycles elsewhere.
+    ("ShaderNodeMix", "clamp_factor"),
     # Cycles has one way of each.
     ("ShaderNodeMixRGB", "use_alpha"),
     ("ShaderNodeTangent", "uv_map"),

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.materials.coated import COSINES, directional_reflectance
+from lumenray.engine.materials.facets import COSINES, directional_reflectance
 from lumenray.engine.scattering.data import store
 from lumenray.engine.scattering.data.evaluation import albedo, evaluate, measure_reciprocity, total
 from lumenray.engine.scattering.data.record import ScatteringFile
@@ -199,7 +199,7 @@ def test_what_is_too_bright_at_grazing_does_not_hide_errors():
 
 def test_a_resampled_lobe_reflects_as_much_as_the_lobe():
     # The directional reflectance of a GGX coat by another route: quadrature over its visible normals.
-    from lumenray.engine.materials.coated import fresnel
+    from lumenray.engine.materials.facets import fresnel
 
     table = resample(ggx(0.2, lambda cosine: fresnel(cosine, 1.5)), [550.0], tolerance=0.03)
     expected = directional_reflectance(0.2, 1.5)

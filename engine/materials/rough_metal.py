@@ -1,0 +1,192 @@
+"""Rough metals, and gloss of a constant colour: facets that reflect, and light that passes from facet to facet.
+
+The reflectance distribution is
+
+    f = F(cos h) D(h) G2(i, o) / (4 cos_i cos_o)  +  M / pi * (1 - E(cos_i)) (1 - E(cos_o)) / (1 - E_mean)
+    M = F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
+
+with the reflectance of facets F = F_c (R + s (1 - R) (1 - c)^5 - b c (1 - c)^6) at a cosine c, F_c being Fresnel's by a
+complex index; s is 0 for a reflectance that is the same from all sides, and b gives it the wanted tint at the cosine 1/7, 82
+degrees. E is what white facets reflect once; means are over the hemisphere, that of F_c where Schlick's formula has it. The
+model is reciprocal, and with F = 1 it reflects everything, whatever the roughness.
+
+References
+----------
+C. Kulla, A. Conty: Revisiting Physically Based Shading at Imageworks, SIGGRAPH courses 2017.
+N. Kutz, M. Hasan, D. Edmondson: Novel aspects of the Adobe Standard Material, 2021 (F82 tint).
+"""
+
+from functools import cache
+
+import numpy as np
+
+from .facets import (
+    MINIMUM_ALPHA,
+    directional_reflectance,
+    mean_reflectance,
+    mirror_light,
+    read_row,
+    reflect_on_facet,
+)
+
+ROUGHNESSES = 33
+"""Rows of the tables, evenly over the root of the width."""
+
+TINTED = 1.0 / 7.0
+"""Cosine at which the edge has its tint."""
+
+EDGE = TINTED * (1.0 - TINTED) ** 6
+"""c (1 - c)^6 there, its largest value."""
+
+MEAN_COSINE = 1.0 - (1.0 / 21.0) ** 0.2
+"""Cosine at which F0 + (1 - F0) (1 - cos)^5 has its mean over the hemisphere, F0 + (1 - F0) / 21. [-]"""
+
+
+@cache
+def tables() -> tuple[np.ndarray, np.ndarray]:
+    """What white facets reflect once, and its mean, by roughness. (33, 32), (33,)"""
+    alphas = np.maximum(np.linspace(0.0, 1.0, ROUGHNESSES) ** 2, MINIMUM_ALPHA)
+    rows = np.stack([directional_reflectance(float(alpha)) for alpha in alphas])
+    return rows, np.array([mean_reflectance(row) for row in rows])
+
+
+def rough_metal_class():
+    """Return the plug-in for the active Mitsuba variant."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from ..arrays import average, upload
+
+    class RoughMetal(mi.BSDF):
+        """``eta``, ``k``, ``specular_reflectance``, ``edge`` and ``alpha`` are textures, the last may be a number.
+
+        ``rise``: s.
+        """
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.eta, self.k = props["eta"], props["k"]
+            self.reflectance, self.edge = props["specular_reflectance"], props["edge"]
+            self.rise = mi.Float(float(props["rise"]))
+            width = props["alpha"]
+            self.texture = None if isinstance(width, int | float) else width
+            self.alpha = mi.Float(width if self.texture is None else 0.0)
+            self.table, self.means = (upload(mi.Float, each) for each in tables())
+            dr.make_opaque(self.alpha, self.rise)
+            dr.eval(self.table, self.means)
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [mi.BSDFFlags.GlossyReflection | sides]
+            self.m_flags = self.m_components[0]
+
+        def traverse(self, callback):
+            callback.put("eta", self.eta, mi.ParamFlags.NonDifferentiable)
+            callback.put("k", self.k, mi.ParamFlags.NonDifferentiable)
+            callback.put("specular_reflectance", self.reflectance, mi.ParamFlags.Differentiable)
+            callback.put("edge", self.edge, mi.ParamFlags.Differentiable)
+
+        def _width(self, si, active):
+            width = self.alpha if self.texture is None else self.texture.eval_1(si, active)
+            return dr.clip(width, MINIMUM_ALPHA, 1.0)
+
+        def _fresnel(self, si, cosine, active):
+            """Reflectance by the complex index."""
+            eta, k = self.eta.eval(si, active), self.k.eval(si, active)
+            value = mi.Spectrum(0.0)
+            for n in range(len(value)):
+                value[n] = mi.fresnel_conductor(cosine, mi.Complex2f(eta[n], k[n]))
+            return value
+
+        def _colours(self, si, active):
+            """R, s (1 - R) and b."""
+            colour = self.reflectance.eval(si, active)
+            rise = self.rise * (1.0 - colour)
+            edge = (colour + rise * (1.0 - TINTED) ** 5) * (1.0 - self.edge.eval(si, active))
+            return colour, rise, edge * (1.0 / EDGE)
+
+        def _mirror(self, si, colours, cosine, active):
+            """Reflectance of facets. ``cosine``: to their normal."""
+            colour, rise, edge = colours
+            away = 1.0 - cosine
+            fifth = dr.square(dr.square(away)) * away
+            seen = colour + rise * fifth - edge * (cosine * fifth * away)
+            return self._fresnel(si, cosine, active) * dr.maximum(seen, 0.0)
+
+        def _mean(self, si, colours, active):
+            """Mean reflectance of facets over the hemisphere."""
+            colour, rise, edge = colours
+            seen = colour + rise * (1.0 / 21.0) - edge * (1.0 / 126.0)
+            return self._fresnel(si, mi.Float(MEAN_COSINE), active) * dr.maximum(seen, 0.0)
+
+        def _prepare(self, si, active):
+            """Width, colours, rows of tables and the share of the second, E, its mean, M, how likely one facet reflects."""
+            alpha = self._width(si, active)
+            place = dr.sqrt(alpha) * (ROUGHNESSES - 1)
+            row = dr.minimum(mi.UInt32(place), ROUGHNESSES - 2)
+            share = place - mi.Float(row)
+            rows = row, share
+            once = self._once(rows, dr.abs(mi.Frame3f.cos_theta(si.wi)), active)
+            low, high = (dr.gather(mi.Float, self.means, each, active) for each in (row, row + 1))
+            mean = dr.lerp(low, high, share)
+            colours = self._colours(si, active)
+            colour = self._mean(si, colours, active)
+            often = dr.square(colour) * mean / dr.maximum(1.0 - colour * (1.0 - mean), 1e-6)
+            single, rest = once * average(colour), (1.0 - once) * average(often)
+            chance = dr.select(single + rest > 0.0, single / dr.maximum(single + rest, 1e-8), 1.0)
+            return alpha, colours, rows, once, mean, often, chance
+
+        def _once(self, rows, cosine, active):
+            """What white facets reflect once of light from a direction."""
+            row, share = rows
+            low, high = (read_row(self.table, each, cosine, active) for each in (row, row + 1))
+            return dr.lerp(low, high, share)
+
+        def _evaluate(self, si, wo, prepared, active):
+            alpha, colours, rows, once, mean, often, chance = prepared
+            cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
+            valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
+            light, density, cosine = mirror_light(si.wi, wo, alpha)
+            lambert = cos_o * dr.inv_pi
+            lost = (1.0 - once) * (1.0 - self._once(rows, cos_o, active))
+            rest = often * (lost / dr.maximum(1.0 - mean, 1e-6) * lambert)
+            value = self._mirror(si, colours, cosine, active) * light + rest
+            pdf = chance * density + (1.0 - chance) * lambert
+            return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            prepared = self._prepare(si, active)
+            below = mi.Frame3f.cos_theta(si.wi) < 0.0
+            wi = mi.Vector3f(si.wi)
+            wi.z = dr.abs(wi.z)
+            wo = dr.select(
+                sample1 < prepared[-1],
+                reflect_on_facet(wi, prepared[0], sample2),
+                mi.warp.square_to_cosine_hemisphere(sample2),
+            )
+            valid = active & (wo.z > 0.0) & (wi.z > 0.0)
+            wo.z = dr.select(below, -wo.z, wo.z)
+            value, pdf = self._evaluate(si, wo, prepared, valid)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = wo
+            bs.pdf = pdf
+            bs.eta = 1.0
+            bs.sampled_component = mi.UInt32(0)
+            bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            valid &= pdf > 0.0
+            return bs, mi.Spectrum(dr.select(valid, value / dr.maximum(pdf, 1e-20), 0.0))
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return self._evaluate(si, wo, self._prepare(si, active), active)
+
+        def eval_diffuse_reflectance(self, si, active=True):
+            return self._mirror(si, self._colours(si, active), mi.Float(1.0), active)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def to_string(self):
+            return "RoughMetal[]"
+
+    return RoughMetal
