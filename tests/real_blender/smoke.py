@@ -116,6 +116,28 @@ def render(folder, name):
     return read_luminance(path)
 
 
+def check_regions(folder):
+    """Render a part of the frame, cropped and not: it is as large as Blender cuts it, and not black."""
+    settings = bpy.context.scene.render
+    settings.use_border = True
+    settings.border_min_x, settings.border_max_x = 0.21, 0.63
+    settings.border_min_y, settings.border_max_y = 0.13, 0.71
+    part = int(0.63 * SIZE) - int(0.21 * SIZE), int(0.71 * SIZE) - int(0.13 * SIZE)
+    for is_cropped, size in ((True, part), (False, (SIZE, SIZE))):
+        settings.use_crop_to_border = is_cropped
+        settings.filepath = str(folder / f"region_{is_cropped}.exr")
+        result = bpy.ops.render.render(write_still=True)
+        require(result == {"FINISHED"}, f"the render of a region ended with {result}")
+        image = bpy.data.images.load(settings.filepath)
+        require(tuple(image.size) == size, f"a region has {tuple(image.size)} pixels, not {size}")
+        pixels = np.empty(size[0] * size[1] * image.channels, np.float32)
+        image.pixels.foreach_get(pixels)
+        lit = (pixels.reshape(-1, image.channels)[:, :3].max(axis=1) > 0.0).sum()
+        bpy.data.images.remove(image)
+        require(0.9 < lit / (part[0] * part[1]) < 1.01, f"{lit} pixels of a region are lit")
+    settings.use_border = False
+
+
 def bake(folder):
     """Bake the floor's illuminance and return its row of the report."""
     # 2 m of floor at 32 lumels a metre make a map of 64 x 64.
@@ -209,6 +231,7 @@ def use(folder):
     open_box(package)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
     measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
+    check_regions(folder)
     measured["illuminance by a luminaire"] = bake_luminaire(package, folder / "luminaire")
     register_again(package)
     open_box(package)
