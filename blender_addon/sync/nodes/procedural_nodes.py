@@ -7,6 +7,7 @@ Every function takes the node's `Inputs` and returns the `Field` of the wanted o
 from dataclasses import dataclass
 from functools import cache
 
+import bpy
 import mathutils
 import numpy as np
 
@@ -30,6 +31,9 @@ _AFFORDABLE = 3e7
 
 _PIECE = 1 << 14
 """Places evaluated at once, so that intermediate results stay in the processor's cache."""
+
+_BY_BITS = bpy.app.version < (5, 0, 0)
+"""Whether Blender strews the points of Voronoi cells as before its version 5.0."""
 
 _PLACES = "values at places spread evenly over a unit cube are taken, and the mean of what comes of them is used"
 
@@ -95,11 +99,13 @@ def _places(at, inputs, grain):
     matrix = placement.matrix
     if not matrix[:3, :2].any():
         return constant(*matrix[:3, 3]), np.eye(4)
-    at.remark(
-        "A procedural texture never repeats", "it is drawn for one UV tile and repeated"
-    )
+    at.remark("A procedural texture never repeats", "it is drawn for one UV tile and repeated")
     layout = Layout(
-        placement.uv_map, np.eye(3), "closest" if grain.is_sharp else "linear", "repeat", at.node.name
+        placement.uv_map,
+        np.eye(3),
+        "closest" if grain.is_sharp else "linear",
+        "repeat",
+        at.node.name,
     )
     return Field(_tile(_side(at, inputs, grain, matrix)), layout), matrix
 
@@ -127,7 +133,9 @@ def _side(at, inputs, grain, matrix):
             f"The texture has about {waves:.4g} waves on a UV tile",
             f"it is drawn on {side} x {side} pixels, on which the finest are lost",
         )
-    pictures = [each.values.shape[:2] for each in inputs if not each.is_constant and not each.is_spread]
+    pictures = [
+        each.values.shape[:2] for each in inputs if not each.is_constant and not each.is_spread
+    ]
     return min(max([side, *(max(shape) for shape in pictures)]), fields.LARGEST_TILE)
 
 
@@ -143,9 +151,7 @@ def _other_places(at):
     if places is not None and places.is_spread:
         return places
     random = np.random.default_rng(0)
-    return spread(
-        np.stack([(random.permutation(SAMPLES) + 0.5) / SAMPLES for _ in range(3)], -1)
-    )
+    return spread(np.stack([(random.permutation(SAMPLES) + 0.5) / SAMPLES for _ in range(3)], -1))
 
 
 def _point(dimensions, places, w, scale):
@@ -194,7 +200,9 @@ def _noise(at):
             node.noise_type,
             node.normalize,
         )
-        return noise.draw_noise(_point(dimensions, places, w, scale), octaves, distortion, is_colour)
+        return noise.draw_noise(
+            _point(dimensions, places, w, scale), octaves, distortion, is_colour
+        )
 
     inputs = (w, scale, detail, roughness, lacunarity, distortion, offset, gain)
     work = 2**size / 8 * (3 if is_colour else 1)
@@ -229,6 +237,7 @@ def _voronoi(at):
             np.clip(smoothness / 2, 0, 0.5),
             exponent,
             np.clip(randomness, 0, 1),
+            _BY_BITS,
         )
         return _look(output, feature, _point(dimensions, places, w, scale), cells, scale)
 
@@ -254,7 +263,9 @@ def _look(output, feature, point, cells, scale):
         return found.distance[..., None]
     if output == "Color":
         return found.colour
-    place = [np.divide(each, scale, out=np.zeros_like(each), where=scale != 0) for each in found.place]
+    place = [
+        np.divide(each, scale, out=np.zeros_like(each), where=scale != 0) for each in found.place
+    ]
     size = len(place)
     if output == "W":
         return (place[-1] if size in {1, 4} else nothing)[..., None]

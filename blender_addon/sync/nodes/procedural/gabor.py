@@ -107,4 +107,6 @@ def _along_space(direction, isotropy, seed):
         np.sin(inclination) * np.sin(azimuth),
         np.cos(inclination),
     )
-    return [np.where(isotropy == 0, own, other) for own, other in zip(direction, turned, strict=True)]
+    return [
+        np.where(isotropy == 0, own, other) for own, other in zip(direction, turned, strict=True)
+    ]

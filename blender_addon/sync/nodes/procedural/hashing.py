@@ -95,6 +95,19 @@ def hash_to_colour(*keys) -> np.ndarray:
     return np.stack(parts, axis=-1)
 
 
+def hash_to_place(*keys) -> list[np.ndarray]:
+    """Return as many numbers 0..1 as keys, that follow from the keys' bits.
+
+    Parameters
+    ----------
+    keys : one to four arrays of float32
+    """
+    if len(keys) == 4:
+        return [hash_floats(*keys[4 - turn :], *keys[: 4 - turn]) for turn in range(4)]
+    seeds = [(), *((np.float32(seed),) for seed in range(1, len(keys)))]
+    return [hash_floats(*keys, *seed) for seed in seeds]
+
+
 def hash_cell(cell) -> list[np.ndarray]:
     """Return as many numbers 0..1 for a cell of a grid as it has coordinates.
 

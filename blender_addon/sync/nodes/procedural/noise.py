@@ -133,11 +133,20 @@ def _sum(point, octaves):
         more = sum_ + signed_noise(_scaled(point, scale)) * amplitude
         larger = largest + amplitude
         is_last = number == whole + 1
-        last_sum, last_largest = np.where(is_last, more, last_sum), np.where(is_last, larger, last_largest)
-        sum_, largest = np.where(number <= whole, more, sum_), np.where(number <= whole, larger, largest)
+        last_sum, last_largest = (
+            np.where(is_last, more, last_sum),
+            np.where(is_last, larger, last_largest),
+        )
+        sum_, largest = (
+            np.where(number <= whole, more, sum_),
+            np.where(number <= whole, larger, largest),
+        )
         amplitude, scale = amplitude * octaves.roughness, scale * octaves.lacunarity
     if octaves.normalize:
-        sum_, last_sum = 0.5 * sum_ / largest + 0.5, 0.5 * last_sum / np.where(rest > 0, last_largest, 1) + 0.5
+        sum_, last_sum = (
+            0.5 * sum_ / largest + 0.5,
+            0.5 * last_sum / np.where(rest > 0, last_largest, 1) + 0.5,
+        )
     return np.where(rest > 0, sum_ + rest * (last_sum - sum_), sum_)
 
 

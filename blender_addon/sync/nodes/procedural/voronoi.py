@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from .hashing import hash_cell, hash_floats, hash_to_colour
+from .hashing import hash_cell, hash_to_colour, hash_to_place
 
 MOST_DETAIL = 15.0
 """Octaves above the first at most."""
@@ -33,6 +33,7 @@ class Cells:
     metric : str    EUCLIDEAN, MANHATTAN, CHEBYCHEV or MINKOWSKI.
     normalize : bool    Whether distances are divided by the largest possible.
     smoothness : number or array    Half the node's, 0..0.5.
+    is_by_bits : bool    Whether points follow from the bits of floats, as before Blender 5.0.
     """
 
     feature: str
@@ -44,6 +45,7 @@ class Cells:
     smoothness: np.ndarray
     exponent: np.ndarray
     randomness: np.ndarray
+    is_by_bits: bool = False
 
 
 @dataclass
@@ -130,7 +132,9 @@ def _shares(cells):
     detail = np.where(np.equal(cells.roughness, 0), np.float32(0.0), cells.detail)
     whole = np.floor(detail)
     for number in range(int(np.ceil(detail.max())) + 1):
-        yield np.where(number <= whole, np.float32(1.0), np.where(number < detail + 1, detail - whole, 0))
+        yield np.where(
+            number <= whole, np.float32(1.0), np.where(number < detail + 1, detail - whole, 0)
+        )
 
 
 def _reach(size, cells):
@@ -170,26 +174,19 @@ def _steps(size, reach):
 
 def _strewn(cell, offset, cells):
     """Return the point of a neighbour cell, as seen from a cell."""
-    if len(cell) == 1:
-        numbers = [hash_floats(cell[0] + offset[0])]
-    else:
-        numbers = hash_cell(_neighbour(cell, offset))
-    return [
-        step + number * cells.randomness for step, number in zip(offset, numbers, strict=True)
-    ]
+    neighbour = [each + step for each, step in zip(cell, offset, strict=True)]
+    is_by_bits = cells.is_by_bits or len(cell) == 1
+    numbers = hash_to_place(*neighbour) if is_by_bits else hash_cell(neighbour)
+    return [step + number * cells.randomness for step, number in zip(offset, numbers, strict=True)]
 
 
-def _neighbour(cell, offset):
-    return [each.astype(np.int32) + np.asarray(step, np.int32) for each, step in zip(cell, offset, strict=True)]
-
-
-def _colour(cell, offset):
-    if len(cell) == 1:
-        return hash_to_colour(cell[0] + offset[0])
-    numbers = _neighbour(cell, offset)
+def _colour(cell, offset, cells):
+    neighbour = [each + step for each, step in zip(cell, offset, strict=True)]
+    if cells.is_by_bits or len(cell) == 1:
+        return hash_to_colour(*neighbour)
     if len(cell) == 2:
-        numbers = [*numbers, np.int32(0)]
-    return np.stack(np.broadcast_arrays(*hash_cell(numbers)[:3]), axis=-1)
+        neighbour.append(np.zeros_like(neighbour[0]))
+    return np.stack(hash_cell(neighbour)[:3], axis=-1)
 
 
 def _squared(first, second):
@@ -235,10 +232,10 @@ class _Nearest:
             _chosen(is_nearer, place, self.place),
         )
 
-    def found(self, cell):
+    def found(self, cell, cells):
         """Return the point's own look."""
         place = [each + part for each, part in zip(self.place, cell, strict=True)]
-        return Found(self.distance, _colour(cell, self.offset), place)
+        return Found(self.distance, _colour(cell, self.offset, cells), place)
 
 
 def _nowhere(size):
@@ -257,7 +254,7 @@ def _nearest(cell, local, cells, measure=None):
 
 
 def _first(cell, local, cells):
-    return _nearest(cell, local, cells, lambda away: _measure(away, cells)).found(cell)
+    return _nearest(cell, local, cells, lambda away: _measure(away, cells)).found(cell, cells)
 
 
 def _second(cell, local, cells):
@@ -270,7 +267,7 @@ def _second(cell, local, cells):
         second = second.replaced(is_second, distance, step, place)
         second = second.replaced(is_first, first.distance, first.offset, first.place)
         first = first.replaced(is_first, distance, step, place)
-    return second.found(cell)
+    return second.found(cell, cells)
 
 
 def _smooth(cell, local, cells):
@@ -278,7 +275,7 @@ def _smooth(cell, local, cells):
     total = None
     for step in _steps(len(cell), 2):
         place = _strewn(cell, step, cells)
-        distance, colour = _measure(_away(place, local), cells), _colour(cell, step)
+        distance, colour = _measure(_away(place, local), cells), _colour(cell, step, cells)
         if total is None:
             total = Found(distance, colour, place)
             continue
@@ -311,7 +308,9 @@ def _distance_to_edge(point, cells):
         across = _away(away, nearest)
         squared = sum(each * each for each in across)
         is_other = squared > _PARALLEL
-        middle = sum((one + other) / 2 * part for one, other, part in zip(nearest, away, across, strict=True))
+        middle = sum(
+            (one + other) / 2 * part for one, other, part in zip(nearest, away, across, strict=True)
+        )
         distance = middle / np.sqrt(np.where(is_other, squared, 1))
         least = np.where(is_other, np.minimum(least, distance), least)
     return least

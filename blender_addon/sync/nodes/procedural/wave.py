@@ -12,7 +12,9 @@ from .noise import Octaves, fractal_noise
 _AXES = {"X": 0, "Y": 1, "Z": 2}
 
 
-def draw_wave(point, form: str, direction: str, profile: str, phase, distortion, noise_scale, octaves: Octaves):
+def draw_wave(
+    point, form: str, direction: str, profile: str, phase, distortion, noise_scale, octaves: Octaves
+):
     """Return Blender's Wave Texture.
 
     Parameters
@@ -30,7 +32,9 @@ def draw_wave(point, form: str, direction: str, profile: str, phase, distortion,
     array    The points' shape and one channel, 0..1.
     """
     # Whole numbers would lie on the edge between two waves.
-    point = [(np.asarray(each, np.float32) + np.float32(1e-6)) * np.float32(0.999999) for each in point]
+    point = [
+        (np.asarray(each, np.float32) + np.float32(1e-6)) * np.float32(0.999999) for each in point
+    ]
     measure = _along_bands if form == "BANDS" else _across_rings
     angle = measure(point, direction) + phase
     if np.any(distortion):

@@ -94,7 +94,9 @@ def waves():
         inputs = {"Scale": 0.4, "Distortion": 1.5, "Detail": 1.5, "Detail Scale": 0.8}
         inputs |= {"Detail Roughness": 0.4, "Phase Offset": 0.6}
         yield Case("Wave", "Fac", settings | {"wave_profile": profile}, inputs)
-        yield Case("Wave", "Color", settings | {"wave_profile": profile}, {"Scale": 0.3}, middle=-9.0)
+        yield Case(
+            "Wave", "Color", settings | {"wave_profile": profile}, {"Scale": 0.3}, middle=-9.0
+        )
 
 
 def others():
@@ -109,7 +111,9 @@ def others():
     for dimensions, output in product(DIMENSIONS, ("Value", "Color")):
         for width in (1.0, 1e5):
             yield Case("WhiteNoise", output, {"noise_dimensions": dimensions}, width=width)
-    for kind, output, anisotropy in product(("2D", "3D"), ("Value", "Phase", "Intensity"), (1.0, 0.3)):
+    for kind, output, anisotropy in product(
+        ("2D", "3D"), ("Value", "Phase", "Intensity"), (1.0, 0.3)
+    ):
         inputs = {"Scale": 0.8, "Frequency": 2.2, "Anisotropy": anisotropy}
         inputs |= {"Orientation 2D": 0.3} if kind == "2D" else {"Orientation 3D": (0.5, -0.4, 0.8)}
         yield Case("Gabor", output, {"gabor_type": kind}, inputs)
@@ -117,11 +121,7 @@ def others():
 
 CASES = [*noises(), *voronois(), *waves(), *others()]
 
-QUICK = [
-    each
-    for number, each in enumerate(CASES)
-    if number in {4, 13, 22, 31, 57}
-]
+QUICK = [each for number, each in enumerate(CASES) if number in {4, 13, 22, 31, 57}]
 
 
 def add_places(tree, case, seed=5):
