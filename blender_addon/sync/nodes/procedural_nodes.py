@@ -23,11 +23,14 @@ _SMALLEST, _LARGEST = 256, 1024
 _WAVE = 16
 """Pixels for the finest wave or cell that counts, where so many are affordable."""
 
+_COARSEST = 4
+"""Pixels for a wave or cell with which it is still to be recognised."""
+
 _FAINT = 0.1
 """Octaves fainter than this count for nothing in the choice of a picture."""
 
-_AFFORDABLE = 3e7
-"""Noises or points of cells that one picture may take, about ten seconds' worth."""
+_AFFORDABLE = 1e7
+"""Noises in three dimensions that one picture may take, about five seconds' worth."""
 
 _PIECE = 1 << 14
 """Places evaluated at once, so that intermediate results stay in the processor's cache."""
@@ -46,14 +49,14 @@ class _Grain:
     ----------
     waves : float    Waves or cells per unit of the coordinates.
     octaves : float    Octaves above the first.
-    work : float    Noises or points of cells for one octave at one place.
-    is_sharp : bool    Whether places are not interpolated.
+    work : float    What one octave at one place costs, in noises in three dimensions.
+    is_endless : bool    Whether every place has a value of its own.
     """
 
     waves: float
     octaves: float = 0.0
     work: float = 1.0
-    is_sharp: bool = False
+    is_endless: bool = False
 
 
 def _draw(at, draw, inputs, grain, has_places=True):
@@ -69,11 +72,25 @@ def _draw(at, draw, inputs, grain, has_places=True):
     has_places : bool    Whether the texture depends on its Vector input.
     """
     places, matrix = _places(at, inputs, grain) if has_places else (constant(0, 0, 0), np.eye(4))
+    places, *inputs = _of_one_kind(at, places, *inputs)
 
     def drawn(places, matrix, *values):
         return _by_pieces(draw, places, matrix.reshape(3, 4), values)
 
     return at.map(drawn, places, constant(*matrix[:3].ravel()), *inputs)
+
+
+def _of_one_kind(at, *varying):
+    """Return fields of which either none is made of samples or none is a picture, so that the texture is drawn once."""
+    kinds = [field.is_spread for field in varying if not field.is_constant]
+    if len(set(kinds)) < 2:
+        return varying
+    at.note("Inputs vary over a UV map, and others in another way", "the mean of some is used")
+    is_other = [not field.is_constant and field.is_spread != kinds[0] for field in varying]
+    return [
+        Field(field.mean(), None, field.is_stand_in) if is_mean else field
+        for field, is_mean in zip(varying, is_other, strict=True)
+    ]
 
 
 def _by_pieces(draw, places, matrix, values):
@@ -103,7 +120,7 @@ def _places(at, inputs, grain):
     layout = Layout(
         placement.uv_map,
         np.eye(3),
-        "closest" if grain.is_sharp else "linear",
+        "closest" if grain.is_endless else "linear",
         "repeat",
         at.node.name,
     )
@@ -123,20 +140,21 @@ def _tile(side):
 def _side(at, inputs, grain, matrix):
     """Return the side of the picture that a texture is drawn on."""
     waves = grain.waves * np.linalg.norm(matrix[:3, :2], axis=0).max()
-    work = grain.work * (1 + grain.octaves)
-    affordable = np.clip(np.sqrt(_AFFORDABLE / work), _SMALLEST / 2, _LARGEST)
+    affordable = np.sqrt(_AFFORDABLE / (grain.work * (1 + grain.octaves)))
     side = int(2 ** np.ceil(np.log2(np.clip(waves * _WAVE, _SMALLEST, _LARGEST))))
-    while side > affordable:
+    while side > max(affordable, _SMALLEST / 2):
         side //= 2
-    if side < 4 * waves:
+    if grain.is_endless:
+        side = _LARGEST
+        at.remark("Every point has a value of its own", f"{side} x {side} values are drawn")
+    elif side < _COARSEST * waves:
         at.note(
-            f"The texture has about {waves:.4g} waves on a UV tile",
-            f"it is drawn on {side} x {side} pixels, on which the finest are lost",
+            f"Details of the texture are only {1 / waves:.2g} of a UV tile wide",
+            f"it is drawn on {side} x {side} pixels, on which they are lost",
         )
-    pictures = [
-        each.values.shape[:2] for each in inputs if not each.is_constant and not each.is_spread
-    ]
-    return min(max([side, *(max(shape) for shape in pictures)]), fields.LARGEST_TILE)
+    pictures = [each for each in inputs if not (each.is_constant or each.is_spread)]
+    finest = [int(np.ceil(fields.pixels_on(each, np.eye(3)).max())) for each in pictures]
+    return min(max([side, *finest]), fields.LARGEST_TILE)
 
 
 def _other_places(at):
@@ -318,7 +336,7 @@ def _white_noise(at):
     def draw(places, w):
         return white_noise.draw_white_noise(_point(dimensions, places, w, 1), is_colour)
 
-    return _draw(at, draw, (w,), _Grain(_LARGEST / 4, is_sharp=True), size > 1)
+    return _draw(at, draw, (w,), _Grain(1.0, is_endless=True), size > 1)
 
 
 def _gabor(at):

@@ -46,8 +46,8 @@ def draw_gabor(point, frequency, anisotropy, direction) -> dict[str, np.ndarray]
     if size == 3:
         direction = _unit(direction)
     real = imaginary = np.float32(0.0)
-    for step in product((-1, 0, 1), repeat=size):
-        step = [np.float32(part) for part in step[::-1]]
+    steps = [np.float32(part) for part in (-1, 0, 1)]
+    for step in product(steps, repeat=size):
         corner = [each + part for each, part in zip(cell, step, strict=True)]
         inside = [each - part for each, part in zip(local, step, strict=True)]
         for number in range(0, 3 * _SPOTS, 3):

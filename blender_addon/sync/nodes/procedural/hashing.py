@@ -47,8 +47,8 @@ def hash_integers(*keys) -> np.ndarray:
     start = np.uint32((_START + 4 * len(keys) + 13) & 0xFFFFFFFF)
     words = [np.full(shape, start) for _ in range(3)]
     with np.errstate(over="ignore"):
-        for word, key in zip(words, keys, strict=False):
-            word += key
+        for number, key in enumerate(keys[:3]):
+            words[number] += key
         if len(keys) == 4:
             for changed, other, turn, third in _MIXING:
                 words[changed] -= words[other]

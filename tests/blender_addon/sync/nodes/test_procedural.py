@@ -105,7 +105,7 @@ def others():
         yield Case("Magic", "Color", {"turbulence_depth": depth}, inputs)
     yield Case("Magic", "Fac", {"turbulence_depth": 0}, {"Scale": 2.0}, middle=30.0)
     gradients = bpy.types.ShaderNodeTexGradient.bl_rna.properties["gradient_type"].enum_items
-    for form in gradients.keys():
+    for form in [each.identifier for each in gradients]:
         yield Case("Gradient", "Fac", {"gradient_type": form}, width=1.5)
         yield Case("Gradient", "Color", {"gradient_type": form}, width=1.5, middle=0.4)
     for dimensions, output in product(DIMENSIONS, ("Value", "Color")):
