@@ -11,6 +11,7 @@ import bpy
 import mathutils
 import numpy as np
 
+from ....engine.scene.memo import recall
 from . import fields
 from .fields import SAMPLES, Field, Layout, constant, rgb, spread
 from .mapping import legacy_matrix
@@ -37,6 +38,9 @@ _PIECE = 1 << 14
 
 _BY_BITS = bpy.app.version < (5, 0, 0)
 """Whether Blender strews the points of Voronoi cells as before its version 5.0."""
+
+_AT_THEIR_OWN = {"ShaderNodeTexWhiteNoise"}
+"""Textures that have no coordinates of the object where nothing is linked."""
 
 _PLACES = "values at places spread evenly over a unit cube are taken, and the mean of what comes of them is used"
 
@@ -73,6 +77,8 @@ def _draw(at, draw, inputs, grain, has_places=True):
     """
     places, matrix = _places(at, inputs, grain) if has_places else (constant(0, 0, 0), np.eye(4))
     places, *inputs = _of_one_kind(at, places, *inputs)
+    if not places.is_constant:
+        inputs = [_no_finer(each, places) for each in inputs]
 
     def drawn(places, matrix, *values):
         return _by_pieces(draw, places, matrix.reshape(3, 4), values)
@@ -93,6 +99,26 @@ def _of_one_kind(at, *varying):
     ]
 
 
+def _no_finer(field, places):
+    """Return a field as it is at the pixels of the tile that a texture is drawn on, if it is finer than those."""
+    side = places.values.shape[0]
+    if field.is_constant or field.is_spread or _side_of(field) <= side:
+        return field
+    if field.layout.uv_map != places.layout.uv_map:
+        return field
+    transform = field.layout.transform
+    u, v = np.moveaxis(_tile(side)[..., :2] @ transform[:2, :2].T + transform[:2, 2], -1, 0)
+    values = recall(
+        field.values, ("on tile", side, *field.key()[1:]), lambda _: fields.look_up(field, u, v)
+    )
+    return Field(values, places.layout, field.is_stand_in)
+
+
+def _side_of(field):
+    """Return how many pixels of a picture lie along a UV tile, at most."""
+    return int(np.ceil(fields.pixels_on(field, np.eye(3)).max()))
+
+
 def _by_pieces(draw, places, matrix, values):
     arrays = (rgb(places), *values)
     shape = np.broadcast_shapes(*(each.shape[:-1] for each in arrays))
@@ -102,7 +128,8 @@ def _by_pieces(draw, places, matrix, values):
     for start in range(0, len(places), _PIECE):
         piece = slice(start, start + _PIECE)
         moved = places[piece] @ matrix[:, :3].T.astype(np.float64) + matrix[:, 3]
-        made = draw(moved.T.astype(np.float32), *(each[piece, 0] for each in values))
+        with np.errstate(all="ignore"):
+            made = draw(moved.T.astype(np.float32), *(each[piece, 0] for each in values))
         pieces.append(np.broadcast_to(made, (len(moved), made.shape[-1])))
     return np.concatenate(pieces).reshape(*shape, -1)
 
@@ -140,21 +167,22 @@ def _tile(side):
 def _side(at, inputs, grain, matrix):
     """Return the side of the picture that a texture is drawn on."""
     waves = grain.waves * np.linalg.norm(matrix[:3, :2], axis=0).max()
+    pictures = [each for each in inputs if not (each.is_constant or each.is_spread)]
+    finest = min(max([0, *map(_side_of, pictures)]), fields.LARGEST_TILE)
+    if grain.is_endless:
+        at.remark("Every point has a value of its own", f"{_LARGEST} x {_LARGEST} are drawn")
+        return _LARGEST
+    wanted = max(np.clip(waves * _WAVE, _SMALLEST, _LARGEST), finest)
     affordable = np.sqrt(_AFFORDABLE / (grain.work * (1 + grain.octaves)))
-    side = int(2 ** np.ceil(np.log2(np.clip(waves * _WAVE, _SMALLEST, _LARGEST))))
+    side = int(2 ** np.ceil(np.log2(wanted)))
     while side > max(affordable, _SMALLEST / 2):
         side //= 2
-    if grain.is_endless:
-        side = _LARGEST
-        at.remark("Every point has a value of its own", f"{side} x {side} values are drawn")
-    elif side < _COARSEST * waves:
+    if side < _COARSEST * waves:
         at.note(
             f"Details of the texture are only {1 / waves:.2g} of a UV tile wide",
             f"it is drawn on {side} x {side} pixels, on which they are lost",
         )
-    pictures = [each for each in inputs if not (each.is_constant or each.is_spread)]
-    finest = [int(np.ceil(fields.pixels_on(each, np.eye(3)).max())) for each in pictures]
-    return min(max([side, *finest]), fields.LARGEST_TILE)
+    return side
 
 
 def _other_places(at):
@@ -165,6 +193,8 @@ def _other_places(at):
         places = at.field(socket)
         if not places.is_stand_in:
             return places
+    elif at.node.bl_idname in _AT_THEIR_OWN:
+        return at.field(socket)
     at.note("A procedural texture without a UV map", _PLACES)
     if places is not None and places.is_spread:
         return places

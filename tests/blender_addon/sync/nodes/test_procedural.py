@@ -6,6 +6,7 @@ from itertools import product
 import bpy
 import numpy as np
 import pytest
+from lumenray.blender_addon.sync.nodes import fields
 from material_trees import PIXELS, add_image, add_texture, evaluate, output_of
 
 pytestmark = pytest.mark.blender
@@ -176,3 +177,147 @@ def test_some_textures_are_those_of_cycles(tree, cycles_colour, case):
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_textures_are_those_of_cycles(tree, cycles_colour, case):
     check(tree, cycles_colour, case)
+
+
+ON_A_MAP = [
+    Case("Noise", "Color", {"noise_dimensions": "3D"}, {"Scale": 3.0, "Detail": 1.0}),
+    Case("Voronoi", "Distance", {"feature": "SMOOTH_F1"}, {"Scale": 2.0}),
+    Case("Wave", "Fac", {"wave_type": "RINGS"}, {"Scale": 0.5, "Distortion": 1.0}),
+    Case("Magic", "Color", {"turbulence_depth": 2}, {"Scale": 1.0}),
+    Case("Gradient", "Color", {"gradient_type": "DIAGONAL"}),
+    Case("Gabor", "Value", {"gabor_type": "2D"}, {"Scale": 2.0, "Frequency": 1.0}),
+]
+
+
+def add_on_a_map(tree, case, **mapping):
+    """Add a texture on a UV map that is moved, turned and scaled; return the node."""
+    values = {"Location": (0.3, -0.7, 0.4), "Rotation": (0.2, 0.1, 0.5), "Scale": (1.2, -0.8, 1.0)}
+    mapped = tree.add("Mapping", Vector=tree.add("UVMap").outputs[0], **(values | mapping))
+    node = tree.add(f"Tex{case.kind}", attributes=case.settings, Vector=mapped.outputs[0])
+    for name, value in case.inputs.items():
+        node.inputs[name].default_value = value
+    return node
+
+
+def messages(report):
+    return [row["message"] for row in report.to_dicts()]
+
+
+@pytest.mark.parametrize("case", ON_A_MAP, ids=str)
+def test_textures_on_a_uv_map_are_drawn_as_in_cycles(tree, cycles_colour, case):
+    output = output_of(add_on_a_map(tree, case), case.output)
+    ours, report = evaluate(tree, output)
+    theirs = cycles_colour(tree, output)
+    # Cycles looks at a random place near each pixel's middle, and ours is interpolated between pixels.
+    assert ours == pytest.approx(theirs, abs=0.01)
+    assert np.ptp(theirs) > 0.2
+    assert messages(report) == ["A procedural texture never repeats"]
+
+
+def test_an_input_that_varies_over_the_same_map_counts_place_by_place(tree, cycles_colour):
+    case = Case("Noise", "Fac", {"noise_dimensions": "4D"}, {"Scale": 2.0, "Detail": 1.0})
+    node = add_on_a_map(tree, case)
+    _, more = add_places(tree, case)
+    tree.set(node, "W", more)
+    ours, _ = evaluate(tree, output_of(node, "Fac"))
+    assert ours == pytest.approx(cycles_colour(tree, output_of(node, "Fac")), abs=0.02)
+
+
+def test_a_picture_finer_than_is_affordable_counts_at_the_pixels_that_are_drawn(
+    tree, cycles_colour
+):
+    case = Case("Voronoi", "Distance", {"feature": "SMOOTH_F1", "voronoi_dimensions": "3D"})
+    node = add_on_a_map(tree, case)
+    node.inputs["Scale"].default_value = 1.5
+    ramp = np.broadcast_to(np.linspace(0.2, 1, 600)[:, None, None], (600, 600, 3))
+    tree.set(node, "Randomness", add_texture(tree, add_image("Ramp", ramp)).outputs["Color"])
+    ours, report = evaluate(tree, output_of(node, "Distance"))
+    assert ours == pytest.approx(cycles_colour(tree, output_of(node, "Distance")), abs=0.01)
+    assert messages(report) == ["A procedural texture never repeats"]
+
+
+def test_a_texture_at_one_place_is_one_colour_without_a_row(tree, cycles_colour):
+    place = tree.add("CombineXYZ", X=0.3, Y=-0.7, Z=0.4).outputs[0]
+    output = tree.add("TexNoise", Vector=place).outputs["Color"]
+    ours, report = evaluate(tree, output)
+    assert not report.rows
+    assert ours == pytest.approx(cycles_colour(tree, output), abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "inputs"),
+    [
+        ("WhiteNoise", {"noise_dimensions": "3D"}, {}),
+        ("WhiteNoise", {"noise_dimensions": "1D"}, {"W": 1.7}),
+        ("Noise", {"noise_dimensions": "1D"}, {"W": 1.7}),
+        ("Voronoi", {"voronoi_dimensions": "1D"}, {"W": -3.2}),
+    ],
+)
+def test_what_depends_on_no_place_is_one_colour_without_a_row(
+    tree, cycles_colour, kind, settings, inputs
+):
+    output = tree.add(f"Tex{kind}", attributes=settings, **inputs).outputs["Color"]
+    ours, report = evaluate(tree, output)
+    assert not report.rows
+    assert ours == pytest.approx(cycles_colour(tree, output), abs=1e-4)
+
+
+def test_white_noise_on_a_map_is_spread_evenly_and_told(tree):
+    case = Case("WhiteNoise", "Value", {"noise_dimensions": "3D"})
+    ours, report = evaluate(tree, output_of(add_on_a_map(tree, case), "Value"), 128)
+    counts, _ = np.histogram(ours[..., 0], bins=8, range=(0, 1))
+    assert counts == pytest.approx(np.full(8, counts.sum() / 8), abs=4 * np.sqrt(counts.sum() / 8))
+    assert "Every point has a value of its own" in messages(report)
+
+
+def test_details_that_no_picture_can_hold_are_told(tree):
+    case = Case("Voronoi", "Color", inputs={"Scale": 3000.0})
+    _, report = evaluate(tree, output_of(add_on_a_map(tree, case), "Color"))
+    assert any("Details of the texture" in each for each in messages(report))
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Case("Noise", "Fac", {"noise_type": "RIDGED_MULTIFRACTAL"}, {"Offset": 0.9, "Gain": 1.5}),
+        Case("Voronoi", "Distance", {"feature": "F2"}),
+        Case("Magic", "Color", {"turbulence_depth": 2}),
+        Case("Wave", "Fac", {"wave_profile": "SIN"}),
+        Case("Gradient", "Fac", {"gradient_type": "SPHERICAL"}),
+        Case("Gabor", "Intensity", {"gabor_type": "3D"}),
+    ],
+    ids=str,
+)
+def test_what_stands_for_a_texture_without_a_map_has_its_mean(tree, cycles_colour, case):
+    node = tree.add(f"Tex{case.kind}", attributes=case.settings)
+    for name, value in case.inputs.items():
+        node.inputs[name].default_value = value
+    ours, report = evaluate(tree, output_of(node, case.output))
+    assert messages(report) == ["A procedural texture without a UV map"]
+    cube = np.random.default_rng(2).uniform(0, 1, (128, 128, 3))
+    tree.set(node, "Vector", add_texture(tree, add_image("Cube", cube)).outputs["Color"])
+    theirs = cycles_colour(tree, output_of(node, case.output), 128)
+    error = 4 * theirs.std(axis=(0, 1)) / np.sqrt(fields.SAMPLES)
+    assert (np.abs(ours[0, 0] - theirs.mean(axis=(0, 1))) < error + 1e-3).all()
+
+
+def test_a_mapping_counts_where_coordinates_are_no_map(tree):
+    generated = tree.add("TexCoord").outputs["Generated"]
+    mapped = tree.add("Mapping", Vector=generated, Scale=(0.1, 1.0, 1.0), Location=(0.2, 0, 0))
+    gradient = tree.add("TexGradient", Vector=mapped.outputs[0])
+    ours, _ = evaluate(tree, gradient.outputs["Fac"])
+    assert ours[0, 0, 0] == pytest.approx(0.25, abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["POINT", "TEXTURE", "VECTOR", "NORMAL"])
+def test_mapping_of_colours_is_that_of_cycles(tree, cycles_colour, kind):
+    place, _ = add_places(tree, Case("Noise", "Fac"))
+    values = {"Rotation": (0.4, -0.3, 0.9), "Scale": (1.3, -0.6, 0.5)}
+    if kind in {"POINT", "TEXTURE"}:
+        values["Location"] = (0.5, -0.2, 0.3)
+    mapped = tree.add("Mapping", attributes={"vector_type": kind}, Vector=place, **values)
+    raised = tree.add("VectorMath", attributes={"operation": "ADD"})
+    tree.material.node_tree.links.new(mapped.outputs[0], raised.inputs[0])
+    raised.inputs[1].default_value = [50.0] * 3
+    ours, _ = evaluate(tree, raised.outputs[0])
+    assert ours == pytest.approx(cycles_colour(tree, raised.outputs[0]), abs=1e-3)
