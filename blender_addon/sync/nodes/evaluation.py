@@ -7,11 +7,16 @@ import numpy as np
 from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
-from . import colour_nodes, procedural_nodes, stand_ins, texture_nodes
+from . import colour_nodes, coordinate_nodes, procedural_nodes, stand_ins, texture_nodes
 from .fields import Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
-_FUNCTIONS = colour_nodes.FUNCTIONS | texture_nodes.FUNCTIONS | procedural_nodes.FUNCTIONS
+_FUNCTIONS = (
+    colour_nodes.FUNCTIONS
+    | texture_nodes.FUNCTIONS
+    | procedural_nodes.FUNCTIONS
+    | coordinate_nodes.FUNCTIONS
+)
 
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}
 _TRIPLES = {"RGBA", "VECTOR", "ROTATION"}

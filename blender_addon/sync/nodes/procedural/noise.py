@@ -127,27 +127,18 @@ def _scaled(point, factor):
 def _sum(point, octaves):
     whole, most, rest = _count(octaves)
     scale = amplitude = np.float32(1.0)
-    sum_, largest = np.float32(0.0), np.float32(0.0)
-    last_sum = last_largest = np.float32(0.0)
+    total = reach = last_total = last_reach = np.float32(0.0)
     for number in range(most + (2 if np.any(rest) else 1)):
-        more = sum_ + signed_noise(_scaled(point, scale)) * amplitude
-        larger = largest + amplitude
-        is_last = number == whole + 1
-        last_sum, last_largest = (
-            np.where(is_last, more, last_sum),
-            np.where(is_last, larger, last_largest),
-        )
-        sum_, largest = (
-            np.where(number <= whole, more, sum_),
-            np.where(number <= whole, larger, largest),
-        )
+        more, farther = total + signed_noise(_scaled(point, scale)) * amplitude, reach + amplitude
+        is_whole, is_last = number <= whole, number == whole + 1
+        last_total = np.where(is_last, more, last_total)
+        last_reach = np.where(is_last, farther, last_reach)
+        total, reach = np.where(is_whole, more, total), np.where(is_whole, farther, reach)
         amplitude, scale = amplitude * octaves.roughness, scale * octaves.lacunarity
     if octaves.normalize:
-        sum_, last_sum = (
-            0.5 * sum_ / largest + 0.5,
-            0.5 * last_sum / np.where(rest > 0, last_largest, 1) + 0.5,
-        )
-    return np.where(rest > 0, sum_ + rest * (last_sum - sum_), sum_)
+        total = 0.5 * total / reach + 0.5
+        last_total = 0.5 * last_total / np.where(rest > 0, last_reach, 1) + 0.5
+    return np.where(rest > 0, total + rest * (last_total - total), total)
 
 
 def _shares(octaves, first):
@@ -238,9 +229,9 @@ def draw_noise(point, octaves: Octaves, distortion, is_colour: bool) -> np.ndarr
 
 def _moved(point, seed):
     """Return the point at another place, 100 to 200 away on each axis, that follows from a number."""
-    seed = np.float32(seed)
+    keys = [(np.float32(seed), np.float32(axis)) for axis in range(len(point))]
     if len(point) == 1:
-        return [point[0] + (100 + 100 * hash_floats(seed))]
-    return [
-        each + (100 + 100 * hash_floats(seed, np.float32(axis))) for axis, each in enumerate(point)
-    ]
+        keys = [(np.float32(seed),)]
+    hundred = np.float32(100)
+    moves = [hundred + hundred * hash_floats(*key) for key in keys]
+    return [each + move for each, move in zip(point, moves, strict=True)]
