@@ -144,7 +144,8 @@ def _wave(at):
     inputs = scale, distortion, detail, _, _, _ = [at(name) for name in names]
 
     def draw(places, scale, distortion, detail, noise_scale, roughness, phase):
-        octaves = noise.Octaves(np.clip(detail, 0, noise.MOST_DETAIL), roughness)
+        # Of the Noise Texture alone Blender takes no detail below 0; from -1 on there is no octave.
+        octaves = noise.Octaves(np.clip(detail, -0.999, noise.MOST_DETAIL), roughness)
         point = [np.asarray(each * scale, np.float32) for each in places]
         return wave.draw_wave(
             point, form, direction, profile, phase, distortion, noise_scale, octaves

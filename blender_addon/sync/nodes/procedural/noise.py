@@ -116,8 +116,8 @@ def fractal_noise(point, octaves: Octaves) -> np.ndarray:
 def _count(octaves):
     """Return the number of whole octaves, place by place, the largest, and the share of the last one."""
     detail = np.asarray(octaves.detail, np.float32)
-    whole = np.floor(detail)
-    return whole, int(whole.max()), detail - whole
+    whole = np.trunc(detail)
+    return whole, int(whole.max()), detail - np.floor(detail)
 
 
 def _scaled(point, factor):

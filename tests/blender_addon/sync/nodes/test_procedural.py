@@ -179,6 +179,60 @@ def test_textures_are_those_of_cycles(tree, cycles_colour, case):
     check(tree, cycles_colour, case)
 
 
+RANGES = {
+    "Scale": (0.5, 1.5),
+    "Detail": (-0.5, 4.0),
+    "Roughness": (0.1, 0.8),
+    "Lacunarity": (1.5, 2.5),
+    "Offset": (0.0, 1.0),
+    "Gain": (0.5, 1.5),
+    "Distortion": (0.1, 1.0),
+    "Smoothness": (-0.3, 1.2),
+    "Exponent": (0.7, 3.0),
+    "Randomness": (-0.1, 1.1),
+    "Detail Scale": (0.5, 2.0),
+    "Detail Roughness": (0.1, 0.8),
+    "Phase Offset": (0.0, 6.0),
+    "Frequency": (0.5, 3.0),
+    "Anisotropy": (-0.1, 1.1),
+    "Orientation 2D": (0.0, 3.0),
+    "Orientation 3D": (0.1, 1.0),
+}
+
+VARIED = [
+    *(Case("Noise", "Fac", {"noise_type": kind, "noise_dimensions": "3D"}) for kind in NOISES),
+    *(
+        Case("Voronoi", "Distance", {"feature": feature, "distance": "MINKOWSKI"})
+        for feature in FEATURES[:4]
+    ),
+    Case("Wave", "Fac", {"wave_profile": "SIN"}),
+    Case("Magic", "Color", {"turbulence_depth": 4}),
+    Case("Gabor", "Value", {"gabor_type": "2D"}),
+    Case("Gabor", "Value", {"gabor_type": "3D"}),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", VARIED, ids=str)
+def test_all_inputs_may_vary_from_place_to_place(tree, cycles_colour, case):
+    output = add_case(tree, case)
+    random = np.random.default_rng(8)
+    for socket in output.node.inputs:
+        if not socket.enabled or socket.name not in RANGES:
+            continue
+        values = random.uniform(*RANGES[socket.name], (PIXELS, PIXELS, 3))
+        picture = add_texture(tree, add_image(socket.name, values)).outputs["Color"]
+        if socket.type != "VECTOR":
+            picture = tree.add("SeparateColor", Color=picture).outputs["Red"]
+        tree.material.node_tree.links.new(picture, socket)
+    raised = tree.add("VectorMath", attributes={"operation": "ADD"})
+    tree.material.node_tree.links.new(output, raised.inputs[0])
+    raised.inputs[1].default_value = [50.0] * 3
+    ours, report = evaluate(tree, raised.outputs[0])
+    assert not report.rows
+    assert ours == pytest.approx(cycles_colour(tree, raised.outputs[0]), abs=1e-3)
+
+
 ON_A_MAP = [
     Case("Noise", "Color", {"noise_dimensions": "3D"}, {"Scale": 3.0, "Detail": 1.0}),
     Case("Voronoi", "Distance", {"feature": "SMOOTH_F1"}, {"Scale": 2.0}),
