@@ -24,12 +24,17 @@ def _point(dimensions, places, w, scale):
 
 
 def _largest(field):
-    return float(np.max(np.abs(field.limits())))
+    return float(np.nan_to_num(np.max(np.abs(field.limits()))))
+
+
+def _octaves(detail):
+    """Return the most octaves above the first."""
+    return min(_largest(detail), noise.MOST_DETAIL)
 
 
 def _octaves_that_count(detail, roughness):
     """Return how many octaves above the first are to be seen."""
-    many, faintest = min(_largest(detail), noise.MOST_DETAIL), min(_largest(roughness), 1.0)
+    many, faintest = _octaves(detail), min(_largest(roughness), 1.0)
     if faintest < 1:
         many = min(many, np.log(_FAINT) / np.log(max(faintest, 1e-6)))
     return many
@@ -37,8 +42,10 @@ def _octaves_that_count(detail, roughness):
 
 def _grain(waves, scale, detail, roughness, lacunarity, work, factor=1.0):
     count = _octaves_that_count(detail, roughness)
-    finer = max(_largest(lacunarity), 1.0) ** np.ceil(count)
-    return Grain(waves * _largest(scale) * finer * factor, _largest(detail), work)
+    with np.errstate(over="ignore"):
+        finer = np.float64(max(_largest(lacunarity), 1.0)) ** np.ceil(count)
+        waves = waves * _largest(scale) * finer * factor
+    return Grain(waves, _octaves(detail), work)
 
 
 def _noise(at):
@@ -152,7 +159,7 @@ def _wave(at):
         )
 
     waves = 10 / np.pi * _largest(scale) * (1 + 0.1 * _largest(distortion))
-    return draw_texture(at, draw, inputs, Grain(waves, _largest(detail)))
+    return draw_texture(at, draw, inputs, Grain(waves, _octaves(detail)))
 
 
 def _magic(at):

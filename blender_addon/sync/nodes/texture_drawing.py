@@ -1,7 +1,6 @@
 """Textures that are calculated from coordinates: as a picture of a UV tile, or at samples where there is no UV map."""
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -62,15 +61,32 @@ def draw_texture(at, draw, inputs, grain, has_places=True):
     grain : Grain
     has_places : bool    Whether the texture depends on its Vector input.
     """
-    places, matrix = _places(at, inputs, grain) if has_places else (constant(0, 0, 0), np.eye(4))
-    places, *inputs = _of_one_kind(at, places, *inputs)
-    if not places.is_constant:
+    inputs = [_finite(at, each) for each in inputs]
+    placement = placement_of(at, is_uv_by_default=False) if has_places else None
+    if not has_places:
+        places, matrix = constant(0, 0, 0), np.eye(4)
+    elif placement is None:
+        legacy = legacy_matrix(at.node)
+        places, matrix = _other_places(at), np.eye(4) if legacy is None else legacy
+    elif not placement.matrix[:3, :2].any():
+        places, matrix = constant(*placement.matrix[:3, 3]), np.eye(4)
+    else:
+        places, matrix = _tile(at, inputs, grain, placement), placement.matrix
         inputs = [_no_finer(each, places) for each in inputs]
+    places, *inputs = _of_one_kind(at, places, *inputs)
 
     def drawn(places, matrix, *values):
         return _by_pieces(draw, places, matrix.reshape(3, 4), values)
 
     return at.map(drawn, places, constant(*matrix[:3].ravel()), *inputs)
+
+
+def _finite(at, field):
+    """Return an input with 0 or the largest number in place of what is not finite."""
+    if np.isfinite(field.limits()).all():
+        return field
+    at.note("An input is not finite", "0 or the largest number is used")
+    return Field(np.nan_to_num(field.values), field.layout, True)
 
 
 def _of_one_kind(at, *varying):
@@ -94,7 +110,7 @@ def _no_finer(field, places):
     if field.layout.uv_map != places.layout.uv_map:
         return field
     transform = field.layout.transform
-    u, v = np.moveaxis(_tile(side)[..., :2] @ transform[:2, :2].T + transform[:2, 2], -1, 0)
+    u, v = np.moveaxis(places.values[..., :2] @ transform[:2, :2].T + transform[:2, 2], -1, 0)
     values = recall(
         field.values, ("on tile", side, *field.key()[1:]), lambda _: fields.look_up(field, u, v)
     )
@@ -125,34 +141,12 @@ def _channels(values):
     return values[:, 0] if values.shape[-1] == 1 else values.T
 
 
-def _places(at, inputs, grain):
-    """Return the field of coordinates, and the matrix that is still to be applied to them."""
-    placement = placement_of(at, is_uv_by_default=False)
-    if placement is None:
-        legacy = legacy_matrix(at.node)
-        return _other_places(at), np.eye(4) if legacy is None else legacy
-    matrix = placement.matrix
-    if not matrix[:3, :2].any():
-        return constant(*matrix[:3, 3]), np.eye(4)
+def _tile(at, inputs, grain, placement):
+    """Return the field of the coordinates (u, v, 0) on a unit tile."""
     at.remark("A procedural texture never repeats", "it is drawn for one UV tile and repeated")
-    layout = Layout(
-        placement.uv_map,
-        np.eye(3),
-        "closest" if grain.is_endless else "linear",
-        "repeat",
-        at.node.name,
-    )
-    return Field(_tile(_side(at, inputs, grain, matrix)), layout), matrix
-
-
-@cache
-def _tile(side):
-    """Return the coordinates (u, v, 0) of the pixels of a unit tile."""
-    middles = ((np.arange(side) + 0.5) / side).astype(np.float32)
-    u, v = np.meshgrid(middles, middles)
-    places = np.stack([u, v, np.zeros_like(u)], axis=-1)
-    places.flags.writeable = False
-    return places
+    tile = at.context.images.tile(_side(at, inputs, grain, placement.matrix))
+    interpolation = "closest" if grain.is_endless else "linear"
+    return Field(tile, Layout(placement.uv_map, np.eye(3), interpolation, "repeat", at.node.name))
 
 
 def _side(at, inputs, grain, matrix):

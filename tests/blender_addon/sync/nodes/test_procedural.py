@@ -6,8 +6,11 @@ from itertools import product
 import bpy
 import numpy as np
 import pytest
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.images.cache import ImageCache
 from lumenray.blender_addon.sync.nodes import fields
-from material_trees import PIXELS, add_image, add_texture, evaluate, output_of
+from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field
+from material_trees import PIXELS, add_image, add_texture, evaluate, noise_image, output_of
 
 pytestmark = pytest.mark.blender
 
@@ -290,6 +293,45 @@ def test_a_picture_finer_than_is_affordable_counts_at_the_pixels_that_are_drawn(
     assert messages(report) == ["A procedural texture never repeats"]
 
 
+def test_a_texture_is_drawn_anew_only_when_it_changes(tree):
+    case = Case("Noise", "Fac", {"noise_dimensions": "2D"}, {"Detail": 0.0})
+    node = add_on_a_map(tree, case)
+    probe = tree.add("Emission", Color=output_of(node, "Fac"))
+    images = ImageCache()
+
+    def draw():
+        context = Context("Paint", ConversionReport(), images)
+        return evaluate_field(probe.inputs["Color"], context).values
+
+    first = draw()
+    images.sweep(set())
+    assert draw() is first
+    for change in (
+        lambda: setattr(node, "normalize", False),
+        lambda: setattr(node.inputs["Detail"], "default_value", 1.5),
+        lambda: setattr(
+            node.inputs["Vector"].links[0].from_node.inputs["Scale"], "default_value", (2, 1, 1)
+        ),
+    ):
+        before = draw()
+        change()
+        assert not np.array_equal(draw(), before)
+    before = draw()
+    images.clear()
+    assert draw() is not before
+
+
+def test_a_picture_of_places_counts_with_a_finer_picture_of_an_input(tree, cycles_colour):
+    case = Case("Noise", "Fac", {"noise_dimensions": "3D"}, {"Detail": 1.0})
+    output = add_case(tree, case)
+    fine = add_texture(tree, noise_image(4, 0.5, 1.5, (4 * PIXELS, 4 * PIXELS, 3)))
+    scale = tree.add("SeparateColor", Color=fine.outputs["Color"]).outputs["Red"]
+    tree.set(output.node, "Scale", scale)
+    ours, _ = evaluate(tree, output, 8 * PIXELS)
+    theirs = cycles_colour(tree, output, 8 * PIXELS)
+    assert ours == pytest.approx(theirs, abs=1e-3)
+
+
 def test_a_texture_at_one_place_is_one_colour_without_a_row(tree, cycles_colour):
     place = tree.add("CombineXYZ", X=0.3, Y=-0.7, Z=0.4).outputs[0]
     output = tree.add("TexNoise", Vector=place).outputs["Color"]
@@ -375,3 +417,38 @@ def test_mapping_of_colours_is_that_of_cycles(tree, cycles_colour, kind):
     raised.inputs[1].default_value = [50.0] * 3
     ours, _ = evaluate(tree, raised.outputs[0])
     assert ours == pytest.approx(cycles_colour(tree, raised.outputs[0]), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings"),
+    [
+        ("Noise", {"noise_dimensions": "4D"}),
+        ("Noise", {"noise_type": "HYBRID_MULTIFRACTAL"}),
+        ("Voronoi", {"feature": "SMOOTH_F1", "distance": "MINKOWSKI"}),
+        ("Voronoi", {"feature": "DISTANCE_TO_EDGE"}),
+        ("Wave", {}),
+        ("Magic", {}),
+        ("Gabor", {"gabor_type": "2D"}),
+    ],
+)
+def test_hostile_inputs_give_finite_colours(tree, kind, settings):
+    place = tree.add("CombineXYZ", X=0.3, Y=-0.7, Z=0.4).outputs[0]
+    node = tree.add(f"Tex{kind}", attributes=settings, Vector=place)
+    numbers = [socket for socket in node.inputs if socket.enabled and socket.type == "VALUE"]
+    for socket in numbers:
+        before = socket.default_value
+        for number in (float("nan"), float("inf"), -float("inf"), 1e30, -1e30, 0.0, -2.5):
+            socket.default_value = number
+            ours, report = evaluate(tree, node.outputs[0])
+            assert np.isfinite(ours).all()
+            if not np.isfinite(socket.default_value):
+                assert "An input is not finite" in messages(report)
+        socket.default_value = before
+
+
+@pytest.mark.parametrize("scale", [float("nan"), float("inf"), 1e30, 0.0])
+def test_a_hostile_scale_on_a_map_gives_a_picture_that_is_finite(tree, scale):
+    node = add_on_a_map(tree, Case("Voronoi", "Distance", {"voronoi_dimensions": "2D"}))
+    node.inputs["Scale"].default_value = scale
+    ours, _ = evaluate(tree, output_of(node, "Distance"))
+    assert np.isfinite(ours).all()
