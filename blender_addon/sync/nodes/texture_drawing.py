@@ -94,7 +94,8 @@ def _of_one_kind(at, *varying):
     kinds = [field.is_spread for field in varying if not field.is_constant]
     if len(set(kinds)) < 2:
         return varying
-    at.note("Inputs vary over a UV map, and others in another way", "the mean of some is used")
+    others = "varies over the map" if kinds[0] else "does not vary over the map"
+    at.note("Inputs vary over a UV map and in other ways", f"the mean of what {others} is used")
     is_other = [not field.is_constant and field.is_spread != kinds[0] for field in varying]
     return [
         Field(field.mean(), None, field.is_stand_in) if is_mean else field
