@@ -20,7 +20,7 @@ _COARSEST = 4
 """Pixels for a wave or cell with which it is still to be recognised."""
 
 _AFFORDABLE = 1e7
-"""Noises in three dimensions that one picture may take, about five seconds' worth."""
+"""Noises in three dimensions that one picture may take, about three seconds' worth."""
 
 _PIECE = 1 << 14
 """Places evaluated at once, so that intermediate results stay in the processor's cache."""
@@ -56,7 +56,8 @@ def draw_texture(at, draw, inputs, grain, has_places=True):
     ----------
     at : Inputs
     draw : callable
-        Takes coordinates, three arrays, and an array for each input, all of one shape; returns that shape and channels.
+        Takes coordinates, three arrays, and an array for each input, or three for a vector, all of one shape; returns that
+        shape and channels.
     inputs : sequence of Field
     grain : Grain
     has_places : bool    Whether the texture depends on its Vector input.
