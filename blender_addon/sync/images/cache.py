@@ -1,4 +1,7 @@
-"""Pixels of Blender images as they were read last, so that edits around an image do not read it again."""
+"""Pixels of Blender images as they were read last, so that edits around an image do not read it again.
+
+With them are kept the coordinates that textures are drawn at, for the sake of what was drawn.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -51,6 +54,17 @@ class ImageCache:
 
     def __init__(self):
         self._readings: dict[tuple[int, bool], Reading] = {}
+        self._tiles: dict[int, np.ndarray] = {}
+
+    def tile(self, side: int) -> np.ndarray:
+        """Return the coordinates (u, v, 0) of the pixels of a unit tile, (side, side, 3), as an array that is kept."""
+        if side not in self._tiles:
+            middles = ((np.arange(side) + 0.5) / side).astype(np.float32)
+            u, v = np.meshgrid(middles, middles)
+            tile = np.stack([u, v, np.zeros_like(u)], axis=-1)
+            tile.flags.writeable = False
+            self._tiles[side] = tile
+        return self._tiles[side]
 
     def read(self, image, is_straight: bool, note: Callable[[str, str], None]) -> Reading | None:
         """Read an image as `read_pixels` does; what is noted is noted again when it is read no more."""
@@ -77,7 +91,7 @@ class ImageCache:
 
     def clear(self) -> None:
         """Forget all of them."""
-        self._readings = {}
+        self._readings, self._tiles = {}, {}
 
     def sweep(self, used: set[int]) -> None:
         """Forget what nothing uses any more, and what has not been used for longest where memory is short."""
@@ -87,6 +101,10 @@ class ImageCache:
                 left -= reading.bytes
                 kept.append((key, reading))
         self._readings = dict(reversed(kept))
+        for side, tile in list(self._tiles.items()):
+            left -= held_bytes(tile)
+            if left < 0:
+                del self._tiles[side]
 
 
 def _read(image, is_straight: bool, note: Callable[[str, str], None]) -> Reading | None:

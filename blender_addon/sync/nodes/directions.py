@@ -2,7 +2,6 @@
 
 from functools import lru_cache
 
-import mathutils
 import numpy as np
 
 from ...foundation.report import ConversionReport
@@ -65,8 +64,8 @@ class DirectionContext(Context):
         found = _SOURCES.get(at.node.bl_idname)
         return None if found is None else found(at, self)
 
-    def looked_along(self) -> Field:
-        """Return the directions themselves."""
+    def coordinates(self) -> Field:
+        """Return the directions themselves, by which textures go where nothing is linked."""
         return Field(directions(self._height), LAYOUT)
 
     def is_ray(self, name: str) -> float:
@@ -77,8 +76,8 @@ class DirectionContext(Context):
 def _coordinates(at, context) -> Field | None:
     name = at.output.identifier
     if name in FLIPPED:
-        return at.map(np.negative, context.looked_along())
-    return context.looked_along() if name in {"Generated", "Object", "Position"} else None
+        return at.map(np.negative, context.coordinates())
+    return context.coordinates() if name in {"Generated", "Object", "Position"} else None
 
 
 def _light_path(at, context) -> Field | None:
@@ -90,35 +89,10 @@ def _light_path(at, context) -> Field | None:
     return constant(context.is_ray(name))
 
 
-def _mapping(at, _context) -> Field:
-    settings = [at(name).settled() for name in ("Rotation", "Scale", "Location")]
-    if not all(each.is_constant for each in settings):
-        at.note("A mapping varies with the direction", "its means are used")
-        settings = [constant(*each.mean()) for each in settings]
-    kind = at.node.vector_type
-
-    def move(vector, *settings):
-        angles, factors, shift = (rgb(each).astype(np.float64) for each in settings)
-        turned = np.array(mathutils.Euler([float(a) for a in angles], "XYZ").to_matrix())
-        inverse = np.divide(1.0, factors, out=np.zeros(3), where=factors != 0.0)
-        vector = rgb(vector)
-        match kind:
-            case "TEXTURE":
-                return (vector - shift) @ turned * inverse
-            case "NORMAL":
-                moved = vector * inverse @ turned.T
-                return moved / np.maximum(np.linalg.norm(moved, axis=-1, keepdims=True), 1e-30)
-            case "VECTOR":
-                return vector * factors @ turned.T
-        return vector * factors @ turned.T + shift
-
-    return at.map(move, at("Vector"), *settings)
-
-
 def _environment(at, context) -> Field:
     node, socket = at.node, at.node.inputs["Vector"]
     is_linked = trace(socket, at.groups).is_output
-    vector = at.field(socket) if is_linked else context.looked_along()
+    vector = at.field(socket) if is_linked else context.coordinates()
     before = legacy_matrix(node.texture_mapping)
     reading = context.images.read(node.image, True, at.note)
     if reading is None:
@@ -176,7 +150,6 @@ _SOURCES = {
     "ShaderNodeTexCoord": _coordinates,
     "ShaderNodeNewGeometry": _coordinates,
     "ShaderNodeLightPath": _light_path,
-    "ShaderNodeMapping": _mapping,
     "ShaderNodeTexEnvironment": _environment,
 }
 """What a world's nodes give by the direction, by their ``bl_idname``."""

@@ -7,11 +7,16 @@ import numpy as np
 from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
-from . import colour_nodes, stand_ins, texture_nodes
+from . import colour_nodes, coordinate_nodes, procedural_nodes, stand_ins, texture_nodes
 from .fields import Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
-_FUNCTIONS = colour_nodes.FUNCTIONS | texture_nodes.FUNCTIONS
+_FUNCTIONS = (
+    colour_nodes.FUNCTIONS
+    | texture_nodes.FUNCTIONS
+    | procedural_nodes.FUNCTIONS
+    | coordinate_nodes.FUNCTIONS
+)
 
 _NUMBERS = {"VALUE", "INT", "BOOLEAN"}
 _TRIPLES = {"RGBA", "VECTOR", "ROTATION"}
@@ -41,6 +46,10 @@ class Context:
 
     def take_output(self, at) -> "Field | None":
         """Return what a node gives here in place of what it gives on a surface; None: the same."""
+        return None
+
+    def coordinates(self) -> "Field | None":
+        """Return what textures go by where nothing is linked; None: coordinates of the object, which are not known."""
         return None
 
     def take_profile(self, node) -> float | None:

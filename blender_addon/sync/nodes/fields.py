@@ -224,7 +224,7 @@ def _common_layout(pictures, note):
     if not is_exact:
         alike = all(np.allclose(f.layout.transform, first.transform) for f in pictures)
         transform = first.transform if alike else np.eye(3)
-    wanted = np.max([_pixels_on(field, transform) for field in pictures], axis=0)
+    wanted = np.max([pixels_on(field, transform) for field in pictures], axis=0)
     shape = tuple(int(side) for side in np.clip(np.ceil(wanted - 1e-3), 1, LARGEST_TILE))
     if not is_exact:
         note(
@@ -254,7 +254,7 @@ def _periodic_tile(pictures):
     return None
 
 
-def _pixels_on(field, transform):
+def pixels_on(field, transform):
     """Return the (height, width) that keeps a picture's sharpness on a tile."""
     relative = field.layout.transform @ np.linalg.inv(transform)
     height, width = field.values.shape[:2]

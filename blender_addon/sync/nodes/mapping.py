@@ -124,12 +124,14 @@ _SOURCES = {
 }
 
 
-def legacy_matrix(texture_mapping) -> np.ndarray | None:
-    """Return the (4, 4) matrix of a texture node's own mapping, None when it does nothing.
+def legacy_matrix(node) -> np.ndarray | None:
+    """Return the (4, 4) matrix of a texture node's own mapping, None when it has none or that does nothing.
 
     Files from before Blender 2.81 carry it; it has no place in the node itself.
     """
-    settings = texture_mapping
+    settings = getattr(node, "texture_mapping", None)
+    if settings is None:
+        return None
     rotation = np.array(settings.rotation.to_matrix())
     location, scale = np.array(settings.translation), np.array(settings.scale)
     matrix = _affine(rotation @ np.diag(scale), location)

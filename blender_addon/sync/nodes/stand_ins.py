@@ -17,10 +17,7 @@ _EVEN = "values spread evenly over 0..1 are taken, and the mean of what comes of
 _COSINES = np.sqrt((np.arange(SAMPLES) + 0.5) / SAMPLES)
 """Equally likely cosines of diffuse light."""
 
-_PROCEDURAL = (
-    *("Noise", "Voronoi", "Wave", "Musgrave", "Magic", "Gradient", "WhiteNoise", "Gabor"),
-    *("Environment", "Sky", "PointDensity"),
-)
+_PROCEDURAL = ("Environment", "Sky", "PointDensity")
 
 _ZERO = {
     "ShaderNodeLightPath": "Rays are not told apart in a light calculation",

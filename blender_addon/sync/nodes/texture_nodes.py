@@ -60,7 +60,7 @@ def _laid(at, pixels):
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
         return Field(mean_of_picture(pixels), None, True)
-    placement = _placement(at, is_uv_by_default=True)
+    placement = placement_of(at, is_uv_by_default=True)
     if placement is None:
         at.note("Texture coordinates other than a UV map", "the picture's mean is used")
         return Field(mean_of_picture(pixels), None, True)
@@ -101,14 +101,21 @@ def _colour_mapped(at, field):
     return field
 
 
-def _placement(at, is_uv_by_default):
+def placement_of(at, is_uv_by_default: bool) -> Placement | None:
+    """Return where the Vector input of a texture node lies; None if that is not on a UV map.
+
+    Parameters
+    ----------
+    at : Inputs
+    is_uv_by_default : bool    Whether Blender takes a UV map where nothing is linked.
+    """
     socket = at.node.inputs["Vector"]
     is_linked = any(not link.is_muted for link in socket.links)
     if is_linked:
         placement = resolve_placement(socket, at.groups, at.constant_of)
     else:
         placement = Placement("", np.eye(4)) if is_uv_by_default else None
-    legacy = legacy_matrix(at.node.texture_mapping)
+    legacy = legacy_matrix(at.node)
     if placement is None or legacy is None:
         return placement
     return placement.after(legacy)
@@ -116,7 +123,7 @@ def _placement(at, is_uv_by_default):
 
 def _scaled_placement(at):
     """Return where a pattern lies, with the node's scale; None if that is not on a UV map."""
-    placement = _placement(at, is_uv_by_default=False)
+    placement = placement_of(at, is_uv_by_default=False)
     scale = at.plain("Scale")
     if placement is None:
         return None

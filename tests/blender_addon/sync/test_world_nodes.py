@@ -121,7 +121,17 @@ def strength_by_direction(world):
     return world.background((0.5, 0.4, 0.3, 1.0), power)
 
 
+def clouds(world):
+    """Once with coordinates, once without, where Cycles takes the direction."""
+    moved = world.add("Mapping", Vector=world.direction(), Scale=(1.0, 1.0, 2.0))
+    smooth = {"Scale": 1.0, "Detail": 0.0}
+    first = world.background(world.add("TexNoise", Vector=moved, **smooth).node.outputs["Color"])
+    second = world.background(world.add("TexNoise", **smooth).node.outputs["Color"])
+    return world.add("AddShader", _0=first, _1=second)
+
+
 GRAPHS = (
+    clouds,
     scaled,
     mirror_ball,
     tinted,

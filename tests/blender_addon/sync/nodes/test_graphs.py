@@ -149,7 +149,6 @@ def test_circle_of_links_ends_with_a_row(tree):
 @pytest.mark.parametrize(
     ("kind", "output", "value"),
     [
-        ("TexNoise", "Fac", 0.5),
         ("VertexColor", "Color", 0.5),
         ("LightPath", "Is Camera Ray", 0.0),
         ("NewGeometry", "Pointiness", 0.5),
