@@ -125,56 +125,22 @@ def lens_of(source, data, scale) -> dict:
 
 
 def panorama_of(data, render, part: FilmPart, report) -> dict:
-    """Projection of a panoramic camera and what it takes, as fields of `Camera`."""
+    """Projection of a panoramic camera and its film, as fields of `Camera`."""
     # Before Blender 5 these settings came with Cycles.
     holder = data if hasattr(data, "panorama_type") else getattr(data, "cycles", None)
-    if holder is None:
-        report.warning(
-            data.name,
-            "its kind of panorama is not known without Cycles",
-            "rendered as equirectangular",
-        )
-    kind = getattr(holder, "panorama_type", "EQUIRECTANGULAR")
-    centre = tuple(c + s for c, s in zip(part.centre, (data.shift_x, data.shift_y), strict=True))
+    kind = getattr(holder, "panorama_type", "unknown")
     if kind not in PANORAMAS:
-        if kind != "EQUIRECTANGULAR":
-            report.error(
-                data.name,
-                f"{kind.lower()} panoramas are not supported",
-                "rendered as equirectangular",
-            )
-            holder = None
-        ranges = (
-            (
-                getattr(holder, f"{name}_min", -end),
-                getattr(holder, f"{name}_max", end),
-            )
-            for name, end in (("longitude", math.pi), ("latitude", 0.5 * math.pi))
+        report.error(
+            data.name, f"{kind.lower()} panoramas are not supported", "rendered as equirectangular"
         )
-        longitude, latitude = (
-            _part_of(*ends, middle, share)
-            for ends, middle, share in zip(ranges, centre, part.share, strict=True)
-        )
-        return {
-            "projection": Projection.EQUIRECTANGULAR,
-            "longitude": longitude,
-            "latitude": latitude,
-        }
+        kind, holder = "EQUIRECTANGULAR", None
     made = PANORAMAS[kind](holder, _sensor(data, render))
-    extent, middle = made.pop("extent"), made.pop("middle", (0.0, 0.0))
-    for axis, size, between, offset, share in zip(
-        "xy", extent, middle, centre, part.share, strict=True
-    ):
-        made[f"extent_{axis}"] = size * share
-        made[f"shift_{axis}"] = between + offset * size
+    sides = zip("xy", made.pop("extent"), made.pop("middle", (0.0, 0.0)), strict=True)
+    offsets = zip(part.centre, (data.shift_x, data.shift_y), part.share, strict=True)
+    for (axis, size, middle), (centre, shift, share) in zip(sides, offsets, strict=True):
+        made[f"extent_{axis}"] = float(size * share)
+        made[f"shift_{axis}"] = float(middle + (centre + shift) * size)
     return made
-
-
-def _part_of(low: float, high: float, middle: float, share: float) -> tuple[float, float]:
-    """Range of a part of the film, whose middle is so far from that of the whole."""
-    size = high - low
-    centre = 0.5 * (low + high) + middle * size
-    return centre - 0.5 * share * size, centre + 0.5 * share * size
 
 
 def _sensor(data, render) -> tuple[float, float]:
@@ -185,6 +151,23 @@ def _sensor(data, render) -> tuple[float, float]:
     size = data.sensor_height if is_vertical else data.sensor_width
     is_wide = width > height if data.sensor_fit == "AUTO" else not is_vertical
     return (size, size * height / width) if is_wide else (size * width / height, size)
+
+
+def _equirectangular(holder, _sensor) -> dict:
+    low, high = (
+        np.array(
+            [
+                getattr(holder, f"longitude_{end}", sign * math.pi),
+                getattr(holder, f"latitude_{end}", sign * 0.5 * math.pi),
+            ]
+        )
+        for end, sign in (("min", -1.0), ("max", 1.0))
+    )
+    return {
+        "projection": Projection.EQUIRECTANGULAR,
+        "extent": high - low,
+        "middle": 0.5 * (low + high),
+    }
 
 
 def _equidistant(holder, _sensor) -> dict:
@@ -224,12 +207,13 @@ def _cylinder(holder, _sensor) -> dict:
     unit = np.array([1.0, 1.0 / holder.central_cylindrical_radius])
     return {
         "projection": Projection.CENTRAL_CYLINDRICAL,
-        "extent": tuple((high - low) * unit),
-        "middle": tuple(0.5 * (low + high) * unit),
+        "extent": (high - low) * unit,
+        "middle": 0.5 * (low + high) * unit,
     }
 
 
 PANORAMAS = {
+    "EQUIRECTANGULAR": _equirectangular,
     "FISHEYE_EQUIDISTANT": _equidistant,
     "FISHEYE_EQUISOLID": _equisolid,
     "FISHEYE_LENS_POLYNOMIAL": _polynomial,
@@ -237,4 +221,4 @@ PANORAMAS = {
     "EQUIANGULAR_CUBEMAP_FACE": _cube_face,
     "CENTRAL_CYLINDRICAL": _cylinder,
 }
-"""Fields of `Camera` by the kind of panorama, of the full film; equirectangular ones are told by their ranges."""
+"""Fields of `Camera` by the kind of panorama; ``extent`` and ``middle`` of the full film without its shift."""

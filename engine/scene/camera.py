@@ -35,9 +35,10 @@ class Camera:
     projection : Projection
     width, height : int    Film size. [pixel]
     extent_x, extent_y : float
-        Full film extent: at unit distance for perspective [-], in the plane for orthographic [m], angles for cube faces
-        and equidistant [rad], longitude [rad] and tangent of the latitude for cylinders, over the focal length for
-        equisolid [-], in the measure of the polynomial, over the radius of the mirror ball [-].
+        Full film extent: at unit distance for perspective [-], in the plane for orthographic [m], longitude and
+        latitude for equirectangular [rad], longitude [rad] and tangent of the latitude [-] for cylinders, angles for cube
+        faces and equidistant [rad], over the focal length for equisolid [-], in the measure of the polynomial, over the
+        radius of the mirror ball [-].
     shift_x, shift_y : float    Film shift in units of the extents' own measure (same unit as `extent_x`).
     aperture_radius : float    Thin lens; 0 is a pinhole. Of a polygon that of its corners. [m]
     aperture_blades : int    Sides of the aperture; fewer than three: it is round.
@@ -46,7 +47,6 @@ class Camera:
     focus_distance : float    Distance of what is in focus, along the view axis, of panoramas all around. [m]
     clip_start, clip_end : float
         Nothing nearer and nothing farther is seen, along the view axis, of panoramas all around; None: no end. [m]
-    longitude, latitude : (float, float)    Range of an equirectangular film. [rad]
     field : float    Full angle of what a fisheye sees. [rad]
     polynomial : (float, ...)
         Coefficients of the powers 0 to 4 of the distance from the film's centre, whose negative sum is the angle to the
@@ -68,7 +68,5 @@ class Camera:
     focus_distance: float = 1.0
     clip_start: float = 0.0
     clip_end: float | None = None
-    longitude: tuple[float, float] = (-np.pi, np.pi)
-    latitude: tuple[float, float] = (-np.pi / 2, np.pi / 2)
     field: float = 2.0 * np.pi
     polynomial: tuple[float, ...] = (0.0, -1.0, 0.0, 0.0, 0.0)

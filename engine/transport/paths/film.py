@@ -11,7 +11,7 @@ from ..compiled.compile import CompiledScene
 from . import gather
 from .aperture import Aperture
 from .light_learning import PILOT_LANES, PILOT_POINTS, learn
-from .panorama import Panorama, film_plane
+from .panorama import Panorama
 from .pixel_filter import filter_offset
 from .sampler import sobol_pair
 
@@ -51,9 +51,8 @@ class Film:
         self.length = mi.Float(float(end) - camera.clip_start)
         self.size = mi.Vector2f(camera.width, camera.height)
         self.width = mi.UInt32(camera.width)
-        extent, shift = film_plane(camera)
-        self.extent = mi.Vector2f(*map(float, extent))
-        self.shift = mi.Vector2f(*map(float, shift))
+        self.extent = mi.Vector2f(float(camera.extent_x), float(camera.extent_y))
+        self.shift = mi.Vector2f(float(camera.shift_x), float(camera.shift_y))
         # As data, so that another view or size meets the same compiled kernel.
         dr.make_opaque(self.axes, self.position, self.focus, self.size, self.width)
         dr.make_opaque(self.clip, self.end, self.length, self.extent, self.shift)

@@ -7,14 +7,6 @@ import mitsuba as mi
 
 from ...scene.camera import Camera, Projection
 
-FISHEYES = (
-    Projection.EQUIDISTANT,
-    Projection.EQUISOLID,
-    Projection.POLYNOMIAL,
-    Projection.MIRROR_BALL,
-)
-"""Projections that turn alike about the view axis."""
-
 
 class Panorama:
     """A projection in the camera's own axes; places are in the measure of `Camera.extent_x`.
@@ -138,23 +130,11 @@ class Panorama:
         return [(lon + turn * dr.two_pi, y) for lon, y in ways for turn in turns], density
 
 
-def film_plane(camera: Camera) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return extents and shifts of a film, also of one that is stated by ranges."""
-    if camera.projection is Projection.EQUIRECTANGULAR:
-        ranges = camera.longitude, camera.latitude
-        extent, shift = zip(*((b - a, 0.5 * (a + b)) for a, b in ranges), strict=True)
-        return extent, shift
-    return (camera.extent_x, camera.extent_y), (camera.shift_x, camera.shift_y)
-
-
 def _is_invertible(camera: Camera) -> bool:
     """Whether every place on the film is among those that are known of its direction."""
-    extent, shift = film_plane(camera)
-    ends = [
-        (middle - 0.5 * abs(size), middle + 0.5 * abs(size))
-        for size, middle in zip(extent, shift, strict=True)
-    ]
-    (left, right), (low, high) = ends
+    across, along = 0.5 * abs(camera.extent_x), 0.5 * abs(camera.extent_y)
+    left, right = camera.shift_x - across, camera.shift_x + across
+    low, high = camera.shift_y - along, camera.shift_y + along
     match camera.projection:
         case Projection.POLYNOMIAL:
             return False

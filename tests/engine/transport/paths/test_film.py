@@ -16,15 +16,20 @@ PIXELS = 256
 
 # What each camera sees, as a share of all directions.
 PANORAMAS = {
-    "equirectangular": (Camera(np.eye(4), Projection.EQUIRECTANGULAR, PIXELS, PIXELS), 1.0),
+    "equirectangular": (
+        Camera(np.eye(4), Projection.EQUIRECTANGULAR, PIXELS, PIXELS, 2 * np.pi, np.pi),
+        1.0,
+    ),
     "part": (
         Camera(
             np.eye(4),
             Projection.EQUIRECTANGULAR,
             PIXELS,
             PIXELS,
-            longitude=(-0.5, 1.0),
-            latitude=(0.2, 0.9),
+            extent_x=1.5,
+            extent_y=0.7,
+            shift_x=0.25,
+            shift_y=0.55,
         ),
         1.5 * (np.sin(0.9) - np.sin(0.2)) / (4.0 * np.pi),
     ),
@@ -106,15 +111,13 @@ def test_solid_angles_of_pixels_add_up_to_what_is_seen(name):
 
 @pytest.mark.parametrize("name", PANORAMAS)
 def test_directions_come_from_the_places_that_look_there(name):
-    from lumenray.engine.transport.paths.panorama import film_plane
-
     camera, _ = PANORAMAS[name]
     x, y = (each[::97] for each in grid())
     _, direction, length = rays_of(camera, x, y)
     seen = length > 0.0
     places, _, _ = places_of(camera, direction[seen])
-    (wide, high), (right, up) = film_plane(camera)
-    px, py = (x[seen] / PIXELS - 0.5) * wide + right, (y[seen] / PIXELS - 0.5) * high + up
+    px = (x[seen] / PIXELS - 0.5) * camera.extent_x + camera.shift_x
+    py = (y[seen] / PIXELS - 0.5) * camera.extent_y + camera.shift_y
     away = np.min([np.hypot(a - px, b - py) for a, b in places], axis=0)
     assert away.max() < 2e-3
 
