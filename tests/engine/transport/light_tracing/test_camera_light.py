@@ -225,9 +225,10 @@ def test_a_sun_through_a_ball_lights_what_the_camera_sees():
     assert lux == pytest.approx(1000.0 * (1.0 - lost), rel=0.01)
 
 
+@pytest.mark.slow
 def test_cameras_that_light_is_not_traced_to_look_for_it_themselves():
     """A polynomial whose first power stands alone is an equidistant fisheye, but that is not known of it."""
-    items = (paint(0.5), GLASS, FLOOR, LENS, replace(LAMP, radius=0.1))
+    items = (paint(0.5), GLASS, FLOOR, LENS, replace(LAMP, radius=0.02))
     size = {"extent_x": 2.2, "extent_y": 2.2, "field": 2.2, "height": 0.24, "pixels": 16}
     shown, notes = [], []
     for projection, samples in ((Projection.EQUIDISTANT, 256), (Projection.POLYNOMIAL, 512)):
