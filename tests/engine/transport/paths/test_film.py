@@ -358,3 +358,22 @@ def test_another_number_is_no_other_kernel():
     first = ptr(one)
     assert first
     assert ptr(other) == first
+
+
+def test_live_views_are_black_outside_the_circle_and_clipped_too():
+    from lumenray.engine.live import LiveSettings
+    from lumenray.engine.transport.paths.live_view import LiveView
+
+    camera = Camera(np.eye(4), Projection.EQUIDISTANT, 32, 32, 2.0, 2.0, field=2.0)
+    session = session_of(paint(0.0), WORLD, FLOOR)
+    scene = session._prepare("mono", False)
+    scene.settle()
+    x, y = (each - 15.5 for each in np.meshgrid(np.arange(32), np.arange(32)))
+    away = np.hypot(x, y)
+    for end, expected in ((None, 0.0), (1.9, 10.0)):
+        view = LiveView(scene, replace(camera, clip_end=end), LiveSettings(samples=8))
+        while not view.is_complete:
+            view.refine()
+        luminance = view.image()[..., 1]
+        assert (luminance[away > 18.0] == 0.0).all()
+        np.testing.assert_allclose(luminance[away < 14.0], expected, rtol=1e-4)
