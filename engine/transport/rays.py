@@ -34,7 +34,7 @@ def spawn_ray(scene, si, direction):
 def spawn_straight(scene, si, ray):
     """Ray that goes on straight from a surface that it has met, as far as it was to go."""
     made = spawn_ray(scene, si, ray.d)
-    made.maxt = ray.maxt - si.t
+    made.maxt = dr.maximum(ray.maxt - si.t, 0.0)
     return made
 
 

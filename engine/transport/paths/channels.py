@@ -205,7 +205,7 @@ def way_out(scene, ray, wavelengths):
         return ray, dr.select(met & (steps >= LONGEST_WAY), 0.0, share), going, steps + 1
 
     _, share, _, _ = dr.while_loop(
-        state=(ray, mi.Spectrum(1.0), mi.Bool(True), mi.UInt32(0)),
+        state=(ray, mi.Spectrum(1.0), sees(ray), mi.UInt32(0)),
         cond=lambda ray, share, active, steps: active,
         body=step,
         labels=("ray", "share", "active", "steps"),

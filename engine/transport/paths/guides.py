@@ -128,7 +128,8 @@ def _follow(scene, ray) -> list:
         straight = hidden | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
         direction = dr.select(hidden, ray.d, si.to_world(bs.wo))
         begins &= straight
-        left = dr.select(straight, ray.maxt - si.t, dr.largest(mi.Float))
+        left = dr.maximum(ray.maxt - si.t, 0.0)
+        left = dr.select(straight, left, dr.largest(mi.Float))
         ray = dr.select(goes_on, spawn_ray(scene, si, direction), ray)
         ray.maxt = dr.select(goes_on, left, ray.maxt)
         # What leaves the scene has met nothing that could be told.

@@ -367,7 +367,7 @@ class PathLoop:
             scene, si, path.ray.d, direction, path.polar, turned, path.active & ~is_hidden
         )
         path.throughput = throughput * factor
-        left = path.ray.maxt - si.t
+        left = dr.maximum(path.ray.maxt - si.t, 0.0)
         path.ray = spawn_ray(scene, si, direction)
         if self._is_camera:
             # The end of the camera's clipping holds for what is seen straight.
