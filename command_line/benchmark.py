@@ -67,6 +67,19 @@ def add_command(commands) -> None:
         metavar="FOLDER",
         help="keep pictures here, and take those that are already there",
     )
+    content = _add(
+        kinds,
+        "content",
+        _run_content,
+        "Blender's content, feature by feature, beside Cycles",
+        "of a part",
+    )
+    content.add_argument(
+        "--features",
+        type=lambda text: tuple(filter(None, map(str.strip, text.split(";")))),
+        metavar="A;B",
+        help="only these, by their names with semicolons between them (default: all)",
+    )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add_with_peers(kinds)
     _add_pictures(kinds)
@@ -261,6 +274,17 @@ def _run_denoising(options, say) -> int:
     result = denoising.run(options.keep, say=say)
     tell(tell_bars(check_bars(result)))
     _write(denoising, result, options)
+    return 0
+
+
+def _run_content(options, say) -> int:
+    start_blender()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.content import run as content
+
+    result = content.run(options.features, say=say)
+    tell(tell_bars(content.check_bars(result)))
+    _write(content, result, options, bool(options.features))
     return 0
 
 

@@ -1,8 +1,10 @@
 """Blender's world, or the sky that stands in its place, as the surroundings of the engine's scene."""
 
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
+from mathutils import Euler
 
 from ...engine.scene.checks import LARGEST_AMOUNT
 from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
@@ -14,11 +16,21 @@ from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .images.cache import ImageCache
-from .lights.emission_node import mean_light
-from .nodes.evaluation import Context
-from .nodes.fields import luminance
+from .nodes.directions import DirectionContext
+from .nodes.evaluation import Context, evaluate_field
+from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
 from .spectra import light_spectrum
+from .world_shaders import BACKGROUNDS, world_radiance
+
+LEAST_HEIGHT, LARGEST_HEIGHT = 256, 2048
+"""Of a picture that is made of a world's nodes. [pixel]"""
+
+EYE_HEIGHT = 16
+"""Of the pictures by which it is found whether the camera sees another world. [pixel]"""
+
+DEEPEST = 16
+"""Groups within each other that are looked into for pictures."""
 
 
 def convert_world(
@@ -48,35 +60,34 @@ def convert_world(
     if world.lumenray.source == "CIE":
         return convert_sky(world, world_id, report, sun_lamp)
     images = ImageCache() if images is None else images
-    background = _background(world, report, images)
-    if background is None:
+    shown = _shown(world, report, images)
+    if shown is None:
         return None
-    colour_socket, strength, groups = background
-    picture = _environment(colour_socket, groups, world.name, report, images)
     settings = world.lumenray
-    per_unit = strength * (efficacy if settings.unit == "BLENDER" else 1.0)
-    if picture is None:
-        rgb = np.array(world.color)
-        if colour_socket is not None:
-            context = Context(world.name, report, images)
-            rgb = mean_light(colour_socket, 3, context, groups)
-        amount = float(np.ravel(luminance(rgb))[0]) * per_unit
-        if settings.unit == "ILLUMINANCE":
-            amount = settings.illuminance / math.pi
-        if not 0.0 <= amount <= LARGEST_AMOUNT:
-            report.error(world.name, f"its luminance is {amount:.3g} cd/m2", "the world is black")
-            return None
-        return UniformWorld(amount, light_spectrum(rgb), world_id) if amount > 0.0 else None
-    image, rotation = picture
+    factor = efficacy if settings.unit == "BLENDER" else 1.0
+    if isinstance(shown.colour, ImageTexture):
+        return _as_picture(world, world_id, shown, factor, report)
+    amount = float(np.ravel(luminance(shown.colour))[0]) * shown.strength * factor
     if settings.unit == "ILLUMINANCE":
-        given = find_illuminance(image, rotation, UPWARDS)
+        amount = settings.illuminance / math.pi
+    if not 0.0 <= amount <= LARGEST_AMOUNT:
+        report.error(world.name, f"its luminance is {amount:.3g} cd/m2", "the world is black")
+        return None
+    return UniformWorld(amount, light_spectrum(shown.colour), world_id) if amount > 0.0 else None
+
+
+def _as_picture(world, world_id: str, shown: "_Shown", factor: float, report) -> ImageWorld | None:
+    """Return a world that is a picture. ``factor``: what 1 in it stands for. [cd/m2]"""
+    per_unit = shown.strength * factor
+    if world.lumenray.unit == "ILLUMINANCE":
+        given = find_illuminance(shown.colour, shown.rotation, UPWARDS)
         if given <= 0.0:
             report.error(
                 world.name, "the upper half of the environment is black", "it gives no light"
             )
             return None
-        per_unit = settings.illuminance / given
-    return ImageWorld(image, per_unit, rotation, world_id) if per_unit > 0.0 else None
+        per_unit = world.lumenray.illuminance / given
+    return ImageWorld(shown.colour, per_unit, shown.rotation, world_id) if per_unit > 0.0 else None
 
 
 def world_of(scene, view_layer):
@@ -124,52 +135,132 @@ def convert_sky(
     )
 
 
-def _background(world, report, images):
-    """Colour socket, strength and groups of the Background node; None when nothing is there."""
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """What a world's nodes show.
+
+    ``colour``: (3,) array, or an equirectangular `ImageTexture`; ``strength``: what it is multiplied by; ``rotation``: from
+    the world's directions to those of the picture. (3, 3)
+    """
+
+    colour: object
+    strength: float = 1.0
+    rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
+
+
+def _shown(world, report, images) -> _Shown | None:
+    """Return what a world shows; None where that is nothing."""
     tree = world.node_tree if uses_nodes(world) else None
     if tree is None:
-        return None, 1.0, ()
+        return _Shown(np.array(world.color))
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     if output is None:
         return None
     volume = find_socket(output.inputs, "Volume")
     if volume is not None and volume.is_linked:
         report.error(world.name, "the world has a volume", "it is left out")
-    origin = trace(find_socket(output.inputs, "Surface"))
+    surface = find_socket(output.inputs, "Surface")
+    origin = trace(surface)
     if not origin.is_output:
         return None
-    node = origin.socket.node
-    if node.bl_idname not in {"ShaderNodeBackground", "ShaderNodeEmission"}:
-        report.error(
-            world.name,
-            f"{node.bl_label} is not converted in a world",
-            "the world is black",
-            node.name,
-        )
-        return None
-    context = Context(world.name, report, images)
-    strength = float(mean_light(find_socket(node.inputs, "Strength"), 1, context, origin.groups)[0])
-    if not 0.0 <= strength <= LARGEST_AMOUNT:
-        report.error(world.name, f"the strength is {strength:.3g}", "the world is black", node.name)
-        return None
-    return find_socket(node.inputs, "Color"), strength, origin.groups
+    if origin.socket.node.bl_idname in BACKGROUNDS:
+        found = _plain_background(origin, world.name, report, images)
+        if found is not None:
+            return found
+    height = _height_of(tree)
+    radiance = world_radiance(surface, DirectionContext(world.name, report, images, height))
+    _tell_camera(tree, surface, world.name, report, images)
+    return None if radiance is None else _of_field(radiance, world.name, report)
 
 
-def _environment(socket, groups, name, report, images):
-    """Picture and rotation behind the colour socket, None when it is no environment texture."""
-    if socket is None:
-        return None
-    origin = trace(socket, groups)
-    if not origin.is_output or origin.socket.node.bl_idname != "ShaderNodeTexEnvironment":
-        return None
-    node = origin.socket.node
-    if node.projection != "EQUIRECTANGULAR":
+def _of_field(radiance: Field, name: str, report) -> _Shown | None:
+    """Return a world whose nodes give a radiance."""
+    if radiance.is_spread or (radiance.is_constant and radiance.is_stand_in):
         report.error(
             name,
-            "mirror-ball environments are not converted",
-            "it is read as equirectangular",
-            node.name,
+            "The world's light depends on what cannot be taken over",
+            "the mean of what comes out is used in all directions",
         )
+    elif radiance.is_stand_in:
+        report.error(
+            name, "The world's light depends on what cannot be taken over", "its mean is used"
+        )
+    radiance = radiance.settled()
+    if radiance.is_constant:
+        colour = np.array(rgb(radiance.values), dtype=np.float64)
+        if not np.all(np.abs(colour) <= LARGEST_AMOUNT):
+            report.error(name, f"its radiance is {colour.max():.3g}", "the world is black")
+            return None
+        if colour.min() < 0.0:
+            report.warn(name, "a part of the world's colour is negative", "0 is used")
+        return _Shown(np.maximum(colour, 0.0))
+    image = ImageTexture(np.ascontiguousarray(rgb(radiance.values), dtype=np.float32), name=name)
+    for message, remedy in describe_faults(image):
+        report.warn(name, message, remedy)
+    return _Shown(image)
+
+
+def _tell_camera(tree, surface, name: str, report, images) -> None:
+    """Note where the camera sees another world than what lights surfaces."""
+    if all(node.bl_idname != "ShaderNodeLightPath" for node in _nodes_of(tree)):
+        return
+    seen, lit = (
+        world_radiance(
+            surface, DirectionContext(name, ConversionReport(), images, EYE_HEIGHT, is_camera)
+        )
+        for is_camera in (True, False)
+    )
+    means = [np.zeros(3) if each is None else rgb(each.mean()) for each in (seen, lit)]
+    if not np.allclose(*means, rtol=1e-3, atol=1e-6):
+        report.warn(
+            name,
+            "the camera sees another world in Blender than what lights surfaces",
+            "pictures show what lights surfaces",
+        )
+
+
+def _nodes_of(tree, depth: int = 0):
+    """Yield the nodes of a tree, and those of groups within it."""
+    for node in tree.nodes:
+        yield node
+        if node.type == "GROUP" and node.node_tree is not None and depth < DEEPEST:
+            yield from _nodes_of(node.node_tree, depth + 1)
+
+
+def _height_of(tree) -> int:
+    """Return the height of a picture that shows all that a world's nodes show. [pixel]"""
+    heights = [
+        node.image.size[1]
+        for node in _nodes_of(tree)
+        if node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None
+    ]
+    return min(max([LEAST_HEIGHT, *heights]), LARGEST_HEIGHT)
+
+
+def _plain_background(origin, name, report, images) -> _Shown | None:
+    """Return a picture that is turned and nothing else, pixel by pixel as it is; None where the background is no such."""
+    node, groups = origin.socket.node, origin.groups
+    colour = trace(find_socket(node.inputs, "Color"), groups)
+    if not colour.is_output or colour.socket.node.bl_idname != "ShaderNodeTexEnvironment":
+        return None
+    texture = colour.socket.node
+    rotation = _rotation(find_socket(texture.inputs, "Vector"), colour.groups)
+    if texture.projection != "EQUIRECTANGULAR" or rotation is None:
+        return None
+    strength = trace(find_socket(node.inputs, "Strength"), groups)
+    context = Context(name, ConversionReport(), images)
+    value = evaluate_field(find_socket(node.inputs, "Strength"), context, groups)
+    if strength.is_output and (value.is_stand_in or not value.is_constant):
+        return None
+    factor = float(luminance(value.mean())[0])
+    if not 0.0 <= factor <= LARGEST_AMOUNT:
+        report.error(name, f"the strength is {factor:.3g}", "the world is black", node.name)
+        factor = 0.0
+    return _Shown(_picture_of(texture, name, report, images), factor, rotation)
+
+
+def _picture_of(node, name, report, images) -> ImageTexture:
+    """Read the picture of an environment texture."""
     reading = images.read(
         node.image, True, lambda message, remedy: report.warn(name, message, remedy, node.name)
     )
@@ -189,7 +280,7 @@ def _environment(socket, groups, name, report, images):
     )
     if reading is not None:
         _judge(image, node, name, report)
-    return image, _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
+    return image
 
 
 def _judge(image: ImageTexture, node, name: str, report: ConversionReport) -> None:
@@ -213,35 +304,26 @@ def _judge(image: ImageTexture, node, name: str, report: ConversionReport) -> No
         )
 
 
-def _rotation(socket, groups, name, report) -> np.ndarray:
-    """Matrix from world directions to map directions."""
+def _rotation(socket, groups) -> np.ndarray | None:
+    """Matrix from world directions to map directions; None where they are not only turned."""
     origin = trace(socket, groups)
     if not origin.is_output:
         return np.eye(3)
     node = origin.socket.node
     if node.bl_idname == "ShaderNodeTexCoord" and origin.socket.name in {"Generated", "Object"}:
         return np.eye(3)
-    if node.bl_idname == "ShaderNodeMapping":
-        from mathutils import Euler
-
-        angles = Euler(find_socket(node.inputs, "Rotation").default_value)
-        turned = np.array(angles.to_matrix(), dtype=np.float64)
-        if node.vector_type == "TEXTURE":
-            turned = turned.T
-        for key, neutral in (("Scale", 1.0), ("Location", 0.0)):
-            given = find_socket(node.inputs, key)
-            if given is not None and any(abs(v - neutral) > 1e-6 for v in given.default_value):
-                report.warn(
-                    name,
-                    f"the environment's mapping has a {key.lower()}",
-                    "only its rotation is used",
-                    node.name,
-                )
-        return turned @ _rotation(find_socket(node.inputs, "Vector"), origin.groups, name, report)
-    report.warn(
-        name,
-        f"{node.bl_label} drives the environment's direction",
-        "the environment is not rotated",
-        node.name,
-    )
-    return np.eye(3)
+    if node.bl_idname != "ShaderNodeMapping" or node.vector_type == "NORMAL":
+        return None
+    for key, neutral in (("Scale", 1.0), ("Location", 0.0), ("Rotation", None)):
+        given = find_socket(node.inputs, key)
+        if given is None:
+            continue
+        is_odd = neutral is not None and any(abs(v - neutral) > 1e-6 for v in given.default_value)
+        if is_odd or trace(given, origin.groups).is_output:
+            return None
+    angles = Euler(find_socket(node.inputs, "Rotation").default_value)
+    turned = np.array(angles.to_matrix(), dtype=np.float64)
+    if node.vector_type == "TEXTURE":
+        turned = turned.T
+    inner = _rotation(find_socket(node.inputs, "Vector"), origin.groups)
+    return None if inner is None else turned @ inner

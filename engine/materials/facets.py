@@ -83,24 +83,26 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
 
 
 @lru_cache(maxsize=512)
-def lost_by_glass(alpha: float, eta: float) -> float:
-    """Share of even light from outside that a rough boundary neither reflects nor lets in, as Mitsuba computes it. [-]
+def kept_by_glass(alpha: float, eta: float) -> np.ndarray:
+    """Share of light that the first facet of a boundary reflects or lets in, as Mitsuba has it. (32,) [-]
 
-    What the first facet sends to another one is lost.
+    By cosines as `directional_reflectance`. What would meet another facet is not in it. ``eta``: index of the other side
+    over that of this one.
     """
     wi, normal = visible_normals(alpha)
     dot = np.clip((wi * normal).sum(axis=2), 0.0, 1.0)
     mirror = fresnel(dot, eta)
     reflected = 2.0 * dot * normal[..., 2] - wi[..., 2]
-    inner = np.sqrt(1.0 - (1.0 - dot**2) / eta**2)
+    inner = np.sqrt(np.maximum(1.0 - (1.0 - dot**2) / eta**2, 0.0))
     refracted = (dot / eta - inner) * normal[..., 2] - wi[..., 2] / eta
 
     def seen(cosine):
+        """Smith's shadowing; Mitsuba takes it as independent of masking."""
         root = smith_root(cosine, alpha)
         return np.where(cosine > 0.0, 2.0 * cosine / np.maximum(cosine + root, 1e-12), 0.0)
 
     kept = mirror * seen(reflected) + (1.0 - mirror) * seen(-refracted)
-    return 1.0 - mean_reflectance(kept.mean(axis=1, dtype=np.float64))
+    return kept.mean(axis=1, dtype=np.float64)
 
 
 def smith_root(cosine, alpha):

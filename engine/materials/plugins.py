@@ -11,6 +11,7 @@ from ..arrays import average
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
+from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
@@ -53,6 +54,7 @@ def register() -> None:
     """Register the plug-ins with the active Mitsuba variant. Doing it again is harmless."""
     for name, make in (
         ("lumenray_coated", coated_class),
+        ("lumenray_rough_glass", rough_glass_class),
         ("lumenray_rough_metal", rough_metal_class),
         ("lumenray_sheet", _sheet_class),
         ("lumenray_fabric", fabric_class),

@@ -5,12 +5,15 @@ The reflectance distribution is
     f = F(cos h) D(h) G2(i, o) / (4 cos_i cos_o)  +  M / pi * (1 - E(cos_i)) (1 - E(cos_o)) / (1 - E_mean)
     M = F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
 
-with E what white facets reflect once, and means over the hemisphere. It is reciprocal, and with F = 1 it reflects
-everything, whatever the roughness. F_mean is F at the cosine where Schlick's formula has its mean.
+with the reflectance of facets F = F_c (R + s (1 - R) (1 - c)^5 - b c (1 - c)^6) at a cosine c, F_c being Fresnel's by a
+complex index; s is 0 for a reflectance that is the same from all sides, and b gives it the wanted tint at the cosine 1/7, 82
+degrees. E is what white facets reflect once; means are over the hemisphere, that of F_c where Schlick's formula has it. The
+model is reciprocal, and with F = 1 it reflects everything, whatever the roughness.
 
 References
 ----------
 C. Kulla, A. Conty: Revisiting Physically Based Shading at Imageworks, SIGGRAPH courses 2017.
+N. Kutz, M. Hasan, D. Edmondson: Novel aspects of the Adobe Standard Material, 2021 (F82 tint).
 """
 
 from functools import cache
@@ -28,6 +31,12 @@ from .facets import (
 
 ROUGHNESSES = 33
 """Rows of the tables, evenly over the root of the width."""
+
+TINTED = 1.0 / 7.0
+"""Cosine at which the edge has its tint."""
+
+EDGE = TINTED * (1.0 - TINTED) ** 6
+"""c (1 - c)^6 there, its largest value."""
 
 MEAN_COSINE = 1.0 - (1.0 / 21.0) ** 0.2
 """Cosine at which F0 + (1 - F0) (1 - cos)^5 has its mean over the hemisphere, F0 + (1 - F0) / 21. [-]"""
@@ -49,17 +58,21 @@ def rough_metal_class():
     from ..arrays import average, upload
 
     class RoughMetal(mi.BSDF):
-        """``eta``, ``k``, ``specular_reflectance`` and ``alpha`` are textures, the last may be a number."""
+        """``eta``, ``k``, ``specular_reflectance``, ``edge`` and ``alpha`` are textures, the last may be a number.
+
+        ``rise``: s.
+        """
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.eta, self.k = props["eta"], props["k"]
-            self.reflectance = props["specular_reflectance"]
+            self.reflectance, self.edge = props["specular_reflectance"], props["edge"]
+            self.rise = mi.Float(float(props["rise"]))
             width = props["alpha"]
             self.texture = None if isinstance(width, int | float) else width
             self.alpha = mi.Float(width if self.texture is None else 0.0)
             self.table, self.means = (upload(mi.Float, each) for each in tables())
-            dr.make_opaque(self.alpha)
+            dr.make_opaque(self.alpha, self.rise)
             dr.eval(self.table, self.means)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [mi.BSDFFlags.GlossyReflection | sides]
@@ -69,21 +82,43 @@ def rough_metal_class():
             callback.put("eta", self.eta, mi.ParamFlags.NonDifferentiable)
             callback.put("k", self.k, mi.ParamFlags.NonDifferentiable)
             callback.put("specular_reflectance", self.reflectance, mi.ParamFlags.Differentiable)
+            callback.put("edge", self.edge, mi.ParamFlags.Differentiable)
 
         def _width(self, si, active):
             width = self.alpha if self.texture is None else self.texture.eval_1(si, active)
             return dr.clip(width, MINIMUM_ALPHA, 1.0)
 
-        def _mirror(self, si, cosine, active):
-            """Reflectance of facets. ``cosine``: to their normal."""
+        def _fresnel(self, si, cosine, active):
+            """Reflectance by the complex index."""
             eta, k = self.eta.eval(si, active), self.k.eval(si, active)
             value = mi.Spectrum(0.0)
             for n in range(len(value)):
                 value[n] = mi.fresnel_conductor(cosine, mi.Complex2f(eta[n], k[n]))
-            return value * self.reflectance.eval(si, active)
+            return value
+
+        def _colours(self, si, active):
+            """R, s (1 - R) and b."""
+            colour = self.reflectance.eval(si, active)
+            rise = self.rise * (1.0 - colour)
+            edge = (colour + rise * (1.0 - TINTED) ** 5) * (1.0 - self.edge.eval(si, active))
+            return colour, rise, edge * (1.0 / EDGE)
+
+        def _mirror(self, si, colours, cosine, active):
+            """Reflectance of facets. ``cosine``: to their normal."""
+            colour, rise, edge = colours
+            away = 1.0 - cosine
+            fifth = dr.square(dr.square(away)) * away
+            seen = colour + rise * fifth - edge * (cosine * fifth * away)
+            return self._fresnel(si, cosine, active) * dr.maximum(seen, 0.0)
+
+        def _mean(self, si, colours, active):
+            """Mean reflectance of facets over the hemisphere."""
+            colour, rise, edge = colours
+            seen = colour + rise * (1.0 / 21.0) - edge * (1.0 / 126.0)
+            return self._fresnel(si, mi.Float(MEAN_COSINE), active) * dr.maximum(seen, 0.0)
 
         def _prepare(self, si, active):
-            """Width, rows of tables and the share of the second, E and its mean, M, how likely one facet reflects."""
+            """Width, colours, rows of tables and the share of the second, E, its mean, M, how likely one facet reflects."""
             alpha = self._width(si, active)
             place = dr.sqrt(alpha) * (ROUGHNESSES - 1)
             row = dr.minimum(mi.UInt32(place), ROUGHNESSES - 2)
@@ -92,11 +127,12 @@ def rough_metal_class():
             once = self._once(rows, dr.abs(mi.Frame3f.cos_theta(si.wi)), active)
             low, high = (dr.gather(mi.Float, self.means, each, active) for each in (row, row + 1))
             mean = dr.lerp(low, high, share)
-            colour = self._mirror(si, mi.Float(MEAN_COSINE), active)
+            colours = self._colours(si, active)
+            colour = self._mean(si, colours, active)
             often = dr.square(colour) * mean / dr.maximum(1.0 - colour * (1.0 - mean), 1e-6)
             single, rest = once * average(colour), (1.0 - once) * average(often)
             chance = dr.select(single + rest > 0.0, single / dr.maximum(single + rest, 1e-8), 1.0)
-            return alpha, rows, once, mean, often, chance
+            return alpha, colours, rows, once, mean, often, chance
 
         def _once(self, rows, cosine, active):
             """What white facets reflect once of light from a direction."""
@@ -105,14 +141,14 @@ def rough_metal_class():
             return dr.lerp(low, high, share)
 
         def _evaluate(self, si, wo, prepared, active):
-            alpha, rows, once, mean, often, chance = prepared
+            alpha, colours, rows, once, mean, often, chance = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
             light, density, cosine = mirror_light(si.wi, wo, alpha)
             lambert = cos_o * dr.inv_pi
             lost = (1.0 - once) * (1.0 - self._once(rows, cos_o, active))
             rest = often * (lost / dr.maximum(1.0 - mean, 1e-6) * lambert)
-            value = self._mirror(si, cosine, active) * light + rest
+            value = self._mirror(si, colours, cosine, active) * light + rest
             pdf = chance * density + (1.0 - chance) * lambert
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
 
@@ -142,7 +178,7 @@ def rough_metal_class():
             return self._evaluate(si, wo, self._prepare(si, active), active)
 
         def eval_diffuse_reflectance(self, si, active=True):
-            return self._mirror(si, mi.Float(1.0), active)
+            return self._mirror(si, self._colours(si, active), mi.Float(1.0), active)
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]

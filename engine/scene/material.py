@@ -209,12 +209,27 @@ class _MirrorLike(Surface):
 
 @dataclass(frozen=True)
 class Glossy(_MirrorLike):
-    """Metal-like reflection with a constant reflectance (no Fresnel term). ``roughness`` as in `Coated`."""
+    """Metal-like reflection. ``roughness`` as in `Coated`.
+
+    ``edge`` None: the reflectance is the same from all sides. Else it rises towards 1 at grazing angles by Schlick's
+    formula, and is ``edge`` times what that gives at 82 degrees (Blender's F82 tint), unless it is an ideal mirror.
+    """
 
     reflectance: Colour = Constant(0.8)
     roughness: Scalar = 0.5
+    edge: Colour | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold, and the tint of its edge."""
+        return super().colours if self.edge is None else (*super().colours, self.edge)
+
+    @property
+    def largest(self) -> float:
+        """As of `Surface`; whatever its edge is, it reflects no more than all."""
+        return largest_of(self.reflectance)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ....engine.scene.memo import held_bytes
-from .pixels import read_pixels
+from .pixels import is_mixed_encoded, mixing_loss, read_pixels
 
 LARGEST = 1 << 30
 """Most bytes that are kept from one walk to the next, what was made of the pixels included. [byte]"""
@@ -30,6 +30,7 @@ class Reading:
     notes : tuple of (str, str)    What it had to say, message and remedy.
     state : tuple    Of the image.
     is_own : bool    Whether Blender could not read it, and we could.
+    loss : float    What Cycles' mixing of encoded values takes from the mean of the colour. [-]
     """
 
     colour: np.ndarray
@@ -37,6 +38,7 @@ class Reading:
     notes: tuple[tuple[str, str], ...] = ()
     state: tuple = ()
     is_own: bool = False
+    loss: float = 0.0
 
     @property
     def bytes(self) -> int:
@@ -102,7 +104,8 @@ def _read(image, is_straight: bool, note: Callable[[str, str], None]) -> Reading
         alpha = alpha.copy()
         alpha.flags.writeable = False
     colour.flags.writeable = False
-    return Reading(colour, alpha, tuple(notes), _state_of(image), not image.has_data)
+    loss = mixing_loss(colour) if is_mixed_encoded(image) else 0.0
+    return Reading(colour, alpha, tuple(notes), _state_of(image), not image.has_data, loss)
 
 
 def _state_of(image) -> tuple:

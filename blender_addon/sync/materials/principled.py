@@ -26,7 +26,6 @@ _LEFT_OUT = {
     "Sheen Weight": (0.0, "Sheen"),
     "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
-    "Specular Tint": (1.0, "The tint of the highlight"),
 }
 
 _AS_DIFFUSE = {
@@ -51,13 +50,17 @@ def convert_principled(at) -> Closure:
     if not metallic.is_everywhere(0):
         report_facets(at)
     surface = None
+    if not metallic.is_everywhere(1) and not at("Specular Tint").is_everywhere(1):
+        at.note("The tint of the highlight is not supported but for metals", "it is left out")
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
         pane = _pane if _is_thin_wall(at) else _glass
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
-        surface = mix_surfaces(surface, Glossy(as_colour(base), as_scalar(roughness)), metallic)
+        edge = as_colour(reflectance_of(at, at("Specular Tint")))
+        metal = Glossy(as_colour(base), as_scalar(roughness), edge)
+        surface = mix_surfaces(surface, metal, metallic)
     radiance = _radiance(at)
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)

@@ -90,13 +90,11 @@ def _metallic(at):
             at.note(f"{subject} is not supported", "it is left out")
     if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
         at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
-        colour = at.map(_normal_reflectance, at("IOR"), at("Extinction"))
+        colour, edge = at.map(_normal_reflectance, at("IOR"), at("Extinction")), None
     else:
-        colour = _colour(at, "Base Color")
-        if not at("Edge Tint").is_everywhere(1):
-            at.remark("Edge tint is not supported", "it is left out")
+        colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
     report_facets(at)
-    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness"))))
+    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
 
 
 def _normal_reflectance(n, k):

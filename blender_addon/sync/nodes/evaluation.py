@@ -39,6 +39,10 @@ class Context:
         """Note one departure of a node."""
         self.report.add(severity, self.datablock, node, message, remedy, is_missing)
 
+    def take_output(self, at) -> "Field | None":
+        """Return what a node gives here in place of what it gives on a surface; None: the same."""
+        return None
+
     def take_profile(self, node) -> float | None:
         """Return the number that an IES texture stands for; None: it cannot be taken over here."""
         return None
@@ -169,7 +173,9 @@ def _evaluate_output(output, context, groups):
         return constant(0.0)
     context.active.add(key)
     try:
-        field = _FUNCTIONS.get(node.bl_idname, stand_ins.replace)(inputs)
+        field = context.take_output(inputs)
+        if field is None:
+            field = _FUNCTIONS.get(node.bl_idname, stand_ins.replace)(inputs)
     finally:
         context.active.discard(key)
     context.known[key] = field

@@ -13,6 +13,9 @@ from .mapping import Placement, legacy_matrix, resolve_placement
 
 _BRICK_TILE = 1024
 
+TOLD_LOSS = 0.005
+"""By how much Blender may show a picture darker without a word. [-]"""
+
 
 def _image(at):
     node, image = at.node, at.node.image
@@ -28,6 +31,12 @@ def _image(at):
         return _constant_instead(1.0 if at.output.identifier == "Alpha" else MISSING)
     if at.output.identifier == "Alpha":
         return _laid(at, reading.alpha)
+    if reading.loss > TOLD_LOSS and node.interpolation != "Closest":
+        at.note(
+            f"Blender mixes encoded values between the pixels of image {image.name!r}, "
+            f"and shows it {100.0 * reading.loss:.2g} % darker",
+            "light is mixed, so that the mean is that of the pixels",
+        )
     return _colour_mapped(at, _laid(at, _usable(at, reading.colour)))
 
 

@@ -59,7 +59,9 @@ class MaterialPalette:
             model = bsdf(material.surface, self.make)
         except SceneError as error:
             raise SceneError(f"material '{material.name}': {error}") from error
-        plugin = mi.load_dict(model) if isinstance(model, dict) else model
+        # Textures that happen to be equal must stay apart, as they would make another model to a kernel.
+        is_made = not isinstance(model, dict)
+        plugin = model if is_made else mi.load_dict(model, optimize=False)
         self._note_pictures(material, frozenset(self.make.bitmaps.asked))
         old = self._plugins.get(material.id)
         if old is None or not _transplant(plugin, old[0]):

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from ...materials.facets import lost_by_glass
 from ...scattering.data.surface import usable
 from ...scene.material import (
     SMOOTH_ROUGHNESS,
@@ -29,9 +28,6 @@ SODIUM_D = 589.3
 
 NOTHING = Diffuse(Constant(0.0))
 """What a black surface is to light, and what the palette holds before there are plain materials."""
-
-TOLD_LOSS = 0.005
-"""Share of light that a surface may lose without a word. [-]"""
 
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
@@ -121,7 +117,7 @@ def _black(_surface: Black, make: TextureMaker):
 def _glossy(surface: Glossy, make: TextureMaker) -> dict:
     colour = make.reflectance(surface.reflectance)
     properties = {**make.metal("none"), "specular_reflectance": colour}
-    return _mirror_like(properties, surface.roughness, make)
+    return _mirror_like(properties, surface.roughness, make, surface.edge)
 
 
 def _conductor(surface: Conductor, make: TextureMaker) -> dict:
@@ -178,14 +174,20 @@ def _two_sided(made: dict) -> dict:
     return {"type": "twosided", "nested": made}
 
 
-def _mirror_like(properties: dict, roughness, make: TextureMaker) -> dict:
+def _mirror_like(properties: dict, roughness, make: TextureMaker, edge=None) -> dict:
     if isinstance(roughness, ImageTexture):
         width = make.scalar(roughness, power=2.0)
     elif roughness < SMOOTH_ROUGHNESS:
         return _two_sided({"type": "conductor", **properties})
     else:
         width = alpha(roughness)
-    return {"type": "lumenray_rough_metal", "alpha": width, **properties}
+    return {
+        "type": "lumenray_rough_metal",
+        "alpha": width,
+        "rise": 0.0 if edge is None else 1.0,
+        "edge": make.reflectance(Constant(1.0) if edge is None else edge),
+        **properties,
+    }
 
 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
@@ -195,13 +197,15 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
         return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
-    return {
+    width = alpha(surface.roughness)
+    nested = {
         "type": "roughdielectric",
         "distribution": "ggx",
-        "alpha": alpha(surface.roughness),
+        "alpha": width,
         "int_ior": index,
         "specular_transmittance": tint,
     }
+    return {"type": "lumenray_rough_glass", "alpha": width, "index": index, "nested": nested}
 
 
 MAKERS = {
@@ -228,20 +232,8 @@ def approximations(surface: Surface) -> list[str]:
             return approximations(surface.first) + approximations(surface.second)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
-        case Dielectric() if not surface.is_smooth:
-            return _of_rough_glass(surface)
+        case Dielectric() if surface.is_dispersive and not surface.is_smooth:
+            return ["rough glass is computed without dispersion, with its index at 589 nm"]
+        case Glossy() if surface.edge is not None and surface.is_mirror:
+            return ["an ideal mirror reflects from all sides what it reflects along its normal"]
     return []
-
-
-def _of_rough_glass(surface: Dielectric) -> list[str]:
-    said = []
-    if surface.is_dispersive:
-        said.append("rough glass is computed without dispersion, with its index at 589 nm")
-    index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
-    lost = lost_by_glass(round(alpha(surface.roughness), 4), round(index, 3))
-    if lost >= TOLD_LOSS:
-        said.append(
-            "light that passes from facet to facet of rough glass is not computed: "
-            f"{100.0 * lost:.2g} % of even light is lost at each surface"
-        )
-    return said

@@ -25,6 +25,7 @@ SMOOTH = {
     "satin": Coated(Constant(0.2), 1.6, 0.7),
     "rough gloss": Glossy(Rgb(0.9, 0.6, 0.3), 0.8),
     "rough metal": Conductor("Au", 0.5),
+    "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -104,7 +105,9 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
     assert np.allclose(np.array(weight)[:, valid], ratio, rtol=2e-3, atol=1e-4)
 
 
-@pytest.mark.parametrize("name", ["matt", "gloss paint", "satin", "rough gloss", "rough metal"])
+@pytest.mark.parametrize(
+    "name", ["matt", "gloss paint", "satin", "rough gloss", "rough metal", "tinted edge"]
+)
 def test_reflection_is_reciprocal(name):
     import mitsuba as mi
 
@@ -151,6 +154,27 @@ def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(ro
 def test_white_facets_reflect_everything(roughness, angle):
     found = albedo(Glossy(Constant(1.0), roughness), angle, 1 << 18)
     assert found == pytest.approx(1.0, abs=2.5e-3)
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 110, 170])
+@pytest.mark.parametrize("roughness", [0.1, 0.4, 0.7, 1.0])
+def test_clear_rough_glass_sends_all_light_on(roughness, angle):
+    """Radiance grows with the square of the index, so the flux that goes on is the weight times the square of eta."""
+    import mitsuba as mi
+
+    count = 1 << 18
+    stream = mi.PCG32(size=count, initstate=9)
+    si = interaction(towards(angle), count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    glass = plugin(Dielectric(roughness=roughness))
+    bs, weight = glass.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    flux = np.array(weight)[0] * np.array(bs.eta) ** 2
+    assert flux.mean() == pytest.approx(1.0, abs=3e-3)
+    # The weight is value over density.
+    value, pdf = glass.eval_pdf(mi.BSDFContext(), si, bs.wo, True)
+    valid = (np.array(pdf) > 1e-3) & (flux > 0.0)
+    ratio = np.array(value)[0][valid] / np.array(pdf)[valid]
+    assert np.allclose(np.array(weight)[0][valid], ratio, rtol=0.02)
 
 
 @pytest.mark.parametrize("roughness", [0.3, 0.7])

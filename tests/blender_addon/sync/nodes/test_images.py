@@ -1,9 +1,12 @@
 """Images in colour graphs: pixels, places and several at once, as Cycles renders them on a UV square."""
 
+import re
+
 import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.images.pixels import decode_srgb
 from lumenray.blender_addon.sync.nodes import fields
 from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field
 from lumenray.engine.scene.texture import ImageTexture
@@ -22,6 +25,24 @@ def test_byte_image_of_data_is_not_linearised(tree):
     image = add_image("Grey", np.full((2, 2, 3), 128 / 255), "Non-Color", is_float=False)
     ours, _ = evaluate(tree, add_texture(tree, image).outputs["Color"])
     assert ours[0, 0] == pytest.approx(128 / 255, abs=1e-5)
+
+
+def test_pictures_that_cycles_shows_darker_keep_the_mean_of_their_pixels(tree, cycles_colour):
+    pixels = np.random.default_rng(2).random((4, 4, 3))
+    texture = add_texture(tree, add_image("Noise", pixels, "sRGB", is_float=False))
+    ours, report = evaluate(tree, texture.outputs["Color"])
+    assert report.rows == []
+    mean = decode_srgb(np.round(255.0 * pixels) / 255.0).mean()
+    assert ours.mean() == pytest.approx(mean, rel=1e-5)
+    texture.interpolation = "Linear"
+    evaluate_field(
+        tree.add("Emission", Color=texture.outputs["Color"]).inputs["Color"],
+        Context("Paint", report),
+    )
+    ((row, _),) = report.rows
+    theirs = cycles_colour(tree, texture.outputs["Color"])
+    told = float(re.search(r"it (\S+) % darker", row.message).group(1))
+    assert told == pytest.approx(100.0 * (1.0 - theirs.mean() / mean), abs=1.0)
 
 
 def test_first_row_of_a_picture_is_the_bottom(tree):

@@ -1,0 +1,1 @@
+"""Blender's content, one feature in each scene, rendered here and by Cycles; `run` is the door."""

@@ -1,0 +1,755 @@
+"""What is compared: a scene for each feature of Blender, by group."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .stage import Stage, image, panorama
+
+FEATURES: dict[str, "Feature"] = {}
+"""All features by key."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A scene. ``build``: makes it on an empty `Stage`; ``is_loose``: light goes below its surfaces."""
+
+    key: str
+    group: str
+    build: Callable[[Stage], None]
+    is_loose: bool = False
+
+
+def _note(group: str, key: str, build, is_loose: bool = False) -> None:
+    FEATURES[key] = Feature(key, group, build, is_loose)
+
+
+def _feature(group: str, key: str, is_loose: bool = False):
+    """Note what a function builds."""
+
+    def keep(build):
+        _note(group, key, build, is_loose)
+        return build
+
+    return keep
+
+
+# ---- surfaces ----
+
+
+def _principled(**values):
+    def build(stage):
+        tree = stage.material()
+        base = {"Base_Color": (0.7, 0.4, 0.2, 1.0), **values}
+        stage.studio(tree.show(tree.add("BsdfPrincipled", **base)))
+
+    return build
+
+
+def _shader(kind, attributes=None, **values):
+    def build(stage):
+        tree = stage.material()
+        stage.studio(tree.show(tree.add(kind, attributes, **values)))
+
+    return build
+
+
+PAINT = (0.7, 0.4, 0.2, 1.0)
+
+for _key, _values in {
+    "Principled": {},
+    "Principled, rough": {"Roughness": 0.9},
+    "Principled, IOR": {"IOR": 1.8},
+    "Principled, no specular": {"Specular_IOR_Level": 0.0},
+    "Principled, specular level": {"Specular_IOR_Level": 0.9},
+    "Principled, specular tint": {"Specular_Tint": (0.2, 0.5, 1.0, 1.0)},
+    "Principled, metal 0.2": {"Metallic": 1.0, "Roughness": 0.2},
+    "Principled, metal 0.6": {"Metallic": 1.0, "Roughness": 0.6},
+    "Principled, metal, edge tint": {
+        "Metallic": 1.0,
+        "Roughness": 0.4,
+        "Specular_Tint": (0.3, 0.6, 1.0, 1.0),
+    },
+    "Principled, half metal": {"Metallic": 0.5},
+    "Principled, glass": {"Transmission_Weight": 1.0, "Roughness": 0.0},
+    "Principled, rough glass": {"Transmission_Weight": 1.0, "Roughness": 0.4},
+    "Principled, alpha": {"Alpha": 0.5},
+    "Principled, emission": {"Emission_Strength": 0.5, "Emission_Color": (1.0, 0.8, 0.5, 1.0)},
+    "Principled, coat": {"Coat_Weight": 1.0},
+    "Principled, coat tint": {"Coat_Weight": 1.0, "Coat_Tint": (0.3, 0.6, 1.0, 1.0)},
+    "Principled, sheen": {"Sheen_Weight": 1.0},
+    "Principled, anisotropy": {"Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.8},
+    "Principled, diffuse roughness": {"Diffuse_Roughness": 1.0},
+    "Principled, thin film": {"Thin_Film_Thickness": 400.0, "Metallic": 1.0, "Roughness": 0.2},
+}.items():
+    _note("Surfaces", _key, _principled(**_values))
+_note("Surfaces", "Principled, subsurface", _principled(Subsurface_Weight=1.0), True)
+
+for _key, (_kind, _attributes, _values) in {
+    "Diffuse": ("BsdfDiffuse", {}, {"Color": PAINT}),
+    "Diffuse, rough": ("BsdfDiffuse", {}, {"Color": PAINT, "Roughness": 1.0}),
+    "Glossy 0.1": ("BsdfAnisotropic", {}, {"Color": PAINT, "Roughness": 0.1}),
+    "Glossy 0.4": ("BsdfAnisotropic", {}, {"Color": PAINT, "Roughness": 0.4}),
+    "Glossy 0.8": ("BsdfAnisotropic", {}, {"Color": PAINT, "Roughness": 0.8}),
+    "Glossy, anisotropic": (
+        "BsdfAnisotropic",
+        {},
+        {"Color": PAINT, "Roughness": 0.4, "Anisotropy": 0.8},
+    ),
+    "Metallic": ("BsdfMetallic", {}, {"Base_Color": PAINT, "Roughness": 0.3}),
+    "Metallic, edge tint": (
+        "BsdfMetallic",
+        {},
+        {"Base_Color": PAINT, "Edge_Tint": (0.2, 0.5, 1.0, 1.0), "Roughness": 0.3},
+    ),
+    "Metallic, by index": (
+        "BsdfMetallic",
+        {"fresnel_type": "PHYSICAL_CONDUCTOR"},
+        {"Roughness": 0.3},
+    ),
+    "Glass": ("BsdfGlass", {}, {"Roughness": 0.0}),
+    "Glass, rough": ("BsdfGlass", {}, {"Roughness": 0.4}),
+    "Glass, coloured": ("BsdfGlass", {}, {"Roughness": 0.0, "Color": (0.6, 0.9, 0.7, 1.0)}),
+    "Refraction": ("BsdfRefraction", {}, {"Roughness": 0.0, "IOR": 1.45}),
+    "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
+    "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
+    "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
+    "Toon": ("BsdfToon", {}, {"Color": PAINT}),
+    "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),
+    "Holdout": ("Holdout", {}, {}),
+}.items():
+    _note("Surfaces", _key, _shader(_kind, _attributes, **_values))
+_note("Surfaces", "Subsurface Scattering", _shader("SubsurfaceScattering"), True)
+
+
+def _two(tree):
+    return (
+        tree.add("BsdfDiffuse", Color=PAINT),
+        tree.add("BsdfAnisotropic", Color=(0.9, 0.9, 0.9, 1.0), Roughness=0.2),
+    )
+
+
+@_feature("Surfaces", "Mix Shader")
+def _mixed(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    stage.studio(tree.show(tree.add("MixShader", Fac=0.3, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Add Shader")
+def _added(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    stage.studio(tree.show(tree.add("AddShader", _0=first, _1=second)))
+
+
+@_feature("Surfaces", "Mix by Fresnel")
+def _by_fresnel(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    factor = tree.add("Fresnel", IOR=1.5)
+    stage.studio(tree.show(tree.add("MixShader", Fac=factor, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Mix by facing")
+def _by_facing(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    factor = tree.add("LayerWeight", out=1, Blend=0.3)
+    stage.studio(tree.show(tree.add("MixShader", Fac=factor, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Pane by Fresnel")
+def _pane(stage):
+    tree = stage.material()
+    clear = tree.add("BsdfTransparent")
+    gloss = tree.add("BsdfAnisotropic", Roughness=0.0)
+    shader = tree.add("MixShader", Fac=tree.add("Fresnel", IOR=1.5), _1=clear, _2=gloss)
+    stage.studio()
+    corners = [(-1.5, -1.2, 0.0), (1.5, -1.2, 0.0), (1.5, -1.2, 2.0), (-1.5, -1.2, 2.0)]
+    stage.mesh("Pane", corners, [(0, 1, 2, 3)], tree.show(shader))
+
+
+@_feature("Surfaces", "Front and back")
+def _sides(stage):
+    tree = stage.material()
+    side = tree.add("NewGeometry", out=6)
+    front, back = (
+        tree.add("BsdfDiffuse", Color=colour)
+        for colour in ((0.8, 0.2, 0.2, 1.0), (0.2, 0.3, 0.8, 1.0))
+    )
+    material = tree.show(tree.add("MixShader", Fac=side, _1=front, _2=back))
+    stage.studio()
+    for x, turn in ((-1.3, 1.2), (1.3, 1.2 + math.pi)):
+        stage.tile(
+            material, location=(x, -0.5, 0.8), rotation_euler=(turn, 0.0, 0.0), scale=[0.6] * 3
+        )
+
+
+# ---- relief ----
+
+
+def _bumpy(stage, tree, height):
+    shader = tree.add("BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1.0), Normal=height)
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    stage.tile(tree.show(shader))
+    stage.above()
+
+
+@_feature("Relief", "Bump")
+def _bump(stage):
+    tree = stage.material()
+    height = tree.add("TexImage", {"image": image()}, Vector=tree.add("UVMap"))
+    _bumpy(stage, tree, tree.add("Bump", Strength=1.0, Distance=0.3, Height=height))
+
+
+@_feature("Relief", "Normal map")
+def _normal_map(stage):
+    tree = stage.material()
+    colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+    _bumpy(stage, tree, tree.add("NormalMap", Color=colour, Strength=0.7))
+
+
+@_feature("Relief", "Displacement as bump")
+def _displaced(stage):
+    tree = stage.material()
+    height = tree.add("TexImage", {"image": image()}, Vector=tree.add("UVMap"))
+    tree.links.new(
+        tree.add("Displacement", Height=height, Scale=0.3), tree.output.inputs["Displacement"]
+    )
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    stage.tile(tree.show(tree.add("BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1.0))))
+    stage.above()
+
+
+# ---- textures and nodes ----
+
+
+def _tile(make):
+    """Show a colour over a tile in even light. ``make(tree)``: the colour's output."""
+
+    def build(stage):
+        stage.world()
+        tree = stage.material()
+        stage.tile(tree.show(tree.add("BsdfDiffuse", Color=make(tree))))
+        stage.above()
+
+    return build
+
+
+def _on(coordinate):
+    return lambda tree: tree.add("TexCoord", out=tree_output(coordinate))
+
+
+def tree_output(name):
+    """Return the number of an output of the Texture Coordinate node."""
+    return ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection").index(name)
+
+
+def _texture(kind, attributes=None, where="UV", out=0, **values):
+    return lambda tree: tree.add(kind, attributes, out, Vector=_on(where)(tree), **values)
+
+
+def _picture(where="UV", interpolation="Linear", **how):
+    return lambda tree: tree.add(
+        "TexImage",
+        {"image": image(**how), "interpolation": interpolation},
+        Vector=_on(where)(tree),
+    )
+
+
+_COLOURS = {"Color1": (0.8, 0.7, 0.2, 1.0), "Color2": (0.1, 0.2, 0.6, 1.0)}
+
+for _key, _make in {
+    "Image, float": _picture(),
+    "Image, sRGB bytes": _picture(is_float=False),
+    "Image, closest": _picture(interpolation="Closest"),
+    "Image, noise in sRGB bytes": _picture(is_float=False, is_smooth=False),
+    "Image, generated coordinates": _picture("Generated"),
+    "Image, object coordinates": _picture("Object"),
+    "Image, box projection": lambda tree: tree.add(
+        "TexImage", {"image": image(), "projection": "BOX"}, Vector=_on("Object")(tree)
+    ),
+    "Checker on UV": _texture("TexChecker", Scale=4.0, **_COLOURS),
+    "Checker, generated": _texture("TexChecker", where="Generated", Scale=4.0, **_COLOURS),
+    "Brick on UV": _texture("TexBrick", Scale=3.0, **_COLOURS),
+    "Brick, generated": _texture("TexBrick", where="Generated", Scale=3.0, **_COLOURS),
+    "Noise on UV": _texture("TexNoise", Scale=4.0),
+    "Noise, generated": _texture("TexNoise", where="Generated", Scale=4.0),
+    "Noise, object": _texture("TexNoise", where="Object", Scale=4.0),
+    "Noise, colour": _texture("TexNoise", out=1, Scale=4.0),
+    "Voronoi on UV": _texture("TexVoronoi", Scale=4.0),
+    "Voronoi, generated": _texture("TexVoronoi", where="Generated", Scale=4.0),
+    "Voronoi, colour": _texture("TexVoronoi", out=1, Scale=4.0),
+    "Wave on UV": _texture("TexWave", Scale=3.0),
+    "Wave, generated": _texture("TexWave", where="Generated", Scale=3.0),
+    "Magic on UV": _texture("TexMagic", Scale=3.0),
+    "Gradient on UV": _texture("TexGradient"),
+    "Gradient, generated": _texture("TexGradient", where="Generated"),
+    "White noise on UV": _texture("TexWhiteNoise"),
+    "Generated as colour": _on("Generated"),
+    "UV as colour": _on("UV"),
+    "Object as colour": _on("Object"),
+    "Position as colour": lambda tree: tree.add("NewGeometry"),
+    "Pointiness": lambda tree: tree.add("NewGeometry", out=7),
+    "Random per island": lambda tree: tree.add("NewGeometry", out=8),
+    "Ambient occlusion": lambda tree: tree.add("AmbientOcclusion"),
+    "Wireframe": lambda tree: tree.add("Wireframe", Size=0.1),
+    "Random per object": lambda tree: tree.add("ObjectInfo", out=5),
+    "Object's colour": lambda tree: tree.add("ObjectInfo", out=1),
+    "Camera distance": lambda tree: tree.add("CameraData", out=2),
+    "Is Camera Ray": lambda tree: tree.add("LightPath"),
+    "Layer weight": lambda tree: tree.add("LayerWeight", out=1),
+    "Colour ramp": lambda tree: tree.add("ValToRGB", Fac=_texture("TexGradient")(tree)),
+    "Curves": lambda tree: tree.add("RGBCurve", Color=_picture()(tree)),
+    "Hue and saturation": lambda tree: tree.add(
+        "HueSaturation", Hue=0.7, Saturation=0.6, Color=_picture()(tree)
+    ),
+    "Multiply": lambda tree: tree.add(
+        "MixRGB",
+        {"blend_type": "MULTIPLY"},
+        Fac=1.0,
+        Color1=_picture()(tree),
+        Color2=(0.9, 0.5, 0.3, 1.0),
+    ),
+    "Blackbody": lambda tree: tree.add("Blackbody", Temperature=4000.0),
+}.items():
+    _note("Textures and nodes", _key, _tile(_make))
+
+
+@_feature("Textures and nodes", "Colour attribute")
+def _attribute(stage):
+    stage.world()
+    tree = stage.material()
+    colour = tree.add("VertexColor", {"layer_name": "Tint"})
+    item = stage.tile(tree.show(tree.add("BsdfDiffuse", Color=colour)))
+    layer = item.data.color_attributes.new("Tint", "FLOAT_COLOR", "POINT")
+    layer.data.foreach_set(
+        "color", [0.8, 0.1, 0.1, 1, 0.1, 0.8, 0.1, 1, 0.1, 0.1, 0.8, 1, 0.7, 0.7, 0.7, 1]
+    )
+    stage.above()
+
+
+@_feature("Textures and nodes", "Roughness from a texture")
+def _rough_picture(stage):
+    tree = stage.material()
+    rough = tree.add("TexImage", {"image": image()}, Vector=tree.add("UVMap"))
+    stage.studio(tree.show(tree.add("BsdfAnisotropic", Color=PAINT, Roughness=rough)))
+
+
+@_feature("Textures and nodes", "Emission with a texture")
+def _glowing_picture(stage):
+    tree = stage.material()
+    stage.world((0.0, 0.0, 0.0))
+    stage.tile(tree.show(tree.add("Emission", Color=_picture()(tree))))
+    stage.above()
+
+
+# ---- volumes ----
+
+
+def _volume(kind, **values):
+    def build(stage):
+        tree = stage.material()
+        tree.show(tree.add("BsdfTransparent"))
+        tree.show(tree.add(kind, **values), "Volume")
+        stage.studio(tree.owner)
+
+    return build
+
+
+_note("Volumes", "Volume, absorption", _volume("VolumeAbsorption", Density=1.0), True)
+_note("Volumes", "Volume, scatter", _volume("VolumeScatter", Density=1.0), True)
+_note("Volumes", "Volume, principled", _volume("VolumePrincipled", Density=1.0), True)
+
+
+@_feature("Volumes", "Glass with absorption", True)
+def _absorbing_glass(stage):
+    tree = stage.material()
+    tree.show(tree.add("BsdfGlass", Roughness=0.0))
+    tree.show(tree.add("VolumeAbsorption", Color=(0.3, 0.8, 0.5, 1.0), Density=1.0), "Volume")
+    stage.studio(tree.owner)
+
+
+# ---- lights ----
+
+
+def _lit(
+    kind, prepare=None, energy=100.0, turn=(0.3, 0.2, 0.0), location=(0.7, -0.7, 2.5), **settings
+):
+    def build(stage):
+        stage.tile(stage.paint(), scale=(3.0, 3.0, 3.0))
+        stage.ball(stage.paint((0.7, 0.3, 0.2)))
+        stage.camera()
+        item = stage.light(kind, location, energy, turn, **settings)
+        if prepare is not None:
+            prepare(stage, item)
+
+    return build
+
+
+def _nodes_of_light(item, add):
+    data = item.data
+    data.use_nodes = True
+    tree = data.node_tree
+    emission = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
+    add(tree, emission)
+
+
+def _constant_falloff(_stage, item):
+    def add(tree, emission):
+        node = tree.nodes.new("ShaderNodeLightFalloff")
+        node.inputs["Strength"].default_value = 0.2
+        tree.links.new(node.outputs["Constant"], emission.inputs["Strength"])
+
+    _nodes_of_light(item, add)
+
+
+def _gobo(_stage, item):
+    def add(tree, emission):
+        checker = tree.nodes.new("ShaderNodeTexChecker")
+        where = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(where.outputs["Normal"], checker.inputs["Vector"])
+        tree.links.new(checker.outputs[0], emission.inputs["Color"])
+
+    _nodes_of_light(item, add)
+
+
+def _linked(_stage, item):
+    group = bpy.data.collections.new("Lit")
+    group.objects.link(bpy.data.objects["Ball"])
+    item.light_linking.receiver_collection = group
+
+
+def _with(**settings):
+    def prepare(_stage, item):
+        for key, value in settings.items():
+            setattr(item, key, value)
+
+    return prepare
+
+
+def _bounces(_stage, item):
+    item.data.cycles.max_bounces = 0
+
+
+for _key, _build in {
+    "Point": _lit("POINT", shadow_soft_size=0.0),
+    "Point, ball": _lit("POINT", shadow_soft_size=0.2, use_soft_falloff=False),
+    "Point, soft falloff 0.5": _lit("POINT", shadow_soft_size=0.5),
+    "Spot": _lit("SPOT", energy=300.0, shadow_soft_size=0.05, spot_size=1.0, spot_blend=0.4),
+    "Spot, scaled unevenly": _lit(
+        "SPOT", _with(scale=(1.0, 2.0, 1.0)), 300.0, shadow_soft_size=0.05, spot_size=1.0
+    ),
+    "Sun": _lit("SUN", energy=3.0, angle=0.1),
+    "Area, square": _lit("AREA", size=1.0),
+    "Area, disk": _lit("AREA", shape="DISK", size=1.0),
+    "Area, spread": _lit("AREA", size=1.0, spread=1.0),
+    "Light, temperature": _lit("AREA", size=1.0, use_temperature=True, temperature=3000.0),
+    "Light, exposure": _lit("AREA", size=1.0, exposure=1.0, energy=50.0),
+    "Light, not normalised": _lit("AREA", size=1.5, normalize=False, energy=50.0),
+    "Light, no shadow": _lit("AREA", size=1.0, use_shadow=False),
+    "Light, negative": _lit("AREA", energy=-50.0, size=1.0),
+    "Light, no bounces": _lit("AREA", _bounces, size=1.0),
+    "Light, diffuse off": _lit("AREA", _with(visible_diffuse=False), size=1.0),
+    "Light, constant falloff": _lit("POINT", _constant_falloff, shadow_soft_size=0.0),
+    "Light, gobo": _lit("SPOT", _gobo, 300.0, spot_size=1.0, shadow_soft_size=0.0),
+    "Light linking": _lit("AREA", _linked, size=1.0),
+}.items():
+    _note("Lights", _key, _build)
+
+
+# ---- worlds ----
+
+
+def _outside(make):
+    """Show a ball in a world. ``make(tree, vector)``: the shader."""
+
+    def build(stage):
+        tree = stage.world()
+        tree.show(make(tree, tree.add("TexCoord")))
+        stage.tile(stage.paint(), scale=(3.0, 3.0, 3.0))
+        stage.ball(stage.paint((0.7, 0.3, 0.2)))
+        stage.camera()
+
+    return build
+
+
+def _map(tree, vector, **attributes):
+    return tree.add("TexEnvironment", {"image": panorama(), **attributes}, Vector=vector)
+
+
+def _turned(tree, vector, **settings):
+    return tree.add("Mapping", Vector=vector, **settings)
+
+
+def _background(tree, colour, strength=1.0):
+    return tree.add("Background", Color=colour, Strength=strength)
+
+
+BLUE, BROWN = (0.2, 0.4, 1.0, 1.0), (0.3, 0.2, 0.1, 1.0)
+
+
+def _ramp(tree, vector):
+    height = tree.add("SeparateXYZ", out=2, Vector=vector)
+    factor = tree.add("MapRange", Value=height, _1=-1.0)
+    return tree.add(
+        "MixShader", Fac=factor, _1=_background(tree, BROWN), _2=_background(tree, BLUE)
+    )
+
+
+for _key, _make in {
+    "World, colour": lambda tree, _: _background(tree, BLUE),
+    "World, picture": lambda tree, v: _background(tree, _map(tree, v)),
+    "World, turned": lambda tree, v: _background(
+        tree, _map(tree, _turned(tree, v, Rotation=(0.3, 0.2, 0.9)))
+    ),
+    "World, scaled": lambda tree, v: _background(
+        tree, _map(tree, _turned(tree, v, Scale=(1.0, 2.0, 0.7)))
+    ),
+    "World, mirror ball": lambda tree, v: _background(
+        tree, _map(tree, v, projection="MIRROR_BALL")
+    ),
+    "World, multiplied": lambda tree, v: _background(
+        tree,
+        tree.add("MixRGB", {"blend_type": "MULTIPLY"}, Fac=1.0, Color1=_map(tree, v), Color2=BLUE),
+    ),
+    "World, two backgrounds": lambda tree, v: tree.add(
+        "MixShader", Fac=0.4, _1=_background(tree, _map(tree, v)), _2=_background(tree, BLUE)
+    ),
+    "World, camera only": lambda tree, v: tree.add(
+        "MixShader",
+        Fac=tree.add("LightPath"),
+        _1=_background(tree, _map(tree, v)),
+        _2=_background(tree, BLUE),
+    ),
+    "World, ramp": _ramp,
+    "World, Sky Texture": lambda tree, _: _background(tree, tree.add("TexSky")),
+}.items():
+    _note("Worlds", _key, _outside(_make))
+
+
+def _world_rays(**settings):
+    def build(stage):
+        _outside(lambda tree, v: _background(tree, _map(tree, v)))(stage)
+        stage.light("AREA", (1.5, -1.5, 3.5), 100.0, (0.5, 0.35, 0.0), size=1.5)
+        for key, value in settings.items():
+            setattr(stage.scene.world.cycles_visibility, key, value)
+
+    return build
+
+
+_note("Worlds", "World, not for diffuse rays", _world_rays(diffuse=False))
+_note("Worlds", "World, not for the camera", _world_rays(camera=False))
+
+
+# ---- objects ----
+
+
+def _object(**settings):
+    def build(stage):
+        ball = stage.studio()
+        for key, value in settings.items():
+            setattr(ball, key, value)
+
+    return build
+
+
+for _key, _settings in {
+    "Object, not for the camera": {"visible_camera": False},
+    "Object, not for diffuse rays": {"visible_diffuse": False},
+    "Object, not for glossy rays": {"visible_glossy": False},
+    "Object, no shadow": {"visible_shadow": False},
+    "Object, for the camera alone": {
+        "visible_diffuse": False,
+        "visible_glossy": False,
+        "visible_transmission": False,
+        "visible_shadow": False,
+        "visible_volume_scatter": False,
+    },
+    "Object, holdout": {"is_holdout": True},
+    "Object, shadow catcher": {"is_shadow_catcher": True},
+}.items():
+    _note("Objects", _key, _object(**_settings))
+
+
+@_feature("Objects", "Instances of a collection")
+def _instances(stage):
+    ball = stage.studio()
+    group = bpy.data.collections.new("Group")
+    group.objects.link(ball)
+    stage.scene.collection.objects.unlink(ball)
+    for x in (-1.0, 1.0):
+        empty = stage.link("Empty", None, location=(x, 0.0, 0.0), scale=(0.7, 0.7, 0.7))
+        empty.instance_type, empty.instance_collection = "COLLECTION", group
+
+
+@_feature("Objects", "Text")
+def _text(stage):
+    stage.studio()
+    data = bpy.data.curves.new("Text", "FONT")
+    data.body, data.extrude = "Lux", 0.1
+    data.materials.append(stage.paint((0.2, 0.3, 0.7)))
+    stage.link("Text", data, location=(-1.2, -1.5, 0.0), rotation_euler=(1.2, 0.0, 0.0))
+
+
+@_feature("Objects", "Metaball")
+def _meta(stage):
+    stage.studio()
+    data = bpy.data.metaballs.new("Meta")
+    data.elements.new().co = (0.0, 0.0, 0.0)
+    data.materials.append(stage.paint((0.2, 0.3, 0.7)))
+    stage.link("Meta", data, location=(-1.2, -1.0, 0.5), scale=(0.5, 0.5, 0.5))
+
+
+@_feature("Objects", "Hair curves")
+def _hair(stage):
+    stage.studio()
+    data = bpy.data.hair_curves.new("Hair")
+    data.add_curves([4] * 60)
+    random = np.random.default_rng(2)
+    roots = random.uniform(-1.0, 1.0, (60, 2))
+    points = [(x, y - 1.0, 0.3 * k) for x, y in roots for k in range(4)]
+    data.attributes["position"].data.foreach_set("vector", np.array(points, np.float32).ravel())
+    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.02] * 240)
+    data.materials.append(stage.paint((0.5, 0.3, 0.1)))
+    stage.link("Hair", data)
+
+
+@_feature("Objects", "Keyframed colour, frame 10")
+def _keyframed(stage):
+    tree = stage.material()
+    shader = tree.add("BsdfDiffuse")
+    colour = shader.node.inputs["Color"]
+    for frame, value in ((1, 0.1), (19, 0.9)):
+        colour.default_value = (value, 0.4, 0.2, 1.0)
+        colour.keyframe_insert("default_value", frame=frame)
+    stage.studio(tree.show(shader))
+    stage.scene.frame_set(10)
+
+
+# ---- camera and film ----
+
+
+def _seen(before=None, turn=(1.25, 0.0, 0.0), **settings):
+    def build(stage):
+        stage.studio()
+        bpy.data.objects.remove(stage.scene.camera)
+        item = stage.camera(turn=turn)
+        for path, value in settings.items():
+            holder, name = item.data, path
+            if "__" in path:
+                part, name = path.split("__")
+                holder = getattr(item.data, part)
+            if not hasattr(holder, name) and hasattr(item.data, "cycles"):
+                # Before Blender 5 panoramas were Cycles' own.
+                holder = item.data.cycles
+            setattr(holder, name, value)
+        if before is not None:
+            before(stage.scene)
+
+    return build
+
+
+def _of_scene(**settings):
+    def prepare(scene):
+        for path, value in settings.items():
+            *steps, name = path.split("__")
+            holder = scene
+            for step in steps:
+                holder = getattr(holder, step)
+            setattr(holder, name, value)
+
+    return prepare
+
+
+_FOCUS = {"dof__use_dof": True, "dof__focus_distance": 3.0, "dof__aperture_fstop": 0.15}
+
+for _key, _build in {
+    "Camera, shift": _seen(shift_x=0.2, shift_y=-0.1),
+    "Camera, orthographic": _seen(type="ORTHO", ortho_scale=4.0),
+    "Camera, equirectangular": _seen(type="PANO", panorama_type="EQUIRECTANGULAR"),
+    "Camera, fisheye equidistant": _seen(type="PANO", panorama_type="FISHEYE_EQUIDISTANT"),
+    "Camera, fisheye equisolid": _seen(
+        type="PANO", panorama_type="FISHEYE_EQUISOLID", fisheye_lens=10.5
+    ),
+    "Camera, depth of field": _seen(**_FOCUS),
+    "Camera, blades": _seen(dof__aperture_blades=3, **_FOCUS),
+    "Camera, aperture ratio": _seen(dof__aperture_ratio=2.0, **_FOCUS),
+    "Camera, clip start": _seen(clip_start=4.5),
+    "Camera, clip end": _seen(clip_end=5.5),
+    "Film, region": _seen(
+        _of_scene(
+            render__use_border=True,
+            render__border_min_x=0.2,
+            render__border_max_x=0.7,
+            render__border_min_y=0.1,
+            render__border_max_y=0.9,
+        )
+    ),
+    "Film, exposure of Cycles": _seen(_of_scene(cycles__film_exposure=2.0)),
+    "Film, transparent": _seen(_of_scene(render__film_transparent=True), turn=(1.45, 0.0, 0.0)),
+    "Film, stereo": _seen(_of_scene(render__use_multiview=True)),
+}.items():
+    _note("Camera and film", _key, _build)
+
+
+def _moving(of):
+    def build(stage):
+        ball = stage.studio()
+        item = ball if of == "object" else stage.scene.camera
+        for frame, x in ((0, -0.5), (2, 0.5)):
+            item.location.x = x
+            item.keyframe_insert("location", frame=frame)
+        stage.scene.frame_set(1)
+        stage.scene.render.use_motion_blur = True
+
+    return build
+
+
+_note("Camera and film", "Motion blur, object", _moving("object"))
+_note("Camera and film", "Motion blur, camera", _moving("camera"))
+
+
+# ---- view layers ----
+
+
+@_feature("View layers", "Material override")
+def _clay(stage):
+    stage.studio()
+    stage.scene.view_layers[0].material_override = stage.paint((0.4, 0.4, 0.7))
+
+
+@_feature("View layers", "World override")
+def _other_world(stage):
+    stage.studio()
+    layer, world = stage.scene.view_layers[0], stage.scene.world
+    stage.world((0.9, 0.4, 0.1), 0.8)
+    if hasattr(layer, "world_override"):
+        layer.world_override, stage.scene.world = stage.scene.world, world
+
+
+@_feature("View layers", "Without the world")
+def _no_sky(stage):
+    stage.studio()
+    stage.scene.view_layers[0].use_sky = False
+
+
+def _collected(stage, **settings):
+    ball = stage.studio()
+    group = bpy.data.collections.new("Group")
+    stage.scene.collection.children.link(group)
+    group.objects.link(ball)
+    stage.scene.collection.objects.unlink(ball)
+    layer = stage.scene.view_layers[0].layer_collection.children["Group"]
+    for key, value in settings.items():
+        setattr(layer, key, value)
+
+
+_note("View layers", "Collection, indirect only", lambda s: _collected(s, indirect_only=True))
+_note("View layers", "Collection, holdout", lambda s: _collected(s, holdout=True))

@@ -1,0 +1,126 @@
+"""Blender's content beside Cycles: what agrees, what is said, and what is neither."""
+
+import tempfile
+from pathlib import Path
+
+from ...engine.errors import LumenrayError
+from ...engine.reading.whole_file import write_whole
+from ..common.bars import Bar
+from ..common.document import make_table, tell_demands
+from ..common.output import write_numbers
+
+MEAN, BLOCK, LOOSE = 0.01, 0.03, 0.05
+"""Differences that are allowed: of means, of blocks, and of both where light goes below surfaces. [-]"""
+
+SURE = 2.0
+"""Errors of a difference below which it is chance."""
+
+TEXT = """# Blender's content
+
+*Made by `lumenray benchmark content`; do not edit by hand.*
+
+Small scenes, one feature of Blender in each, rendered here and by Cycles {version} with all its limits off. *mean*:
+difference of the mean luminance, with its standard error where that is above 0.1 %; *block*: root of the mean square over
+blocks of {block} x {block} pixels, without noise. Allowed are {mean} % and {blocks} % ({loose} % where light goes below
+surfaces). *said*: the worst row of the conversion report.
+
+"""
+
+
+def run(keys=None, say=None) -> dict:
+    """Measure.
+
+    Parameters
+    ----------
+    keys : iterable of str or None    Features; None: all.
+    say : callable or None    Told in one line what was done.
+
+    Returns
+    -------
+    dict    Plain data, for JSON: ``scenes`` by key, ``silent`` and ``over``: keys of what differs and is not said, and of
+        all that differs.
+
+    Raises
+    ------
+    LumenrayError    There is no such feature.
+    """
+    import bpy
+
+    from .compare import compare
+    from .features import FEATURES
+    from .stage import Stage
+
+    say = say or (lambda _line: None)
+    unknown = sorted(set(keys or ()) - set(FEATURES))
+    if unknown:
+        raise LumenrayError(f"there is no feature '{unknown[0]}'")
+    scenes = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for key in keys or FEATURES:
+            feature = FEATURES[key]
+            feature.build(Stage())
+            made = compare(Path(folder))
+            scenes[key] = {
+                "group": feature.group,
+                "mean": made.mean,
+                "mean_error": made.mean_error,
+                "block": made.block,
+                "agrees": _agrees(made, feature.is_loose),
+                "said": list(made.said),
+            }
+            verdict = "agrees" if scenes[key]["agrees"] else made.said[0] if made.said else "SILENT"
+            say(f"{key}: mean {made.mean:+.2%}, blocks {made.block:.2%}, {verdict}")
+    over = [key for key, row in scenes.items() if not row["agrees"]]
+    return {
+        "blender": ".".join(map(str, bpy.app.version)),
+        "scenes": scenes,
+        "silent": [key for key in over if not scenes[key]["said"]],
+        "over": over,
+    }
+
+
+def _agrees(made, is_loose: bool) -> bool:
+    mean, block = (LOOSE, LOOSE) if is_loose else (MEAN, BLOCK)
+    return abs(made.mean) <= mean + SURE * made.mean_error and made.block <= block
+
+
+def check_bars(result: dict) -> list[Bar]:
+    """Judge by the demands."""
+    silent, over = result["silent"], result["over"]
+    agreeing = len(result["scenes"]) - len(over)
+    return [
+        Bar("differences that nothing is said of", "none", ", ".join(silent) or "none", not silent),
+        Bar(
+            "features that agree",
+            f"of {len(result['scenes'])}",
+            f"{agreeing}, {len(over)} differ",
+            None,
+        ),
+    ]
+
+
+def write_results(result: dict, folder: Path, path: Path | None) -> None:
+    """Write the document to a folder, and all numbers to a JSON file if one is named."""
+    write_numbers(result, path)
+    folder.mkdir(parents=True, exist_ok=True)
+    text = TEXT.format(
+        version=result["blender"],
+        block=8,
+        mean=f"{100 * MEAN:g}",
+        blocks=f"{100 * BLOCK:g}",
+        loose=f"{100 * LOOSE:g}",
+    )
+    groups = dict.fromkeys(row["group"] for row in result["scenes"].values())
+    for group in groups:
+        rows = [_tell(key, row) for key, row in result["scenes"].items() if row["group"] == group]
+        text += f"## {group}\n\n{make_table('| feature | said | mean | block | |', rows, 2)}\n"
+    text += tell_demands(check_bars(result))
+    with write_whole(folder / "content.md", "utf-8") as file:
+        file.write(text)
+
+
+def _tell(key: str, row: dict) -> str:
+    said = row["said"][0].replace("|", "/") if row["said"] else ""
+    error = f" ± {row['mean_error']:.1%}" if row["mean_error"] > 1e-3 else ""
+    verdict = "" if row["agrees"] else "differs" if said else "**silent**"
+    return f"| {key} | {said} | {row['mean']:+.1%}{error} | {row['block']:.1%} | {verdict} |"

@@ -1,0 +1,75 @@
+"""The benchmark of Blender's content: its scenes, and how it judges."""
+
+import json
+
+import bpy
+import pytest
+from lumenray.benchmarks.content import run as content
+from lumenray.engine.errors import LumenrayError
+
+pytestmark = pytest.mark.usefixtures("extension")
+
+
+@pytest.fixture(scope="module")
+def features():
+    from lumenray.benchmarks.content.features import FEATURES
+
+    return FEATURES
+
+
+def test_every_scene_is_built_and_has_a_camera_and_light(features):
+    from lumenray.benchmarks.content.stage import Stage
+
+    assert len(features) > 150
+    for key, feature in features.items():
+        feature.build(Stage())
+        scene = bpy.context.scene
+        assert scene.camera is not None, key
+        assert scene.world is not None or any(o.type == "LIGHT" for o in scene.objects), key
+
+
+def row(mean, block, said=(), agrees=False):
+    return {
+        "group": "Surfaces",
+        "mean": mean,
+        "mean_error": 0.0,
+        "block": block,
+        "agrees": agrees,
+        "said": list(said),
+    }
+
+
+def test_the_document_tells_what_is_silent(tmp_path):
+    result = {
+        "blender": "5.0.1",
+        "scenes": {
+            "Paint": row(0.001, 0.002, agrees=True),
+            "Hair": row(0.2, 0.3, ["error: Hair: left out"]),
+            "Secret": row(-0.1, 0.2),
+        },
+        "silent": ["Secret"],
+        "over": ["Hair", "Secret"],
+    }
+    content.write_results(result, tmp_path, tmp_path / "content.json")
+    text = (tmp_path / "content.md").read_text()
+    assert "| Paint |  | +0.1% | 0.2% |  |" in text
+    assert "| Hair | error: Hair: left out | +20.0% | 30.0% | differs |" in text
+    assert "| Secret |  | -10.0% | 20.0% | **silent** |" in text
+    assert json.loads((tmp_path / "content.json").read_text())["silent"] == ["Secret"]
+    silent, agreeing = content.check_bars(result)
+    assert (silent.passed, silent.measured) == (False, "Secret")
+    assert agreeing.measured == "1, 2 differ"
+
+
+def test_unknown_features_are_refused():
+    with pytest.raises(LumenrayError, match="no feature 'Fog'"):
+        content.run(["Fog"])
+
+
+@pytest.mark.mitsuba
+@pytest.mark.slow
+def test_paints_agree_and_what_is_left_out_is_said():
+    result = content.run(["Diffuse", "Principled, metal 0.6", "Hair curves"])
+    assert result["over"] == ["Hair curves"]
+    assert result["silent"] == []
+    assert result["scenes"]["Hair curves"]["block"] > 0.05
