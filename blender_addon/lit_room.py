@@ -199,7 +199,7 @@ def _add_luminaires(context, collection, middle: Vector, half: Vector, plan: Pla
 def _add_camera(collection, place: Vector, half: Vector, unit: float):
     """Add a camera that looks from a corner across the room."""
     data = bpy.data.cameras.new("Room Camera")
-    data.lens, data.clip_start = LENS, 0.01 * unit
+    data.lens, data.clip_start, data.clip_end = LENS, 0.01 * unit, 1000.0 * unit
     camera = bpy.data.objects.new("Room Camera", data)
     # A corner of a narrow room has to be nearer.
     inset = min(CORNER * unit, 0.25 * half.x, 0.25 * half.y)

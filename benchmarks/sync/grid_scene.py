@@ -154,6 +154,7 @@ def _make_world():
 
 def _add_camera(side: float):
     made = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    made.data.clip_end = 10.0 * side
     made.location = (0.0, -0.8 * side, 0.8 * side)
     made.rotation_euler = (math.radians(45.0), 0.0, 0.0)
     bpy.context.scene.collection.objects.link(made)

@@ -68,24 +68,6 @@ CAMERA = (
         ERROR,
     ),
     Departure(
-        "type",
-        _in_focus(lambda value, _: value != "PERSP"),
-        "depth of field of a camera of type {} is not supported",
-        "everything is in focus",
-    ),
-    Departure(
-        "dof.aperture_blades",
-        _in_focus(lambda value, _: value >= 3),
-        "the aperture has {} blades",
-        "it is round",
-    ),
-    Departure(
-        "dof.aperture_ratio",
-        _in_focus(lambda value, _: abs(value - 1.0) > 1e-6),
-        "the aperture is stretched by {:.3g}",
-        "it is round",
-    ),
-    Departure(
         "dof.focus_subtarget",
         _in_focus(_on),
         "the camera is focused on the bone '{}'",

@@ -3,9 +3,7 @@
 import time
 from collections.abc import Callable
 
-import numpy as np
-
-from ...engine.scene.camera import Camera, Projection
+from ...engine.scene.camera import Camera
 from ...engine.scene.light import Light
 from ...engine.scene.light_groups import WORLD
 from ...engine.scene.mesh import Placement
@@ -82,27 +80,7 @@ class SceneSync:
         if scene.camera is None:
             return None
         source, scale = scene.camera.evaluated_get(depsgraph), metres_per_unit(scene)
-        camera = convert_camera(source, scene, scale, report)
-        end = source.data.clip_end * scale
-        if camera.projection is not Projection.EQUIRECTANGULAR and self._reach(camera) > end:
-            report.info(
-                source.name,
-                f"objects lie beyond the end of the camera's clipping, {source.data.clip_end:.4g}",
-                "they are shown",
-            )
-        return camera
-
-    def _reach(self, camera: Camera) -> float:
-        """How far from the camera along its axis the bounds of objects reach. [m]"""
-        shown = self._sent.shown.values()
-        placements = [each.item for each in shown if isinstance(each.item, Placement)]
-        if not placements:
-            return -np.inf
-        frames = np.array([placement.frame for placement in placements])
-        corners = np.array([self._sent.geometries.corners(p.geometry) for p in placements])
-        axis, place = -camera.frame[:3, 2], camera.frame[:3, 3]
-        along = np.einsum("pij,pkj,i->pk", frames[:, :3, :3], corners, axis)
-        return float((along + ((frames[:, :3, 3] - place) @ axis)[:, None]).max())
+        return convert_camera(source, scene, scale, report)
 
     def walk(self, depsgraph, visible: Callable | None = None) -> SyncStep:
         """Find what changed since the last walk.

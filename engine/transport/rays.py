@@ -31,6 +31,13 @@ def spawn_ray(scene, si, direction):
     return mi.Ray3f(start_of(scene, si, direction), direction, si.time, si.wavelengths)
 
 
+def spawn_straight(scene, si, ray):
+    """Ray that goes on straight from a surface that it has met, as far as it was to go."""
+    made = spawn_ray(scene, si, ray.d)
+    made.maxt = dr.maximum(ray.maxt - si.t, 0.0)
+    return made
+
+
 def spawn_ray_to(scene, si, target, normal):
     """Ray from a surface to just before a point.
 

@@ -113,6 +113,8 @@ def test_a_room_is_in_metres_whatever_the_scale_of_the_scene():
     room = new_room(width=5.0)
     assert extent(room["Walls"])[0] == pytest.approx((-2500.0, 2500.0))
     assert all(2.79 < light.frame[2, 3] < 2.8 for light in lights_of(convert()))
+    # All of it is seen.
+    assert room["Room Camera"].data.clip_end > 10_000.0
 
 
 def test_without_units_a_unit_stays_a_metre():

@@ -20,7 +20,7 @@ from ...errors import Cancelled
 from ..compiled.polarisation import polarise
 from ..paths import gather
 from ..paths.channels import BAND_RANGE, colour_of, picture_sampler
-from ..paths.film import GROUPS
+from ..paths.film import GROUPS, sees
 from ..paths.next_event import respond_by
 from ..paths.pixel_filter import FILTER_RADIUS
 from ..paths.sampler import random_stream
@@ -93,10 +93,14 @@ class CameraLight:
         self._sets: RayLights | None = None
         self._share = 1.0
         self.lost = 0, 0
-        if scene.bent is not None:
+        self.notes: tuple[str, ...] = ()
+        if scene.bent is not None and not self._places.is_possible:
+            self.notes = (
+                "light over bends is not traced to a camera of this projection or lens; paths of the camera look for it",
+            )
+        elif scene.bent is not None:
             self._choose(scene.bent)
         self.is_needed = self._rays is not None or self._sets is not None
-        self.notes: tuple[str, ...] = ()
         if self.is_needed:
             self.notes = (
                 "what the camera sees at once of light over bends is traced from the lights",
@@ -192,7 +196,7 @@ class CameraLight:
         x, y = stream.next_float32() * film.size.x, stream.next_float32() * film.size.y
         ray = film.ray(x, y, mi.Point2f(stream.next_float32(), stream.next_float32()))
         looks = mi.Bool(True)
-        si = closest_hit(scene, ray, looks, looks=looks, passes_veil=True)
+        si = closest_hit(scene, ray, sees(ray), looks=looks, passes_veil=True)
         wavelengths = None
         if self._sampler is not None:
             wavelengths = self._sampler.sample(stream.next_float32())

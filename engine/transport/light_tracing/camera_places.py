@@ -34,18 +34,25 @@ class CameraPlaces:
     Parameters
     ----------
     film : Film
+
+    Attributes
+    ----------
+    is_possible : bool    Whether it is known of this camera where it sees a place.
     """
 
     def __init__(self, film):
         self._film = film
+        # Lenses of panoramas face every direction, so the way back through one of their points has no closed form.
+        self.is_possible = film.panorama is None or (
+            film.aperture is None and film.panorama.is_invertible
+        )
 
     def link(self, point, stream) -> CameraLink:
         """Join places with a camera, of one with a lens with a point of that. ``stream``: numbers for it."""
-        projection = self._film.camera.projection
-        if projection is Projection.EQUIRECTANGULAR:
+        if self._film.panorama is not None:
             return self._link_round(point)
-        if projection is Projection.ORTHOGRAPHIC:
-            return self._link_parallel(point)
+        if self._film.camera.projection is Projection.ORTHOGRAPHIC:
+            return self._link_parallel(point, stream)
         return self._link_central(point, stream)
 
     # ---- private ----
@@ -58,62 +65,73 @@ class CameraPlaces:
     def _on_film(self, px, py):
         film = self._film
         u, v = (px - film.shift.x) / film.extent.x, (py - film.shift.y) / film.extent.y
-        return [((u + 0.5) * film.size.x, (v + 0.5) * film.size.y)]
+        return (u + 0.5) * film.size.x, (v + 0.5) * film.size.y
 
     def _pixels_per_area(self):
-        """Of the plane at the distance 1, or of the orthographic view. [pixel/m2]"""
+        """Of the film in its own measure: of the plane at the distance 1, of the orthographic view. [pixel/m2]"""
         film = self._film
-        return film.size.x * film.size.y / (film.extent.x * film.extent.y)
+        return film.size.x * film.size.y / dr.abs(film.extent.x * film.extent.y)
+
+    def _within(self, distance):
+        """Whether a distance is within the clipping."""
+        return (distance > self._film.clip) & (distance < self._film.end)
+
+    def _on_lens(self, stream):
+        """Point of the lens, and where that is to the camera's place."""
+        film = self._film
+        at = film.aperture.sample(mi.Point2f(stream.next_float32(), stream.next_float32()))
+        return at, film.to_world(at.x, at.y, 0.0)
 
     def _link_central(self, point, stream) -> CameraLink:
         film = self._film
-        start, px, py = mi.Point3f(film.position), mi.Float(0.0), mi.Float(0.0)
-        if film.camera.aperture_radius > 0.0:
-            sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-            on_lens = mi.warp.square_to_uniform_disk_concentric(sample) * film.lens
-            px, py = on_lens.x, on_lens.y
-            start = start + film.axes[0] * px + film.axes[1] * py
+        start = mi.Point3f(film.position)
+        if film.aperture is not None:
+            on_lens, shift = self._on_lens(stream)
+            start = start + shift
         away = mi.Vector3f(point - start)
         at = self._local(away)
         depth = -at.z
-        seen = depth > film.clip
+        seen = self._within(depth) & (depth > 0.0)
         depth = dr.select(seen, depth, 1.0)
         # Where the ray meets the plane in focus, over its distance; the lens's middle sees that at the same place.
         x, y = at.x / depth, at.y / depth
-        if film.camera.aperture_radius > 0.0:
-            x, y = x + px / film.focus, y + py / film.focus
+        if film.aperture is not None:
+            x, y = x + on_lens.x / film.focus, y + on_lens.y / film.focus
         distance = dr.maximum(dr.norm(away), 1e-30)
         direction = away / distance
         cosine = dr.maximum(depth / distance, 1e-12)
         density = self._pixels_per_area() / (cosine * dr.square(cosine) * dr.square(distance))
         begin = start + direction * (film.clip / cosine)
-        return CameraLink(begin, -direction, density, self._on_film(x, y), seen)
+        return CameraLink(begin, -direction, density, [self._on_film(x, y)], seen)
 
-    def _link_parallel(self, point) -> CameraLink:
+    def _link_parallel(self, point, stream) -> CameraLink:
         film = self._film
         at = self._local(mi.Vector3f(point - film.position))
-        forward = film.forward()
-        begin = point - forward * (-at.z - film.clip)
-        seen = -at.z > film.clip
+        depth, seen = -at.z, self._within(-at.z)
         density = dr.zeros(mi.Float, dr.width(point)) + self._pixels_per_area()
-        return CameraLink(begin, -forward, density, self._on_film(at.x, at.y), seen)
+        direction, x, y, cosine = film.forward(), at.x, at.y, 1.0
+        if film.aperture is not None:
+            # Rays by one point of the lens are parallel, and are seen where they meet the plane in focus.
+            on_lens, shift = self._on_lens(stream)
+            direction = dr.normalize(direction * film.focus - shift)
+            cosine = dr.dot(direction, film.forward())
+            x = x - on_lens.x * (1.0 - depth / film.focus)
+            y = y - on_lens.y * (1.0 - depth / film.focus)
+            density = density / cosine
+        begin = point - direction * ((depth - film.clip) / cosine)
+        return CameraLink(begin, -direction, density, [self._on_film(x, y)], seen)
 
     def _link_round(self, point) -> CameraLink:
         film = self._film
         away = mi.Vector3f(point - film.position)
         distance = dr.maximum(dr.norm(away), 1e-30)
         direction = away / distance
-        at = self._local(direction)
-        flat = dr.maximum(dr.sqrt(dr.square(at.x) + dr.square(at.z)), 1e-9)
-        longitude, latitude = dr.atan2(at.x, -at.z), dr.atan2(at.y, flat)
-        width, height = film.high.x - film.low.x, film.high.y - film.low.y
-        density = film.size.x * film.size.y / dr.abs(width * height * flat) / dr.square(distance)
-        places = []
-        # The film may reach around more than once, and the filter over its ends and poles.
-        beyond = longitude + dr.pi
-        ways = (longitude, latitude), (beyond, dr.pi - latitude), (beyond, -dr.pi - latitude)
-        for lon, lat in ways:
-            for turn in (-2, -1, 0, 1):
-                x = (lon + turn * dr.two_pi - film.low.x) / width * film.size.x
-                places.append((x, (lat - film.low.y) / height * film.size.y))
-        return CameraLink(mi.Point3f(film.position), -direction, density, places, mi.Bool(True))
+        places, density, seen = film.panorama.places(self._local(direction))
+        density = density * self._pixels_per_area() / dr.square(distance)
+        return CameraLink(
+            film.position + direction * film.clip,
+            -direction,
+            density,
+            [self._on_film(*place) for place in places],
+            seen & self._within(distance),
+        )

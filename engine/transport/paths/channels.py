@@ -12,8 +12,9 @@ from ...arrays import average
 from ...photometry.spectra import GRID, observer
 from ...photometry.units import LUMINOUS_EFFICACY
 from ..compiled.textures import is_spectral
-from ..rays import spawn_ray
+from ..rays import spawn_straight
 from . import gather
+from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
 from .visibility import closest_hit
 from .wavelengths import WavelengthSampler
@@ -107,7 +108,9 @@ class Channels:
             if self.sampler is not None:
                 away.wavelengths = wavelengths
             colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
-        return [*colour, average(passed)]
+        # Where the camera has no picture there is nothing behind it either.
+        seen = sees(ray)
+        return [*(dr.select(seen, each, 0.0) for each in colour), average(passed)]
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):
         """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
@@ -197,12 +200,12 @@ def way_out(scene, ray, wavelengths):
             ids = dr.reinterpret_array(mi.UInt32, si.shape)
             passed = dr.select(dr.gather(mi.Bool, scene.hidden, ids, met), 1.0, passed)
         share = dr.select(met, share * passed, share)
-        ray = dr.select(met, spawn_ray(scene, si, ray.d), ray)
+        ray = dr.select(met, spawn_straight(scene, si, ray), ray)
         going = met & dr.any(share != 0.0) & (steps < LONGEST_WAY)
         return ray, dr.select(met & (steps >= LONGEST_WAY), 0.0, share), going, steps + 1
 
     _, share, _, _ = dr.while_loop(
-        state=(ray, mi.Spectrum(1.0), mi.Bool(True), mi.UInt32(0)),
+        state=(ray, mi.Spectrum(1.0), sees(ray), mi.UInt32(0)),
         cond=lambda ray, share, active, steps: active,
         body=step,
         labels=("ray", "share", "active", "steps"),
@@ -212,5 +215,4 @@ def way_out(scene, ray, wavelengths):
 
 def first_solid(scene, ray):
     """First surface that a camera's ray meets behind panes and bodies of lights."""
-    looks = mi.Bool(True)
-    return closest_hit(scene, ray, looks, looks=looks, passes_veil=True)
+    return closest_hit(scene, ray, sees(ray), looks=mi.Bool(True), passes_veil=True)

@@ -4,8 +4,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...scene.camera import Projection
 from ..compiled.compile import CompiledScene
+from .film import sees
 from .visibility import closest_hit
 
 FAR = 1e10
@@ -22,9 +22,9 @@ def first_layers(scene: CompiledScene, film) -> dict:
         mi.Float(pixel // camera.width) + 0.5,
         mi.Point2f(0.5, 0.5),
     )
-    si = closest_hit(scene, ray, mi.Bool(True), coherent=True, looks=mi.Bool(True))
+    si = closest_hit(scene, ray, sees(ray), coherent=True, looks=mi.Bool(True))
     valid = si.is_valid()
-    if camera.projection is Projection.EQUIRECTANGULAR:
+    if camera.projection.is_panoramic:
         depth = dr.norm(si.p - film.position)
     else:
         depth = dr.dot(si.p - film.position, film.forward())

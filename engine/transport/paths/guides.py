@@ -12,6 +12,7 @@ from ..compiled.compile import CompiledScene
 from ..compiled.textures import is_spectral
 from ..rays import spawn_ray
 from . import gather
+from .film import sees
 from .pixel_filter import filter_offset
 from .sampler import hash_words, sobol_pair
 from .visibility import closest_hit
@@ -98,6 +99,7 @@ def _follow(scene, ray) -> list:
     if is_spectral():
         ray.wavelengths = mi.Spectrum(*COLOURS, COLOURS[1])
     begins, middle = mi.Bool(True), mi.Point2f(0.5, 0.5)
+    seen = sees(ray)
 
     def step(ray, share, albedo, normal, depth, begins, active, steps):
         si = closest_hit(scene, ray, active, looks=begins)
@@ -126,7 +128,10 @@ def _follow(scene, ray) -> list:
         straight = hidden | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
         direction = dr.select(hidden, ray.d, si.to_world(bs.wo))
         begins &= straight
+        left = dr.maximum(ray.maxt - si.t, 0.0)
+        left = dr.select(straight, left, dr.largest(mi.Float))
         ray = dr.select(goes_on, spawn_ray(scene, si, direction), ray)
+        ray.maxt = dr.select(goes_on, left, ray.maxt)
         # What leaves the scene has met nothing that could be told.
         depth = dr.select(active & ~si.is_valid(), 0.0, depth)
         return ray, share, albedo, normal, depth, begins, goes_on, steps + 1
@@ -139,7 +144,7 @@ def _follow(scene, ray) -> list:
             mi.Vector3f(0.0),
             mi.Float(0.0),
             begins,
-            mi.Bool(True),
+            seen,
             mi.UInt32(0),
         ),
         cond=lambda ray, share, albedo, normal, depth, begins, active, steps: active,

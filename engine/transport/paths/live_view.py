@@ -14,7 +14,7 @@ from ...scene.camera import Camera
 from ..compiled.compile import CompiledScene
 from . import gather
 from .channels import Channels
-from .film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights
+from .film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, sees
 from .lost_samples import LostSamples
 from .path_loop import trace
 from .sampler import hash_words, random_stream, sobol_pair
@@ -158,7 +158,7 @@ class LiveView:
             random_stream(sample, own),
             mi.Float(0.0),
             ray.o,
-            mi.Bool(True),
+            sees(ray),
             first=(
                 sobol_pair(sample, own, gather.PAIR_LIGHT),
                 sobol_pair(sample, own, gather.PAIR_SCATTER),

@@ -367,7 +367,11 @@ class PathLoop:
             scene, si, path.ray.d, direction, path.polar, turned, path.active & ~is_hidden
         )
         path.throughput = throughput * factor
+        left = dr.maximum(path.ray.maxt - si.t, 0.0)
         path.ray = spawn_ray(scene, si, direction)
+        if self._is_camera:
+            # The end of the camera's clipping holds for what is seen straight.
+            path.ray.maxt = dr.select(turned, dr.largest(mi.Float), left)
         return bs, turned
 
     def _note_reference(self, path: Path, at: Vertex, bs, turned) -> None:

@@ -28,7 +28,7 @@ from ..lux_maps.levels import Units
 from ..lux_maps.receiving import direct
 from ..paths import gather
 from ..paths.channels import Channels
-from ..paths.film import GROUPS, Film
+from ..paths.film import GROUPS, Film, sees
 from ..paths.lost_samples import LostSamples
 from ..paths.next_event import mirrored_light
 from ..paths.path_loop import trace
@@ -211,7 +211,7 @@ class PixelLight:
         """Which paths meet anything but a matt surface without light of its own first."""
         si, is_matt = self._first(ray)
         is_dark = self.scene.emitter(si, is_matt) == None  # noqa: E711 - element-wise
-        goes_on = ~(is_matt & is_dark)
+        goes_on = sees(ray) & ~(is_matt & is_dark)
         if self.scene.surroundings is None:
             goes_on &= si.is_valid()
         # At the full width of the launch, also where nothing depends on the ray.
@@ -228,7 +228,7 @@ class PixelLight:
             random_stream(sample, own),
             mi.Float(0.0),
             numbers.ray.o,
-            mi.Bool(True),
+            sees(numbers.ray),
             first=(
                 sobol_pair(sample, own, gather.PAIR_LIGHT),
                 sobol_pair(sample, own, gather.PAIR_SCATTER),
@@ -239,7 +239,7 @@ class PixelLight:
     def _first(self, ray):
         """What is seen first, and whether it is matt."""
         scene = self.scene
-        si = closest_hit(scene, ray, mi.Bool(True), coherent=True, looks=mi.Bool(True))
+        si = closest_hit(scene, ray, sees(ray), coherent=True, looks=mi.Bool(True))
         seen = si.is_valid()
         if scene.hidden is not None:
             number = dr.reinterpret_array(mi.UInt32, si.shape)

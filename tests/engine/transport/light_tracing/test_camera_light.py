@@ -109,7 +109,25 @@ VIEWS = {
     "perspective": under_lens(pixels=24, tilt=0.2, shift_x=0.3),
     "lens": under_lens(pixels=24, aperture_radius=0.02, focus_distance=0.2),
     "orthographic": camera(pixels=24, height=0.24, tilt=0.15),
-    "round": camera(Projection.EQUIRECTANGULAR, pixels=24, height=0.24, longitude=(-1.4, 1.4)),
+    "round": camera(
+        Projection.EQUIRECTANGULAR, pixels=24, height=0.24, extent_x=2.8, extent_y=np.pi
+    ),
+    "orthographic lens": camera(
+        pixels=24, height=0.24, aperture_radius=0.05, focus_distance=0.2, aperture_blades=5
+    ),
+    "equidistant": camera(
+        Projection.EQUIDISTANT, pixels=24, height=0.24, extent_x=2.6, extent_y=2.6, field=2.6
+    ),
+    "equisolid": camera(Projection.EQUISOLID, pixels=24, height=0.24, extent_x=3.0, extent_y=2.4),
+    "mirror ball": camera(
+        Projection.MIRROR_BALL, pixels=24, height=0.24, extent_x=1.4, extent_y=1.4, clip_end=0.6
+    ),
+    "cylinder": camera(
+        Projection.CENTRAL_CYLINDRICAL, pixels=24, height=0.24, extent_x=2.4, extent_y=3.0
+    ),
+    "cube face": camera(
+        Projection.CUBE_FACE, pixels=24, height=0.24, extent_x=1.6, extent_y=1.6, tilt=0.2
+    ),
 }
 """From below the ball, which would show its own share of chance."""
 
@@ -205,6 +223,21 @@ def test_a_sun_through_a_ball_lights_what_the_camera_sees():
     # Fresnel's losses of a ball of index 1.5 are a tenth of what meets it.
     lost = 0.09 * np.pi * 0.15**2 / SIDE**2
     assert lux == pytest.approx(1000.0 * (1.0 - lost), rel=0.01)
+
+
+@pytest.mark.slow
+def test_cameras_that_light_is_not_traced_to_look_for_it_themselves():
+    """A polynomial whose first power stands alone is an equidistant fisheye, but that is not known of it."""
+    items = (paint(0.5), GLASS, FLOOR, LENS, replace(LAMP, radius=0.02))
+    size = {"extent_x": 2.2, "extent_y": 2.2, "field": 2.2, "height": 0.24, "pixels": 16}
+    shown, notes = [], []
+    for projection, samples in ((Projection.EQUIDISTANT, 256), (Projection.POLYNOMIAL, 512)):
+        made = picture_of(items, camera(projection, **size), samples)
+        shown.append(made.tristimulus[..., 1].mean())
+        notes.append(" ".join(made.provenance.notes))
+    assert "is not traced" not in notes[0]
+    assert "is not traced to a camera of this projection" in notes[1]
+    assert shown[0] == pytest.approx(shown[1], rel=0.03)
 
 
 def test_pictures_without_bends_are_those_of_paths_alone():
