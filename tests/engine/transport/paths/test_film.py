@@ -333,7 +333,6 @@ def test_outside_the_circle_a_picture_is_black_and_transparent(method):
 def test_another_number_is_no_other_kernel():
     """Clipping, aperture and field are data."""
     import drjit as dr
-
     from lumenray.engine.transport.paths.film import Film
 
     def ptr(camera):
