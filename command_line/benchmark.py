@@ -280,9 +280,12 @@ def _run_denoising(options, say) -> int:
 def _run_content(options, say) -> int:
     start_blender()
     from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.common.output import write_numbers
     from ..benchmarks.content import run as content
 
-    result = content.run(options.features, say=say)
+    result = content.run(
+        options.features, say=say, keep=lambda made: write_numbers(made, options.json)
+    )
     tell(tell_bars(content.check_bars(result)))
     _write(content, result, options, bool(options.features))
     return 0

@@ -27,13 +27,14 @@ surfaces). *said*: the worst row of the conversion report.
 """
 
 
-def run(keys=None, say=None) -> dict:
+def run(keys=None, say=None, keep=None) -> dict:
     """Measure.
 
     Parameters
     ----------
     keys : iterable of str or None    Features; None: all.
     say : callable or None    Told in one line what was done.
+    keep : callable or None    Given all results so far after every scene.
 
     Returns
     -------
@@ -44,8 +45,6 @@ def run(keys=None, say=None) -> dict:
     ------
     LumenrayError    There is no such feature.
     """
-    import bpy
-
     from .compare import compare
     from .features import FEATURES
     from .stage import Stage
@@ -70,6 +69,15 @@ def run(keys=None, say=None) -> dict:
             }
             verdict = "agrees" if scenes[key]["agrees"] else made.said[0] if made.said else "SILENT"
             say(f"{key}: mean {made.mean:+.2%}, blocks {made.block:.2%}, {verdict}")
+            if keep is not None:
+                keep(_sum_up(scenes))
+    return _sum_up(scenes)
+
+
+def _sum_up(scenes: dict) -> dict:
+    """Return what `run` returns."""
+    import bpy
+
     over = [key for key, row in scenes.items() if not row["agrees"]]
     return {
         "blender": ".".join(map(str, bpy.app.version)),
