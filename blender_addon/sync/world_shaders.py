@@ -1,5 +1,8 @@
 """Shader nodes of a world: the radiance that comes of backgrounds, mixed and added."""
 
+import numpy as np
+
+from ...engine.scene.checks import LARGEST_AMOUNT
 from ..foundation.report import Severity
 from .nodes.directions import DirectionContext
 from .nodes.evaluation import Inputs
@@ -32,7 +35,17 @@ def world_radiance(socket, context: DirectionContext, groups=()) -> Field | None
 
 
 def _background(at) -> Field:
-    return at.map(lambda colour, strength: colour * strength, at("Color"), at("Strength"))
+    colour, strength = at("Color"), at("Strength")
+    least, largest = strength.limits()
+    # Where it varies a part below 0 may be a slip, and the rest still counts.
+    least = max(least, 0.0) if not strength.is_constant else least
+    if not 0.0 <= least <= largest <= LARGEST_AMOUNT:
+        at.fail(f"the strength is {largest:.3g}", "the background is black")
+        return constant(0.0)
+    if not np.isfinite(colour.limits()).all():
+        at.fail("the colour is no number", "the background is black")
+        return constant(0.0)
+    return at.map(lambda colour, strength: colour * strength, colour, strength)
 
 
 def _branch(at, number: int) -> Field | None:
