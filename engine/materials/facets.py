@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-COSINES = 32
+COSINES = 64
 """Entries of a table over the cosine, evenly in its root from 0 to 1."""
 
 MINIMUM_ALPHA = 1e-3
@@ -35,14 +35,14 @@ def fresnel(cosine, eta):
 
 
 def cosines() -> np.ndarray:
-    """Return the cosines of a table; 0 is moved a little, where nothing would be seen. (32,) [-]"""
+    """Return the cosines of a table; 0 is moved a little, where nothing would be seen. (64,) [-]"""
     cosine = np.linspace(0.0, 1.0, COSINES, dtype=np.float32) ** 2
     cosine[0] = 0.25 * cosine[1]
     return cosine
 
 
 def visible_normals(alpha: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return directions to `cosines` and facets that are seen from there. (32, 1, 3), (32, `POINTS`, 3)"""
+    """Return directions to `cosines` and facets that are seen from there. (64, 1, 3), (64, `POINTS`, 3)"""
     number = np.arange(POINTS) + 0.5
     # Half a turn of the azimuth serves, by symmetry.
     u, v = (
@@ -65,7 +65,7 @@ def visible_normals(alpha: float) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(maxsize=512)
 def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
-    """Share of light that facets reflect once, E(cosine), at `COSINES` steps even in the root. (32,) [-]
+    """Share of light that facets reflect once, E(cosine), at `COSINES` steps even in the root. (64,) [-]
 
     Quadrature over the distribution of visible normals. ``eta``: refractive index of facets of a dielectric; infinite: they
     reflect everything.
@@ -84,7 +84,7 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
 
 @lru_cache(maxsize=512)
 def kept_by_glass(alpha: float, eta: float) -> np.ndarray:
-    """Share of light that the first facet of a boundary reflects or lets in, as Mitsuba has it. (32,) [-]
+    """Share of light that the first facet of a boundary reflects or lets in, as Mitsuba has it. (64,) [-]
 
     By cosines as `directional_reflectance`. What would meet another facet is not in it. ``eta``: index of the other side
     over that of this one.

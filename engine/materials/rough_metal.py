@@ -29,7 +29,7 @@ from .facets import (
     reflect_on_facet,
 )
 
-ROUGHNESSES = 33
+ROUGHNESSES = 25
 """Rows of the tables, evenly over the root of the width."""
 
 TINTED = 1.0 / 7.0
@@ -44,7 +44,7 @@ MEAN_COSINE = 1.0 - (1.0 / 21.0) ** 0.2
 
 @cache
 def tables() -> tuple[np.ndarray, np.ndarray]:
-    """What white facets reflect once, and its mean, by roughness. (33, 32), (33,)"""
+    """What white facets reflect once, and its mean, by roughness. (25, 64), (25,)"""
     alphas = np.maximum(np.linspace(0.0, 1.0, ROUGHNESSES) ** 2, MINIMUM_ALPHA)
     rows = np.stack([directional_reflectance(float(alpha)) for alpha in alphas])
     return rows, np.array([mean_reflectance(row) for row in rows])
