@@ -167,7 +167,14 @@ def _shown(world, report, images) -> _Shown | None:
         found = _plain_background(origin, world.name, report, images)
         if found is not None:
             return found
-    height = _height_of(tree)
+    wanted = _height_of(tree)
+    height = min(wanted, LARGEST_HEIGHT)
+    if wanted > height:
+        report.error(
+            world.name,
+            f"a picture of {wanted} rows is changed by nodes, which are evaluated in {height}",
+            "small bright spots, such as a sun, may be lost or count too much; link the picture straight to the Background",
+        )
     radiance = world_radiance(surface, DirectionContext(world.name, report, images, height))
     _tell_camera(tree, surface, world.name, report, images)
     return None if radiance is None else _of_field(radiance, world.name, report)
@@ -228,13 +235,13 @@ def _nodes_of(tree, depth: int = 0):
 
 
 def _height_of(tree) -> int:
-    """Return the height of a picture that shows all that a world's nodes show. [pixel]"""
+    """Return the height that a picture needs to show all that a world's nodes show. [pixel]"""
     heights = [
         node.image.size[1]
         for node in _nodes_of(tree)
         if node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None
     ]
-    return min(max([LEAST_HEIGHT, *heights]), LARGEST_HEIGHT)
+    return max([LEAST_HEIGHT, *heights])
 
 
 def _plain_background(origin, name, report, images) -> _Shown | None:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import needs_cycles
 from conversion import converted_scene
+from lumenray.blender_addon.sync import world as world_module
 from lumenray.blender_addon.sync.nodes.directions import directions, sample_picture
 from lumenray.engine.scene.light import ImageWorld, UniformWorld
 
@@ -210,6 +211,16 @@ def test_edits_of_a_mapping_and_of_a_picture_count():
     image.update()
     digests.add(converted()[0].image.pixels)
     assert len(digests) == 3
+
+
+def test_pictures_that_are_too_fine_to_be_evaluated_are_an_error(monkeypatch):
+    world = World()
+    world.show(tinted(world))
+    monkeypatch.setattr(world_module, "LEAST_HEIGHT", 4)
+    monkeypatch.setattr(world_module, "LARGEST_HEIGHT", 16)
+    assert converted()[1] == []
+    monkeypatch.setattr(world_module, "LARGEST_HEIGHT", 8)
+    assert "a picture of 16 rows" in converted()[1][0]
 
 
 def test_what_the_camera_alone_sees_is_no_light_and_told():
