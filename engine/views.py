@@ -21,7 +21,8 @@ class ViewSettings:
     none of them as one more, which share the samples; ``preview``: levels of the groups in pictures on the way; the finished
     one has all as they are; ``method``: ``cells`` reads light beyond the first bounce from cells, ``paths`` follows it to
     its end, ``auto`` decides by the scene and says why; ``guides``: whether filters of noise will want theirs; ``unbiased``:
-    whether what cells change is corrected by full paths, so that the expected picture is theirs.
+    whether what cells change is corrected by full paths, so that the expected picture is theirs; ``shares``: whether pixels
+    share light that is even, where the method is not ``paths``.
     """
 
     rule: StopRule
@@ -36,6 +37,7 @@ class ViewSettings:
     method: str = "auto"
     guides: bool = False
     unbiased: bool = False
+    shares: bool = True
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,9 @@ To repeat it: `lumenray benchmark pictures --json out/pictures.json`; `--scenes`
   luminance, as our pictures state it.
 - **True errors** need no converged picture. Each program makes two pictures more, of other seeds and as many samples as its
   longest run; what a picture differs from the one, times what it differs from the other, is the square of its error on the
-  mean. So a program is compared with itself, and differences of models between programs do not count. *Reference* is the
-  error of the mean of these two.
+  mean. In these two our pixels share no light, so that what sharing smooths away counts as an error. So a program is
+  compared with itself, and differences of models between programs do not count. *Reference* is the error of the mean of
+  these two.
 - **Time** is that of the whole call, what is learned of the scene and cells included; compiling the scene (Cycles: building
   it and its tree) is not, and kernels are made before. Every run is made {tries} times with other seeds: the fastest counts,
   and the error of all. Programs run in turn. Times between runs are interpolated; **\\*** marks times that are *extended*:

@@ -67,6 +67,9 @@ class Program(Protocol):
     def render(self, samples: int, seed: int) -> Made:
         """Render with so many samples per pixel."""
 
+    def refer(self, samples: int, seed: int) -> Made:
+        """As `render`, but with nothing that pixels have in common: what that changes is to be found as an error."""
+
     def close(self) -> None:
         """End what it leaves running."""
 
@@ -83,14 +86,20 @@ class Lumenray:
         """Render with so many samples per pixel."""
         return self.follow(StopRule(samples=samples), seed)
 
-    def follow(self, rule: StopRule, seed: int, progress: Callable | None = None) -> Made:
+    def refer(self, samples: int, seed: int) -> Made:
+        """As `render`; pixels share no light."""
+        return self.follow(StopRule(samples=samples), seed, shares=False)
+
+    def follow(
+        self, rule: StopRule, seed: int, progress: Callable | None = None, shares: bool = True
+    ) -> Made:
         """Render by a rule. ``progress(seconds, seconds_left)``: told of every state with a forecast."""
         session = Session(witness=False)
         session.apply(SceneDelta(changed=self._scene.items))
         # Compiles the scene; cells and the like belong to the picture and are none of it.
         glance = resize(self._scene.camera, GLANCE)
         session.render(glance, _settings(StopRule(samples=self.least), seed, METHODS[BEFORE]))
-        settings = _settings(rule, seed, METHODS[self.name])
+        settings = replace(_settings(rule, seed, METHODS[self.name]), shares=shares)
         begin = stopping.read_clock()
 
         def tell(state, _preview):
@@ -158,6 +167,10 @@ class Cycles:
         """Render with so many samples per pixel."""
         linear, seconds = self._process.ask({"samples": samples, "seed": seed})
         return Made(linear, linear @ REC709_LUMINANCE, seconds)
+
+    def refer(self, samples: int, seed: int) -> Made:
+        """As `render`, which has nothing in common."""
+        return self.render(samples, seed)
 
     def close(self) -> None:
         """End the process."""

@@ -75,7 +75,7 @@ class Runner:
     def find_reference(self) -> Reference:
         """Make two pictures of other seeds with as many samples as the last run, which count together."""
         samples = self.runs[-1][0]
-        halves = [self.program.render(samples, REFERENCE_SEED + number) for number in range(2)]
+        halves = [self.program.refer(samples, REFERENCE_SEED + number) for number in range(2)]
         return Reference(*(made.luminance for made in halves))
 
 

@@ -51,6 +51,11 @@ class Channels:
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self._lamp_tristimulus, self._lamp_bands = colour_of(scene.mean_light, self.bands)
 
+    @property
+    def light_columns(self) -> list[int]:
+        """Numbers of the columns that `of_light` gives."""
+        return [0, 1, 2, *range(self.count - self.bands, self.count)]
+
     # ---- inside kernels ----
 
     def of_light(self, radiance, wavelengths) -> dict:

@@ -21,6 +21,7 @@ from ..paths.guides import trace_guides
 from .allocation import Allocation
 from .kept_cells import KeptCells
 from .pixel_light import CORRECTION, COSTS, FLOORS, STEERING, VIEW, PixelLight
+from .sharing import PixelSharing, Shared
 
 METHODS = ("auto", "cells", "paths")
 
@@ -56,6 +57,9 @@ DARK = 1 << 20
 
 GROWTH = 0.5
 """Samples of a pass, relative to all before. [-]"""
+
+SHARED = 2
+"""Samples of a pixel in a half from which on light is shared between pixels: of one it is not known how they scatter."""
 
 EVEN = 4
 """Samples of a pixel in a half up to which all get as many: of fewer it is not known how they scatter."""
@@ -153,7 +157,10 @@ def render(
     if settings.guides:
         layers |= trace_guides(scene, film)
     light = PixelLight(scene, film, settings, cells if cells else None)
-    return _Passes(light, camera, clock, settings, layers, progress, cancelled, traced).run()
+    shares = uses_cells and settings.shares and not settings.unbiased
+    return _Passes(
+        light, camera, clock, settings, layers, shares, progress, cancelled, traced
+    ).run()
 
 
 class TracedLight:
@@ -186,7 +193,16 @@ class _Passes:
     """Makes passes and adds them up."""
 
     def __init__(
-        self, light: PixelLight, camera, clock, settings, layers, progress, cancelled, traced
+        self,
+        light: PixelLight,
+        camera,
+        clock,
+        settings,
+        layers,
+        shares,
+        progress,
+        cancelled,
+        traced,
     ):
         self.light, self.camera, self.rule = light, camera, settings.rule
         self.layers, self.progress, self.cancelled = layers, progress, cancelled
@@ -202,6 +218,14 @@ class _Passes:
         # Samples, and the square of the error over that by which single samples scatter.
         self._parts_of_scatter: list[tuple[float, float]] = []
         self.traced = None if traced is None else TracedLight(traced, shape)
+        self._sharing = None
+        if shares:
+            self._sharing = PixelSharing(
+                light.scene, light.film, light.channels, light.cells is not None
+            )
+        # What sharing makes of the light, and what it smooths away, as `error`.
+        self._shared: Shared | None = None
+        self._smoothed = 0.0
 
     def run(self):
         """Make passes until the rule is met; returns as `render`."""
@@ -212,7 +236,7 @@ class _Passes:
             whole = sum(self._mean(kind) for kind in self.sums)
             if self.traced is not None:
                 whole += self.traced.add(whole, self.allocation.mean(added))
-            estimate = Estimate.from_groups(whole, self.samples)
+            estimate = self._estimate(whole)
             self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
             is_believed = self.samples >= BELIEVED
             error = self.error if is_believed else float("inf")
@@ -236,6 +260,21 @@ class _Passes:
         return round(GROUPS * self.allocation.samples)
 
     # ---- private ----
+
+    def _estimate(self, whole: np.ndarray) -> Estimate:
+        """Means and errors of the halves' sums of all light, (2, n, channels), once it is shared between pixels."""
+        if self._sharing is None or self.allocation.samples < SHARED:
+            return Estimate.from_groups(whole, self.samples)
+        self._shared = None
+        shared = self._shared = self._sharing.share(
+            {kind: self._mean(kind) for kind in self.sums},
+            {kind: self._scatter(kind, 0) * GROUPS for kind in self.sums},
+        )
+        estimate = Estimate.from_groups(whole + shared.change, self.samples)
+        scale = _scale(estimate.mean[:, 1])
+        smoothed = self._sharing.smoothed_away(shared.change, scale)
+        self._smoothed = float(np.sqrt((smoothed[:, 1] / scale**2).mean()))
+        return replace(estimate, standard_error=np.sqrt(estimate.standard_error**2 + smoothed))
 
     def _mean(self, kind: int, channels=slice(None)) -> np.ndarray:
         """Mean of the samples of a kind so far. (2, n, channels)"""
@@ -285,7 +324,10 @@ class _Passes:
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind, STEERING[number])
         around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
-        return around / (GROUPS * np.maximum(count - 1, 1))
+        scatter = around / (GROUPS * np.maximum(count - 1, 1))
+        if self._shared is not None and number == 0 and kind in self._shared.left:
+            scatter *= self._shared.left[kind]
+        return scatter
 
     def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> tuple[float, float]:
         """Least and most samples at which the error will be the wanted one.
@@ -418,6 +460,11 @@ class _Passes:
                 estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
             )
             notes = (note, *self.light.cells.notes)
+        if self._shared is not None:
+            notes += (
+                "pixels share light that is even over a surface; of the stated error "
+                f"{100.0 * self._smoothed:.2g} % is what that smooths away",
+            )
         self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
         all_lost = sum(lost.sum(axis=1) for lost in self.light.lost.values())
         lost = {name: (int(n), made) for name, n in zip(LOST, all_lost, strict=True)}

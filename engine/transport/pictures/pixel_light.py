@@ -42,7 +42,7 @@ KINDS = ("view", "direct", "gathered", "guided", "mirrored", "bent", "correction
 
 VIEW, DIRECT, GATHERED, GUIDED, MIRRORED, BENT, CORRECTION = range(7)
 
-COSTS = (2.5, 1.0, 2.0, 0.7, 0.7, 1.0, 14.0)
+COSTS = (5.0, 1.0, 4.0, 1.2, 1.3, 3.5, 20.0)
 """What a sample of each kind costs, relative to next-event; measured in rooms."""
 
 FLOORS = {VIEW: 1.0 / 4.0, CORRECTION: 1.0 / 8.0}

@@ -154,6 +154,9 @@ class Pretender:
         stated = None if self.stated is None else self.stated * error
         return Made(picture[..., None], picture, self.each * samples, stated)
 
+    def refer(self, samples: int, seed: int) -> Made:
+        return self.render(samples, seed)
+
 
 def test_programs_race_in_turn_within_their_budget():
     log, budget = [], 100.0

@@ -1,0 +1,338 @@
+"""Light that pixels of a tile share: where it is even over a surface, each pixel's own few samples are not all there is.
+
+The light that a matt surface gets varies little over the few pixels of a tile, but for its reflectance, which is known. So
+in each half of the samples the means Y of a tile's pixels are fitted by what they see: for each surface a plane over the
+pixels, times the reflectance of what of it a pixel shows. A pixel then has Z = Y + D with D = l (fit - Y). The share l is
+the part of the residuals that is noise, so that edges of shadows, which no plane fits, stay where they are as soon as they
+stand out of the noise (W. James, C. Stein: Estimation with quadratic loss, 1961); with more samples l goes to 0.
+
+Half a and half b know nothing of each other. So, whatever D is, the square of the error of the mean of both is expected to
+be that of
+
+    (Za - Zb)^2 / 4 + Da Db
+
+where the first term is the noise that is left and the second the square of what was smoothed away that was no noise: if the
+expected value of both D differs from that of the noise by b, the product of the two is b^2 on the average. It holds pixel by
+pixel, without any supposition on the light, and is stated as the error (see `theory.md`, pictures).
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...arrays import average
+from ..compiled.diffuse import DiffuseTable
+from ..compiled.textures import is_spectral
+from ..paths import gather
+from ..paths.film import Film, sees
+from ..paths.sampler import hash_words
+from ..paths.visibility import closest_hit
+from .allocation import TILE
+from .pixel_light import VIEW
+
+SURFACES = 3
+"""Surfaces of a tile whose light is fitted; pixels that show more of others keep their own."""
+
+LOOKS, LANES = 16, 1 << 21
+"""Rays of a pixel that tell what it shows; and of a launch."""
+
+STRANGE = 0.01
+"""Part of what a pixel shows that may belong to none of the fitted surfaces. [-]"""
+
+NEW = 1e-4
+"""Share of the square of a function beside others from which on it is no rounding. [-]"""
+
+FACINGS = 27
+"""Directions into which a surface is parted by where it faces."""
+
+SURFACE_BITS = 36
+"""Bits of a surface's number, with a facing."""
+
+LEAST = 0.01
+"""Part of all errors from which on a kind of samples is worth its fit. [-]"""
+
+LEAST_RATIO = 0.1
+"""Variance of well-distributed points over that of independent ones, at least. [-]"""
+
+CHUNK = 2048
+"""Tiles that are fitted at once."""
+
+AROUND = 2
+"""Tiles to each side over which it is averaged what was smoothed away."""
+
+
+class Tiles:
+    """Pixels by tile.
+
+    Attributes
+    ----------
+    shape : (int, int)    Tiles up and across.
+    pixels : (t, `TILE`^2) int array    Numbers of a tile's pixels, -1 where the picture has ended.
+    """
+
+    def __init__(self, width: int, height: int):
+        self.shape = -(-height // TILE), -(-width // TILE)
+        up, across = self.shape
+        numbers = np.full((up * TILE, across * TILE), -1, dtype=np.int64)
+        numbers[:height, :width] = np.arange(width * height).reshape(height, width)
+        numbers = numbers.reshape(up, TILE, across, TILE).swapaxes(1, 2)
+        self.pixels = numbers.reshape(up * across, TILE * TILE)
+
+    def average_around(self, values: np.ndarray) -> np.ndarray:
+        """Mean over the tiles around each. (t, c) to (t, c)"""
+        up, across = self.shape
+        padded = np.pad(
+            values.reshape(up, across, -1),
+            ((AROUND, AROUND), (AROUND, AROUND), (0, 0)),
+            "symmetric",
+        )
+        for axis in (0, 1):
+            sums = np.cumsum(np.insert(padded, 0, 0.0, axis=axis), axis=axis)
+            count = sums.shape[axis]
+            wide = 2 * AROUND + 1
+            high = np.take(sums, range(wide, count), axis=axis)
+            padded = (high - np.take(sums, range(count - wide), axis=axis)) / wide
+        return padded.reshape(up * across, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """What sharing makes of means.
+
+    Parameters
+    ----------
+    change : (2, n, c) float32 array    To be added to the means of both halves.
+    left : dict    By kind of samples: part of the variance of pixels that is left, (n,). [-]
+    """
+
+    change: np.ndarray
+    left: dict[int, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """What the most seen surfaces of tiles have of what their pixels show.
+
+    Parameters
+    ----------
+    amounts : (t, p, `SURFACES`) float32 array
+    is_fitted : (t, p) bool array    Which pixels show nothing else.
+    """
+
+    amounts: np.ndarray
+    is_fitted: np.ndarray
+
+    def basis(self, part: slice) -> np.ndarray:
+        """Orthonormal functions over the pixels of some tiles that span the planes of their surfaces. (t, p, k)"""
+        side = ((np.arange(TILE) - 0.5 * (TILE - 1)) / TILE).astype(np.float32)
+        y, x = np.meshgrid(side, side, indexing="ij")
+        made: list[np.ndarray] = []
+        for surface in range(SURFACES):
+            amounts = self.amounts[part, :, surface] * self.is_fitted[part]
+            if not amounts.any():
+                break
+            for plane in (1.0, x.ravel(), y.ravel()):
+                made.append(_orthonormal(amounts * plane, made))
+        return np.stack(made, axis=2) if made else np.zeros((*self.is_fitted[part].shape, 1))
+
+
+def _orthonormal(feature: np.ndarray, before: list[np.ndarray]) -> np.ndarray:
+    """What of a function over the pixels of tiles is new beside others, of length 1; 0 where nothing is. (t, p)"""
+    size = np.einsum("tp,tp->t", feature, feature)
+    for each in before:
+        feature = feature - np.einsum("tp,tp->t", feature, each)[:, None] * each
+    left = np.einsum("tp,tp->t", feature, feature)
+    is_new = left > NEW * size
+    return feature * np.where(is_new, 1.0 / np.sqrt(np.where(is_new, left, 1.0)), 0.0)[
+        :, None
+    ].astype(np.float32)
+
+
+class PixelSharing:
+    """Shares light between pixels of a picture.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    film : Film
+    channels : Channels
+    is_apart : bool    Whether the light of matt surfaces is sampled by kinds of its own, and `VIEW` is all other light.
+    """
+
+    def __init__(self, scene, film: Film, channels, is_apart: bool):
+        camera = film.camera
+        self._columns = channels.light_columns
+        self._tiles = Tiles(camera.width, camera.height)
+        looks = zip(*_look(scene, film, DiffuseTable(scene)), strict=True)
+        pixel, surface, amount, is_matt = (np.concatenate(each) for each in looks)
+        wanted = (is_matt, ~is_matt) if is_apart else (is_matt, np.ones(len(pixel), dtype=bool))
+        self._of_matt, self._of_view = (
+            _find_parts(self._tiles, pixel[some], surface[some], amount[some]) for some in wanted
+        )
+        if channels.transparent:
+            # What of it is the backdrop is told apart, and has to be a part of the same light.
+            behind = pixel[surface == scene.shape_count * FACINGS]
+            self._of_view.is_fitted[np.isin(self._tiles.pixels, behind)] = False
+
+    def share(self, means: dict[int, np.ndarray], variances: dict[int, np.ndarray]) -> Shared:
+        """Share the light of all kinds, each for itself.
+
+        Parameters
+        ----------
+        means : dict    By kind: (2, n, c), the luminance as channel 1.
+        variances : dict    By kind: of the means of the luminance, as single samples scatter. (2, n)
+        """
+        first = next(iter(means.values()))
+        change = np.zeros(first.shape, dtype=np.float32)
+        left = {kind: np.ones(first.shape[1], dtype=np.float32) for kind in means}
+        # Errors and not their squares, which single bright samples of one kind may make alone.
+        errors = {
+            kind: float(np.sqrt(each).sum(dtype=np.float64)) for kind, each in variances.items()
+        }
+        least = LEAST * sum(errors.values())
+        means = {kind: means[kind] for kind, error in errors.items() if error > least}
+        for parts, kinds in (
+            (self._of_view, [kind for kind in means if kind == VIEW]),
+            (self._of_matt, [kind for kind in means if kind != VIEW]),
+        ):
+            ratios = {kind: self._ratio(parts, means[kind], variances[kind]) for kind in kinds}
+            for begin in range(0, len(parts.amounts) if kinds else 0, CHUNK):
+                part = slice(begin, begin + CHUNK)
+                is_fitted = parts.is_fitted[part]
+                pixels = np.maximum(self._tiles.pixels[part], 0)
+                where, basis = pixels[is_fitted], parts.basis(part)
+                for kind in kinds:
+                    own = means[kind][..., self._columns][:, pixels] * is_fitted[..., None]
+                    noise = np.float32(ratios[kind]) * variances[kind][:, pixels] * is_fitted
+                    changed, part_left = _shrink(basis, own, noise, is_fitted)
+                    change[:, where[:, None], self._columns] += changed[:, is_fitted]
+                    left[kind][where] = part_left[is_fitted]
+        return Shared(change, left)
+
+    def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
+        """Squares of what was no noise, as far as it is known of tiles and their neighbours. (n, c)
+
+        ``change``: as of `Shared`. ``scale``: what errors of pixels are relative to, (n,).
+        """
+        product = change[0].astype(np.float64) * change[1] / scale[:, None] ** 2
+        tiles = self._tiles
+        inside = tiles.pixels >= 0
+        count = inside.sum(axis=1)[:, None]
+        sums = (product[np.maximum(tiles.pixels, 0)] * inside[..., None]).sum(axis=1)
+        each = np.maximum(tiles.average_around(sums / count), 0.0)
+        # Chance makes it negative here and there, which must not be counted on the other side only.
+        each *= np.maximum(sums.sum(axis=0), 0.0) / np.maximum((each * count).sum(axis=0), 1e-300)
+        made = np.zeros(product.shape)
+        made[tiles.pixels[inside]] = np.repeat(each, count[:, 0], axis=0)
+        return made * scale[:, None] ** 2
+
+    # ---- private ----
+
+    def _ratio(self, parts: Parts, means: np.ndarray, variances: np.ndarray) -> float:
+        """Variance of the means as both halves differ over that by which single samples scatter. [-]"""
+        pixels = self._tiles.pixels[parts.is_fitted]
+        expected = float(variances[:, pixels].sum())
+        found = float(((means[0, pixels, 1] - means[1, pixels, 1]) ** 2).sum())
+        return float(np.clip(found / expected, LEAST_RATIO, 1.0)) if expected > 0.0 else 0.0
+
+
+def _shrink(basis, own, noise, is_fitted) -> tuple[np.ndarray, np.ndarray]:
+    """Draw the pixels of tiles towards what fits them, as far as what parts them is noise.
+
+    Parameters
+    ----------
+    basis : (t, p, k) array    As of `Parts.basis`.
+    own : (2, t, p, c) array    Means of the halves.
+    noise : (2, t, p) array    Variances of their luminance.
+    is_fitted : (t, p) bool array
+
+    Returns
+    -------
+    (2, t, p, c) array, (t, p) array    What is added to the means, and what part of the variance is left. [-]
+    """
+    leverage = (basis**2).sum(axis=2)
+    residual = (basis @ (basis.swapaxes(1, 2) @ own) - own) * is_fitted[..., None]
+    squares = (residual[..., 1] ** 2).sum(axis=2)
+    share = (noise * (1.0 - leverage)).sum(axis=2) / np.maximum(squares, 1e-300)
+    share = np.where(squares > 0.0, np.minimum(share, 1.0), 0.0)
+    left = 1.0 - share.mean(axis=0)[:, None] * (1.0 - leverage)
+    # A plane may fall below 0 beside an edge, light may not.
+    return np.maximum(share[..., None, None] * residual, -own), left
+
+
+def _find_parts(tiles: Tiles, pixel, surface, amount) -> Parts:
+    """Find what is seen most in tiles. ``pixel``, ``surface``, ``amount``: of looks, (m,) each."""
+    inside = tiles.pixels >= 0
+    count = int(inside.sum())
+    parts = np.zeros((*tiles.pixels.shape, SURFACES), dtype=np.float32)
+    is_fitted = np.zeros(tiles.pixels.shape, dtype=bool)
+    if not len(pixel):
+        return Parts(parts, is_fitted)
+    tile, place = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
+    tile[tiles.pixels[inside]], place[tiles.pixels[inside]] = np.nonzero(inside)
+    pairs, number = np.unique(tile[pixel] << SURFACE_BITS | surface, return_inverse=True)
+    order = np.lexsort((-np.bincount(number, amount), pairs >> SURFACE_BITS))
+    begins = np.flatnonzero(np.diff(pairs[order] >> SURFACE_BITS, prepend=-1))
+    rank = np.zeros(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order)) - np.repeat(begins, np.diff(np.append(begins, len(order))))
+    slot = rank[number]
+    known = slot < SURFACES
+    np.add.at(parts, (tile[pixel[known]], place[pixel[known]], slot[known]), amount[known])
+    strange = np.bincount(pixel[~known], amount[~known], minlength=count)
+    whole = np.bincount(pixel, amount, minlength=count)
+    is_fitted[inside] = ((whole > 0.0) & (strange <= STRANGE * whole))[tiles.pixels[inside]]
+    return Parts(parts, is_fitted)
+
+
+def _look(scene, film: Film, matt):
+    """Yield pixels, surfaces, how much of these is seen, and whether they are matt, launch by launch: (m,) each."""
+    count = film.camera.width * film.camera.height
+    each = max(LANES // LOOKS, 1)
+    for first in range(0, count, each):
+        many = min(each, count - first)
+        surface, amount, is_matt = _launch(scene, film, matt, first, many)
+        # Most pixels show one surface.
+        same = (surface == surface[:, :1]).all(axis=1)
+        pixel = np.arange(first, first + many)
+        pixel = np.concatenate([pixel[same], np.repeat(pixel[~same], LOOKS)])
+        surface, is_matt = (
+            np.concatenate([values[same, 0], values[~same].ravel()])
+            for values in (surface, is_matt)
+        )
+        amount = np.concatenate([amount[same].sum(axis=1), amount[~same].ravel()])
+        seen = amount > 0.0
+        yield pixel[seen], surface[seen], amount[seen], is_matt[seen]
+
+
+def _launch(scene, film: Film, matt, first: int, many: int) -> tuple:
+    """Surfaces that rays of pixels meet first, how much of these counts, and whether they are matt. (many, `LOOKS`) each
+
+    Of matt ones it is their reflectance, of others, and of what is behind everything, the place alone.
+    """
+    lane = dr.arange(mi.UInt32, many * LOOKS)
+    pixel = dr.opaque(mi.UInt32, first) + lane // LOOKS
+    ray = film.ray_of(pixel, lane % LOOKS, hash_words(pixel, mi.UInt32(2)))
+    if is_spectral():
+        ray.wavelengths = gather.typical_wavelengths()
+    si = closest_hit(scene, ray, sees(ray), coherent=True, looks=mi.Bool(True))
+    seen = si.is_valid()
+    number = dr.reinterpret_array(mi.UInt32, si.shape)
+    if scene.hidden is not None:
+        # Behind it anything may be seen, which is not taken for matt.
+        seen &= ~dr.gather(mi.Bool, scene.hidden, number, seen)
+    is_matt = seen & (matt.row(si.shape, seen) > 0)
+    reflectance = average(scene.bsdf(si, is_matt).eval_diffuse_reflectance(si, is_matt))
+    amount = dr.select(is_matt, reflectance, 1.0) / LOOKS
+    normal = mi.Vector3f(si.sh_frame.n) * dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0)
+    facing = mi.UInt32(0)
+    for each in (normal.x, normal.y, normal.z):
+        facing = 3 * facing + mi.UInt32(dr.round(each) + 1.0)
+    surface = dr.select(si.is_valid(), number * FACINGS + facing, scene.shape_count * FACINGS)
+    amount += mi.Float(lane) * 0.0
+    is_matt &= lane >= 0
+    dr.eval(surface, amount, is_matt)
+    shape = many, LOOKS
+    surface = np.array(surface).astype(np.int64)
+    return tuple(each.reshape(shape) for each in (surface, np.array(amount), np.array(is_matt)))

@@ -1,0 +1,165 @@
+"""Light that pixels share, on made-up light whose true values are known, and in small rooms."""
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.transport.pictures.allocation import TILE
+from lumenray.engine.transport.pictures.pixel_light import DIRECT, GATHERED, VIEW
+from lumenray.engine.transport.pictures.sharing import Parts, PixelSharing, Tiles
+from lumenray.engine.views import ViewSettings
+from small_pictures import ROOMS, look_in
+from small_scenes import session_of
+
+WIDTH, HEIGHT = 161, 118
+"""No multiples of a tile."""
+
+Z = 4.0
+
+
+def sharing_of(reflectance, surface):
+    """Sharing of a picture whose pixels show matt surfaces. (h, w) each; ``surface``: numbers 0 and 1."""
+    made = PixelSharing.__new__(PixelSharing)
+    tiles = made._tiles = Tiles(WIDTH, HEIGHT)
+    inside = tiles.pixels >= 0
+    amounts = np.zeros((*tiles.pixels.shape, 3), dtype=np.float32)
+    for number in (0, 1):
+        part = (reflectance * (surface == number)).ravel()[np.maximum(tiles.pixels, 0)]
+        amounts[..., number] = part * inside
+    made._of_matt = Parts(amounts, inside)
+    made._of_view = Parts(0.0 * amounts, 0 * inside > 0)
+    made._columns = [0, 1, 2]
+    return made
+
+
+def lights():
+    """True light, reflectance and surfaces of pictures (h, w), by what is in them."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH] / HEIGHT
+    plain = np.ones((HEIGHT, WIDTH))
+    halves = (x + 0.3 * y > 0.8).astype(int)
+    texture = 0.5 + 0.3 * np.sin(40.0 * x) * np.cos(57.0 * y)
+    return {
+        "slope": (1.0 + x + 0.5 * y, plain, 0 * halves),
+        "texture": ((1.0 + x) * texture, texture, 0 * halves),
+        "two surfaces": (np.where(halves, 3.0 - x, 1.0 + y), plain, halves),
+        "edge of a shadow": (np.where(halves, 1.0, 0.2), plain, 0 * halves),
+        "ripples": (1.0 + 0.05 * np.sin(60.0 * x), plain, 0 * halves),
+    }
+
+
+def share(true, reflectance, surface, noise, seed):
+    """True relative square of the error of a shared picture, the stated one, and their parts by pixel. (n,) each"""
+    draw = np.random.default_rng(seed)
+    halves = true.ravel()[None, :, None] * np.ones((2, 1, 3))
+    sigma = noise * true.ravel()
+    halves = halves + draw.normal(size=(2, halves.shape[1], 1)) * sigma[None, :, None]
+    own = sharing_of(reflectance, surface)
+    means = {GATHERED: halves.astype(np.float32)}
+    made = own.share(means, {GATHERED: np.stack([sigma**2] * 2)})
+    shared = halves + made.change
+    smoothed = own.smoothed_away(made.change, true.ravel())[:, 1]
+    stated = ((shared[0] - shared[1])[:, 1] / 2.0) ** 2 + smoothed
+    error = (shared.mean(axis=0)[:, 1] - true.ravel()) ** 2
+    scale = true.ravel() ** 2
+    return error / scale, stated / scale, halves.mean(axis=0)[:, 1], shared.mean(axis=0)[:, 1]
+
+
+@pytest.mark.parametrize("name", lights())
+@pytest.mark.parametrize("noise", [0.02, 0.1, 0.5])
+def test_the_stated_error_is_the_true_one_whatever_the_light(name, noise):
+    true, stated = zip(
+        *(share(*lights()[name], noise, seed)[:2] for seed in range(24)), strict=True
+    )
+    ratios = np.mean(stated, axis=1) - np.mean(true, axis=1)
+    error = ratios.std(ddof=1) / np.sqrt(len(ratios))
+    # A negative sum counts as none, which the mean over pictures shows a little.
+    assert abs(ratios.mean()) < Z * error + 0.03 * np.mean(true)
+
+
+@pytest.mark.parametrize("name", ["slope", "texture"])
+def test_light_that_is_a_plane_has_the_error_of_all_samples_of_a_tile(name):
+    true = np.mean([share(*lights()[name], 0.1, seed)[0].mean() for seed in range(6)])
+    # Three numbers of a plane from the pixels of a tile, and what chance lets pixels keep of their own.
+    assert true < 0.1**2 / 2.0 * (3.0 / TILE**2 + 0.08)
+
+
+@pytest.mark.parametrize("name", lights())
+@pytest.mark.parametrize("noise", [0.001, 0.1, 0.5])
+def test_shared_light_is_no_worse_than_each_pixels_own(name, noise):
+    light = lights()[name]
+    true = np.mean([share(*light, noise, seed)[0].mean() for seed in range(6)])
+    assert true < 1.02 * noise**2 / 2.0
+
+
+def test_an_edge_stays_as_soon_as_it_stands_out_of_the_noise():
+    true = lights()["edge of a shadow"]
+    shared = share(*true, 0.02, 1)[3]
+    assert np.abs(shared - true[0].ravel()).max() < 6.0 * 0.02
+
+
+def test_tiles_of_one_reflectance_keep_their_means():
+    for name in ("slope", "edge of a shadow", "ripples"):
+        _, _, own, shared = share(*lights()[name], 0.1, 5)
+        tiles = Tiles(WIDTH, HEIGHT).pixels
+        inside = tiles >= 0
+        for each in (own, shared):
+            assert np.isfinite(each).all()
+        before, after = (
+            (each[np.maximum(tiles, 0)] * inside).sum(axis=1) for each in (own, shared)
+        )
+        np.testing.assert_allclose(after, before, rtol=1e-4)
+
+
+def test_kinds_do_not_mix_and_what_shows_no_matt_surface_keeps_its_own():
+    true, reflectance, surface = lights()["slope"]
+    own = sharing_of(reflectance, surface)
+    draw = np.random.default_rng(3)
+    noisy = (true.ravel()[None, :, None] + 0.1 * draw.normal(size=(2, true.size, 3))).astype(
+        np.float32
+    )
+    variance = np.full((2, true.size), 0.01)
+    both = own.share(
+        {VIEW: noisy, DIRECT: noisy, GATHERED: 2.0 * noisy},
+        {VIEW: variance, DIRECT: variance, GATHERED: 4.0 * variance},
+    )
+    each = [
+        own.share({kind: factor * noisy}, {kind: factor**2 * variance}).change
+        for kind, factor in ((DIRECT, 1.0), (GATHERED, 2.0))
+    ]
+    np.testing.assert_allclose(both.change, sum(each), atol=1e-5)
+    assert (both.left[VIEW] == 1.0).all()
+    assert both.left[GATHERED].mean() < 0.3
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("room", ["matt", "textured floor"])
+def test_pictures_that_share_light_are_nearer_to_long_ones(room):
+    view = look_in(48, 40)
+    luminance = {}
+    for name, samples, seed, shares in (
+        ("long", 2048, 9, False),
+        ("shared", 32, 1, True),
+        ("own", 32, 1, False),
+    ):
+        settings = ViewSettings(StopRule(samples=samples), seed, method="cells", shares=shares)
+        made = session_of(*ROOMS[room]).render(view, settings)
+        luminance[name] = made.tristimulus[..., 1].astype(float), made.relative_error
+    long = luminance["long"][0]
+    scale = np.maximum(long, long.mean())
+    errors = {
+        name: np.sqrt(
+            (((luminance[name][0] - long) / scale) ** 2).mean() - luminance["long"][1] ** 2
+        )
+        for name in ("shared", "own")
+    }
+    assert errors["shared"] < 0.75 * errors["own"]
+    assert luminance["shared"][1] == pytest.approx(errors["shared"], rel=0.2)
+
+
+@pytest.mark.mitsuba
+def test_what_sharing_smooths_away_is_told_and_full_paths_share_nothing():
+    made = {}
+    for method, unbiased in (("cells", False), ("cells", True), ("paths", False)):
+        settings = ViewSettings(StopRule(samples=8), 1, method=method, unbiased=unbiased)
+        picture = session_of(*ROOMS["matt"]).render(look_in(24, 16), settings)
+        made[method, unbiased] = any("pixels share" in note for note in picture.provenance.notes)
+    assert made == {("cells", False): True, ("cells", True): False, ("paths", False): False}
