@@ -26,6 +26,7 @@ from .visibility import (
     NO_ID,
     find_unrendered,
     is_dark_world,
+    is_holdout,
     is_rendered,
     tell_departures,
     tell_linking,
@@ -231,7 +232,7 @@ class Walk:
         found = visibility_of(source, parent, layer)
         report = ConversionReport()
         tell_visibility(found, shown.name, report)
-        tell_departures(source, shown.name, report, layer)
+        tell_departures(source, shown.name, report, layer, parent)
         tell(OBJECT, original, shown.name, report)
         if found.light and table.is_luminous(materials):
             tell_linking(source, shown.name, report)
@@ -245,6 +246,7 @@ class Walk:
             visible_to_camera=found.camera,
             index=source.pass_index,
             meets_light=found.light,
+            is_holdout=is_holdout(source, parent, layer),
         )
         self._place(shown, placement)
 
@@ -299,6 +301,7 @@ class Walk:
                 and before.materials == placement.materials
                 and before.visible_to_camera == placement.visible_to_camera
                 and before.meets_light == placement.meets_light
+                and before.is_holdout == placement.is_holdout
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
@@ -404,8 +407,11 @@ class Walk:
         made = None
         if evaluated is not None:
             tell(WORLD, evaluated, evaluated.name, report)
-        if evaluated is None or not is_dark_world(evaluated, report):
-            made = convert_world(evaluated, key, sent.efficacy, report, sent.images, sun_lamp)
+        if evaluated is not None:
+            lights = not is_dark_world(evaluated, report)
+            made = convert_world(
+                evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights
+            )
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
         sent.world = SentWorld(source, key, sun, digest, trees, report)

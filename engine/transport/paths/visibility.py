@@ -6,6 +6,9 @@ import mitsuba as mi
 from ..compiled.polarisation import polarise
 from ..rays import spawn_ray_to
 
+SAME_PLACE = 1.0 + 2.0**-20
+"""Relative distance up to which what is there for the camera alone hides what light meets at the same place."""
+
 MOST_PASSES = 1000
 """Most surfaces that light goes straight through; reached by no valid scene."""
 
@@ -27,13 +30,13 @@ def meet(scene, ray, active, coherent=False, looks=None, passes_veil=False):
     (PreliminaryIntersection3f, SurfaceInteraction3f)    The hit and the surface there.
     """
     hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-    others = [] if passes_veil else [(scene.transparent, active)]
-    if looks is not None:
-        others.append((scene.shown, active & looks))
-    for layer, asked in others:
-        if layer is not None:
-            other = layer.ray_intersect_preliminary(ray, mi.Bool(coherent), asked)
-            hit = dr.select(other.t < hit.t, other, hit)
+    if scene.transparent is not None and not passes_veil:
+        other = scene.transparent.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+        hit = dr.select(other.t < hit.t, other, hit)
+    if scene.shown is not None and looks is not None:
+        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(coherent), active & looks)
+        nearer = other.is_valid() & (other.t <= hit.t * SAME_PLACE)
+        hit = dr.select(nearer, other, hit)
     return hit, scene.surface(hit, ray, active)
 
 
