@@ -426,6 +426,12 @@ def _linked(_stage, item):
     item.light_linking.receiver_collection = group
 
 
+def _shadow_linked(_stage, item):
+    group = bpy.data.collections.new("Shading")
+    group.objects.link(bpy.data.objects["Tile"])
+    item.light_linking.blocker_collection = group
+
+
 def _with(**settings):
     def prepare(_stage, item):
         for key, value in settings.items():
@@ -460,6 +466,7 @@ for _key, _build in {
     "Light, constant falloff": _lit("POINT", _constant_falloff, shadow_soft_size=0.0),
     "Light, gobo": _lit("SPOT", _gobo, 300.0, spot_size=1.0, shadow_soft_size=0.0),
     "Light linking": _lit("AREA", _linked, size=1.0),
+    "Shadow linking": _lit("AREA", _shadow_linked, size=1.0),
 }.items():
     _note("Lights", _key, _build)
 
@@ -546,6 +553,33 @@ def _world_rays(**settings):
 
 _note("Worlds", "World, not for diffuse rays", _world_rays(diffuse=False))
 _note("Worlds", "World, not for the camera", _world_rays(camera=False))
+_note(
+    "Worlds",
+    "World, for the camera alone",
+    _world_rays(diffuse=False, glossy=False, transmission=False),
+)
+
+
+@_feature("Worlds", "World, camera only, transparent film")
+def _holed(stage):
+    _outside(lambda tree, v: _background(tree, _map(tree, v)))(stage)
+    stage.scene.world.cycles_visibility.camera = False
+    stage.scene.render.film_transparent = True
+
+
+@_feature("Worlds", "World, backdrop behind glass")
+def _behind_glass(stage):
+    _outside(
+        lambda tree, v: tree.add(
+            "MixShader",
+            Fac=tree.add("LightPath"),
+            _1=_background(tree, _map(tree, v)),
+            _2=_background(tree, BLUE),
+        )
+    )(stage)
+    tree = stage.material()
+    tree.show(tree.add("BsdfGlass", Roughness=0.0))
+    bpy.data.objects["Ball"].data.materials[0] = tree.owner
 
 
 # ---- objects ----
@@ -751,5 +785,62 @@ def _collected(stage, **settings):
         setattr(layer, key, value)
 
 
+for _film in (False, True):
+
+    def _held(stage, film=_film):
+        stage.studio().is_holdout = True
+        stage.scene.render.film_transparent = film
+
+    _note("Objects", f"Object, holdout, {'transparent' if _film else 'plain'} film", _held)
+
+
+def _by_camera(first, second):
+    """Show one shader to the camera and another to light, on ball and floor."""
+
+    def build(stage):
+        materials = []
+        for colours in (first, second):
+            tree = stage.material()
+            lit, seen = (tree.add(kind, **values) for kind, values in colours)
+            factor = tree.add("LightPath")
+            materials.append(tree.show(tree.add("MixShader", Fac=factor, _1=lit, _2=seen)))
+        stage.studio(*materials)
+
+    return build
+
+
+_RED, _GREY = {"Color": PAINT}, {"Color": (0.6, 0.6, 0.6, 1.0)}
+_note(
+    "Surfaces",
+    "Mix by Is Camera Ray",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("BsdfAnisotropic", {"Roughness": 0.3, **_GREY})],
+        [("BsdfDiffuse", {"Color": (0.1, 0.2, 0.8, 1.0)}), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Emission for the camera alone",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("Emission", {"Strength": 1.0})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Emission, dim to the camera",
+    _by_camera(
+        [("Emission", {"Strength": 5.0}), ("Emission", {"Strength": 0.5})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Transparent to the camera",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("BsdfTransparent", {})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
 _note("View layers", "Collection, indirect only", lambda s: _collected(s, indirect_only=True))
 _note("View layers", "Collection, holdout", lambda s: _collected(s, holdout=True))

@@ -51,7 +51,10 @@ class Shown:
 
 @dataclass
 class SentWorld:
-    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light."""
+    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light.
+
+    ``gives_light``: whether it lights anything, and is not there for the camera alone.
+    """
 
     source: int = -1
     key: str = ""
@@ -59,6 +62,7 @@ class SentWorld:
     digest: bytes = b""
     shading: frozenset[int] = frozenset()
     report: ConversionReport | None = None
+    gives_light: bool = False
 
 
 class Sent:

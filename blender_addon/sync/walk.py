@@ -98,7 +98,7 @@ class Walk:
             whole.include(part)
         tell(SCENE, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
-        if not is_lit and not sent.world.digest:
+        if not is_lit and not sent.world.gives_light:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
 
@@ -414,7 +414,8 @@ class Walk:
             )
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
-        sent.world = SentWorld(source, key, sun, digest, trees, report)
+        gives_light = made is not None and getattr(made, "luminance", 1.0) > 0.0
+        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
