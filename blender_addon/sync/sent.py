@@ -6,6 +6,7 @@ import numpy as np
 
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
+from ...engine.scene.spectrum import Rgb
 from ..foundation.report import ConversionReport
 from .images.cache import ImageCache
 from .tables.geometries import GeometryTable
@@ -53,7 +54,8 @@ class Shown:
 class SentWorld:
     """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light.
 
-    ``gives_light``: whether it lights anything, and is not there for the camera alone.
+    ``gives_light``: whether it lights anything, and is not there for the camera alone; ``colour``: of its light if that is
+    the same from everywhere.
     """
 
     source: int = -1
@@ -63,6 +65,7 @@ class SentWorld:
     shading: frozenset[int] = frozenset()
     report: ConversionReport | None = None
     gives_light: bool = False
+    colour: Rgb | None = None
 
 
 class Sent:

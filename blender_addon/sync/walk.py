@@ -16,6 +16,7 @@ from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
+from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
@@ -98,9 +99,22 @@ class Walk:
             whole.include(part)
         tell(SCENE, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
+        self._tell_colours(whole)
         if not is_lit and not sent.world.gives_light:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
+
+    def _tell_colours(self, whole: ConversionReport) -> None:
+        """Note what spectra change of coloured light on coloured surfaces."""
+        sent = self.sent
+        lights, paints = sent.materials.colours(self._used_materials())
+        for shown in sent.shown.values():
+            colour = None if shown.is_dark else colour_of_light(shown.item)
+            if colour is not None:
+                lights.append((shown.name, colour))
+        if sent.world.colour is not None:
+            lights.append(("the world", sent.world.colour))
+        tell_coloured_light(lights, paints, self.scene.name, whole)
 
     # ---- objects ----
 
@@ -415,7 +429,8 @@ class Walk:
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
         gives_light = made is not None and getattr(made, "luminance", 1.0) > 0.0
-        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light)
+        colour = colour_of_light(made)
+        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light, colour)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
