@@ -420,6 +420,48 @@ def _gobo(_stage, item):
     _nodes_of_light(item, add)
 
 
+def _from_nodes(make, to="Strength"):
+    """Return what links nodes to a light's emission. ``make(nodes, links)``: the output."""
+
+    def prepare(_stage, item):
+        def add(tree, emission):
+            tree.links.new(make(tree.nodes, tree.links), emission.inputs[to])
+
+        _nodes_of_light(item, add)
+
+    return prepare
+
+
+def _stripes(nodes, links):
+    where, part = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeSeparateXYZ")
+    wave, high = nodes.new("ShaderNodeMath"), nodes.new("ShaderNodeMath")
+    wave.operation, high.operation = "SINE", "MULTIPLY_ADD"
+    scaled = nodes.new("ShaderNodeMath")
+    scaled.operation, scaled.inputs[1].default_value = "MULTIPLY", 15.0
+    links.new(where.outputs["Normal"], part.inputs[0])
+    links.new(part.outputs["X"], scaled.inputs[0])
+    links.new(scaled.outputs[0], wave.inputs[0])
+    links.new(wave.outputs[0], high.inputs[0])
+    high.inputs[1].default_value = high.inputs[2].default_value = 0.5
+    return high.outputs[0]
+
+
+def _slide(nodes, links):
+    where, shown = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeTexImage")
+    grey = nodes.new("ShaderNodeRGBToBW")
+    shown.image = image()
+    links.new(where.outputs["UV"], shown.inputs["Vector"])
+    links.new(shown.outputs["Color"], grey.inputs[0])
+    return grey.outputs[0]
+
+
+def _slide_in_colour(nodes, links):
+    where, shown = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeTexImage")
+    shown.image = image()
+    links.new(where.outputs["UV"], shown.inputs["Vector"])
+    return shown.outputs["Color"]
+
+
 def _linked(_stage, item):
     group = bpy.data.collections.new("Lit")
     group.objects.link(bpy.data.objects["Ball"])
@@ -465,6 +507,20 @@ for _key, _build in {
     "Light, diffuse off": _lit("AREA", _with(visible_diffuse=False), size=1.0),
     "Light, constant falloff": _lit("POINT", _constant_falloff, shadow_soft_size=0.0),
     "Light, gobo": _lit("SPOT", _gobo, 300.0, spot_size=1.0, shadow_soft_size=0.0),
+    "Light, stripes of a point": _lit("POINT", _from_nodes(_stripes), shadow_soft_size=0.0),
+    "Light, slide of a spot": _lit(
+        "SPOT", _from_nodes(_slide), 300.0, spot_size=1.2, shadow_soft_size=0.0
+    ),
+    "Light, slide in colour": _lit(
+        "SPOT", _from_nodes(_slide_in_colour, "Color"), 300.0, spot_size=1.2, shadow_soft_size=0.0
+    ),
+    "Light, slide of a scaled spot": _lit(
+        "SPOT",
+        lambda stage, item: (_from_nodes(_stripes)(stage, item), setattr(item, "scale", (1, 2, 1))),
+        300.0,
+        spot_size=1.0,
+        shadow_soft_size=0.05,
+    ),
     "Light linking": _lit("AREA", _linked, size=1.0),
     "Shadow linking": _lit("AREA", _shadow_linked, size=1.0),
 }.items():

@@ -1,6 +1,7 @@
 """Features that are said and left out on purpose, each with the reason: their differences do not count."""
 
 REASONS = {
+    "Light, temperature": "light and paint are spectra; three numbers do not tell how much of one the other reflects",
     "Light, negative": "no light takes light away, and lux less than none are no answer",
     "Light, no bounces": "light that ends at the first surface breaks the balance of energy that every lux stands on",
     "Light, no shadow": "what shades a light shades it in every lux map; a light that passes walls has none",

@@ -120,7 +120,11 @@ def tell_departures(source, name: str, report, view_layer=None, parent=None) -> 
             name, "the object is a holdout", "pictures are transparent there; light meets it"
         )
     if original.is_shadow_catcher:
-        report.warn(name, "the object is a shadow catcher", "it is an ordinary object")
+        report.warn(
+            name,
+            "the object is a shadow catcher",
+            "it is an ordinary object; for a picture on a photograph render with and without what casts shadows",
+        )
     for system in original.particle_systems:
         settings = system.settings
         if settings.type == "HAIR" and settings.render_type == "PATH":
@@ -132,11 +136,15 @@ def tell_linking(source, name: str, report) -> None:
     linking = source.original.light_linking
     if linking.receiver_collection is not None:
         report.error(
-            name, "light linking lets it light some objects only", "it lights all; unlink the light"
+            name,
+            "light linking lets it light some objects only",
+            "it lights all, as light does; unlink it, or render it in a light group of its own",
         )
     if linking.blocker_collection is not None:
         report.error(
-            name, "shadow linking lets some objects only shade it", "all do; unlink the shadows"
+            name,
+            "shadow linking lets some objects only shade it",
+            "all do; unlink the shadows, or switch off the ray visibility for light of the others",
         )
 
 
