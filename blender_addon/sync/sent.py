@@ -79,7 +79,8 @@ class Sent:
     ----------
     shown : dict    Of `Shown`, by what tells instances apart.
     scale, efficacy : float    Metres per unit and lumens per watt as they were.
-    filters : tuple or None    Whether the view layer showed surfaces, and session uid of the material in place of all, or 0.
+    filters : tuple or None    Whether the view layer showed surfaces, session uid of the material in place of all, or 0, and
+        what its collections are there for.
     walks, last_visit : int    Walks so far, and the number of the last one that looked at the instances.
     """
 
@@ -90,7 +91,7 @@ class Sent:
         self.materials = MaterialTable(self.images, self.pictures, final)
         self.world = SentWorld()
         self.scale = self.efficacy = 0.0
-        self.filters: tuple[bool, int] | None = None
+        self.filters: tuple[bool, int, bytes] | None = None
         self.walks = self.last_visit = 0
 
     def ids(self) -> set[str]:

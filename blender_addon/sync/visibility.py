@@ -47,6 +47,16 @@ def visibility_of(source, parent=None, view_layer=None) -> Visibility:
     return Visibility(camera, len(off) < len(LIGHT_RAYS), off)
 
 
+def collection_flags(view_layer) -> bytes:
+    """Which collections of a view layer are there for indirect light only, and which are holdouts, in their order."""
+    flags, waiting = bytearray(), [view_layer.layer_collection]
+    while waiting:
+        layer = waiting.pop()
+        flags.append(2 * layer.indirect_only + layer.holdout)
+        waiting += layer.children
+    return bytes(flags)
+
+
 def find_unrendered(view_layer) -> set[int]:
     """Session uids of objects that lie in collections which are disabled in renders, and in no other ones."""
     everyone, rendered = set(), set()

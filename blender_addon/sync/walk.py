@@ -25,6 +25,7 @@ from .sent import Sent, SentWorld, Shown
 from .tags import Tags
 from .visibility import (
     NO_ID,
+    collection_flags,
     find_unrendered,
     is_dark_world,
     is_holdout,
@@ -65,6 +66,7 @@ class Walk:
         self.is_rerated = efficacy != sent.efficacy
         override = self.layer.material_override
         filters = (self.layer.use_solid, override.session_uid if override else 0)
+        filters += (collection_flags(self.layer),)
         self.is_refiltered = filters != sent.filters
         sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
@@ -121,7 +123,8 @@ class Walk:
     def _concerns_objects(self) -> bool:
         tags = self.tags
         return bool(
-            tags.objects
+            self.is_refiltered
+            or tags.objects
             or tags.geometry
             or tags.scene
             or any(not s.shading.isdisjoint(tags.shading) for s in self.sent.shown.values())

@@ -196,3 +196,24 @@ def test_edits_of_nodes_and_holdouts_reach_the_picture():
     assert look()[0] == pytest.approx(0.1 * sky, rel=0.02)
     paint.show(paint.diffuse(0.5))
     assert look()[0] == pytest.approx(0.5 * sky, rel=0.02)
+
+
+def test_a_collection_that_becomes_a_holdout_is_sent_anew():
+    from lumenray.blender_addon.sync.scene_sync import SceneSync
+
+    paint = Paint()
+    scene = bpy.context.scene
+    group = bpy.data.collections.new("Group")
+    scene.collection.children.link(group)
+    group.objects.link(paint.item)
+    scene.collection.objects.unlink(paint.item)
+    layer = scene.view_layers[0].layer_collection.children["Group"]
+    sync, found = SceneSync(final=True), []
+    for value in (False, True, True, False):
+        layer.holdout = value
+        bpy.context.view_layer.update()
+        walked = sync.walk(bpy.context.evaluated_depsgraph_get())
+        found.append(
+            [item.is_holdout for item in walked.delta.changed if hasattr(item, "is_holdout")]
+        )
+    assert found == [[False], [True], [], [False]]

@@ -7,14 +7,15 @@ import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import ImageWorld, SunLight, UniformWorld
-from lumenray.engine.scene.light import Output, Quantity
-from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Holdout, Material
+from lumenray.engine.scene.light import Output, PointLight, Quantity
+from lumenray.engine.scene.light_groups import LightGroup
+from lumenray.engine.scene.material import Dielectric, Diffuse, Emission, Glossy, Holdout, Material
 from lumenray.engine.scene.material import Transparent
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import Display, DisplayMode, LiveSettings, ViewSettings
-from small_scenes import paint, quad, session_of
+from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -191,3 +192,34 @@ def test_the_live_view_shows_what_the_camera_sees():
         frame = session.refine() or frame
     assert frame.pixels[:, :3, 1].mean() == pytest.approx(10.0, rel=0.02)
     assert frame.pixels[:, 5:, 1] == pytest.approx(7.0, rel=1e-3)
+
+
+def test_light_groups_add_up_to_what_the_camera_sees():
+    """A backdrop belongs to the world's group, and what glows for the camera alone to the rest."""
+    glow = Material("paint/seen", "glow", Diffuse(Constant(0.0)), Emission(luminance=30.0))
+    left = quad("floor", (-9, -9, 0), (9, 0, 0), (0, 18, 0), "paint")
+    lamp = PointLight("lamp", "lamp", Output(Quantity.LUMINOUS_FLUX, 100.0), np.array([0, 0, 3.0]))
+    world = UniformWorld(100.0, seen=UniformWorld(7.0))
+    session = session_of(paint(0.5, seen=glow), left, lamp, world)
+    made = look(session, groups=(LightGroup("sky", ("world",)), LightGroup("lamp", ("lamp",))))
+    shares = {group.name: group.tristimulus[..., 1] for group in made.groups}
+    assert shares["sky"][:, 5:] == pytest.approx(7.0, rel=1e-3)
+    assert shares["sky"][:, :3] == pytest.approx(0.0, abs=1e-6)
+    assert shares["rest"][:, :3] == pytest.approx(30.0, rel=1e-3)
+    assert sum(shares.values()) == pytest.approx(luminance(made), rel=1e-3)
+
+
+def test_what_only_the_camera_sees_shows_caustics_as_light_that_falls_on_it():
+    """A sun behind a slab of glass over a floor of 0.2 that the camera sees as one of 0.4: twice as bright as it."""
+    glass = Material("glass", "glass", Dielectric())
+    slab = replace(box(4, 4, 0.1, "glass", inwards=False), id="slab")
+    slab = replace(slab, vertices=slab.vertices + np.array([-2.0, -2.0, 0.3]))
+    towards = np.array([0.3, 0.2, -1.0]) / np.linalg.norm([0.3, 0.2, -1.0])
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), towards, 0.005)
+    view = replace(camera(height=0.25))
+    found = []
+    for material in (paint(0.2), paint(0.2, seen=paint(0.4, "paint/seen"))):
+        session = session_of(material, glass, floor(half=3.0), slab, sun)
+        found.append(luminance(session.render(view, ViewSettings(StopRule(samples=256)))).mean())
+    assert found[0] > 10.0
+    assert found[1] == pytest.approx(2.0 * found[0], rel=0.05)
