@@ -77,6 +77,8 @@ class CompiledScene:
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
         self.hidden = self.holdouts = self.unlit = None
+        # Whether the camera does not see an object, and not only bodies of lights.
+        self.has_hidden_objects = False
         self.known_mirrors = KnownMirrors()
         self.polarisation = None
         self.indices: dict = {}
@@ -371,6 +373,7 @@ class CompiledScene:
             "luminaire",
         )
         columns = {name: np.zeros(size) for name in names}
+        self.has_hidden_objects = False
         if parts:
             place = np.array([part.number for _, part in parts])
             columns["row"][place] = [self._material_palette.row(part.material) for _, part in parts]
@@ -381,6 +384,7 @@ class CompiledScene:
             columns["hidden"][place] = [
                 not (body.item.visible_to_camera and part.meets_camera) for body, part in parts
             ]
+            self.has_hidden_objects = bool(columns["hidden"].any())
             columns["holdout"][place] = [
                 isinstance(self._material_palette.item(part.material).surface, Holdout)
                 for _, part in parts

@@ -16,7 +16,7 @@ from ..rays import spawn_straight
 from . import gather
 from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
-from .visibility import closest_hit
+from .visibility import closest_hit, first_seen
 from .wavelengths import WavelengthSampler
 
 BAND_RANGE = (380.0, 780.0)
@@ -236,5 +236,5 @@ def way_out(scene, ray, wavelengths):
 
 
 def first_solid(scene, ray):
-    """First surface that a camera's ray meets behind panes and bodies of lights."""
-    return closest_hit(scene, ray, sees(ray), looks=mi.Bool(True), passes_veil=True)
+    """First surface that a camera's ray sees behind panes and bodies of lights."""
+    return first_seen(scene, ray, sees(ray), passes_veil=True)

@@ -4,7 +4,7 @@ import drjit as dr
 import mitsuba as mi
 
 from ..compiled.polarisation import polarise
-from ..rays import spawn_ray_to
+from ..rays import spawn_ray_to, spawn_straight
 
 SAME_PLACE = 1.0 + 2.0**-20
 """Relative distance up to which what is there for the camera alone hides what light meets at the same place."""
@@ -43,6 +43,28 @@ def meet(scene, ray, active, coherent=False, looks=None, passes_veil=False):
 def closest_hit(scene, ray, active, **more):
     """Return the nearest surface on a ray; parameters as of `meet`."""
     return meet(scene, ray, active, **more)[1]
+
+
+def first_seen(scene, ray, active, coherent=False, passes_veil=False):
+    """Return the nearest surface on a ray of the camera that it sees; parameters as of `meet`."""
+    looks = mi.Bool(True)
+    hides = scene.has_hidden_objects if passes_veil else scene.hidden is not None
+    if hides:
+
+        def step(ray, going):
+            si = closest_hit(scene, ray, going, looks=looks, passes_veil=passes_veil)
+            going = going & si.is_valid()
+            number = dr.reinterpret_array(mi.UInt32, si.shape)
+            going &= dr.gather(mi.Bool, scene.hidden, number, going)
+            return dr.select(going, spawn_straight(scene, si, ray), ray), going
+
+        ray, _ = dr.while_loop(
+            state=(mi.Ray3f(ray), mi.Bool(active)),
+            cond=lambda ray, going: going,
+            body=step,
+            labels=("ray", "going"),
+        )
+    return closest_hit(scene, ray, active, coherent=coherent, looks=looks, passes_veil=passes_veil)
 
 
 def transmittance(scene, origin, target, active, polar=None):

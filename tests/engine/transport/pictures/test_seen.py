@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
-from lumenray.engine.scene.light import ImageWorld, SunLight, UniformWorld
+from lumenray.engine.scene.light import AreaLight, ImageWorld, SunLight, UniformWorld
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.material import Dielectric, Diffuse, Emission, Glossy, Holdout, Material
@@ -223,3 +223,26 @@ def test_what_only_the_camera_sees_shows_caustics_as_light_that_falls_on_it():
         found.append(luminance(session.render(view, ViewSettings(StopRule(samples=256)))).mean())
     assert found[0] > 10.0
     assert found[1] == pytest.approx(2.0 * found[0], rel=0.05)
+
+
+def test_layers_and_illuminance_are_those_of_what_the_camera_sees():
+    """Not of a lamp and a block over the floor that it does not see; hardly any light comes below the block."""
+    frame = np.eye(4)
+    frame[2, 3] = 0.9
+    lamp = AreaLight(
+        "lamp",
+        "lamp",
+        Output(Quantity.LUMINOUS_FLUX, 1e-3),
+        frame,
+        0.5,
+        0.5,
+        visible_to_camera=False,
+    )
+    block = quad("block", (-30, -30, 0.5), (60, 0, 0), (0, 60, 0), "dark")
+    block = replace(block, visible_to_camera=False)
+    dark = paint(0.0, "dark")
+    session = session_of(paint(0.5), dark, floor(half=9.0), block, lamp, UniformWorld(100.0))
+    made = look(session, illuminance=True)
+    assert made.depth == pytest.approx(1.0, rel=1e-4)
+    assert made.illuminance.max() < 0.05 * 100.0 * np.pi
+    assert luminance(made).max() < 0.05 * 50.0
