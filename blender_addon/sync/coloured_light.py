@@ -5,9 +5,9 @@ import numpy as np
 from ...engine.photometry.three_channels import excess_over_channels
 from ...engine.scene.light import UniformWorld
 from ...engine.scene.material import Material
-from ...engine.scene.memo import recall
 from ...engine.scene.spectrum import Rgb
 from ...engine.scene.texture import ImageTexture
+from .nodes.fields import mean_of_picture
 
 LEAST = 0.01
 """Relative difference of a reflection from which on it is told. [-]"""
@@ -23,13 +23,8 @@ def paints_of(material: Material) -> tuple[Rgb, ...]:
         if isinstance(colour, Rgb):
             found.append(colour)
         elif isinstance(colour, ImageTexture) and colour.pixels.shape[2] == 3:
-            found.append(Rgb(*recall(colour.pixels, "mean colour", _mean)))
+            found.append(Rgb(*np.clip(mean_of_picture(colour.pixels), 0.0, 1.0).tolist()))
     return tuple(found)
-
-
-def _mean(pixels) -> tuple[float, float, float]:
-    mean = np.asarray(pixels, dtype=np.float64).reshape(-1, 3).mean(axis=0)
-    return tuple(np.clip(mean, 0.0, 1.0).tolist())
 
 
 def colour_of_light(item) -> Rgb | None:
