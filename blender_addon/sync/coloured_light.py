@@ -9,8 +9,8 @@ from ...engine.scene.spectrum import Rgb
 from ...engine.scene.texture import ImageTexture
 from .nodes.fields import mean_of_picture
 
-LEAST = 0.01
-"""Relative difference of a reflection from which on it is told. [-]"""
+LEAST, LEAST_BESIDE_WHITE = 0.01, 0.02
+"""Relative differences of a reflection from which on it is told: where all light is coloured, and where some is not. [-]"""
 
 MOST = 8
 """Colours of lights, and of surfaces, that are compared: the most saturated ones."""
@@ -40,12 +40,13 @@ def colour_of_light(item) -> Rgb | None:
     return given if isinstance(given, Rgb) else None
 
 
-def tell_coloured_light(lights, paints, name: str, report) -> None:
+def tell_coloured_light(lights, paints, has_white: bool, name: str, report) -> None:
     """Note what the first reflection of coloured light from coloured surfaces changes, at the pair where it is most.
 
     Parameters
     ----------
     lights, paints : iterable of (str, Rgb)    With the names that people know them by.
+    has_white : bool    Whether other light falls on the surfaces, too.
     name : str    Of the scene.
     report : ConversionReport
     """
@@ -55,7 +56,7 @@ def tell_coloured_light(lights, paints, name: str, report) -> None:
         for material, paint in _most_saturated(paints)
     ]
     excess, lamp, material = max(pairs, key=lambda pair: abs(pair[0]), default=(0.0, "", ""))
-    if abs(excess) < LEAST:
+    if abs(excess) < (LEAST_BESIDE_WHITE if has_white else LEAST):
         return
     change = "darker" if excess < 0.0 else "brighter"
     report.info(

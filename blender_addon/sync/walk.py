@@ -111,12 +111,13 @@ class Walk:
         sent = self.sent
         lights, paints = sent.materials.colours(self._used_materials())
         for shown in sent.shown.values():
-            colour = None if shown.is_dark else colour_of_light(shown.item)
-            if colour is not None:
-                lights.append((shown.name, colour))
-        if sent.world.colour is not None:
+            if shown.digest and not shown.is_dark:
+                lights.append((shown.name, colour_of_light(shown.item)))
+        if sent.world.gives_light:
             lights.append(("the world", sent.world.colour))
-        tell_coloured_light(lights, paints, self.scene.name, whole)
+        coloured = [(name, colour) for name, colour in lights if colour is not None]
+        has_white = len(coloured) < len(lights)
+        tell_coloured_light(coloured, paints, has_white, self.scene.name, whole)
 
     # ---- objects ----
 

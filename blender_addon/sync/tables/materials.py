@@ -116,9 +116,9 @@ class MaterialTable:
         return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
 
     def colours(self, used: set[str]) -> tuple[list, list]:
-        """Colours of the light that materials in use give, and of what they reflect, each with the material's name."""
+        """Colours of the light that materials in use give, None of white, and of what they reflect, each with a name."""
         entries = [entry for entry in self._entries.values() if entry.key in used]
-        glows = [(entry.name, entry.glow) for entry in entries if entry.glow is not None]
+        glows = [(entry.name, entry.glow) for entry in entries if entry.is_luminous]
         return glows, [(entry.name, paint) for entry in entries for paint in entry.paints]
 
     def is_luminous(self, keys) -> bool:

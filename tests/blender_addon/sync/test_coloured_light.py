@@ -54,6 +54,19 @@ def test_only_light_and_paint_of_a_colour_are_told(paint, lamp):
     assert "4.8 % darker" in text
 
 
+def test_less_counts_where_all_light_has_the_colour(paint, lamp):
+    """A pair of 1.3 % is told alone, and not beside a white lamp."""
+    paint.default_value, lamp.color = (0.6, 0.4, 0.3, 1.0), (1.0, 0.7, 0.5)
+    (text,) = told()
+    assert "1.3 % darker" in text
+    white = bpy.data.lights.new("White", "POINT")
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("White", white))
+    assert told() == []
+    lamp.color = WARM
+    paint.default_value = RED
+    assert len(told()) == 1
+
+
 def test_lights_that_give_none_or_state_a_spectrum_are_passed_over(paint, lamp):
     paint.default_value, lamp.color = RED, WARM
     lamp.energy = 0.0
