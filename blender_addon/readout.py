@@ -17,7 +17,8 @@ from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
 from .sky import angles, onto_horizon, towards_lamp
-from .sync.lights.kinds import Kind, Place, is_spread_out, kind_of
+from .sync.lights.kinds import Kind, Place, is_scaled_unevenly, is_spread_out, kind_of
+from .sync.lights.shaped import read_ellipse
 from .sync.meshes import MESH_TYPES
 from .sync.nodes.fields import luminance
 from .sync.spectra import convert_spectrum
@@ -134,6 +135,8 @@ def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0
     reading = kind.read(kind.make(light, place, output))
     if reading is None:
         return Description(problem="the light has no size, so that it has no luminance")
+    if light.type == "SPOT" and is_scaled_unevenly(place.lengths):
+        reading = read_ellipse(reading, output.quantity, light, place.lengths)
     named = (
         ("Luminous flux", reading.flux, "lm"),
         ("Axial intensity", reading.intensity, "cd"),

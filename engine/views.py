@@ -58,7 +58,7 @@ class Picture:
     bands : (h, w, b) float32 or None    Spectral radiance per band. [W/(m2 sr nm)]
     band_edges : (b + 1,) float64 or None    [nm]
     backdrop : (h, w, 3) float32 or None    Part of ``tristimulus`` by surroundings that are seen straight. [cd/m2]
-    coverage : (h, w) float32 or None    Share of a pixel that shows anything else. [-]
+    coverage : (h, w) float32 or None    Share of a pixel that shows anything else, and no hole of a holdout. [-]
     denoising_albedo : (h, w, 3) float32 or None
         Guides of filters of noise are means over the pixel, of what is seen through panes and in mirrors: reflectance in
         red, green and blue, 1 where light comes from. [-]

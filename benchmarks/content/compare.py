@@ -13,6 +13,9 @@ from .stage import SIDE
 BLOCK = 8
 """Side of the squares that are compared. [pixel]"""
 
+WHITE = 1.0
+"""Ground that pictures are laid over."""
+
 OURS, CYCLES = "LUMENRAY", "CYCLES"
 
 SAMPLES = {OURS: 256, CYCLES: 512}
@@ -28,7 +31,7 @@ class Comparison:
     mean, mean_error : float    Of the whole picture, and what noise makes of it. [-]
     block : float    Root of the mean square over blocks, without what noise makes of it. [-]
     said : tuple of str    Rows of the conversion report.
-    pictures : (2, h, w, 3) array    Ours and that of Cycles, linear.
+    pictures : (2, h, w, 3) array    Ours and that of Cycles, linear, over white.
     """
 
     mean: float
@@ -82,7 +85,7 @@ def _render(engine: str, seed: int, folder: Path) -> np.ndarray:
     if hasattr(render.image_settings, "media_type"):
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "OPEN_EXR"
-    render.image_settings.color_depth = "32"
+    render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
     render.filepath = str(folder / f"{engine}.exr")
     if engine == CYCLES:
         _be_exact(scene.cycles, seed)
@@ -95,7 +98,9 @@ def _render(engine: str, seed: int, folder: Path) -> np.ndarray:
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
     bpy.data.images.remove(image)
-    return pixels.reshape(height, width, -1)[..., :3].astype(np.float64)
+    pixels = pixels.reshape(height, width, -1).astype(np.float64)
+    # Colours are multiplied by alpha already.
+    return pixels[..., :3] + (1.0 - pixels[..., 3:4]) * WHITE
 
 
 def _be_exact(settings, seed: int) -> None:

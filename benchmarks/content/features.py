@@ -420,10 +420,58 @@ def _gobo(_stage, item):
     _nodes_of_light(item, add)
 
 
+def _from_nodes(make, to="Strength"):
+    """Return what links nodes to a light's emission. ``make(nodes, links)``: the output."""
+
+    def prepare(_stage, item):
+        def add(tree, emission):
+            tree.links.new(make(tree.nodes, tree.links), emission.inputs[to])
+
+        _nodes_of_light(item, add)
+
+    return prepare
+
+
+def _stripes(nodes, links):
+    where, part = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeSeparateXYZ")
+    wave, high = nodes.new("ShaderNodeMath"), nodes.new("ShaderNodeMath")
+    wave.operation, high.operation = "SINE", "MULTIPLY_ADD"
+    scaled = nodes.new("ShaderNodeMath")
+    scaled.operation, scaled.inputs[1].default_value = "MULTIPLY", 15.0
+    links.new(where.outputs["Normal"], part.inputs[0])
+    links.new(part.outputs["X"], scaled.inputs[0])
+    links.new(scaled.outputs[0], wave.inputs[0])
+    links.new(wave.outputs[0], high.inputs[0])
+    high.inputs[1].default_value = high.inputs[2].default_value = 0.5
+    return high.outputs[0]
+
+
+def _slide(nodes, links):
+    where, shown = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeTexImage")
+    grey = nodes.new("ShaderNodeRGBToBW")
+    shown.image = image()
+    links.new(where.outputs["UV"], shown.inputs["Vector"])
+    links.new(shown.outputs["Color"], grey.inputs[0])
+    return grey.outputs[0]
+
+
+def _slide_in_colour(nodes, links):
+    where, shown = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeTexImage")
+    shown.image = image()
+    links.new(where.outputs["UV"], shown.inputs["Vector"])
+    return shown.outputs["Color"]
+
+
 def _linked(_stage, item):
     group = bpy.data.collections.new("Lit")
     group.objects.link(bpy.data.objects["Ball"])
     item.light_linking.receiver_collection = group
+
+
+def _shadow_linked(_stage, item):
+    group = bpy.data.collections.new("Shading")
+    group.objects.link(bpy.data.objects["Tile"])
+    item.light_linking.blocker_collection = group
 
 
 def _with(**settings):
@@ -459,7 +507,22 @@ for _key, _build in {
     "Light, diffuse off": _lit("AREA", _with(visible_diffuse=False), size=1.0),
     "Light, constant falloff": _lit("POINT", _constant_falloff, shadow_soft_size=0.0),
     "Light, gobo": _lit("SPOT", _gobo, 300.0, spot_size=1.0, shadow_soft_size=0.0),
+    "Light, stripes of a point": _lit("POINT", _from_nodes(_stripes), shadow_soft_size=0.0),
+    "Light, slide of a spot": _lit(
+        "SPOT", _from_nodes(_slide), 300.0, spot_size=1.2, shadow_soft_size=0.0
+    ),
+    "Light, slide in colour": _lit(
+        "SPOT", _from_nodes(_slide_in_colour, "Color"), 300.0, spot_size=1.2, shadow_soft_size=0.0
+    ),
+    "Light, slide of a scaled spot": _lit(
+        "SPOT",
+        lambda stage, item: (_from_nodes(_stripes)(stage, item), setattr(item, "scale", (1, 2, 1))),
+        300.0,
+        spot_size=1.0,
+        shadow_soft_size=0.05,
+    ),
     "Light linking": _lit("AREA", _linked, size=1.0),
+    "Shadow linking": _lit("AREA", _shadow_linked, size=1.0),
 }.items():
     _note("Lights", _key, _build)
 
@@ -546,6 +609,33 @@ def _world_rays(**settings):
 
 _note("Worlds", "World, not for diffuse rays", _world_rays(diffuse=False))
 _note("Worlds", "World, not for the camera", _world_rays(camera=False))
+_note(
+    "Worlds",
+    "World, for the camera alone",
+    _world_rays(diffuse=False, glossy=False, transmission=False),
+)
+
+
+@_feature("Worlds", "World, camera only, transparent film")
+def _holed(stage):
+    _outside(lambda tree, v: _background(tree, _map(tree, v)))(stage)
+    stage.scene.world.cycles_visibility.camera = False
+    stage.scene.render.film_transparent = True
+
+
+@_feature("Worlds", "World, backdrop behind glass")
+def _behind_glass(stage):
+    _outside(
+        lambda tree, v: tree.add(
+            "MixShader",
+            Fac=tree.add("LightPath"),
+            _1=_background(tree, _map(tree, v)),
+            _2=_background(tree, BLUE),
+        )
+    )(stage)
+    tree = stage.material()
+    tree.show(tree.add("BsdfGlass", Roughness=0.0))
+    bpy.data.objects["Ball"].data.materials[0] = tree.owner
 
 
 # ---- objects ----
@@ -751,5 +841,62 @@ def _collected(stage, **settings):
         setattr(layer, key, value)
 
 
+for _film in (False, True):
+
+    def _held(stage, film=_film):
+        stage.studio().is_holdout = True
+        stage.scene.render.film_transparent = film
+
+    _note("Objects", f"Object, holdout, {'transparent' if _film else 'plain'} film", _held)
+
+
+def _by_camera(first, second):
+    """Show one shader to the camera and another to light, on ball and floor."""
+
+    def build(stage):
+        materials = []
+        for colours in (first, second):
+            tree = stage.material()
+            lit, seen = (tree.add(kind, **values) for kind, values in colours)
+            factor = tree.add("LightPath")
+            materials.append(tree.show(tree.add("MixShader", Fac=factor, _1=lit, _2=seen)))
+        stage.studio(*materials)
+
+    return build
+
+
+_RED, _GREY = {"Color": PAINT}, {"Color": (0.6, 0.6, 0.6, 1.0)}
+_note(
+    "Surfaces",
+    "Mix by Is Camera Ray",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("BsdfAnisotropic", {"Roughness": 0.3, **_GREY})],
+        [("BsdfDiffuse", {"Color": (0.1, 0.2, 0.8, 1.0)}), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Emission for the camera alone",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("Emission", {"Strength": 1.0})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Emission, dim to the camera",
+    _by_camera(
+        [("Emission", {"Strength": 5.0}), ("Emission", {"Strength": 0.5})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
+_note(
+    "Surfaces",
+    "Transparent to the camera",
+    _by_camera(
+        [("BsdfDiffuse", _RED), ("BsdfTransparent", {})],
+        [("BsdfDiffuse", _GREY), ("BsdfDiffuse", _GREY)],
+    ),
+)
 _note("View layers", "Collection, indirect only", lambda s: _collected(s, indirect_only=True))
 _note("View layers", "Collection, holdout", lambda s: _collected(s, holdout=True))

@@ -8,6 +8,7 @@ from ...engine.reading.whole_file import write_whole
 from ..common.bars import Bar
 from ..common.document import make_table, tell_demands
 from ..common.output import write_numbers
+from .left_out import REASONS
 
 MEAN, BLOCK, LOOSE = 0.01, 0.03, 0.05
 """Differences that are allowed: of means, of blocks, and of both where light goes below surfaces. [-]"""
@@ -22,7 +23,8 @@ TEXT = """# Blender's content
 Small scenes, one feature of Blender in each, rendered here and by Cycles {version} with all its limits off. *mean*:
 difference of the mean luminance, with its standard error where that is above 0.1 %; *block*: root of the mean square over
 blocks of {block} x {block} pixels, without noise. Allowed are {mean} % and {blocks} % ({loose} % where light goes below
-surfaces). *said*: the worst row of the conversion report.
+surfaces). *said*: the worst row of the conversion report. Pictures are laid over a white ground, so that holes in them
+count. What is *left out* is so on purpose; why stands below the table.
 
 """
 
@@ -39,7 +41,7 @@ def run(keys=None, say=None, keep=None) -> dict:
     Returns
     -------
     dict    Plain data, for JSON: ``scenes`` by key, ``silent`` and ``over``: keys of what differs and is not said, and of
-        all that differs.
+        all that differs but for what is said and left out on purpose.
 
     Raises
     ------
@@ -66,6 +68,7 @@ def run(keys=None, say=None, keep=None) -> dict:
                 "block": made.block,
                 "agrees": _agrees(made, feature.is_loose),
                 "said": list(made.said),
+                "left_out": REASONS.get(key, ""),
             }
             verdict = "agrees" if scenes[key]["agrees"] else made.said[0] if made.said else "SILENT"
             say(f"{key}: mean {made.mean:+.2%}, blocks {made.block:.2%}, {verdict}")
@@ -78,13 +81,18 @@ def _sum_up(scenes: dict) -> dict:
     """Return what `run` returns."""
     import bpy
 
-    over = [key for key, row in scenes.items() if not row["agrees"]]
+    over = [key for key, row in scenes.items() if not (row["agrees"] or is_left_out(row))]
     return {
         "blender": ".".join(map(str, bpy.app.version)),
         "scenes": scenes,
         "silent": [key for key in over if not scenes[key]["said"]],
         "over": over,
     }
+
+
+def is_left_out(row: dict) -> bool:
+    """Tell whether a feature differs on purpose, and says so."""
+    return not row["agrees"] and bool(row["said"]) and bool(row.get("left_out"))
 
 
 def _agrees(made, is_loose: bool) -> bool:
@@ -95,13 +103,14 @@ def _agrees(made, is_loose: bool) -> bool:
 def check_bars(result: dict) -> list[Bar]:
     """Judge by the demands."""
     silent, over = result["silent"], result["over"]
-    agreeing = len(result["scenes"]) - len(over)
+    left_out = sum(map(is_left_out, result["scenes"].values()))
+    agreeing = len(result["scenes"]) - len(over) - left_out
     return [
         Bar("differences that nothing is said of", "none", ", ".join(silent) or "none", not silent),
         Bar(
             "features that agree",
             f"of {len(result['scenes'])}",
-            f"{agreeing}, {len(over)} differ",
+            f"{agreeing}, {len(over)} differ, {left_out} left out",
             None,
         ),
     ]
@@ -122,6 +131,7 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
     for group in groups:
         rows = [_tell(key, row) for key, row in result["scenes"].items() if row["group"] == group]
         text += f"## {group}\n\n{make_table('| feature | said | mean | block | |', rows, 2)}\n"
+        text += _give_reasons(group, result["scenes"])
     text += tell_demands(check_bars(result))
     with write_whole(folder / "content.md", "utf-8") as file:
         file.write(text)
@@ -131,4 +141,15 @@ def _tell(key: str, row: dict) -> str:
     said = row["said"][0].replace("|", "/") if row["said"] else ""
     error = f" ± {row['mean_error']:.1%}" if row["mean_error"] > 1e-3 else ""
     verdict = "" if row["agrees"] else "differs" if said else "**silent**"
+    verdict = "left out" if is_left_out(row) else verdict
     return f"| {key} | {said} | {row['mean']:+.1%}{error} | {row['block']:.1%} | {verdict} |"
+
+
+def _give_reasons(group: str, scenes: dict) -> str:
+    """Say why features of a group are left out."""
+    lines = [
+        f"- {key}: {row['left_out']}."
+        for key, row in scenes.items()
+        if row["group"] == group and is_left_out(row)
+    ]
+    return "Left out:\n\n" + "\n".join(lines) + "\n\n" if lines else ""

@@ -52,6 +52,11 @@ class ConversionReport:
         for row, count in other.rows:
             self._counts[row] = self._counts.get(row, 0) + count
 
+    def include_new(self, other: "ConversionReport"):
+        """Note the departures of another report that this one lacks."""
+        for row, count in other.rows:
+            self._counts.setdefault(row, count)
+
     def info(self, datablock, message, remedy, node=""):
         """Note something that changes little."""
         self.add(Severity.INFO, datablock, node, message, remedy)

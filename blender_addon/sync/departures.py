@@ -86,7 +86,7 @@ LIGHT = (
         "use_soft_falloff",
         lambda value, owner: value and owner.shadow_soft_size > BALL,
         "soft falloff makes the light a disk that faces every point in Cycles",
-        "it is a ball of the same intensity",
+        "it is a ball of the same intensity, by (radius / distance)² brighter near by",
         INFO,
     ),
 )

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
+from ...engine.scene.spectrum import Rgb
 from ..foundation.report import ConversionReport
 from .images.cache import ImageCache
 from .tables.geometries import GeometryTable
@@ -51,7 +52,11 @@ class Shown:
 
 @dataclass
 class SentWorld:
-    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light."""
+    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light.
+
+    ``gives_light``: whether it lights anything, and is not there for the camera alone; ``colour``: of its light if that is
+    the same from everywhere.
+    """
 
     source: int = -1
     key: str = ""
@@ -59,6 +64,8 @@ class SentWorld:
     digest: bytes = b""
     shading: frozenset[int] = frozenset()
     report: ConversionReport | None = None
+    gives_light: bool = False
+    colour: Rgb | None = None
 
 
 class Sent:
@@ -72,7 +79,8 @@ class Sent:
     ----------
     shown : dict    Of `Shown`, by what tells instances apart.
     scale, efficacy : float    Metres per unit and lumens per watt as they were.
-    filters : tuple or None    Whether the view layer showed surfaces, and session uid of the material in place of all, or 0.
+    filters : tuple or None    Whether the view layer showed surfaces, session uid of the material in place of all, or 0, and
+        what its collections are there for.
     walks, last_visit : int    Walks so far, and the number of the last one that looked at the instances.
     """
 
@@ -83,7 +91,7 @@ class Sent:
         self.materials = MaterialTable(self.images, self.pictures, final)
         self.world = SentWorld()
         self.scale = self.efficacy = 0.0
-        self.filters: tuple[bool, int] | None = None
+        self.filters: tuple[bool, int, bytes] | None = None
         self.walks = self.last_visit = 0
 
     def ids(self) -> set[str]:

@@ -47,6 +47,16 @@ def visibility_of(source, parent=None, view_layer=None) -> Visibility:
     return Visibility(camera, len(off) < len(LIGHT_RAYS), off)
 
 
+def collection_flags(view_layer) -> bytes:
+    """Which collections of a view layer are there for indirect light only, and which are holdouts, in their order."""
+    flags, waiting = bytearray(), [view_layer.layer_collection]
+    while waiting:
+        layer = waiting.pop()
+        flags.append(2 * layer.indirect_only + layer.holdout)
+        waiting += layer.children
+    return bytes(flags)
+
+
 def find_unrendered(view_layer) -> set[int]:
     """Session uids of objects that lie in collections which are disabled in renders, and in no other ones."""
     everyone, rendered = set(), set()
@@ -101,16 +111,30 @@ def is_dark(source, name: str, report) -> bool:
     return False
 
 
-def tell_departures(source, name: str, report, view_layer=None) -> None:
-    """Note what else an object of Blender with a surface does to pictures that this engine does not."""
+def is_holdout(source, parent=None, view_layer=None) -> bool:
+    """Tell whether the camera sees a hole in place of an object; parameters as of `visibility_of`.
+
+    What makes an instance decides for it, as in Cycles.
+    """
+    owner = (source if parent is None else parent).original
+    if owner.is_holdout:
+        return True
+    return view_layer is not None and owner.holdout_get(view_layer=view_layer)
+
+
+def tell_departures(source, name: str, report, view_layer=None, parent=None) -> None:
+    """Note what else an object of Blender with a surface does to pictures; parameters as of `visibility_of`."""
     original = source.original
-    is_holdout = original.is_holdout or (
-        view_layer is not None and original.holdout_get(view_layer=view_layer)
-    )
-    if is_holdout:
-        report.warn(name, "the object is a holdout", "the picture shows it as it is")
+    if is_holdout(source, parent, view_layer):
+        report.info(
+            name, "the object is a holdout", "pictures are transparent there; light meets it"
+        )
     if original.is_shadow_catcher:
-        report.warn(name, "the object is a shadow catcher", "it is an ordinary object")
+        report.warn(
+            name,
+            "the object is a shadow catcher",
+            "it is an ordinary object; for a picture on a photograph render with and without what casts shadows",
+        )
     for system in original.particle_systems:
         settings = system.settings
         if settings.type == "HAIR" and settings.render_type == "PATH":
@@ -122,30 +146,38 @@ def tell_linking(source, name: str, report) -> None:
     linking = source.original.light_linking
     if linking.receiver_collection is not None:
         report.error(
-            name, "light linking lets it light some objects only", "it lights all; unlink the light"
+            name,
+            "light linking lets it light some objects only",
+            "it lights all, as light does; unlink it, or render it in a light group of its own",
         )
     if linking.blocker_collection is not None:
         report.error(
-            name, "shadow linking lets some objects only shade it", "all do; unlink the shadows"
+            name,
+            "shadow linking lets some objects only shade it",
+            "all do; unlink the shadows, or switch off the ray visibility for light of the others",
         )
 
 
 def is_dark_world(world, report) -> bool:
-    """Tell whether a world lights nothing by its ray visibility; note where it would light or be seen in part."""
+    """Tell whether a world lights nothing by its ray visibility; note where it would light in part."""
     rays = getattr(world, "cycles_visibility", None)
     if rays is None:
         return False
     off = [kind for kind in ("diffuse", "glossy", "transmission") if not getattr(rays, kind)]
     if len(off) == 3:
-        report.warn(world.name, "the world's ray visibility is off for light", "it is black")
+        report.info(world.name, "the world's ray visibility is off for light", "it gives none")
         return True
     if off:
         report.error(
             world.name, f"the world does not light by {_listed(off)} rays", "it lights by all"
         )
-    if not rays.camera:
-        report.warn(world.name, "the camera does not see the world in Blender", "pictures show it")
     return False
+
+
+def sees_world(world) -> bool:
+    """Tell whether the camera sees a world."""
+    rays = getattr(world, "cycles_visibility", None)
+    return rays is None or rays.camera
 
 
 def _listed(words) -> str:

@@ -16,6 +16,7 @@ from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
+from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
@@ -24,8 +25,10 @@ from .sent import Sent, SentWorld, Shown
 from .tags import Tags
 from .visibility import (
     NO_ID,
+    collection_flags,
     find_unrendered,
     is_dark_world,
+    is_holdout,
     is_rendered,
     tell_departures,
     tell_linking,
@@ -63,6 +66,7 @@ class Walk:
         self.is_rerated = efficacy != sent.efficacy
         override = self.layer.material_override
         filters = (self.layer.use_solid, override.session_uid if override else 0)
+        filters += (collection_flags(self.layer),)
         self.is_refiltered = filters != sent.filters
         sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
@@ -97,16 +101,31 @@ class Walk:
             whole.include(part)
         tell(SCENE, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
-        if not is_lit and not sent.world.digest:
+        self._tell_colours(whole)
+        if not is_lit and not sent.world.gives_light:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
         return whole
+
+    def _tell_colours(self, whole: ConversionReport) -> None:
+        """Note what spectra change of coloured light on coloured surfaces."""
+        sent = self.sent
+        lights, paints = sent.materials.colours(self._used_materials())
+        for shown in sent.shown.values():
+            if shown.digest and not shown.is_dark:
+                lights.append((shown.name, colour_of_light(shown.item)))
+        if sent.world.gives_light:
+            lights.append(("the world", sent.world.colour))
+        coloured = [(name, colour) for name, colour in lights if colour is not None]
+        has_white = len(coloured) < len(lights)
+        tell_coloured_light(coloured, paints, has_white, self.scene.name, whole)
 
     # ---- objects ----
 
     def _concerns_objects(self) -> bool:
         tags = self.tags
         return bool(
-            tags.objects
+            self.is_refiltered
+            or tags.objects
             or tags.geometry
             or tags.scene
             or any(not s.shading.isdisjoint(tags.shading) for s in self.sent.shown.values())
@@ -231,7 +250,7 @@ class Walk:
         found = visibility_of(source, parent, layer)
         report = ConversionReport()
         tell_visibility(found, shown.name, report)
-        tell_departures(source, shown.name, report, layer)
+        tell_departures(source, shown.name, report, layer, parent)
         tell(OBJECT, original, shown.name, report)
         if found.light and table.is_luminous(materials):
             tell_linking(source, shown.name, report)
@@ -245,6 +264,7 @@ class Walk:
             visible_to_camera=found.camera,
             index=source.pass_index,
             meets_light=found.light,
+            is_holdout=is_holdout(source, parent, layer),
         )
         self._place(shown, placement)
 
@@ -299,6 +319,7 @@ class Walk:
                 and before.materials == placement.materials
                 and before.visible_to_camera == placement.visible_to_camera
                 and before.meets_light == placement.meets_light
+                and before.is_holdout == placement.is_holdout
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
@@ -404,11 +425,16 @@ class Walk:
         made = None
         if evaluated is not None:
             tell(WORLD, evaluated, evaluated.name, report)
-        if evaluated is None or not is_dark_world(evaluated, report):
-            made = convert_world(evaluated, key, sent.efficacy, report, sent.images, sun_lamp)
+        if evaluated is not None:
+            lights = not is_dark_world(evaluated, report)
+            made = convert_world(
+                evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights
+            )
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
-        sent.world = SentWorld(source, key, sun, digest, trees, report)
+        gives_light = made is not None and getattr(made, "luminance", 1.0) > 0.0
+        colour = colour_of_light(made)
+        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light, colour)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True

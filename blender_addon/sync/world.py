@@ -1,13 +1,14 @@
 """Blender's world, or the sky that stands in its place, as the surroundings of the engine's scene."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from mathutils import Euler
 
 from ...engine.scene.checks import LARGEST_AMOUNT
 from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
+from ...engine.scene.scene import content_digest
 from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.cie import sun_direction
@@ -16,21 +17,23 @@ from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, onto_horizon
 from .images.cache import ImageCache
+from .nodes.dependencies import nodes_of
 from .nodes.directions import DirectionContext
 from .nodes.evaluation import Context, evaluate_field
 from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
 from .spectra import light_spectrum
+from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
 
 LEAST_HEIGHT, LARGEST_HEIGHT = 256, 2048
 """Of a picture that is made of a world's nodes. [pixel]"""
 
-EYE_HEIGHT = 16
-"""Of the pictures by which it is found whether the camera sees another world. [pixel]"""
+LONGEST_WAY = 100
+"""Mixtures of which one shader shows that are looked through."""
 
-DEEPEST = 16
-"""Groups within each other that are looked into for pictures."""
+LOW = 2
+"""Of pictures of what is the same in all directions. [pixel]"""
 
 
 def convert_world(
@@ -40,8 +43,9 @@ def convert_world(
     report: ConversionReport,
     images: ImageCache | None = None,
     sun_lamp: np.ndarray | None = None,
+    gives_light: bool = True,
 ):
-    """Convert the world.
+    """Convert the world, and what the camera sees of it where that is something else.
 
     Parameters
     ----------
@@ -50,6 +54,7 @@ def convert_world(
     efficacy : float    Lumens per Blender watt. [lm/W]
     images : ImageCache or None    What was read of images before.
     sun_lamp : (3,) array or None    Unit vector to where the scene's Sun light shines from; see `follows_sun_lamp`.
+    gives_light : bool    Whether surfaces are lit by it; the camera sees it all the same.
 
     Returns
     -------
@@ -57,37 +62,91 @@ def convert_world(
     """
     if world is None:
         return None
+    black = UniformWorld(0.0, id=world_id)
+    images = ImageCache() if images is None else images
+    made = _convert_own(world, world_id, efficacy, report, images, sun_lamp)
+    seen = _convert_seen(world, world_id, efficacy, report, images, made) or black
+    lit = (made if gives_light else None) or black
+    if content_digest(seen) == content_digest(lit):
+        return None if lit is black else lit
+    return replace(lit, seen=seen)
+
+
+def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp):
+    """Convert a world by what lights surfaces."""
     if world.lumenray.source == "CIE":
         return convert_sky(world, world_id, report, sun_lamp)
-    images = ImageCache() if images is None else images
     shown = _shown(world, report, images)
     if shown is None:
         return None
+    factor = _unit_of(world, shown, efficacy)
+    if factor is None:
+        report.error(world.name, "the upper half of the environment is black", "it gives no light")
+        return None
+    return _of_shown(world, world_id, shown, factor, report)
+
+
+def _convert_seen(world, world_id: str, efficacy: float, report, images, made):
+    """Return what the camera sees of a world, None where that is nothing. ``made``: what lights surfaces."""
+    if not sees_world(world):
+        report.info(
+            world.name,
+            "the camera does not see the world",
+            "pictures are black there; it gives its light",
+        )
+        return None
+    tree = world.node_tree if uses_nodes(world) else None
+    tells_rays_apart = (
+        world.lumenray.source != "CIE"
+        and tree is not None
+        and any(node.bl_idname == "ShaderNodeLightPath" for node in nodes_of(tree))
+    )
+    if not tells_rays_apart:
+        return made
+    own = ConversionReport()
+    shown = _shown(world, own, images, is_camera=True)
+    seen = None
+    if shown is not None:
+        lit = _shown(world, ConversionReport(), images) or shown
+        factor = _unit_of(world, lit, efficacy) or _unit_of(world, shown, efficacy) or 0.0
+        seen = _of_shown(world, world_id, shown, factor, own)
+    before, after = (None if each is None else content_digest(each) for each in (made, seen))
+    if before == after:
+        return made
+    report.include_new(own)
+    report.info(
+        world.name,
+        "the camera sees another world than what lights surfaces",
+        "pictures show it; light, and all that is measured, comes from the other",
+    )
+    return seen
+
+
+def _unit_of(world, shown: "_Shown", efficacy: float) -> float | None:
+    """Luminance that 1 in a world's nodes stands for; None where none gives the illuminance that is asked for. [cd/m2]"""
     settings = world.lumenray
-    factor = efficacy if settings.unit == "BLENDER" else 1.0
+    if settings.unit != "ILLUMINANCE":
+        return efficacy if settings.unit == "BLENDER" else 1.0
     if isinstance(shown.colour, ImageTexture):
-        return _as_picture(world, world_id, shown, factor, report)
+        given = find_illuminance(shown.colour, shown.rotation, UPWARDS)
+    else:
+        given = math.pi * float(np.ravel(luminance(shown.colour))[0])
+    given *= shown.strength
+    return settings.illuminance / given if given > 0.0 else None
+
+
+def _of_shown(world, world_id: str, shown: "_Shown", factor: float, report):
+    """Return the world that nodes show, None where it is black. ``factor``: what 1 in it stands for. [cd/m2]"""
+    if isinstance(shown.colour, ImageTexture):
+        per_unit = shown.strength * factor
+        if per_unit <= 0.0:
+            return None
+        return ImageWorld(shown.colour, per_unit, shown.rotation, world_id)
     amount = float(np.ravel(luminance(shown.colour))[0]) * shown.strength * factor
-    if settings.unit == "ILLUMINANCE":
-        amount = settings.illuminance / math.pi
     if not 0.0 <= amount <= LARGEST_AMOUNT:
         report.error(world.name, f"its luminance is {amount:.3g} cd/m2", "the world is black")
         return None
     return UniformWorld(amount, light_spectrum(shown.colour), world_id) if amount > 0.0 else None
-
-
-def _as_picture(world, world_id: str, shown: "_Shown", factor: float, report) -> ImageWorld | None:
-    """Return a world that is a picture. ``factor``: what 1 in it stands for. [cd/m2]"""
-    per_unit = shown.strength * factor
-    if world.lumenray.unit == "ILLUMINANCE":
-        given = find_illuminance(shown.colour, shown.rotation, UPWARDS)
-        if given <= 0.0:
-            report.error(
-                world.name, "the upper half of the environment is black", "it gives no light"
-            )
-            return None
-        per_unit = world.lumenray.illuminance / given
-    return ImageWorld(shown.colour, per_unit, shown.rotation, world_id) if per_unit > 0.0 else None
 
 
 def world_of(scene, view_layer):
@@ -148,8 +207,8 @@ class _Shown:
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
 
 
-def _shown(world, report, images) -> _Shown | None:
-    """Return what a world shows; None where that is nothing."""
+def _shown(world, report, images, is_camera: bool = False) -> _Shown | None:
+    """Return what a world shows to rays that gather light, or to the camera; None where that is nothing."""
     tree = world.node_tree if uses_nodes(world) else None
     if tree is None:
         return _Shown(np.array(world.color))
@@ -160,7 +219,7 @@ def _shown(world, report, images) -> _Shown | None:
     if volume is not None and volume.is_linked:
         report.error(world.name, "the world has a volume", "it is left out")
     surface = find_socket(output.inputs, "Surface")
-    origin = trace(surface)
+    origin = _only_branch(trace(surface), world.name, images, is_camera)
     if not origin.is_output:
         return None
     if origin.socket.node.bl_idname in BACKGROUNDS:
@@ -175,8 +234,8 @@ def _shown(world, report, images) -> _Shown | None:
             f"a picture of {wanted} rows is changed by nodes, which are evaluated in {height}",
             "small bright spots, such as a sun, may be lost or count too much; link the picture straight to the Background",
         )
-    radiance = world_radiance(surface, DirectionContext(world.name, report, images, height))
-    _tell_camera(tree, surface, world.name, report, images)
+    context = DirectionContext(world.name, report, images, height, is_camera)
+    radiance = world_radiance(surface, context)
     return None if radiance is None else _of_field(radiance, world.name, report)
 
 
@@ -207,38 +266,25 @@ def _of_field(radiance: Field, name: str, report) -> _Shown | None:
     return _Shown(image)
 
 
-def _tell_camera(tree, surface, name: str, report, images) -> None:
-    """Note where the camera sees another world than what lights surfaces."""
-    if all(node.bl_idname != "ShaderNodeLightPath" for node in _nodes_of(tree)):
-        return
-    seen, lit = (
-        world_radiance(
-            surface, DirectionContext(name, ConversionReport(), images, EYE_HEIGHT, is_camera)
-        )
-        for is_camera in (True, False)
-    )
-    means = [np.zeros(3) if each is None else rgb(each.mean()) for each in (seen, lit)]
-    if not np.allclose(*means, rtol=1e-3, atol=1e-6):
-        report.warn(
-            name,
-            "the camera sees another world in Blender than what lights surfaces",
-            "pictures show what lights surfaces",
-        )
-
-
-def _nodes_of(tree, depth: int = 0):
-    """Yield the nodes of a tree, and those of groups within it."""
-    for node in tree.nodes:
-        yield node
-        if node.type == "GROUP" and node.node_tree is not None and depth < DEEPEST:
-            yield from _nodes_of(node.node_tree, depth + 1)
+def _only_branch(origin, name: str, images, is_camera: bool):
+    """Return where the one shader comes from that mixtures let show, as those do that tell rays apart."""
+    for _ in range(LONGEST_WAY):
+        node = origin.socket.node if origin.is_output else None
+        if node is None or node.bl_idname != "ShaderNodeMixShader":
+            break
+        context = DirectionContext(name, ConversionReport(), images, LOW, is_camera)
+        factor = evaluate_field(node.inputs[0], context, origin.groups)
+        if factor.is_stand_in or not (factor.is_everywhere(0) or factor.is_everywhere(1)):
+            break
+        origin = trace(node.inputs[1 + int(factor.is_everywhere(1))], origin.groups)
+    return origin
 
 
 def _height_of(tree) -> int:
     """Return the height that a picture needs to show all that a world's nodes show. [pixel]"""
     heights = [
         node.image.size[1]
-        for node in _nodes_of(tree)
+        for node in nodes_of(tree)
         if node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None
     ]
     return max([LEAST_HEIGHT, *heights])

@@ -212,11 +212,12 @@ class Luminaire(_Framed):
 
 @dataclass(frozen=True)
 class UniformWorld:
-    """The same luminance [cd/m2] from every direction."""
+    """The same luminance [cd/m2] from every direction; ``seen``: what the camera sees in its place, None: the same."""
 
     luminance: float
     spectrum: Spectrum = Constant(1.0)
     id: str = "world"
+    seen: "World | None" = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,12 +231,14 @@ class ImageWorld:
     luminance_per_unit : float    Luminance of a pixel whose Rec. 709 luminance is 1. [cd/m2]
     rotation : (3, 3) float64 array    From world directions to the directions of the map, where (x, y, z) is looked up at
         u = 0.5 - atan2(y, x) / (2 pi), v = atan2(z, hypot(x, y)) / pi + 0.5 (Blender's own mapping).
+    seen : World or None    What the camera sees in its place; None: the same.
     """
 
     image: ImageTexture
     luminance_per_unit: float
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
     id: str = "world"
+    seen: "World | None" = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,6 +254,7 @@ class CieSky:
     ground_reflectance : float    Every direction below the horizon has the luminance of a matt ground under this sky:
         reflectance times illuminance over pi. [-]
     spectrum : Spectrum    Relative spectral power of sky and ground.
+    seen : World or None    What the camera sees in its place; None: the same.
     """
 
     type: int
@@ -259,6 +263,7 @@ class CieSky:
     ground_reflectance: float = 0.0
     spectrum: Spectrum = Constant(1.0)
     id: str = "world"
+    seen: "World | None" = None
 
 
 World = UniformWorld | ImageWorld | CieSky

@@ -36,7 +36,7 @@ def share_out(scene: Scene, groups: tuple[LightGroup, ...]) -> list[tuple[str, f
     """
     shining = {key for key, light in scene.lights.items() if light.output.value > 0.0}
     used = {key for mesh in scene.meshes.values() for key in mesh.materials}
-    glows = [m for m in scene.materials.values() if m.emission and m.emission.luminance > 0.0]
+    glows = [m for m in scene.materials.values() if _glows(m) or (m.seen and _glows(m.seen))]
     shining |= {material.id for material in glows if material.id in used}
     if scene.world is not None:
         shining.add(WORLD)
@@ -54,3 +54,7 @@ def share_out(scene: Scene, groups: tuple[LightGroup, ...]) -> list[tuple[str, f
     shares = [(group.name, frozenset(shining & set(group.members))) for group in groups]
     shares.append((REST, frozenset(shining - set(owner))))
     return [(name, members) for name, members in shares if members]
+
+
+def _glows(material) -> bool:
+    return material.emission is not None and material.emission.luminance > 0.0

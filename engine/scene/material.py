@@ -376,6 +376,11 @@ class Black(Surface):
     """Absorbs everything."""
 
 
+@dataclass(frozen=True)
+class Holdout(Black):
+    """Cuts a hole into a picture: nothing is seen there, and the picture is transparent. To light it is black."""
+
+
 @dataclass(frozen=True, eq=False)
 class Measured(Surface):
     """A surface known by what was measured or computed of its scattering, side by side; None: nothing.
@@ -506,10 +511,25 @@ class Emission:
 
 @dataclass(frozen=True)
 class Material:
-    """What a mesh is made of. ``id`` is stable and unique; ``index`` is the user's number for the index pass."""
+    """What a mesh is made of.
+
+    Parameters
+    ----------
+    id : str    Stable and unique.
+    name : str    For people.
+    surface : Surface
+    emission : Emission or None
+    index : int    The user's number for the index pass.
+    seen : Material or None    What rays of the camera meet in its place, with an id of its own; None: the same as light.
+    """
 
     id: str
     name: str
     surface: Surface = field(default_factory=Diffuse)
     emission: Emission | None = None
     index: int = 0
+    seen: Material | None = None
+
+
+HOLDOUT = Material("holdout", "Holdout", Holdout())
+"""What rays of the camera meet of objects that are holdouts."""

@@ -43,6 +43,7 @@ class Placement:
     visible_to_camera : bool    Whether rays of the camera meet it.
     index : int    The user's number for the index pass.
     meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
+    is_holdout : bool    Whether the camera sees a hole in its place, see `material.Holdout`.
     """
 
     id: str
@@ -53,6 +54,7 @@ class Placement:
     visible_to_camera: bool = True
     index: int = 0
     meets_light: bool = True
+    is_holdout: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +75,7 @@ class Mesh:
     visible_to_camera : bool    Whether rays of the camera meet it.
     index : int    The user's number for the index pass.
     meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
+    is_holdout : bool    Whether the camera sees a hole in its place, see `material.Holdout`.
     """
 
     id: str
@@ -87,6 +90,7 @@ class Mesh:
     visible_to_camera: bool = True
     index: int = 0
     meets_light: bool = True
+    is_holdout: bool = False
 
     def areas(self) -> np.ndarray:
         """Return the triangle areas, shape (t,). [m2]"""
@@ -120,6 +124,7 @@ def place(geometry: Geometry, placement: Placement) -> Mesh:
         polygon=geometry.polygon,
         visible_to_camera=placement.visible_to_camera,
         meets_light=placement.meets_light,
+        is_holdout=placement.is_holdout,
         index=placement.index,
     )
 

@@ -36,14 +36,14 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
     """
     check_transport(transport)
     coloured = _first_coloured_material(scene)
-    dispersive = any(material.surface.is_dispersive for material in used_materials(scene))
+    dispersive = any(material.surface.is_dispersive for material in met_materials(scene))
     lamps = _distinct_lamps(scene)
     reasons = []
     if coloured:
         reasons.append(f"material '{coloured}' has a reflectance that depends on the wavelength")
     if lamps > 1:
         reasons.append("the lights have different spectra")
-    if _is_pictured(scene.world) and _is_coloured(scene.world.image):
+    if any(_is_pictured(world) and _is_coloured(world.image) for world in worlds(scene)):
         reasons.append("the picture of the surroundings has colours")
     if dispersive:
         reasons.append("a glass disperses light")
@@ -73,16 +73,31 @@ def used_materials(scene: Scene):
             yield scene.materials[key]
 
 
+def met_materials(scene: Scene):
+    """Yield what light and the camera meet of the materials in use, in a fixed order."""
+    for material in used_materials(scene):
+        yield material
+        if material.seen is not None:
+            yield material.seen
+
+
+def worlds(scene: Scene) -> list:
+    """Worlds that light surfaces and that the camera sees."""
+    world = scene.world
+    return [each for each in (world, world and world.seen) if each is not None]
+
+
 def emission_spectra(scene: Scene) -> list:
     """Return the spectra of everything that emits."""
     found = [light.output.spectrum for light in scene.lights.values() if light.output.value > 0.0]
-    for material in used_materials(scene):
+    for material in met_materials(scene):
         if material.emission is not None and material.emission.luminance > 0.0:
             found.append(material.emission.spectrum)
-    if isinstance(scene.world, UniformWorld) and scene.world.luminance > 0.0:
-        found.append(scene.world.spectrum)
-    if isinstance(scene.world, CieSky) and scene.world.illuminance > 0.0:
-        found.append(scene.world.spectrum)
+    for world in worlds(scene):
+        if isinstance(world, UniformWorld) and world.luminance > 0.0:
+            found.append(world.spectrum)
+        if isinstance(world, CieSky) and world.illuminance > 0.0:
+            found.append(world.spectrum)
     return found
 
 
@@ -100,9 +115,9 @@ def _distinct_lamps(scene: Scene) -> int:
         material.emission is not None
         and material.emission.luminance > 0.0
         and _is_coloured(material.emission.pattern)
-        for material in used_materials(scene)
+        for material in met_materials(scene)
     )
-    return len(shapes) + _is_pictured(scene.world) + patterned
+    return len(shapes) + sum(map(_is_pictured, worlds(scene))) + patterned
 
 
 def _is_pictured(world) -> bool:
@@ -110,7 +125,7 @@ def _is_pictured(world) -> bool:
 
 
 def _first_coloured_material(scene: Scene) -> str | None:
-    for material in used_materials(scene):
+    for material in met_materials(scene):
         surface = material.surface
         if surface.has_own_colour or any(map(_is_coloured, surface.colours)):
             return material.name

@@ -46,19 +46,28 @@ def test_the_document_tells_what_is_silent(tmp_path):
             "Paint": row(0.001, 0.002, agrees=True),
             "Hair": row(0.2, 0.3, ["error: Hair: left out"]),
             "Secret": row(-0.1, 0.2),
+            "Linked": row(-0.1, 0.2, ["error: Lamp: lights all"]) | {"left_out": "there is no lux"},
+            "Hushed": row(-0.1, 0.2) | {"left_out": "nobody said so"},
         },
-        "silent": ["Secret"],
-        "over": ["Hair", "Secret"],
+        "silent": ["Secret", "Hushed"],
+        "over": ["Hair", "Secret", "Hushed"],
     }
     content.write_results(result, tmp_path, tmp_path / "content.json")
     text = (tmp_path / "content.md").read_text()
     assert "| Paint |  | +0.1% | 0.2% |  |" in text
     assert "| Hair | error: Hair: left out | +20.0% | 30.0% | differs |" in text
     assert "| Secret |  | -10.0% | 20.0% | **silent** |" in text
-    assert json.loads((tmp_path / "content.json").read_text())["silent"] == ["Secret"]
+    assert "| Linked | error: Lamp: lights all | -10.0% | 20.0% | left out |" in text
+    assert "Left out:\n\n- Linked: there is no lux.\n" in text
+    assert "| Hushed |  | -10.0% | 20.0% | **silent** |" in text
+    assert json.loads((tmp_path / "content.json").read_text())["silent"] == ["Secret", "Hushed"]
     silent, agreeing = content.check_bars(result)
-    assert (silent.passed, silent.measured) == (False, "Secret")
-    assert agreeing.measured == "1, 2 differ"
+    assert (silent.passed, silent.measured) == (False, "Secret, Hushed")
+    assert agreeing.measured == "1, 3 differ, 1 left out"
+
+
+def test_only_features_that_there_are_have_a_reason(features):
+    assert set(content.REASONS) <= set(features)
 
 
 def test_unknown_features_are_refused():

@@ -9,6 +9,7 @@ from lumenray.blender_addon import readout
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.lights import readings
 from lumenray.blender_addon.sync.lights.lights import convert_light
+from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import Quantity
 
 
@@ -157,7 +158,10 @@ def test_readings_agree_with_the_light_that_the_engine_is_given(kind, physical):
         case "TUBE":
             expected = readings.read_line(given.name, value, made.length, made.radius)
         case "SPOT":
-            expected = readings.read_spot(given.name, value, made.half_angle, made.blend)
+            # An ellipse of light, as the scale makes it.
+            on_axis = float(intensity(made.distribution, np.array([0.0, 0.0, -1.0])))
+            on_axis *= value / flux(made.distribution)
+            expected = readings.Reading(value, on_axis, on_axis, None)
         case "AREA":
             assert made.shape == "rectangle"
             area = made.size_x * made.size_y

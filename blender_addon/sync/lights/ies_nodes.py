@@ -163,7 +163,7 @@ def convert_ies_light(
         if distribution is None:
             return None
         if data.lumenray.use_physical:
-            output = _physical_output(data, distribution, rgb, name, report)
+            output = physical_output(data, distribution, rgb, name, report, "with an IES texture")
         else:
             tilt = tilt_factor(reading.file.tilt, tilt_of(pose.frame))
             candelas = tilt * _candelas(data, pose, scale, efficacy, rgb)
@@ -240,16 +240,21 @@ def _candelas(data, pose, scale, efficacy, rgb) -> float:
     return watts * tint * efficacy / BLENDER_EFFICACY
 
 
-def _physical_output(data, distribution, rgb, name, report) -> Output:
-    """Return the stated amount of light; the texture gives its shape."""
+def physical_output(data, distribution, rgb, name, report, how: str) -> Output:
+    """Return the stated amount of a light whose shape is known. ``how``: it came to that, for people.
+
+    Raises
+    ------
+    SceneError    It is stated in what such a light does not have.
+    """
     settings = data.lumenray
     spectrum = convert_spectrum(settings, rgb, report, name)
     quantity, value = Quantity[settings.quantity], settings.value
     if quantity in {Quantity.LUMINOUS_FLUX, Quantity.RADIANT_FLUX}:
         return Output(quantity, value, spectrum)
     if quantity is Quantity.LUMINANCE:
-        raise SceneError("the luminance of a light with an IES texture is not defined")
+        raise SceneError(f"the luminance of a light {how} is not defined")
     on_axis = float(intensity(distribution, np.array([0.0, 0.0, -1.0])))
     if on_axis <= 0.0:
-        raise SceneError("the IES texture gives no light on the axis, so that cannot be stated")
+        raise SceneError(f"a light {how} gives none on its axis, so that cannot be stated")
     return Output(Quantity.LUMINOUS_FLUX, value * flux(distribution) / on_axis, spectrum)

@@ -19,6 +19,10 @@ from ....engine.scene.light import (
 from .readings import Reading, read_area, read_line, read_point, read_spot, read_sun
 
 
+UNEVEN = 1.001
+"""Ratio of a spot's scales from which on its cone is an ellipse."""
+
+
 @dataclass(frozen=True, eq=False)
 class Place:
     """Where a light is to stand.
@@ -207,14 +211,6 @@ class Spot(_Round):
             light.output.quantity.name, light.output.value, light.half_angle, light.blend
         )
 
-    def find_fault(self, data, place):
-        if place.lengths.max() <= 1.001 * place.lengths.min():
-            return None
-        return (
-            "the spot is scaled unevenly, which makes its cone an ellipse in Blender",
-            "the cone is round, of the angle that is stated; scale all axes alike",
-        )
-
 
 class Sun(Kind):
     """Parallel light, or that of a disk at infinity."""
@@ -309,6 +305,11 @@ def read_light(light) -> Reading | None:
 def is_spread_out(data) -> bool:
     """Whether Blender's watts are per unit of a light's size."""
     return not getattr(data, "normalize", True)
+
+
+def is_scaled_unevenly(lengths) -> bool:
+    """Tell whether a spot's scales make its cone an ellipse. ``lengths``: (3,)."""
+    return max(lengths) > UNEVEN * min(lengths)
 
 
 def sizes_of(data) -> np.ndarray:

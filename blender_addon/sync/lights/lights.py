@@ -12,13 +12,15 @@ from ...luminaires.settings import is_luminaire, settings_of
 from ...raysets.convert import convert_rays
 from ...raysets.settings import is_rayset, rays_of
 from ..departures import LIGHT, tell
-from ..nodes.evaluation import Context
+from ..nodes.dependencies import nodes_of
 from ..nodes.fields import luminance
+from ..nodes.rays import RayContext
 from ..spectra import check_visible, convert_spectrum, light_spectrum
 from ..visibility import is_dark, tell_linking
 from .emission_node import evaluate_emission, find_emission, is_emission
 from .ies_nodes import convert_ies_light, find_ies_emission
 from .kinds import Kind, Place, kind_of
+from .shaped import convert_shaped_light, find_shape
 
 
 def convert_light(
@@ -56,7 +58,11 @@ def convert_light(
     if source.type == "LIGHT":
         tell(LIGHT, source.data, name, report)
         if not source.data.use_shadow:
-            report.error(name, "the light casts no shadows in Blender", "it casts them")
+            report.error(
+                name,
+                "the light casts no shadows in Blender",
+                "it casts them; switch off the ray visibility for light of what is to cast none",
+            )
     try:
         light = _convert(source, place, efficacy, report, images, is_patient)
         if light is not None:
@@ -74,6 +80,10 @@ def _convert(source, place, efficacy, report, images, is_patient):
     shaped = find_ies_emission(source.data, place[1], report, images)
     if shaped is not None:
         return convert_ies_light(source, shaped, _colour(source.data), *place, efficacy, report)
+    shape = find_shape(source.data, place[2], place[1], report, images)
+    if shape is not None:
+        _tell_scale(source.data, place[3], report)
+        return convert_shaped_light(source, shape, _colour(source.data), *place, efficacy, report)
     return _convert_own(source, *place, efficacy, report, images)
 
 
@@ -99,21 +109,28 @@ def _convert_from_file(source, place, report, images, is_patient):
 def _convert_own(source, light_id, name, matrix, scale, efficacy, report, images):
     """Convert a light that shines as its kind does."""
     data, kind = source.data, kind_of(source.data)
-    place = Place(light_id, name, matrix, scale, source.visible_camera)
     tint, strength = _node_emission(data, name, report, images)
+    is_seen = source.visible_camera and _is_seen(data, tint * strength, name, report, images)
+    place = Place(light_id, name, matrix, scale, is_seen)
     output = _output(data, kind, place, _colour(data) * tint, strength, efficacy, report)
     if output is None:
         return None
     fault = kind.find_fault(data, place)
     if fault is not None:
         report.error(name, *fault)
-    if scale != 1.0 and kind.whole is Quantity.LUMINOUS_FLUX and not data.lumenray.use_physical:
+    _tell_scale(data, scale, report)
+    return kind.make(data, place, output)
+
+
+def _tell_scale(data, scale: float, report) -> None:
+    """Note what metres change of a light that is stated in watts."""
+    is_flux = kind_of(data).whole is Quantity.LUMINOUS_FLUX
+    if scale != 1.0 and is_flux and not data.lumenray.use_physical:
         report.warn(
             "Unit scale",
             f"a Blender unit is {scale:g} m, which Blender's own renders leave out",
             f"distances are in metres: lights in watts light {scale**-2:.4g} times what Blender shows",
         )
-    return kind.make(data, place, output)
 
 
 def _colour(data) -> np.ndarray:
@@ -149,7 +166,28 @@ def _node_emission(data, name: str, report: ConversionReport, images) -> tuple[n
             "colour and power of the light are used",
         )
         return white, 1.0
-    return evaluate_emission(origin, Context(name, report, images))
+    return evaluate_emission(origin, RayContext(name, report, images))
+
+
+def _is_seen(data, given, name: str, report: ConversionReport, images) -> bool:
+    """Tell whether the camera sees a light by its nodes. ``given``: colour times strength of its light. (3,)"""
+    origin = find_emission(data)
+    if origin is None or not is_emission(origin):
+        return True
+    if all(node.bl_idname != "ShaderNodeLightPath" for node in nodes_of(data.node_tree)):
+        return True
+    context = RayContext(name, ConversionReport(), images, is_camera=True)
+    tint, strength = evaluate_emission(origin, context)
+    seen = tint * strength
+    if not seen.any():
+        return False
+    if not np.allclose(seen, given, rtol=1e-3):
+        report.warn(
+            name,
+            "the camera sees the light otherwise than it lights",
+            "pictures show what gives light; hide it from the camera, or show it by a mesh that light does not meet",
+        )
+    return True
 
 
 def _check_amount(value: float) -> None:

@@ -7,13 +7,23 @@ import bpy
 import numpy as np
 
 from ....engine.scene.checks import DEEPEST_MIX
-from ....engine.scene.material import Black, Diffuse, Emission, Material, Transparent
+from ....engine.scene.material import (
+    Black,
+    Diffuse,
+    Emission,
+    Holdout,
+    Material,
+    Mix,
+    Transparent,
+)
+from ....engine.scene.scene import content_digest
 from ....engine.scene.spectrum import Constant, Illuminant
 from ...foundation.node_trees import uses_nodes
 from ...foundation.report import ConversionReport
 from ..departures import MATERIAL, tell
 from ..images.cache import ImageCache
-from ..nodes.evaluation import Context
+from ..nodes.dependencies import nodes_of
+from ..nodes.rays import SPLITTING, RayContext
 from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
 from ..spectra import light_spectrum
 from .closures import Closure
@@ -64,8 +74,55 @@ def convert_material(
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
+    made = _convert_nodes(material, material_id, report, efficacy, images)
+    if not _tells_rays_apart(material):
+        return made
+    own = ConversionReport()
+    seen = _convert_nodes(material, f"{material_id}/seen", own, efficacy, images, is_camera=True)
+    if content_digest(seen) == content_digest(made):
+        return made
+    report.include_new(own)
+    _tell_seen(seen.surface, material.name, report)
+    return replace(made, seen=seen)
+
+
+def _tells_rays_apart(material) -> bool:
+    """Tell whether nodes of a material know the camera's rays from others, or make holes for them."""
+    return uses_nodes(material) and any(
+        node.bl_idname in SPLITTING for node in nodes_of(material.node_tree)
+    )
+
+
+def _tell_seen(surface, name: str, report) -> None:
+    """Note what the camera sees of a material that light meets otherwise."""
+    if isinstance(surface, Holdout):
+        report.info(name, "a holdout", "pictures are transparent there; to light it is black")
+        return
+    report.info(
+        name,
+        "the camera sees another surface than light meets",
+        "pictures show what the camera sees; light, and all that is measured, follows the other",
+    )
+    if _mixes_holdout(surface):
+        report.warn(
+            name,
+            "a holdout is mixed with another shader",
+            "its share is black; pictures are not transparent there",
+        )
+
+
+def _mixes_holdout(surface) -> bool:
+    if isinstance(surface, Mix):
+        return _mixes_holdout(surface.first) or _mixes_holdout(surface.second)
+    return isinstance(surface, Holdout)
+
+
+def _convert_nodes(
+    material, material_id: str, report, efficacy: float, images, is_camera: bool = False
+) -> Material:
+    """Convert what rays of light, or those of the camera, meet of a material."""
     try:
-        closure = _convert_tree(material, report, images)
+        closure = _convert_tree(material, RayContext(material.name, report, images, is_camera))
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -101,7 +158,8 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, report, images) -> Closure:
+def _convert_tree(material, context: RayContext) -> Closure:
+    report = context.report
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
@@ -109,7 +167,6 @@ def _convert_tree(material, report, images) -> Closure:
     if output is None:
         report.warn(material.name, "The node tree has no material output", "black is used")
         return Closure(Black())
-    context = Context(material.name, report, images)
     is_volume = output.inputs["Volume"].is_linked
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)

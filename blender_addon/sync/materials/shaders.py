@@ -9,6 +9,7 @@ from ....engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Holdout,
     ThinGlass,
     Transparent,
 )
@@ -135,8 +136,7 @@ def _portal(at):
 
 
 def _holdout(at):
-    at.remark("A holdout only makes sense in a picture", "black is used")
-    return Closure(Black())
+    return Closure(Holdout() if at.context.is_camera else Black())
 
 
 def _emission(at):

@@ -57,7 +57,7 @@ class DirectionContext(Context):
         is_camera: bool = False,
     ):
         super().__init__(datablock, report, images)
-        self._height, self._is_camera = height, is_camera
+        self._height, self.is_camera = height, is_camera
 
     def take_output(self, at) -> Field | None:
         """Return what a node gives for every direction; None: it gives the same as on a surface."""
@@ -70,7 +70,7 @@ class DirectionContext(Context):
 
     def is_ray(self, name: str) -> float:
         """Whether the rays that look are of the kind that an output of the Light Path node names."""
-        return float(name == CAMERA_RAYS if self._is_camera else name in LIGHT_RAYS)
+        return float(name == CAMERA_RAYS if self.is_camera else name in LIGHT_RAYS)
 
 
 def _coordinates(at, context) -> Field | None:

@@ -32,6 +32,9 @@ class Context:
     images : ImageCache or None    What was read before.
     """
 
+    is_camera = False
+    """Whether rays of the camera are asked for, and not those that carry light."""
+
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
         self.report = report

@@ -6,8 +6,10 @@ import bpy
 
 from ....engine.scene.material import Material
 from ....engine.scene.scene import content_digest
+from ....engine.scene.spectrum import Rgb
 from ...foundation.identity import engine_id
 from ...foundation.report import ConversionReport
+from ..coloured_light import colour_of_light, paints_of
 from ..images.cache import ImageCache
 from ..lights.portals import portal_material
 from ..materials.materials import convert_material, default_material
@@ -27,6 +29,8 @@ class _Entry:
     is_stale: bool = True
     digest: bytes = b""
     is_luminous: bool = False
+    paints: tuple[Rgb, ...] = ()
+    glow: Rgb | None = None
     dependencies: frozenset[int] = frozenset()
     report: ConversionReport = field(default_factory=ConversionReport)
 
@@ -111,6 +115,12 @@ class MaterialTable:
         entries = [entry for entry in self._entries.values() if entry.key in used]
         return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
 
+    def colours(self, used: set[str]) -> tuple[list, list]:
+        """Colours of the light that materials in use give, None of white, and of what they reflect, each with a name."""
+        entries = [entry for entry in self._entries.values() if entry.key in used]
+        glows = [(entry.name, entry.glow) for entry in entries if entry.is_luminous]
+        return glows, [(entry.name, paint) for entry in entries for paint in entry.paints]
+
     def is_luminous(self, keys) -> bool:
         """Whether one of the materials with these ids glows."""
         return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
@@ -141,6 +151,7 @@ class MaterialTable:
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
+        entry.paints, entry.glow = paints_of(made), colour_of_light(made)
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest = digest

@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import pointer_id, upload
 from ...errors import SceneError
 from ...luminaires.emitters.portals import Portal, find_portals
-from ...scene.material import Material
+from ...scene.material import HOLDOUT, Material
 from ...scene.mesh import Geometry, Mesh
 from ..requirements import pictures
 from . import emission
@@ -26,7 +26,8 @@ class Part:
     """Triangles of one object that share a material.
 
     ``source``: its emission, None when it does not glow; ``mirrors``: its planes in the world if it is a plane mirror or a
-    flat pane, and ``planes``: which of them each triangle lies in, -1: none.
+    flat pane, and ``planes``: which of them each triangle lies in, -1: none; ``meets_light``, ``meets_camera``: which rays
+    meet it; ``owner``: the material by which its light is switched.
     """
 
     shape: object
@@ -38,11 +39,18 @@ class Part:
     source: Source | None
     mirrors: list[Plane] = field(default_factory=list)
     planes: np.ndarray | None = None
+    meets_light: bool = True
+    meets_camera: bool = True
+    owner: str = ""
 
 
 @dataclass
 class Body:
-    """An object at work. ``low``, ``high`` (3,): its bounds in the world [m]; ``panes``: its flat panes, in the world."""
+    """An object at work.
+
+    ``low``, ``high`` (3,): its bounds in the world [m]; ``panes``: its flat panes, in the world; ``is_split``: whether the
+    camera would see other surfaces of it than light meets.
+    """
 
     item: object
     geometry: Geometry | None
@@ -50,6 +58,7 @@ class Body:
     high: np.ndarray
     parts: list[Part] = field(default_factory=list)
     panes: list[Portal] = field(default_factory=list)
+    is_split: bool = False
 
     def is_moved(self, item, geometry) -> bool:
         """Tell whether the triangles of the object's new state stand elsewhere or are others."""
@@ -62,6 +71,8 @@ class Body:
             geometry is not self.geometry
             or item.meets_light != old.meets_light
             or is_met(item) != is_met(old)
+            or item.is_holdout != old.is_holdout
+            or (self.is_split and item.visible_to_camera != old.visible_to_camera)
             or not np.array_equal(item.frame, old.frame)
         )
 
@@ -96,8 +107,11 @@ def check_mesh(mesh: Mesh, materials: dict[str, Material]) -> None:
 
 def needs_new_shape(old: Material, new: Material) -> bool:
     """Tell whether a change of material reaches further than the surface of a shape."""
+    if old.seen is not None and new.seen is not None and needs_new_shape(old.seen, new.seen):
+        return True
     return (
-        old.surface.passes_straight != new.surface.passes_straight
+        (old.seen is None) != (new.seen is None)
+        or old.surface.passes_straight != new.surface.passes_straight
         or old.surface.is_window != new.surface.is_window
         or old.surface.is_mirror != new.surface.is_mirror
         or old.surface.is_mirroring_pane != new.surface.is_mirroring_pane
@@ -161,6 +175,9 @@ def make_body(
     pool : SurfacePool
     """
     body = Body(item, geometry, *extent(item, geometry))
+    body.is_split = item.is_holdout or any(
+        material_palette.item(key).seen is not None for key in mesh.materials
+    )
     if len(mesh.triangles) == 0 or not is_met(item):
         return body
     only = len(mesh.materials) == 1
@@ -169,13 +186,23 @@ def make_body(
         if not only and len(triangles) == 0:
             continue
         material = material_palette.item(key)
-        body.parts.append(
-            _make_part(mesh, slot, material, triangles, origin, material_palette, pool)
-        )
+        for met, meets_light, meets_camera in _surfaces_of(item, material):
+            part = _make_part(mesh, slot, met, triangles, origin, material_palette, pool)
+            part.meets_light, part.meets_camera, part.owner = meets_light, meets_camera, key
+            body.parts.append(part)
         if material.surface.is_window:
             used = mesh.triangles if only else mesh.triangles[triangles]
             body.panes += find_portals([(mesh.vertices, used)])
     return body
+
+
+def _surfaces_of(item, material: Material) -> list[tuple[Material, bool, bool]]:
+    """What rays meet of a material of an object, and whether those of light and of the camera do."""
+    seen = HOLDOUT if item.is_holdout else material.seen
+    if seen is None or not item.visible_to_camera:
+        return [(material, item.meets_light, item.visible_to_camera)]
+    lit = [(material, True, False)] if item.meets_light else []
+    return [*lit, (seen, False, True)]
 
 
 def _make_part(mesh, slot, material: Material, triangles, origin, material_palette, pool) -> Part:

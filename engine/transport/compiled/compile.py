@@ -18,10 +18,11 @@ from ...photometry.spectra import GRID
 from ...scattering.kernels import plugin as scattering_plugin
 from ...scene.light import ImageWorld, Luminaire, SunLight
 from ...scene.light_groups import WORLD
+from ...scene.material import Holdout
 from ...scene.scene import Scene
 from ...sky import plugin as sky_plugin
 from ...sky.picture import describe_faults
-from ..requirements import Requirements
+from ..requirements import Requirements, worlds
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
@@ -46,9 +47,10 @@ class CompiledScene:
     """Mitsuba objects of one scene, for one variant. Owned and used by one thread.
 
     ``solid`` holds what stops light, ``transparent`` what light may pass straight (panes, cut-outs, the bodies of lights),
-    ``shown`` what is there for the camera alone. ``lights`` chooses emitters; ``surroundings`` is what rays that leave the
-    scene see. Positions are relative to ``origin`` (float64, world) so that single precision serves scenes far from the
-    world's origin; ``extent`` [m] is the largest of them.
+    ``shown`` what is there for the camera alone. Tables by shape, None where there is nothing of the kind: ``hidden``, what
+    the camera does not see, ``holdouts``, where it sees a hole, and ``unlit``, what is there for it alone. ``lights``
+    chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to ``origin`` (float64,
+    world) so that single precision serves scenes far from the world's origin; ``extent`` [m] is the largest of them.
     ``stamps`` tell what commits have changed.
 
     Raises
@@ -74,7 +76,9 @@ class CompiledScene:
         self._shown = Layer(self._pool)
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
-        self.hidden = None
+        self.hidden = self.holdouts = self.unlit = None
+        # Whether the camera does not see an object, and not only bodies of lights.
+        self.has_hidden_objects = False
         self.known_mirrors = KnownMirrors()
         self.polarisation = None
         self.indices: dict = {}
@@ -196,8 +200,9 @@ class CompiledScene:
     def parts(self):
         """Yield every part of an object that light meets: the object's id, the part, its material."""
         for key, body in self._objects.bodies.items():
-            for part in body.parts if body.item.meets_light else ():
-                yield key, part, self._material_palette.item(part.material)
+            for part in body.parts:
+                if part.meets_light:
+                    yield key, part, self._material_palette.item(part.material)
 
     def compiled_lights(self):
         """Yield every light at work but those at infinity, as `CompiledLight`."""
@@ -216,6 +221,16 @@ class CompiledScene:
     def surroundings(self):
         """Emitter that rays which leave the scene see, None if they see nothing."""
         return self._outside.emitter
+
+    @property
+    def backdrop(self):
+        """Emitter that the camera sees behind everything, None if that is nothing."""
+        return self._outside.backdrop
+
+    @property
+    def has_backdrop(self) -> bool:
+        """Whether the camera sees other surroundings than those that give light."""
+        return self._outside.has_backdrop
 
     @property
     def suns(self) -> tuple[SunLight, ...]:
@@ -307,8 +322,9 @@ class CompiledScene:
         hard = bool(suns) or any(is_hard_to_meet(source, self.radius) for source in sources)
         parts = [part for _, part in self._objects.parts()]
         self.known_mirrors.choose(parts, hard, self.origin)
+        seen = [p.source for p in parts if p.source is not None and not p.meets_light]
         mean, self.light_spectra = find_mean_light(
-            scene.world, self.world_luminance, sources, suns, self.radius
+            scene.world, self.world_luminance, sources, suns, self.radius, seen
         )
         if not np.array_equal(mean, self.mean_light):
             self.mean_light = mean
@@ -320,9 +336,8 @@ class CompiledScene:
     def _sources(self) -> list[Source]:
         """Emitters of what shines but the surroundings, in the order of `Source.order`."""
         sources = [light.source for key, light in self._lights.items() if self._shines(key)]
-        met = [body for body in self._objects.bodies.values() if body.item.meets_light]
-        parts = [part for body in met for part in body.parts if part.source is not None]
-        sources += [part.source for part in parts if self._shines(part.material)]
+        parts = [part for _, part in self._objects.parts() if part.meets_light and part.source]
+        sources += [part.source for part in parts if self._shines(part.owner)]
         return sorted(sources, key=Source.order)
 
     def _commit_light_table(self) -> None:
@@ -350,12 +365,15 @@ class CompiledScene:
             "object",
             "material",
             "hidden",
+            "holdout",
+            "unlit",
             "extent",
             "bsdf",
             "emitter",
             "luminaire",
         )
         columns = {name: np.zeros(size) for name in names}
+        self.has_hidden_objects = False
         if parts:
             place = np.array([part.number for _, part in parts])
             columns["row"][place] = [self._material_palette.row(part.material) for _, part in parts]
@@ -363,7 +381,15 @@ class CompiledScene:
             columns["material"][place] = [
                 self._material_palette.item(part.material).index for _, part in parts
             ]
-            columns["hidden"][place] = [not body.item.visible_to_camera for body, _ in parts]
+            columns["hidden"][place] = [
+                not (body.item.visible_to_camera and part.meets_camera) for body, part in parts
+            ]
+            self.has_hidden_objects = bool(columns["hidden"].any())
+            columns["holdout"][place] = [
+                isinstance(self._material_palette.item(part.material).surface, Holdout)
+                for _, part in parts
+            ]
+            columns["unlit"][place] = [not part.meets_light for _, part in parts]
             columns["extent"][place] = [
                 np.abs([body.low - self.origin, body.high - self.origin]).max() for body, _ in parts
             ]
@@ -371,7 +397,7 @@ class CompiledScene:
                 self._material_palette.plugin_number(part.material) for _, part in parts
             ]
             columns["emitter"][place] = [
-                p.source.number if p.source and self._shines(p.material) else 0 for _, p in parts
+                p.source.number if p.source and self._shines(p.owner) else 0 for _, p in parts
             ]
         for light in luminous:
             columns["extent"][light.body_id] = (
@@ -390,26 +416,34 @@ class CompiledScene:
         self._material_palette.commit(columns["row"])
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
-        hidden = columns["hidden"] > 0.0
-        self.hidden = upload(mi.Bool, hidden) if hidden.any() else None
+        self.hidden, self.holdouts, self.unlit = (
+            _marks(columns[name]) for name in ("hidden", "holdout", "unlit")
+        )
         shapes = [part for _, part in parts]
         self.known_mirrors.commit(size, shapes)
         self.polarisation = make_polarisation(
             size, shapes, self._material_palette.item, self._material_palette.make
         )
-        dr.eval(self.indices, self.hidden, self._extents)
+        dr.eval(self.indices, self.hidden, self.holdouts, self.unlit, self._extents)
 
     # ---- notes ----
 
     def _note(self, scene: Scene) -> None:
         """Say what is approximated."""
         self.notes = self._material_palette.notes()
-        if isinstance(scene.world, ImageWorld):
-            self.notes += [
-                f"{what}: {instead}" for what, instead in describe_faults(scene.world.image)
-            ]
+        for world in worlds(scene):
+            if isinstance(world, ImageWorld):
+                self.notes += [
+                    f"{what}: {instead}" for what, instead in describe_faults(world.image)
+                ]
         if self.radius > COARSE_RADIUS:
             self.notes.append(
                 f"the scene is {2e-3 * self.radius:.3g} km wide: places in it are rounded to about "
                 f"{1e3 * self.radius * SINGLE:.2g} mm"
             )
+
+
+def _marks(column: np.ndarray):
+    """Marks by the number of a shape on the device, None where there is none."""
+    marks = column > 0.0
+    return upload(mi.Bool, marks) if marks.any() else None

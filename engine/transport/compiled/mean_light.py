@@ -3,12 +3,12 @@
 import numpy as np
 
 from ...photometry.spectra import GRID, illuminant
-from ...scene.light import ImageWorld
+from ...scene.light import CieSky, ImageWorld, UniformWorld
 from . import emission
 
 
 def find_mean_light(
-    world, world_luminance: float, sources, suns, radius: float
+    world, world_luminance: float, sources, suns, radius: float, seen=()
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """Flux-weighted mean spectrum of the scene's lights on the 1 nm grid, sum 1 (471,); and all that differ.
 
@@ -22,6 +22,7 @@ def find_mean_light(
     sources : list of Source
     suns : list of SunLight
     radius : float    Of the scene. [m]
+    seen : list of Source    What glows for the camera alone; it counts, as its surroundings do, where there is no light.
     """
     disk = np.pi * max(radius, 1.0) ** 2
     total = np.zeros(len(GRID))
@@ -37,5 +38,17 @@ def find_mean_light(
         white = illuminant(GRID, "D65")
         total += white / white.sum() * max(total.sum(), 1.0)
     if total.sum() <= 0.0:
-        total = np.ones(len(GRID))
+        total = _spectrum_seen(None if world is None else world.seen, seen)
     return total / total.sum(), list(different.values())
+
+
+def _spectrum_seen(world, seen) -> np.ndarray:
+    """Spectrum of what the camera alone sees, equal energy where that is nothing. (471,)"""
+    total = np.zeros(len(GRID))
+    for source in seen:
+        total += source.density / max(source.density.sum(), 1e-300) * source.flux
+    if isinstance(world, UniformWorld | CieSky):
+        total += emission.luminous(1.0, world.spectrum).density
+    elif isinstance(world, ImageWorld):
+        total += illuminant(GRID, "D65")
+    return total if total.sum() > 0.0 else np.ones(len(GRID))

@@ -1,5 +1,6 @@
 """Objects at work, kept under their ids: what an edit of an object or of its materials changes of their shapes."""
 
+from ...scene.material import HOLDOUT, Material
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from .bodies import Body, Part, check_mesh, make_body, needs_new_shape, reglow
@@ -47,11 +48,13 @@ class ObjectSet:
         self._drop_unused_materials()
 
     def materials(self):
-        """Yield every material that objects are made of."""
+        """Yield every material that objects are made of, and what the camera sees in its place."""
         for key in self._users:
             item = self._material_palette.item(key)
             if item is not None:
                 yield item
+                if item.seen is not None:
+                    yield item.seen
 
     def parts(self) -> list[tuple[Body, Part]]:
         """Parts of all objects."""
@@ -64,7 +67,7 @@ class ObjectSet:
             new, old = scene.materials.get(key), self._material_palette.item(key)
             if new is None or new is old or (old is None and key not in self._users):
                 continue
-            self._material_palette.put(new)
+            self._take_in(new, old)
             changes.surfaces += 1
             if old is None:
                 continue
@@ -74,7 +77,19 @@ class ObjectSet:
                 continue
             for part in self._parts_of(users, key):
                 reglow(part, old, new)
+            if new.seen is not None:
+                for part in self._parts_of(users, new.seen.id):
+                    reglow(part, old.seen, new.seen)
         return rebuilt
+
+    def _take_in(self, new: Material, old: Material | None = None) -> None:
+        """Take a material in, with what the camera sees in its place. ``old``: as it was."""
+        palette = self._material_palette
+        palette.put(new)
+        if new.seen is not None:
+            palette.put(new.seen)
+        elif old is not None and old.seen is not None:
+            palette.drop(old.seen.id)
 
     def _parts_of(self, bodies, material: str):
         for key in bodies:
@@ -85,7 +100,10 @@ class ObjectSet:
     def _drop_unused_materials(self) -> None:
         for key in [k for k, users in self._users.items() if not users]:
             del self._users[key]
+            item = self._material_palette.item(key)
             self._material_palette.drop(key)
+            if item is not None and item.seen is not None:
+                self._material_palette.drop(item.seen.id)
 
     def _changed_meshes(self, scene: Scene, named) -> list[str]:
         changed = [key for key in named if key in scene.meshes or key in self.bodies]
@@ -117,10 +135,12 @@ class ObjectSet:
         for material in mesh.materials:
             self._users.setdefault(material, {})[key] = None
             if self._material_palette.item(material) is not scene.materials[material]:
-                self._material_palette.put(scene.materials[material])
+                self._take_in(scene.materials[material])
+        if item.is_holdout and self._material_palette.item(HOLDOUT.id) is None:
+            self._material_palette.put(HOLDOUT)
         body = make_body(item, geometry, mesh, self._origin, self._material_palette, self._pool)
         for part in body.parts:
-            self._layer_of(body, part).add(part.shape, part.number, part.triangles)
+            self._layer_of(part).add(part.shape, part.number, part.triangles)
         self.bodies[key] = body
         changes.built += 1
 
@@ -128,18 +148,20 @@ class ObjectSet:
         """Change what an object is made of or how it shows, where its shapes can stay; sets the body's item if so."""
         body = self.bodies[key]
         if item.materials != body.item.materials:
-            if len(item.materials) != len(body.item.materials):
+            if len(item.materials) != len(body.item.materials) or body.is_split:
                 return
             for part in body.parts:
                 new = scene.materials.get(item.materials[part.slot])
                 if new is None or needs_new_shape(self._material_palette.item(part.material), new):
                     return
+            if any(getattr(scene.materials.get(key), "seen", None) for key in item.materials):
+                return
             for old, new in zip(body.item.materials, item.materials, strict=True):
                 if new not in scene.materials:
                     return
                 self._users.setdefault(new, {})[key] = None
                 if self._material_palette.item(new) is not scene.materials[new]:
-                    self._material_palette.put(scene.materials[new])
+                    self._take_in(scene.materials[new])
                 if old not in item.materials:
                     self._users[old].pop(key, None)
             for part in body.parts:
@@ -149,19 +171,19 @@ class ObjectSet:
                     self._material_palette.item(part.material),
                     self._material_palette.item(new),
                 )
-                part.material = new
+                part.material = part.owner = new
             changes.surfaces += 1
         body.item = item
 
     def _remove_body(self, key: str) -> None:
         body = self.bodies.pop(key)
         for part in body.parts:
-            self._layer_of(body, part).remove(part.number)
+            self._layer_of(part).remove(part.number)
             self._pool.remove(part.number)
         for material in body.item.materials:
             self._users[material].pop(key, None)
 
-    def _layer_of(self, body: Body, part: Part) -> Layer:
-        if not body.item.meets_light:
+    def _layer_of(self, part: Part) -> Layer:
+        if not part.meets_light:
             return self._shown
         return self._transparent if part.is_transparent else self._solid

@@ -12,6 +12,7 @@ from ...scene.material import (
     Diffuse,
     Fabric,
     Glossy,
+    Holdout,
     Measured,
     Mix,
     Surface,
@@ -219,6 +220,7 @@ MAKERS = {
     TabulatedPane: _tabulated_pane,
     Transparent: _transparent,
     Black: _black,
+    Holdout: _black,
     Measured: _measured,
     Mix: _mix,
 }

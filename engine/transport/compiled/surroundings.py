@@ -139,15 +139,17 @@ class Outside:
     """What is around a scene, from edit to edit: its world, its suns, and the panes by which their light enters.
 
     ``emitter`` is what rays that leave the scene see, None if that is nothing, and ``portals`` where its samples are aimed.
+    ``backdrop`` is what rays of the camera see, the same or, with ``has_backdrop``, one of its own.
     """
 
     def __init__(self):
-        self.emitter = None
+        self.emitter = self.backdrop = None
+        self.has_backdrop = False
         self.portals: PortalSet | None = None
-        self._item, self._world = None, None
+        self._item, self._world, self._seen = None, None, None
         self._panes: list[Portal] = []
         self._key: object = None
-        self._parts = None, [], None
+        self._parts = None, [], None, None
         self._source: Source | None = None
 
     @property
@@ -164,7 +166,11 @@ class Outside:
         """Take a world's description in; true when it is another."""
         if world is self._item:
             return False
-        self._world = make_world(world, self._item, self._world)
+        old = self._item
+        self._world = make_world(world, old, self._world)
+        seen, before = (None if each is None else each.seen for each in (world, old))
+        self.has_backdrop = seen is not None
+        self._seen = make_world(seen, before, self._seen)
         self._item = world
         return True
 
@@ -182,13 +188,19 @@ class Outside:
         ``with_world``: whether the world shines.
         """
         world = self._world if with_world else None
-        key = (id(world), tuple(map(id, suns)), radius, id(self.portals))
+        seen = self._seen if with_world else None
+        key = (id(world), id(seen), tuple(map(id, suns)), radius, id(self.portals))
+        key += (self.has_backdrop,)
         if key != self._key:
             joined = make_surroundings(world, suns, radius, self.portals)
             self._source = self.emitter = None
             if joined is not None:
                 self.emitter, flux = joined
                 self._source = Source(self.emitter, flux, np.zeros(len(GRID)), None)
+            self.backdrop = self.emitter
+            if self.has_backdrop:
+                behind = make_surroundings(seen, suns, radius, None)
+                self.backdrop = None if behind is None else behind[0]
             # Kept so that the ids above stay taken.
-            self._key, self._parts = key, (world, suns, self.portals)
+            self._key, self._parts = key, (world, suns, self.portals, seen)
         return self._source

@@ -171,7 +171,8 @@ class CameraLight:
         scale = 1.0 / (PILOT * float(self._pixels) ** 2)
         traced = scale * np.bincount(landed.pair // rays.targets, squares, len(others))
         light = np.bincount(landed.pair // rays.targets, landed.colour[:, 1], len(others))
-        light /= PILOT * self._pixels
+        # Where nothing has landed these counts are whole numbers.
+        light = light / (PILOT * self._pixels)
         asked, seen = (each[others] for each in self._ask(len(lights)))
         # Rays that surely find another amount of light miss some of it, whatever they scatter.
         chance = np.sqrt(traced / PILOT + asked / ASKED)

@@ -16,7 +16,7 @@ from ..rays import spawn_straight
 from . import gather
 from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
-from .visibility import closest_hit
+from .visibility import closest_hit, first_seen
 from .wavelengths import WavelengthSampler
 
 BAND_RANGE = (380.0, 780.0)
@@ -46,8 +46,10 @@ class Channels:
         self.scene = scene
         self.illuminance, self.bands = settings.illuminance, settings.bands
         self.transparent = settings.transparent
+        # Holdouts make holes in every film.
+        self._has_alpha = settings.transparent or scene.holdouts is not None
         self.sampler = picture_sampler(scene, self.bands)
-        self.count = 3 + int(self.illuminance) + 4 * int(self.transparent) + self.bands
+        self.count = 3 + int(self.illuminance) + 4 * int(self._has_alpha) + self.bands
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self._lamp_tristimulus, self._lamp_bands = colour_of(scene.mean_light, self.bands)
 
@@ -72,7 +74,7 @@ class Channels:
         columns = []
         if self.illuminance:
             columns += lost.keep([self._illuminance(ray, wavelengths, sample, seed)], row)
-        if self.transparent:
+        if self._has_alpha:
             columns += self._backdrop(ray, wavelengths)
         return {3 + k: each for k, each in enumerate(columns)}
 
@@ -102,20 +104,26 @@ class Channels:
         return made
 
     def _backdrop(self, ray, wavelengths) -> list:
-        """X, Y, Z of the surroundings that rays of the camera reach straight, and the share of rays that do."""
+        """X, Y, Z of what rays of the camera see of the surroundings, and the share of rays that do or see holdouts.
+
+        Of a film that is not transparent the surroundings are a part.
+        """
         scene = self.scene
-        passed = way_out(scene, ray, wavelengths)
-        if scene.surroundings is None:
+        passed, held = way_out(scene, ray, wavelengths)
+        if not self.transparent:
+            return [dr.zeros(mi.Float, dr.width(ray))] * 3 + [average(held)]
+        if scene.backdrop is None:
             colour = [dr.zeros(mi.Float, dr.width(ray))] * 3
         else:
             away = dr.zeros(mi.SurfaceInteraction3f)
             away.wi = -ray.d
             if self.sampler is not None:
                 away.wavelengths = wavelengths
-            colour = self._colour(passed * scene.surroundings.eval(away), wavelengths)
+            colour = self._colour(passed * scene.backdrop.eval(away), wavelengths)
         # Where the camera has no picture there is nothing behind it either.
         seen = sees(ray)
-        return [*(dr.select(seen, each, 0.0) for each in colour), average(passed)]
+        gone = average(passed) if held is None else average(passed + held)
+        return [*(dr.select(seen, each, 0.0) for each in colour), gone]
 
     def _illuminance(self, ray, wavelengths, sample, own_seed):
         """Illuminance of the first surface behind panes and bodies of lights, on the side that is seen."""
@@ -167,7 +175,7 @@ class Channels:
         if self.bands:
             made["bands"] = mean[..., -self.bands :]
             made["band_edges"] = np.linspace(*BAND_RANGE, self.bands + 1)
-        if self.transparent:
+        if self._has_alpha:
             first = 3 + int(self.illuminance)
             made["backdrop"] = mean[..., first : first + 3]
             made["coverage"] = np.clip(1.0 - mean[..., first + 3], 0.0, 1.0)
@@ -192,32 +200,46 @@ def colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def way_out(scene, ray, wavelengths):
-    """Share of rays of the camera that leaves the scene straight, through panes and what the camera does not see."""
+    """Shares of rays of the camera that leave the scene straight, through panes and what the camera does not see.
+
+    Returns
+    -------
+    (Spectrum, Spectrum or None)    The share that gets out, and that which ends in holdouts; None without any.
+    """
     ray = mi.Ray3f(ray)
     if wavelengths is not None:
         ray.wavelengths = wavelengths
 
-    def step(ray, share, active, steps):
+    def step(ray, share, held, active, steps):
         si = closest_hit(scene, ray, active, looks=mi.Bool(True))
         met = active & si.is_valid()
         passed = scene.bsdf(si, met).eval_null_transmission(si, met)
         if scene.hidden is not None:
             ids = dr.reinterpret_array(mi.UInt32, si.shape)
             passed = dr.select(dr.gather(mi.Bool, scene.hidden, ids, met), 1.0, passed)
+        if scene.holdouts is not None:
+            ids = dr.reinterpret_array(mi.UInt32, si.shape)
+            is_hole = dr.gather(mi.Bool, scene.holdouts, ids, met) & met
+            if scene.hidden is not None:
+                is_hole &= ~dr.gather(mi.Bool, scene.hidden, ids, met)
+            held = dr.select(is_hole, held + share, held)
+            passed = dr.select(is_hole, 0.0, passed)
         share = dr.select(met, share * passed, share)
         ray = dr.select(met, spawn_straight(scene, si, ray), ray)
         going = met & dr.any(share != 0.0) & (steps < LONGEST_WAY)
-        return ray, dr.select(met & (steps >= LONGEST_WAY), 0.0, share), going, steps + 1
+        share = dr.select(met & (steps >= LONGEST_WAY), 0.0, share)
+        return ray, share, held, going, steps + 1
 
-    _, share, _, _ = dr.while_loop(
-        state=(ray, mi.Spectrum(1.0), sees(ray), mi.UInt32(0)),
-        cond=lambda ray, share, active, steps: active,
+    held = None if scene.holdouts is None else mi.Spectrum(0.0)
+    _, share, held, _, _ = dr.while_loop(
+        state=(ray, mi.Spectrum(1.0), held, sees(ray), mi.UInt32(0)),
+        cond=lambda ray, share, held, active, steps: active,
         body=step,
-        labels=("ray", "share", "active", "steps"),
+        labels=("ray", "share", "held", "active", "steps"),
     )
-    return share
+    return share, held
 
 
 def first_solid(scene, ray):
-    """First surface that a camera's ray meets behind panes and bodies of lights."""
-    return closest_hit(scene, ray, sees(ray), looks=mi.Bool(True), passes_veil=True)
+    """First surface that a camera's ray sees behind panes and bodies of lights."""
+    return first_seen(scene, ray, sees(ray), passes_veil=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..compiled.compile import CompiledScene
 from .film import sees
-from .visibility import closest_hit
+from .visibility import first_seen
 
 FAR = 1e10
 """Depth where nothing is seen, Blender's own value. [m]"""
@@ -22,7 +22,7 @@ def first_layers(scene: CompiledScene, film) -> dict:
         mi.Float(pixel // camera.width) + 0.5,
         mi.Point2f(0.5, 0.5),
     )
-    si = closest_hit(scene, ray, sees(ray), coherent=True, looks=mi.Bool(True))
+    si = first_seen(scene, ray, sees(ray), coherent=True)
     valid = si.is_valid()
     if camera.projection.is_panoramic:
         depth = dr.norm(si.p - film.position)

@@ -224,6 +224,8 @@ class PathLoop:
         self._count_emitter(path, at)
         if scene.surroundings is not None:
             self._count_surroundings(path, at)
+        if self._is_camera and scene.has_backdrop and scene.backdrop is not None:
+            self._count_backdrop(path, at)
         path.active = mi.Bool(at.valid)
         if self._last is not None:
             path.active &= path.depth <= self._last
@@ -278,6 +280,8 @@ class PathLoop:
         """Count light from infinity where rays leave the scene."""
         scene, direction = self._scene, path.ray.d
         leaves = path.active & ~at.si.is_valid()
+        if self._is_camera and scene.has_backdrop:
+            leaves &= path.depth > 0
         away = dr.zeros(mi.SurfaceInteraction3f)
         away.wi = -direction
         away.wavelengths = at.si.wavelengths
@@ -296,6 +300,15 @@ class PathLoop:
         value += dr.select(alone, straight, 0.0)
         amount = path.throughput * value * weight
         path.radiance = dr.select(leaves, path.radiance + amount, path.radiance)
+
+    def _count_backdrop(self, path: Path, at: Vertex) -> None:
+        """Count what the camera sees straight behind everything, where that is not what gives light."""
+        looks = path.active & ~at.si.is_valid() & (path.depth == 0)
+        away = dr.zeros(mi.SurfaceInteraction3f)
+        away.wi = -path.ray.d
+        away.wavelengths = at.si.wavelengths
+        amount = path.throughput * self._scene.backdrop.eval(away, looks)
+        path.radiance = dr.select(looks, path.radiance + amount, path.radiance)
 
     def _draw(self, path: Path, at: Vertex) -> None:
         """Draw the numbers of a vertex, and find out how it answers light."""
@@ -331,13 +344,21 @@ class PathLoop:
                 path.radiance = path.radiance + path.throughput * light / at.chance
         if scene.bent is not None:
             rest, is_first = self._rest(path.depth), ~path.is_answered
-            is_seen = path.depth == 0 if self._is_camera else None
+            is_seen = self._is_traced(path, at) if self._is_camera else None
             light = scene.bent.light(
                 at.si, stream, at.respond, at.smooth, path.dispersed, rest, is_first, is_seen
             )
             path.radiance = path.radiance + path.throughput * light
         if self._reader is not None:
             self._reader.ask_spots(path, at)
+
+    def _is_traced(self, path: Path, at: Vertex):
+        """Whether light that is traced to the camera reaches a vertex: at once in view, and met by light."""
+        is_seen = path.depth == 0
+        if self._scene.unlit is not None:
+            number = dr.reinterpret_array(mi.UInt32, at.si.shape)
+            is_seen &= ~dr.gather(mi.Bool, self._scene.unlit, number, at.smooth)
+        return is_seen
 
     def _ask_spots(self, path: Path, at: Vertex, amount):
         """Light by next-event, ``amount``, and by bright spots, each as far as it counts."""

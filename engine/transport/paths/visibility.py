@@ -4,7 +4,10 @@ import drjit as dr
 import mitsuba as mi
 
 from ..compiled.polarisation import polarise
-from ..rays import spawn_ray_to
+from ..rays import spawn_ray_to, spawn_straight
+
+SAME_PLACE = 1.0 + 2.0**-20
+"""Relative distance up to which what is there for the camera alone hides what light meets at the same place."""
 
 MOST_PASSES = 1000
 """Most surfaces that light goes straight through; reached by no valid scene."""
@@ -27,19 +30,41 @@ def meet(scene, ray, active, coherent=False, looks=None, passes_veil=False):
     (PreliminaryIntersection3f, SurfaceInteraction3f)    The hit and the surface there.
     """
     hit = scene.solid.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-    others = [] if passes_veil else [(scene.transparent, active)]
-    if looks is not None:
-        others.append((scene.shown, active & looks))
-    for layer, asked in others:
-        if layer is not None:
-            other = layer.ray_intersect_preliminary(ray, mi.Bool(coherent), asked)
-            hit = dr.select(other.t < hit.t, other, hit)
+    if scene.transparent is not None and not passes_veil:
+        other = scene.transparent.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+        hit = dr.select(other.t < hit.t, other, hit)
+    if scene.shown is not None and looks is not None:
+        other = scene.shown.ray_intersect_preliminary(ray, mi.Bool(coherent), active & looks)
+        nearer = other.is_valid() & (other.t <= hit.t * SAME_PLACE)
+        hit = dr.select(nearer, other, hit)
     return hit, scene.surface(hit, ray, active)
 
 
 def closest_hit(scene, ray, active, **more):
     """Return the nearest surface on a ray; parameters as of `meet`."""
     return meet(scene, ray, active, **more)[1]
+
+
+def first_seen(scene, ray, active, coherent=False, passes_veil=False):
+    """Return the nearest surface on a ray of the camera that it sees; parameters as of `meet`."""
+    looks = mi.Bool(True)
+    hides = scene.has_hidden_objects if passes_veil else scene.hidden is not None
+    if hides:
+
+        def step(ray, going):
+            si = closest_hit(scene, ray, going, looks=looks, passes_veil=passes_veil)
+            going = going & si.is_valid()
+            number = dr.reinterpret_array(mi.UInt32, si.shape)
+            going &= dr.gather(mi.Bool, scene.hidden, number, going)
+            return dr.select(going, spawn_straight(scene, si, ray), ray), going
+
+        ray, _ = dr.while_loop(
+            state=(mi.Ray3f(ray), mi.Bool(active)),
+            cond=lambda ray, going: going,
+            body=step,
+            labels=("ray", "going"),
+        )
+    return closest_hit(scene, ray, active, coherent=coherent, looks=looks, passes_veil=passes_veil)
 
 
 def transmittance(scene, origin, target, active, polar=None):

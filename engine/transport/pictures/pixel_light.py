@@ -212,7 +212,7 @@ class PixelLight:
         si, is_matt = self._first(ray)
         is_dark = self.scene.emitter(si, is_matt) == None  # noqa: E711 - element-wise
         goes_on = sees(ray) & ~(is_matt & is_dark)
-        if self.scene.surroundings is None:
+        if self.scene.surroundings is None and self.scene.backdrop is None:
             goes_on &= si.is_valid()
         # At the full width of the launch, also where nothing depends on the ray.
         goes_on &= mi.Float(sample) >= 0.0

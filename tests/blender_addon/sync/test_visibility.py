@@ -224,10 +224,10 @@ def test_linked_lights_and_shadows_are_errors_that_name_the_light(box, kind, wor
     assert {row.datablock for row in rows(converted_scene(), "error")} == {light.name, "Plane"}
 
 
-def test_holdouts_catchers_hair_shadowless_lights_and_motion_blur_are_told(box):
+def test_catchers_hair_shadowless_lights_and_motion_blur_are_told(box):
     assert rows(converted_scene(), "error", "warning") == []
     plane = add_plane()
-    plane.is_holdout = plane.is_shadow_catcher = True
+    plane.is_shadow_catcher = True
     plane.modifiers.new("Fur", "PARTICLE_SYSTEM")
     settings = plane.particle_systems[0].settings
     settings.type, settings.render_type, settings.count = "HAIR", "PATH", 4
@@ -240,7 +240,6 @@ def test_holdouts_catchers_hair_shadowless_lights_and_motion_blur_are_told(box):
     }
     scene = bpy.context.scene.name
     assert told == {
-        ("warning", "Plane", "the object is a holdout"),
         ("warning", "Plane", "the object is a shadow catcher"),
         ("error", "Plane", f"hair of the particle system '{plane.particle_systems[0].name}'"),
         ("error", light.name, "the light casts no shadows in Blender"),
@@ -256,13 +255,18 @@ def test_a_world_that_lights_in_part_is_told_and_one_that_does_not_is_black(box)
     assert any(hasattr(item, "ground_reflectance") for item in converted_scene().delta.changed)
     rays.camera = rays.glossy = False
     made = converted_scene()
-    assert any(hasattr(item, "ground_reflectance") for item in made.delta.changed)
+    (sky,) = (item for item in made.delta.changed if hasattr(item, "ground_reflectance"))
+    assert sky.seen.luminance == 0.0
     assert [row.message for row in rows(made, "error")] == [
         "the world does not light by glossy rays"
     ]
-    assert len(rows(made, "warning")) == 1
+    assert rows(made, "warning") == []
     rays.diffuse = rays.transmission = False
     assert not any(hasattr(item, "ground_reflectance") for item in converted_scene().delta.changed)
+    rays.camera = True
+    (dark,) = (item for item in converted_scene().delta.changed if item.id.startswith("world"))
+    assert dark.luminance == 0.0
+    assert dark.seen.illuminance == world.lumenray.sky.illuminance
 
 
 @pytest.mark.mitsuba

@@ -232,9 +232,15 @@ def test_what_the_camera_alone_sees_is_no_light_and_told():
     made, messages = converted()
     assert isinstance(made, UniformWorld)
     assert made.luminance == pytest.approx(0.6 * bpy.context.scene.lumenray.efficacy, rel=1e-6)
-    assert messages == ["the camera sees another world in Blender than what lights surfaces"]
+    assert made.seen.spectrum.red == 1.0
+    assert made.seen.luminance == pytest.approx(
+        0.2126 * bpy.context.scene.lumenray.efficacy, rel=1e-3
+    )
+    assert messages == ["the camera sees another world than what lights surfaces"]
     world.tree.nodes["Background"].inputs["Color"].default_value = (0.6, 0.6, 0.6, 1.0)
-    assert converted()[1] == []
+    made, messages = converted()
+    assert made.seen is None
+    assert messages == []
 
 
 def test_a_picture_with_a_backdrop_for_the_camera_stays_as_it_is():

@@ -1,0 +1,19 @@
+"""Features that are said and left out on purpose, each with the reason: their differences do not count."""
+
+REASONS = {
+    "Light, temperature": "light and paint are spectra; three numbers do not tell how much of one the other reflects",
+    "Light, negative": "no light takes light away, and lux less than none are no answer",
+    "Light, no bounces": "light that ends at the first surface breaks the balance of energy that every lux stands on",
+    "Light, no shadow": "what shades a light shades it in every lux map; a light that passes walls has none",
+    "Light, diffuse off": "a surface answers a light with all of its model, by one measured reflectance",
+    "Light, constant falloff": "the inverse-square law is what a luminous intensity means",
+    "Light linking": "light falls on all that it reaches; a room that is lit for some objects alone has no lux",
+    "Shadow linking": "what stands in the light shades it; a room that is shaded by some objects alone has no lux",
+    "Point, soft falloff 0.5": "a disk that faces every point is no body; the ball has the same intensity",
+    "World, not for diffuse rays": "a surface answers the sky with all of its model, by one measured reflectance",
+    "Object, not for diffuse rays": "an object that some light meets and other does not has no balance of energy",
+    "Object, not for glossy rays": "an object that some light meets and other does not has no balance of energy",
+    "Object, no shadow": "light that passes an object and is reflected by it would be there twice",
+    "Object, shadow catcher": "it is made for pictures on photographs, by dividing by a picture without the objects",
+}
+"""Why, by the features' keys."""
