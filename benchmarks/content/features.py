@@ -716,6 +716,66 @@ _note("Camera and film", "Motion blur, object", _moving("object"))
 _note("Camera and film", "Motion blur, camera", _moving("camera"))
 
 
+def _blurred(move, **settings):
+    """A studio in which something moves meanwhile; ``move(stage, ball)`` returns what, its data path and ends."""
+
+    def build(stage):
+        ball = stage.studio()
+        owner, path, ends = move(stage, ball)
+        for frame, value in zip((0, 2), ends, strict=True):
+            setattr(owner, path, value)
+            owner.keyframe_insert(path, frame=frame)
+        stage.scene.frame_set(1)
+        stage.scene.render.use_motion_blur = True
+        stage.scene.render.motion_blur_shutter = 1.0
+        _of_scene(**settings)(stage.scene)
+
+    return build
+
+
+def _pushed(_stage, ball):
+    return ball, "location", ((-0.8, 0.0, 0.8), (0.8, 0.0, 0.8))
+
+
+def _kept_sharp(stage, ball):
+    ball.cycles.use_motion_blur = False
+    return _pushed(stage, ball)
+
+
+def _squeezed(_stage, ball):
+    ball.shape_key_add(name="Basis")
+    key = ball.shape_key_add(name="Wide")
+    for point in key.data:
+        point.co.x *= 1.8
+    return key, "value", (0.0, 1.0)
+
+
+def _lamp_pushed(_stage, _ball):
+    lamp = bpy.data.objects["Light"]
+    return lamp, "location", ((-1.5, -1.5, 3.5), (3.5, -1.5, 3.5))
+
+
+for _key, (_move, _settings) in {
+    "Motion blur, from the frame on": (_pushed, {"render__motion_blur_position": "START"}),
+    "Motion blur, up to the frame": (_pushed, {"render__motion_blur_position": "END"}),
+    "Motion blur, object kept sharp": (_kept_sharp, {"render__motion_blur_position": "START"}),
+    "Motion blur, shape": (_squeezed, {}),
+    "Motion blur, light": (_lamp_pushed, {"render__motion_blur_position": "START"}),
+    "Motion blur, rolling shutter": (_pushed, {"cycles__rolling_shutter_type": "TOP"}),
+}.items():
+    _note("Camera and film", _key, _blurred(_move, **_settings))
+
+
+@_feature("Camera and film", "Motion blur, shutter curve")
+def _opened_slowly(stage):
+    _blurred(_pushed)(stage)
+    points = stage.scene.render.motion_blur_shutter_curve.curves[0].points
+    points[0].location, points[1].location = (0.0, 0.0), (1.0, 1.0)
+    for point in points:
+        point.handle_type = "VECTOR"
+    stage.scene.render.motion_blur_shutter_curve.update()
+
+
 # ---- view layers ----
 
 

@@ -79,6 +79,14 @@ def is_rendered(instance, unrendered: set[int]) -> bool:
     return is_within or top.original.session_uid not in unrendered
 
 
+def is_blurred(source, instance, setting: str = "use_motion_blur") -> bool:
+    """Whether an instance, and what makes it, is blurred where it moves; ``use_deform_motion``: where its shape does."""
+    owners = [source, instance.parent] if instance.is_instance else [source]
+    # Settings of Cycles are there with its add-on alone.
+    settings = (getattr(owner, "cycles", None) for owner in owners if owner is not None)
+    return all(getattr(each, setting, True) for each in settings)
+
+
 def tell_visibility(found: Visibility, name: str, report) -> None:
     """Note what of an object's visibility is not Blender's."""
     if not found.light:

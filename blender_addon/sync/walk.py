@@ -16,7 +16,7 @@ from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
-from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
+from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
@@ -25,6 +25,7 @@ from .tags import Tags
 from .visibility import (
     NO_ID,
     find_unrendered,
+    is_blurred,
     is_dark_world,
     is_rendered,
     tell_departures,
@@ -41,8 +42,10 @@ UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
 class Walk:
     """One pass over the instances."""
 
-    def __init__(self, sent: Sent, final: bool, depsgraph, visible, tags: Tags):
-        self.sent, self.final = sent, final
+    def __init__(
+        self, sent: Sent, final: bool, depsgraph, visible, tags: Tags, is_moment: bool = False
+    ):
+        self.sent, self.final, self.is_moment = sent, final, is_moment
         self.depsgraph, self.visible, self.tags = depsgraph, visible, tags
         self.scene, self.layer = depsgraph.scene, depsgraph.view_layer
         self.changed: list[Placement | Light] = []
@@ -83,8 +86,8 @@ class Walk:
         lights = (shown.shading for shown in sent.shown.values() if shown.shading)
         return sent.materials.dependencies() | sent.world.shading.union(*lights)
 
-    def report(self) -> ConversionReport:
-        """Return the rows of everything that is shown."""
+    def report(self, is_blurred: bool = False) -> ConversionReport:
+        """Return the rows of everything that is shown. ``is_blurred``: as of `SceneSync`."""
         sent, whole = self.sent, ConversionReport()
         reports, is_lit = sent.materials.tell(self._used_materials())
         for shown in sent.shown.values():
@@ -96,6 +99,7 @@ class Walk:
         for part in reports:
             whole.include(part)
         tell(SCENE, self.scene, self.scene.name, whole)
+        tell(SHUTTER if is_blurred else STILL, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
         if not is_lit and not sent.world.digest:
             whole.warn(self.scene.name, "the scene has no light", "everything is black")
@@ -141,6 +145,8 @@ class Walk:
                 shown = shown_before[key] = Shown(session_uid, key == session_uid)
                 is_touched = True
             shown.walk = number
+            if self.is_moment and shown.matrix and not is_blurred(source, instance):
+                continue
             matrix = matrices[64 * row : 64 * row + 64]
             if (
                 is_touched
@@ -219,7 +225,7 @@ class Walk:
 
     def _convert_mesh(self, shown, instance, source, original) -> None:
         layer = self.layer
-        geometry = self._geometry(instance, source, original) if layer.use_solid else None
+        geometry = self._geometry(shown, instance, source, original) if layer.use_solid else None
         if geometry is None:
             self._place(shown, None)
             return
@@ -255,8 +261,14 @@ class Walk:
         material = self.sent.materials.use_portal()
         self._place(shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0))
 
-    def _geometry(self, instance, source, original) -> str | None:
+    def _geometry(self, shown, instance, source, original) -> str | None:
         """Id of the geometry that an instance shows; objects that show the same data share it."""
+        if (
+            self.is_moment
+            and isinstance(shown.item, Placement)
+            and not is_blurred(source, instance, "use_deform_motion")
+        ):
+            return shown.item.geometry
         take, owner = self.sent.geometries.take, original.session_uid
         if original.type != "MESH" or (
             instance.is_instance and source.data.as_pointer() != self._data_of(original)
