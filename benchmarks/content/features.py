@@ -368,12 +368,30 @@ _note("Volumes", "Volume, scatter", _volume("VolumeScatter", Density=1.0), True)
 _note("Volumes", "Volume, principled", _volume("VolumePrincipled", Density=1.0), True)
 
 
-@_feature("Volumes", "Glass with absorption", True)
-def _absorbing_glass(stage):
-    tree = stage.material()
-    tree.show(tree.add("BsdfGlass", Roughness=0.0))
-    tree.show(tree.add("VolumeAbsorption", Color=(0.3, 0.8, 0.5, 1.0), Density=1.0), "Volume")
-    stage.studio(tree.owner)
+def _absorbing(kind, density, **values):
+    def build(stage):
+        tree = stage.material()
+        tree.show(tree.add(kind, **values))
+        absorbs = {"Color": (0.3, 0.8, 0.5, 1.0), "Density": density}
+        tree.show(tree.add("VolumeAbsorption", **absorbs), "Volume")
+        stage.studio(tree.owner)
+
+    return build
+
+
+for _key, _build in {
+    "Glass with absorption": _absorbing("BsdfGlass", 1.0, Roughness=0.0),
+    "Glass with much absorption": _absorbing("BsdfGlass", 5.0, Roughness=0.0),
+    "Rough glass with absorption": _absorbing("BsdfGlass", 1.0, Roughness=0.3),
+    "Principled glass with absorption": _absorbing(
+        "BsdfPrincipled",
+        1.0,
+        Base_Color=(1.0, 1.0, 1.0, 1.0),
+        Transmission_Weight=1.0,
+        Roughness=0.0,
+    ),
+}.items():
+    _note("Volumes", _key, _build)
 
 
 # ---- lights ----

@@ -19,6 +19,7 @@ from ..spectra import light_spectrum
 from .closures import Closure
 from .overrides import convert_override
 from .shaders import convert_shader
+from .volumes import with_volume
 
 _logger = logging.getLogger(__name__)
 
@@ -41,6 +42,7 @@ def convert_material(
     efficacy: float,
     images: ImageCache | None = None,
     is_patient: bool = True,
+    scale: float = 1.0,
 ) -> Material:
     """Convert a Blender material.
 
@@ -52,6 +54,7 @@ def convert_material(
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
+    scale : float    Metres per Blender unit.
 
     Returns
     -------
@@ -65,7 +68,7 @@ def convert_material(
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
     try:
-        closure = _convert_tree(material, report, images)
+        closure = _convert_tree(material, report, images, scale)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -101,7 +104,7 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, report, images) -> Closure:
+def _convert_tree(material, report, images, scale) -> Closure:
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
@@ -113,13 +116,15 @@ def _convert_tree(material, report, images) -> Closure:
     is_volume = output.inputs["Volume"].is_linked
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
-    if is_volume:
-        report.error(material.name, "A volume is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
+            report.error(material.name, "A volume is not supported", "it is left out", output.name)
             return Closure(Transparent())
         report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
-    return convert_shader(output.inputs["Surface"], context)
+    closure = convert_shader(output.inputs["Surface"], context)
+    if is_volume:
+        closure = replace(closure, surface=with_volume(closure.surface, output, context, scale))
+    return closure
 
 
 def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:

@@ -39,10 +39,14 @@ class MaterialTable:
     images : ImageCache    What was read of images before.
     pictures : PictureTable    What the engine has of them.
     is_patient : bool    Whether to wait for scattering files that are being read.
+
+    Attributes
+    ----------
+    efficacy, scale : float    As of `convert_material`.
     """
 
     def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
-        self.efficacy = 0.0
+        self.efficacy, self.scale = 0.0, 1.0
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
@@ -137,6 +141,7 @@ class MaterialTable:
             self.efficacy,
             self._images,
             self._is_patient,
+            self.scale,
         )
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)

@@ -36,7 +36,7 @@ def test_output_without_surface_is_black_and_reported(tree, convert):
 
 
 def test_volume_and_displacement_are_reported(tree, convert):
-    material = tree.surface(tree.add("BsdfDiffuse"))
+    material = tree.surface(tree.add("BsdfTransparent"))
     output = material.node_tree.get_output_node("CYCLES")
     links = material.node_tree.links
     links.new(tree.add("VolumeAbsorption").outputs[0], output.inputs["Volume"])
