@@ -625,18 +625,80 @@ def _meta(stage):
     stage.link("Meta", data, location=(-1.2, -1.0, 0.5), scale=(0.5, 0.5, 0.5))
 
 
-@_feature("Objects", "Hair curves")
-def _hair(stage):
-    stage.studio()
-    data = bpy.data.hair_curves.new("Hair")
-    data.add_curves([4] * 60)
-    random = np.random.default_rng(2)
-    roots = random.uniform(-1.0, 1.0, (60, 2))
-    points = [(x, y - 1.0, 0.3 * k) for x, y in roots for k in range(4)]
-    data.attributes["position"].data.foreach_set("vector", np.array(points, np.float32).ravel())
-    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.02] * 240)
-    data.materials.append(stage.paint((0.5, 0.3, 0.1)))
-    stage.link("Hair", data)
+def _curves(shape="RIBBONS", count=60, radius=0.02, is_bent=False):
+    def build(stage):
+        stage.studio()
+        stage.scene.cycles_curves.shape = shape
+        data = bpy.data.hair_curves.new("Hair")
+        data.add_curves([4] * count)
+        random = np.random.default_rng(2)
+        roots = random.uniform(-1.0, 1.0, (count, 2))
+        bend = 0.15 if is_bent else 0.0
+        points = [(x + bend * k * k, y - 1.0, 0.3 * k) for x, y in roots for k in range(4)]
+        places = np.array(points, np.float32).ravel()
+        data.attributes["position"].data.foreach_set("vector", places)
+        if radius:
+            values = data.attributes.new("radius", "FLOAT", "POINT").data
+            values.foreach_set("value", [radius] * 4 * count)
+        data.materials.append(stage.paint((0.5, 0.3, 0.1)))
+        stage.link("Hair", data)
+
+    return build
+
+
+def _fur(**settings):
+    def build(stage):
+        ball = stage.studio()
+        ball.modifiers.new("Fur", "PARTICLE_SYSTEM")
+        made = ball.particle_systems[0].settings
+        made.type, made.count, made.hair_length, made.material = "HAIR", 300, 0.4, 1
+        made.root_radius, made.radius_scale, made.render_step = 1.0, 0.03, 3
+        for key, value in settings.items():
+            setattr(made, key, value)
+
+    return build
+
+
+def _points(radius=0.06):
+    def build(stage):
+        stage.studio()
+        random = np.random.default_rng(2)
+        corners = random.uniform((-1.5, -2.0, 0.1), (1.5, 0.0, 1.2), (200, 3))
+        item = stage.mesh("Points", corners.tolist(), [])
+        tree = bpy.data.node_groups.new("Points", "GeometryNodeTree")
+        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        kinds = ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput")
+        first, made, last = (tree.nodes.new(kind) for kind in kinds)
+        made.inputs["Radius"].default_value = radius
+        paint = tree.nodes.new("GeometryNodeSetMaterial")
+        paint.inputs["Material"].default_value = stage.paint((0.2, 0.3, 0.7))
+        for before, after in ((first, made), (made, paint), (paint, last)):
+            tree.links.new(before.outputs[0], after.inputs[0])
+        item.modifiers.new("Points", "NODES").node_group = tree
+
+    return build
+
+
+for _key, _build in {
+    "Hair curves": _curves(),
+    "Hair curves, 3D": _curves("THICK"),
+    "Hair curves, thick": _curves("THICK", 30, 0.08),
+    "Hair curves, many and thin": _curves("THICK", 3000, 0.003),
+    "Hair curves, without radii": _curves(radius=0.0, count=600),
+    "Hair curves, bent": _curves("THICK", is_bent=True),
+    "Hair curves, linear": _curves("THICK_LINEAR", is_bent=True),
+    "Particle hair": _fur(),
+    "Particle hair, shape": _fur(shape=-0.5, tip_radius=0.5, use_close_tip=False),
+    "Particle hair, children": _fur(
+        count=60, child_type="INTERPOLATED", rendered_child_count=8, child_percent=8
+    ),
+    "Particle hair, simple children": _fur(
+        count=60, child_type="SIMPLE", rendered_child_count=8, child_percent=8
+    ),
+    "Points": _points(),
+}.items():
+    _note("Objects", _key, _build)
 
 
 @_feature("Objects", "Keyframed colour, frame 10")

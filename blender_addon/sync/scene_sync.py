@@ -66,6 +66,7 @@ class SceneSync:
             shown.name: shown.key
             for shown in self._sent.shown.values()
             if shown.is_own
+            and shown.is_mapped
             and isinstance(shown.item, Placement)
             and shown.item.geometry != GEOMETRY
         }

@@ -119,10 +119,6 @@ def tell_departures(source, name: str, report, view_layer=None) -> None:
         report.warn(name, "the object is a holdout", "the picture shows it as it is")
     if original.is_shadow_catcher:
         report.warn(name, "the object is a shadow catcher", "it is an ordinary object")
-    for system in original.particle_systems:
-        settings = system.settings
-        if settings.type == "HAIR" and settings.render_type == "PATH":
-            report.error(name, f"hair of the particle system '{system.name}'", "it is left out")
 
 
 def tell_linking(source, name: str, report) -> None:

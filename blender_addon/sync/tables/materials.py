@@ -27,6 +27,7 @@ class _Entry:
     is_stale: bool = True
     digest: bytes = b""
     is_luminous: bool = False
+    has_pictures: bool = False
     dependencies: frozenset[int] = frozenset()
     report: ConversionReport = field(default_factory=ConversionReport)
 
@@ -119,6 +120,10 @@ class MaterialTable:
         """Whether one of the materials with these ids glows."""
         return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
 
+    def has_pictures(self, keys) -> bool:
+        """Whether one of the materials with these ids varies over the surface."""
+        return any(entry.has_pictures for entry in self._entries.values() if entry.key in keys)
+
     def luminous(self) -> list[tuple[str, str]]:
         """Return ids and names of the materials that glow."""
         return [(entry.key, entry.name) for entry in self._entries.values() if entry.is_luminous]
@@ -146,6 +151,9 @@ class MaterialTable:
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
+        entry.has_pictures = bool(made.surface.pictures)
+        if made.emission is not None:
+            entry.has_pictures |= made.emission.pattern is not None
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest = digest
