@@ -228,7 +228,8 @@ class Walk:
             self._convert_light(shown, instance, source, original)
         else:
             shown.report = ConversionReport()
-            shown.report.error(shown.name, f"objects of type {kind} are not converted", "left out")
+            note = shown.report.medium if kind == "VOLUME" else shown.report.error
+            note(shown.name, f"objects of type {kind} are not converted", "left out")
             self._place(shown, None)
 
     def _convert_hair(self, shown, instance, source, original) -> None:

@@ -118,8 +118,8 @@ def _convert_tree(material, report, images, scale) -> Closure:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
-            report.error(material.name, "A volume is not supported", "it is left out", output.name)
-            return Closure(Transparent())
+            surface = with_volume(Transparent(), output, context, scale)
+            return Closure(surface)
         report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
     closure = convert_shader(output.inputs["Surface"], context)
     if is_volume:

@@ -35,10 +35,11 @@ def with_volume(surface: Surface | None, output, context, scale: float) -> Surfa
     if surface is None or surface.is_opaque:
         # No light gets in.
         return surface
-    if not _is_solid(surface):
-        context.add(Severity.ERROR, output.name, "A volume is not supported", LEFT_OUT)
-        return surface
     body = _convert(output, context, scale)
+    if body is not None and not _is_solid(surface):
+        message = "Absorption is computed within solids of glass alone"
+        context.add(Severity.ERROR, output.name, message, LEFT_OUT)
+        return surface
     return surface if body is None else _filled(surface, body)
 
 
@@ -65,7 +66,7 @@ def _convert(output, context, scale: float) -> Body | None:
     node = origin.socket.node
     at = Inputs(node, origin.socket, context, origin.groups)
     if node.bl_idname not in _ABSORPTIONS:
-        at.fail("Only absorption is computed within solids, not scattering or emission", LEFT_OUT)
+        _tell_medium(at)
         return None
     absorption = _ABSORPTIONS[node.bl_idname](at)
     if absorption is None:
@@ -76,6 +77,11 @@ def _convert(output, context, scale: float) -> Body | None:
     if not largest > 0.0:
         return None
     return Body(as_colour(constant(*np.exp(-absorption / largest))), 1.0 / largest)
+
+
+def _tell_medium(at) -> None:
+    message = "A volume that scatters or emits light is not supported"
+    at.context.report.medium(at.context.datablock, message, LEFT_OUT, at.node.name)
 
 
 def _colour_of(at, name: str) -> np.ndarray:
@@ -92,7 +98,7 @@ def _absorption(at) -> np.ndarray:
 
 def _coefficients(at) -> np.ndarray | None:
     if _scatters(at, "Scatter Coefficients") or _scatters(at, "Emission Coefficients"):
-        at.fail("Only absorption is computed within solids, not scattering or emission", LEFT_OUT)
+        _tell_medium(at)
         return None
     return _colour_of(at, "Absorption Coefficients")
 

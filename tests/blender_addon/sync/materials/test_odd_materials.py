@@ -42,7 +42,7 @@ def test_volume_and_displacement_are_reported(tree, convert):
     links.new(tree.add("VolumeAbsorption").outputs[0], output.inputs["Volume"])
     links.new(tree.add("Displacement").outputs[0], output.inputs["Displacement"])
     _, rows = convert(material)
-    assert "volume" in messages_of(rows)
+    assert "Absorption" in messages_of(rows)
     assert "Displacement" in messages_of(rows)
 
 

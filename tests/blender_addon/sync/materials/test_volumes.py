@@ -4,8 +4,12 @@ import bpy
 import numpy as np
 import pytest
 from conversion import converted_scene, rgb_of
+from lumenray.blender_addon.assumptions import refuse_media
+from lumenray.blender_addon.foundation.report import ConversionReport
+from lumenray.blender_addon.sync.materials.materials import convert_material
+from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.material import Dielectric, Material
-from material_trees import new_tree
+from material_trees import EFFICACY, new_tree
 
 pytestmark = pytest.mark.blender
 
@@ -59,20 +63,47 @@ def test_light_does_not_get_into_opaque_bodies(tree, convert):
     assert rows == []
 
 
-def test_half_transmission_scattering_and_transparent_boundaries_are_told(tree, convert):
-    for make, said in (
-        (
-            lambda t: (t.add("BsdfPrincipled", Transmission_Weight=0.5), absorption(t)),
-            "not supported",
-        ),
-        (lambda t: (t.add("BsdfTransparent"), absorption(t)), "not supported"),
-        (lambda t: (t.add("BsdfGlass", **GLASS), t.add("VolumeScatter")), "Only absorption"),
-        (lambda t: (t.add("BsdfGlass", **GLASS), t.add("VolumePrincipled")), "Only absorption"),
-        (lambda t: (t.add("BsdfGlass", **GLASS), t.add("VolumeCoefficients")), "Only absorption"),
+def test_absorption_within_other_surfaces_is_told(tree, convert):
+    for make in (
+        lambda t: t.add("BsdfPrincipled", Transmission_Weight=0.5),
+        lambda t: t.add("BsdfTransparent"),
     ):
         fresh = new_tree()
-        _, rows = convert(filled(fresh, *make(fresh)))
-        assert [row["severity"] for row in rows if said in row["message"]] == ["error"]
+        _, rows = convert(filled(fresh, make(fresh), absorption(fresh)))
+        assert [row["severity"] for row in rows if "Absorption" in row["message"]] == ["error"]
+
+
+@pytest.mark.parametrize("kind", ["VolumeScatter", "VolumePrincipled", "VolumeCoefficients"])
+@pytest.mark.parametrize("shader", ["BsdfGlass", "BsdfTransparent"])
+def test_scattering_volumes_are_told_and_refused_where_illuminance_is_asked_for(kind, shader):
+    tree = new_tree()
+    report = ConversionReport()
+    material = filled(tree, tree.add(shader), tree.add(kind))
+    convert_material(material, "key", report, EFFICACY)
+    (row,) = [row for row, _ in report.rows if row.is_medium]
+    assert row.severity.value == "error"
+    assert "scatters or emits" in row.message
+    with pytest.raises(SceneError, match="illuminance cannot be computed beside such a volume"):
+        refuse_media(report)
+
+
+def test_volumes_of_worlds_and_volume_objects_are_refused_too():
+    world = bpy.data.worlds.new("World")
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    bpy.context.scene.world = world
+    nodes = world.node_tree.nodes
+    output = nodes.get("World Output") or nodes.new("ShaderNodeOutputWorld")
+    scatter = nodes.new("ShaderNodeVolumeScatter")
+    world.node_tree.links.new(scatter.outputs[0], output.inputs["Volume"])
+    with pytest.raises(SceneError, match="the world has a volume"):
+        refuse_media(converted_scene().report)
+    bpy.context.scene.world = None
+    refuse_media(converted_scene().report)
+    smoke = bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke"))
+    bpy.context.scene.collection.objects.link(smoke)
+    with pytest.raises(SceneError, match="Smoke"):
+        refuse_media(converted_scene().report)
 
 
 def test_depths_are_metres_in_scenes_of_other_units():
