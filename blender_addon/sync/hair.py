@@ -79,6 +79,8 @@ def _radii(settings, points: np.ndarray) -> np.ndarray:
 def read_curves(source, geometry_id: str, is_smooth: bool = True) -> tuple[Geometry | None, str]:
     """Read evaluated curves, as `read_hair`. ``is_smooth``: whether they run smoothly through their points."""
     data = source.data
+    if not len(data.curves):
+        return None, ""
     points = _vectors(data)
     ends = np.empty(len(data.curves) + 1, np.int32)
     data.curve_offset_data.foreach_get("value", ends)

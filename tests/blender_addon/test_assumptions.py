@@ -306,11 +306,11 @@ def frame(tmp_path, monkeypatch):
 
 @pytest.mark.mitsuba
 def test_a_render_without_a_window_prints_the_conversion_report(box, frame, capfd):
-    hair = bpy.data.objects.new("Fur", bpy.data.hair_curves.new("Fur"))
-    bpy.context.scene.collection.objects.link(hair)
+    smoke = bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke"))
+    bpy.context.scene.collection.objects.link(smoke)
     frame()
     said = capfd.readouterr()
-    assert "Fur" in said.out
+    assert "Smoke" in said.out
     assert "Traceback" not in said.err
 
 

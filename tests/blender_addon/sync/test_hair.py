@@ -194,3 +194,12 @@ def test_pictures_on_strands_are_told():
     tree.links.new(texture.outputs["Color"], tree.nodes["Diffuse BSDF"].inputs["Color"])
     (row,) = [row for row in errors(converted_scene()) if "no UV maps" in row.message]
     assert row.datablock == "Hair"
+
+
+def test_empty_curves_and_clouds_show_nothing():
+    for data in (bpy.data.hair_curves.new("Bald"), bpy.data.pointclouds.new("None")):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(data.name, data))
+    add_fur(count=0)
+    made = converted_scene()
+    assert [placement.name for placement in items(made, Placement)] == ["Field"]
+    assert errors(made) == []
