@@ -130,12 +130,12 @@ class Walk:
         sent.last_visit = self.number
         touched = tags.objects | tags.geometry | tags.shading
         is_all = self.is_rescaled or self.is_rerated or self.is_refiltered
-        shown_before, number = sent.shown, self.number
+        shown_before, number, shows_hair = sent.shown, self.number, self.layer.use_strand
         matrices = _read_matrices(self.depsgraph.object_instances)
         if self.final:
             self._unrendered = find_unrendered(self.layer)
         for row, instance in enumerate(self.depsgraph.object_instances):
-            has_hair = instance.show_particles and self.layer.use_strand
+            has_hair = shows_hair and instance.show_particles
             if not (instance.show_self or has_hair) or not self._is_visible(instance):
                 continue
             source = instance.object
