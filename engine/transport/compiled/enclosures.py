@@ -14,6 +14,9 @@ RAYS = 1 << 12
 
 SEED = 0x5EED
 
+OF_EACH = 16
+"""Places of each other thing that are looked at."""
+
 BEYOND = 1e-3
 """How far behind what a ray has met has still to be inside, relative to the body: others may stand at its boundary. [-]"""
 
@@ -34,20 +37,46 @@ def find_enclosed(scene) -> Iterator[str]:
             absorbing.add(key)
     names = {part.number: key for key, parts in bodies.items() for part in parts}
     for key in sorted(absorbing):
-        triangles = np.concatenate([scene.triangles(part) for part in bodies[key]])
-        inside = _met_within(scene, triangles.astype(np.float64), {p.number for p in bodies[key]})
-        others = {scene.object_name(names[each]) if each in names else "" for each in inside}
-        for light in scene.compiled_lights():
-            place = np.asarray(light.source.centre, np.float64)[None]
-            if _turns(triangles.astype(np.float64), place)[0] > WINDING:
-                others.add(light.item.name)
-        if others - {""}:
-            first, *rest = sorted(others - {""})
+        triangles = np.concatenate([scene.triangles(part) for part in bodies[key]]).astype(float)
+        corners = triangles.reshape(-1, 3)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        margin = BEYOND * float((high - low).max())
+        low, high = low + margin, high - margin
+        lamps = [
+            light
+            for light in scene.compiled_lights()
+            if _overlap(*_reach_of(light.source), low, high)
+        ]
+        near = any(
+            other != key and _overlap(*scene.object_bounds(other), low, high) for other in bodies
+        )
+        if not near and not lamps:
+            continue
+        numbers = _met_within(scene, triangles, {part.number for part in bodies[key]})
+        others = {scene.object_name(names[each]) for each in numbers if each in names}
+        places = np.array([light.source.centre for light in lamps], float).reshape(-1, 3)
+        is_within = _turns(triangles, places) > WINDING
+        others |= {
+            light.item.name for light, inside in zip(lamps, is_within, strict=True) if inside
+        }
+        if others:
+            first, *rest = sorted(others)
             more = f" and {len(rest)} more" if rest else ""
             yield (
                 f"'{first}'{more} lies within '{scene.object_name(key)}', which absorbs light: what light loses between "
                 "the two is counted on its ways to the boundary alone"
             )
+
+
+def _reach_of(source) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of a lamp. (3,), (3,) [m]"""
+    centre = np.asarray(source.centre, float)
+    return centre - source.radius, centre + source.radius
+
+
+def _overlap(low, high, other_low, other_high) -> bool:
+    """Whether two boxes have something in common."""
+    return bool((np.maximum(low, other_low) <= np.minimum(high, other_high)).all())
 
 
 def _met_within(scene, triangles: np.ndarray, own: set[int]) -> set[int]:
@@ -77,11 +106,19 @@ def _met_within(scene, triangles: np.ndarray, own: set[int]) -> set[int]:
         hit = layer.ray_intersect_preliminary(ray, mi.Bool(False), mi.Bool(True))
         number = dr.reinterpret_array(mi.UInt32, hit.shape).numpy()
         way, is_met = hit.t.numpy().astype(np.float64), hit.is_valid().numpy()
-        foreign = np.flatnonzero(is_met & ~np.isin(number, list(own)))
+        foreign = _some_of_each(np.flatnonzero(is_met & ~np.isin(number, list(own))), number)
         place = start[foreign] + (way[foreign, None] + BEYOND * size) * direction[foreign]
         is_within = _turns(triangles, place) > WINDING
         found |= set(number[foreign[is_within]].tolist())
     return found
+
+
+def _some_of_each(rows: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """Return the first few of the rows that met each shape."""
+    order = rows[np.argsort(number[rows], kind="stable")]
+    _, first, count = np.unique(number[order], return_index=True, return_counts=True)
+    place = np.arange(len(order)) - np.repeat(first, count)
+    return order[place < OF_EACH]
 
 
 def _turns(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
