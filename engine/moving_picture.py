@@ -222,7 +222,7 @@ class _Rounds:
         )
         made = self.render(time, own, self._follow(samples))
         self.moments += 1
-        self.samples += samples
+        self.samples += made.provenance.samples
         self.shown = self.shown + made.tristimulus
         self.of_groups.update({group.name: group.samples for group in made.groups})
         self.hashes.update(made.provenance.scene_hash.encode())

@@ -25,7 +25,8 @@ def shutter_of(scene, view_layer) -> Shutter | None:
     if not is_on or render.motion_blur_shutter <= 0.0:
         return None
     length = render.motion_blur_shutter
-    frame = scene.frame_current_final
+    # As frames are set: before Blender remaps the time.
+    frame = scene.frame_current + scene.frame_subframe
     begin = frame + OPENS[render.motion_blur_position] * length
     return Shutter(frame, begin, length, _opening(render.motion_blur_shutter_curve))
 

@@ -117,6 +117,34 @@ def test_an_error_is_reached_in_rounds_of_new_moments():
     assert len(set(render.times)) == len(render.times) > 64
 
 
+def test_time_ends_rounds_of_as_many_samples_as_it_allows(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("lumenray.engine.accuracy.stopping.read_clock", lambda: now[0])
+    of_moment = pictures()
+
+    def render(time, own, progress):
+        # Each moment has to be prepared, and each sample takes its time.
+        now[0] += 0.1 + 0.05 * own.rule.samples
+        return of_moment(time, own, progress)
+
+    made = render_moments(SHUTTER, settings(seconds=20.0), render)
+    assert 19.0 < now[0] < 26.0
+    assert made.provenance.samples > 150
+
+
+def test_a_picture_without_light_ends_once_it_is_known_to_be_dark():
+    of_moment = pictures(noise=0.0)
+
+    def render(time, own, progress):
+        made = of_moment(time, own, progress)
+        dark = replace(made, tristimulus=0.0 * made.tristimulus)
+        return replace(dark, provenance=replace(made.provenance, samples=1 << 12))
+
+    made = render_moments(SHUTTER, settings(error=0.01), render)
+    assert made.relative_error == 0.0
+    assert not made.tristimulus.any()
+
+
 def test_depth_normals_and_indices_are_of_the_middle():
     render = pictures()
     made = render_moments(SHUTTER, settings(samples=64), render)

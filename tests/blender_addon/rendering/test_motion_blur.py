@@ -206,6 +206,10 @@ def test_the_shutter_is_open_as_the_scene_says():
     made = shutter_of(scene, layer)
     assert (made.begin, made.end) == pytest.approx((6.8, 7.2))
     assert made.opening is None
+    # Frames are counted before their time is remapped.
+    scene.render.frame_map_old, scene.render.frame_map_new = 100, 50
+    assert shutter_of(scene, layer).middle == pytest.approx(7.0)
+    scene.render.frame_map_new = 100
     scene.render.motion_blur_position = "END"
     assert shutter_of(scene, layer).end == pytest.approx(7.0)
     scene.render.motion_blur_position = "CENTER"
