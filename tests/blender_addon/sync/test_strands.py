@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 from lumenray.blender_addon.sync import strands as made_of
 from lumenray.blender_addon.sync.strands import Strands, balls, smoothed, tubes, usable
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.scene.light import Output, Quantity, SunLight
+from lumenray.engine.scene.mesh import Mesh
+from small_scenes import paint, session_of
 
 RADIUS, LENGTH = 0.02, 1.5
 
@@ -112,3 +116,24 @@ def test_too_many_points_are_fewer_and_larger_and_told(monkeypatch):
     assert made.note.startswith("10 points are too many: one of 2")
     assert areas(made).sum() == pytest.approx(10 * 4.0 * np.pi * 0.01, rel=1e-5)
     assert balls(np.zeros((0, 3)), np.zeros(0)) is None
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("slant", [0.0, 0.7])
+def test_strands_shade_as_much_as_round_ones(slant):
+    """Parallel strands 0.1 apart under a sun let 1 - 2 r / d of its light through, d their distance across it."""
+    made = tubes(straight(41, direction=(0.0, 1.0, 0.0), points=2))
+    strands = Mesh(
+        "strands", "strands", made.vertices.astype(float), made.triangles, ("black",),
+        np.zeros(len(made.triangles), np.int32), corner_normals=made.corner_normals,
+    )  # fmt: skip
+    down = np.array([-np.sin(slant), 0.0, -np.cos(slant)])
+    light = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), down, 0.0)
+    session = session_of(strands, paint(0.0, "black"), light)
+    count = 4000
+    # Evenly over 20 of the distances, in the middle of all.
+    x = 1.0 + 2.0 * (np.arange(count) + 0.5) / count - 0.5 * np.tan(slant)
+    places = np.stack([x, np.full(count, 0.5 * LENGTH), np.full(count, -0.5)], axis=1)
+    made = session.measure(places, np.tile([0.0, 0.0, 1.0], (count, 1)), StopRule(samples=4))
+    share = made.illuminance.mean() / (1000.0 * np.cos(slant))
+    assert share == pytest.approx(1.0 - 2.0 * RADIUS / (0.1 * np.cos(slant)), abs=4e-3)
