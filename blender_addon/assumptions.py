@@ -53,6 +53,20 @@ def refuse_missing(report: ConversionReport, is_accepted: bool) -> None:
     )
 
 
+def refuse_media(report: ConversionReport) -> None:
+    """Refuse to compute illuminance in a scene with a volume that scatters light, or might.
+
+    Raises
+    ------
+    SceneError    Names the first of them.
+    """
+    media = [row for row, _ in report.rows if row.is_medium]
+    if media:
+        raise SceneError(
+            f"{media[0].text()}; illuminance cannot be computed beside such a volume: take it away or hide it"
+        )
+
+
 def lines_of(report: ConversionReport, notes=(), shortfall: str = "") -> list[str]:
     """Say in lines all that a reader of the numbers has to know, the worst first; notes that change little are left out."""
     return find_remarks(report.to_dicts(), notes, shortfall)

@@ -65,6 +65,7 @@ def run(options) -> int:
     check_free(options, options.output)
     sensors = read_sensors(options.sensors)
     settings, report, session = open_session(options)
+    assumptions.refuse_media(report)
     # As of lux maps, but never fewer.
     samples = max(settings.bake.samples, 1024)
     rule = rule_of(options, lambda: StopRule(samples=samples))

@@ -94,43 +94,83 @@ def run(options) -> int:
 
 def render_open(options, depsgraph) -> int:
     """Render the open file and write picture, preview and report; return the exit code."""
-    from ..blender_addon.sync.scene import convert_scene
+    from ..blender_addon.rendering.shutter import shutter_of
     from ..engine.analysis.false_colour import write_display
     from ..engine.formats.report import write_json
-    from ..engine.session import Session
 
     scene = depsgraph.scene
     if options.size:
         scene.render.resolution_x, scene.render.resolution_y = options.size
         scene.render.resolution_percentage = 100
-    converted = convert_scene(depsgraph)
-    if converted.camera is None:
+    shutter = shutter_of(scene, depsgraph.view_layer)
+    feed, camera, conversion = _convert(depsgraph, shutter)
+    if camera is None:
         raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
-    assumptions.refuse_missing(converted.report, options.accept_missing)
+    assumptions.refuse_missing(conversion, options.accept_missing)
     if options.light_groups:
         scene.lumenray.light_mix.groups = options.light_groups.upper()
-    view = _view(options, scene, converted.luminous)
-    levels = _levels(options, scene, view, converted.luminous)
-    session = Session()
-    session.apply(converted.delta)
+    view = _view(options, scene, feed.sync.luminous)
+    levels = _levels(options, scene, view, feed.sync.luminous)
     with Bar("render") as bar:
-        whole_picture = session.render(converted.camera, view, bar)
+        whole_picture = _take(depsgraph, feed, camera, view, shutter, bar)
     picture = whole_picture.mixed(levels)
     white, linear = _expose(picture, scene.lumenray)
     _write_exr(options.output, picture, white, linear)
-    shown = _preview(options, picture, converted.camera, linear)
+    shown = _preview(options, picture, camera, linear)
     write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
     shortfall = view.rule.shortfall(whole_picture.relative_error)
-    report = _report(options, scene.camera.name, picture, converted.report, shortfall, shown.words)
+    report = _report(options, scene.camera.name, picture, conversion, shortfall, shown.words)
     write_json(options.output.with_suffix(".json"), report)
-    assumptions.tell(converted.report, picture.provenance.notes, shortfall)
+    assumptions.tell(conversion, picture.provenance.notes, shortfall)
     mean = float(picture.tristimulus[..., 1].mean())
     say(
         f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
         f"mean luminance {mean:.4g} cd/m2, picture error {percent(picture.relative_error, '.2f')}, "
         f"white = {white:.4g} cd/m2" + (f"; light mix: {levels.text()}" if levels.text() else "")
     )
-    return assumptions.exit_code(converted.report, options.accept_missing, shortfall)
+    return assumptions.exit_code(conversion, options.accept_missing, shortfall)
+
+
+def _convert(depsgraph, shutter):
+    """Return a feed that has given the scene to an engine, the camera, and what was not taken over as it is."""
+    from ..blender_addon.foundation.report import ConversionReport
+    from ..blender_addon.rendering.feed import SceneFeed
+    from ..engine.session import Session
+
+    feed, report = SceneFeed(Session(), final=True), ConversionReport()
+    feed.sync.is_blurred = shutter is not None
+    if shutter is not None:
+        _go_to(depsgraph, shutter.middle)
+    feed.update(depsgraph)
+    report.include(feed.report)
+    camera = feed.sync.camera(depsgraph, report)
+    if shutter is not None:
+        _go_to(depsgraph, shutter.frame)
+    return feed, camera, report
+
+
+def _go_to(depsgraph, time: float):
+    """Bring the scene to a time and return its dependency graph. [frame]"""
+    from ..blender_addon.rendering.shutter import split_time
+
+    frame, subframe = split_time(time)
+    depsgraph.scene.frame_set(frame, subframe=subframe)
+    return depsgraph
+
+
+def _take(depsgraph, feed, camera, view, shutter, progress):
+    """Render what the camera sees, or the mean over its open shutter."""
+    from ..blender_addon.rendering.shutter import render_open_shutter
+
+    if shutter is None:
+        return feed.session.render(camera, view, progress)
+
+    def go_to(time):
+        return _go_to(depsgraph, time)
+
+    picture = render_open_shutter(shutter, view, feed, go_to, feed.session.render, progress)
+    _go_to(depsgraph, shutter.frame)
+    return picture
 
 
 def check_files(options) -> None:

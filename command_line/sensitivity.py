@@ -66,6 +66,7 @@ def run(options) -> int:
     check_free(options, options.output)
     sensors = read_sensors(options.sensors)
     settings, report, session = open_session(options)
+    assumptions.refuse_media(report)
     seed = seed_of(options, settings)
     chosen = _ids(session.scene, options.materials)
     with Bar("sensitivity") as bar:

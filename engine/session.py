@@ -140,6 +140,17 @@ class Session:
                 write_spectral(settings.spectral_file, finished)
         return finished
 
+    def write_spectral(self, path: str, picture: Picture, progress: Callable | None = None) -> None:
+        """Write the bands of a picture as a spectral OpenEXR; ``progress`` is told of nothing.
+
+        Raises
+        ------
+        FileFormatError    The file cannot be written.
+        """
+        from .formats.exr import write_spectral
+
+        write_spectral(path, picture)
+
     def measure(
         self,
         positions,

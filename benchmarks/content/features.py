@@ -368,12 +368,30 @@ _note("Volumes", "Volume, scatter", _volume("VolumeScatter", Density=1.0), True)
 _note("Volumes", "Volume, principled", _volume("VolumePrincipled", Density=1.0), True)
 
 
-@_feature("Volumes", "Glass with absorption", True)
-def _absorbing_glass(stage):
-    tree = stage.material()
-    tree.show(tree.add("BsdfGlass", Roughness=0.0))
-    tree.show(tree.add("VolumeAbsorption", Color=(0.3, 0.8, 0.5, 1.0), Density=1.0), "Volume")
-    stage.studio(tree.owner)
+def _absorbing(kind, density, **values):
+    def build(stage):
+        tree = stage.material()
+        tree.show(tree.add(kind, **values))
+        absorbs = {"Color": (0.3, 0.8, 0.5, 1.0), "Density": density}
+        tree.show(tree.add("VolumeAbsorption", **absorbs), "Volume")
+        stage.studio(tree.owner)
+
+    return build
+
+
+for _key, _build in {
+    "Glass with absorption": _absorbing("BsdfGlass", 1.0, Roughness=0.0),
+    "Glass with much absorption": _absorbing("BsdfGlass", 5.0, Roughness=0.0),
+    "Rough glass with absorption": _absorbing("BsdfGlass", 1.0, Roughness=0.3),
+    "Principled glass with absorption": _absorbing(
+        "BsdfPrincipled",
+        1.0,
+        Base_Color=(1.0, 1.0, 1.0, 1.0),
+        Transmission_Weight=1.0,
+        Roughness=0.0,
+    ),
+}.items():
+    _note("Volumes", _key, _build)
 
 
 # ---- lights ----
@@ -697,18 +715,80 @@ def _meta(stage):
     stage.link("Meta", data, location=(-1.2, -1.0, 0.5), scale=(0.5, 0.5, 0.5))
 
 
-@_feature("Objects", "Hair curves")
-def _hair(stage):
-    stage.studio()
-    data = bpy.data.hair_curves.new("Hair")
-    data.add_curves([4] * 60)
-    random = np.random.default_rng(2)
-    roots = random.uniform(-1.0, 1.0, (60, 2))
-    points = [(x, y - 1.0, 0.3 * k) for x, y in roots for k in range(4)]
-    data.attributes["position"].data.foreach_set("vector", np.array(points, np.float32).ravel())
-    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.02] * 240)
-    data.materials.append(stage.paint((0.5, 0.3, 0.1)))
-    stage.link("Hair", data)
+def _curves(shape="RIBBONS", count=60, radius=0.02, is_bent=False):
+    def build(stage):
+        stage.studio()
+        stage.scene.cycles_curves.shape = shape
+        data = bpy.data.hair_curves.new("Hair")
+        data.add_curves([4] * count)
+        random = np.random.default_rng(2)
+        roots = random.uniform(-1.0, 1.0, (count, 2))
+        bend = 0.15 if is_bent else 0.0
+        points = [(x + bend * k * k, y - 1.0, 0.3 * k) for x, y in roots for k in range(4)]
+        places = np.array(points, np.float32).ravel()
+        data.attributes["position"].data.foreach_set("vector", places)
+        if radius:
+            values = data.attributes.new("radius", "FLOAT", "POINT").data
+            values.foreach_set("value", [radius] * 4 * count)
+        data.materials.append(stage.paint((0.5, 0.3, 0.1)))
+        stage.link("Hair", data)
+
+    return build
+
+
+def _fur(**settings):
+    def build(stage):
+        ball = stage.studio()
+        ball.modifiers.new("Fur", "PARTICLE_SYSTEM")
+        made = ball.particle_systems[0].settings
+        made.type, made.count, made.hair_length, made.material = "HAIR", 300, 0.4, 1
+        made.root_radius, made.radius_scale, made.render_step = 1.0, 0.03, 3
+        for key, value in settings.items():
+            setattr(made, key, value)
+
+    return build
+
+
+def _points(radius=0.06):
+    def build(stage):
+        stage.studio()
+        random = np.random.default_rng(2)
+        corners = random.uniform((-1.5, -2.0, 0.1), (1.5, 0.0, 1.2), (200, 3))
+        item = stage.mesh("Points", corners.tolist(), [])
+        tree = bpy.data.node_groups.new("Points", "GeometryNodeTree")
+        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+        kinds = ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput")
+        first, made, last = (tree.nodes.new(kind) for kind in kinds)
+        made.inputs["Radius"].default_value = radius
+        paint = tree.nodes.new("GeometryNodeSetMaterial")
+        paint.inputs["Material"].default_value = stage.paint((0.2, 0.3, 0.7))
+        for before, after in ((first, made), (made, paint), (paint, last)):
+            tree.links.new(before.outputs[0], after.inputs[0])
+        item.modifiers.new("Points", "NODES").node_group = tree
+
+    return build
+
+
+for _key, _build in {
+    "Hair curves": _curves(),
+    "Hair curves, 3D": _curves("THICK"),
+    "Hair curves, thick": _curves("THICK", 30, 0.08),
+    "Hair curves, many and thin": _curves("THICK", 3000, 0.003),
+    "Hair curves, without radii": _curves(radius=0.0, count=600),
+    "Hair curves, bent": _curves("THICK", is_bent=True),
+    "Hair curves, linear": _curves("THICK_LINEAR", is_bent=True),
+    "Particle hair": _fur(),
+    "Particle hair, shape": _fur(shape=-0.5, tip_radius=0.5, use_close_tip=False),
+    "Particle hair, children": _fur(
+        count=60, child_type="INTERPOLATED", rendered_child_count=8, child_percent=8
+    ),
+    "Particle hair, simple children": _fur(
+        count=60, child_type="SIMPLE", rendered_child_count=8, child_percent=8
+    ),
+    "Points": _points(),
+}.items():
+    _note("Objects", _key, _build)
 
 
 @_feature("Objects", "Keyframed colour, frame 10")
@@ -804,6 +884,66 @@ def _moving(of):
 
 _note("Camera and film", "Motion blur, object", _moving("object"))
 _note("Camera and film", "Motion blur, camera", _moving("camera"))
+
+
+def _blurred(move, **settings):
+    """A studio in which something moves meanwhile; ``move(stage, ball)`` returns what, its data path and ends."""
+
+    def build(stage):
+        ball = stage.studio()
+        owner, path, ends = move(stage, ball)
+        for frame, value in zip((0, 2), ends, strict=True):
+            setattr(owner, path, value)
+            owner.keyframe_insert(path, frame=frame)
+        stage.scene.frame_set(1)
+        stage.scene.render.use_motion_blur = True
+        stage.scene.render.motion_blur_shutter = 1.0
+        _of_scene(**settings)(stage.scene)
+
+    return build
+
+
+def _pushed(_stage, ball):
+    return ball, "location", ((-0.8, 0.0, 0.8), (0.8, 0.0, 0.8))
+
+
+def _kept_sharp(stage, ball):
+    ball.cycles.use_motion_blur = False
+    return _pushed(stage, ball)
+
+
+def _squeezed(_stage, ball):
+    ball.shape_key_add(name="Basis")
+    key = ball.shape_key_add(name="Wide")
+    for point in key.data:
+        point.co.x *= 1.8
+    return key, "value", (0.0, 1.0)
+
+
+def _lamp_pushed(_stage, _ball):
+    lamp = bpy.data.objects["Light"]
+    return lamp, "location", ((-1.5, -1.5, 3.5), (3.5, -1.5, 3.5))
+
+
+for _key, (_move, _settings) in {
+    "Motion blur, from the frame on": (_pushed, {"render__motion_blur_position": "START"}),
+    "Motion blur, up to the frame": (_pushed, {"render__motion_blur_position": "END"}),
+    "Motion blur, object kept sharp": (_kept_sharp, {"render__motion_blur_position": "START"}),
+    "Motion blur, shape": (_squeezed, {}),
+    "Motion blur, light": (_lamp_pushed, {"render__motion_blur_position": "START"}),
+    "Motion blur, rolling shutter": (_pushed, {"cycles__rolling_shutter_type": "TOP"}),
+}.items():
+    _note("Camera and film", _key, _blurred(_move, **_settings))
+
+
+@_feature("Camera and film", "Motion blur, shutter curve")
+def _opened_slowly(stage):
+    _blurred(_pushed)(stage)
+    points = stage.scene.render.motion_blur_shutter_curve.curves[0].points
+    points[0].location, points[1].location = (0.0, 0.0), (1.0, 1.0)
+    for point in points:
+        point.handle_type = "VECTOR"
+    stage.scene.render.motion_blur_shutter_curve.update()
 
 
 # ---- view layers ----

@@ -17,6 +17,7 @@ from ...engine.baking.order import BakeOrder, BakeResult, LuxMap
 from ...engine.errors import Cancelled, LumenrayError, SceneError
 from ...engine.scene.scene import Scene
 from ..foundation.exposure import white_luminance
+from ..assumptions import refuse_media
 from ..foundation.report import ConversionReport
 from ..light_groups import find_groups
 from ..sync.meshes import MESH_TYPES
@@ -257,12 +258,13 @@ def prepare(depsgraph, objects, settings: BakeSettings) -> BakeJob:
 
     Raises
     ------
-    SceneError    None of the objects has a surface, or there are too many light groups.
+    SceneError    None of the objects has a surface, there are too many light groups, or a volume scatters light.
     """
     chosen = [source.name_full for source in bakeable(objects)]
     if not chosen:
         raise SceneError("nothing to bake: select at least one mesh object")
     converted = convert_scene(depsgraph)
+    refuse_media(converted.report)
     names = {}
     for name in chosen:
         key = converted.objects.get(name)

@@ -19,7 +19,8 @@ class Severity(Enum):
 class Row:
     """One departure: where (``datablock``, ``node``), what (``message``), what was done instead (``remedy``).
 
-    ``is_missing``: a file that the scene is made of cannot be used, so no number of this scene can be right.
+    ``is_missing``: a file that the scene is made of cannot be used, so no number of this scene can be right. ``is_medium``:
+    a volume sends light to other places, so no illuminance of this scene can be right.
     """
 
     severity: Severity
@@ -28,6 +29,7 @@ class Row:
     message: str
     remedy: str
     is_missing: bool = False
+    is_medium: bool = False
 
     def text(self) -> str:
         """One line, whatever the names in it hold."""
@@ -42,9 +44,10 @@ class ConversionReport:
     def __init__(self):
         self._counts: dict[Row, int] = {}
 
-    def add(self, severity, datablock, node, message, remedy, is_missing=False):
+    def add(self, severity, datablock, node, message, remedy, is_missing=False, is_medium=False):
         """Note one departure."""
-        row = Row(severity, *map(printable, (datablock, node, message, remedy)), is_missing)
+        words = map(printable, (datablock, node, message, remedy))
+        row = Row(severity, *words, is_missing, is_medium)
         self._counts[row] = self._counts.get(row, 0) + 1
 
     def include(self, other: "ConversionReport"):
@@ -72,6 +75,10 @@ class ConversionReport:
     def miss(self, datablock, message, remedy, node=""):
         """Note a file that is not there, cannot be read or says nothing of use."""
         self.add(Severity.ERROR, datablock, node, message, remedy, is_missing=True)
+
+    def medium(self, datablock, message, remedy, node=""):
+        """Note a volume that sends light to other places."""
+        self.add(Severity.ERROR, datablock, node, message, remedy, is_medium=True)
 
     def fault(self, datablock, error: LumenrayError, remedy, node=""):
         """Note what kept something out: a `SceneError` lies in the scene, all others in a file."""

@@ -45,14 +45,19 @@ class SceneFeed:
         self.frames = FrameTimes()
         self.last: Edit | None = None
 
-    def update(self, depsgraph, visible=None) -> Edit | None:
+    def update(self, depsgraph, visible=None, is_moment: bool = False) -> Edit | None:
         """Send what changed since the last time; None when nothing did.
+
+        ``is_moment``: as of `SceneSync.walk`.
 
         Raises
         ------
         EngineLost    The session's process is gone; a new feed has to be made.
         """
-        step = self.sync.walk(depsgraph, visible)
+        if is_moment:
+            # The graph is that of the frame, at another time.
+            self.sync.tag(depsgraph.updates)
+        step = self.sync.walk(depsgraph, visible, is_moment)
         self.report = step.report
         if not step.delta:
             return None

@@ -25,6 +25,7 @@ from ..sync.camera import region
 from . import light_mix, view_drawing
 from .animation import Frames
 from .feed import SceneFeed
+from .shutter import render_open_shutter, shutter_of, split_time
 from .viewport import Viewport
 
 PASSES = (
@@ -164,18 +165,13 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def _render(self, depsgraph):
         scene = depsgraph.scene
         self.update_stats("", "Converting the scene")
-        feed = _final_feed()
-        feed.update(depsgraph)
-        report = ConversionReport()
-        report.include(feed.report)
-        camera = feed.sync.camera(depsgraph, report)
+        feed, shutter, camera, report = self._convert(depsgraph)
         _on_main_thread(lambda manager: show_report(manager, report))
         if bpy.app.background:
             assumptions.tell(report, stream=sys.stdout)
         if camera is None:
             self.error_set("The scene has no camera: add one and make it active")
             return
-        session = feed.session
         self.update_stats("", "Preparing")
         white = white_luminance(scene.lumenray)
         wanted = wanted_passes(scene, depsgraph.view_layer_eval)
@@ -188,14 +184,12 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         result = self.begin_result(*place, layer=depsgraph.view_layer_eval.name)
         finished = False
         try:
-            picture = session.render(
-                camera,
-                asked,
-                self._follow(feed, scene, result, white),
-                idle=lambda: self.test_break() and session.cancel(),
-            )
+            follow = self._follow(feed, scene, result, white)
+            picture = self._take(depsgraph, feed, camera, asked, shutter, follow)
             finished = True
         finally:
+            if shutter is not None:
+                self.frame_set(*split_time(shutter.frame))
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
         whole, (picture, told) = picture, light_mix.mix_picture(scene, picture)
@@ -219,6 +213,45 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", text)
         _on_main_thread(lambda manager: show_render(manager, text))
         _on_main_thread(lambda _, original=scene.original: light_mix.keep(original, whole))
+
+    def _convert(self, depsgraph):
+        """Give the scene to the engine; returns its feed, the shutter or None, the camera and the conversion report."""
+        feed, report = _final_feed(), ConversionReport()
+        shutter = shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
+        feed.sync.is_blurred = shutter is not None
+        # What is not to be blurred stands as it does halfway, as in Cycles.
+        is_apart = shutter is not None and shutter.middle != shutter.frame
+        if is_apart:
+            self.frame_set(*split_time(shutter.middle))
+        try:
+            feed.update(depsgraph)
+            report.include(feed.report)
+            camera = feed.sync.camera(depsgraph, report)
+        finally:
+            if is_apart:
+                self.frame_set(*split_time(shutter.frame))
+        return feed, shutter, camera, report
+
+    def _take(self, depsgraph, feed, camera, asked, shutter, follow):
+        """Render what the camera sees, or the mean over its open shutter."""
+        session = feed.session
+
+        def render(camera, settings, follow):
+            def idle():
+                return self.test_break() and session.cancel()
+
+            return session.render(camera, settings, follow, idle=idle)
+
+        if shutter is None:
+            return render(camera, asked, follow)
+
+        def go_to(time):
+            if self.test_break():
+                raise Cancelled("cancelled")
+            self.frame_set(*split_time(time))
+            return depsgraph
+
+        return render_open_shutter(shutter, asked, feed, go_to, render, follow)
 
     def _follow(self, feed, scene, result, white):
         """Return the function that follows the engine's progress."""

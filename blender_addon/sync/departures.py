@@ -121,12 +121,6 @@ OBJECT = (
 
 SCENE = (
     Departure(
-        "render.use_motion_blur",
-        _on,
-        "motion blur is not computed",
-        "the frame's own moment counts",
-    ),
-    Departure(
         "render.use_multiview",
         _on,
         "stereo and multiple views are not supported",
@@ -138,7 +132,7 @@ SCENE = (
         "cycles.film_exposure",
         lambda value, _: abs(value - 1.0) > 1e-6,
         "Cycles' film exposure of {:.3g} is not used",
-        "state the exposure under Lumenray's film settings",
+        "Lumenray's film settings state the exposure; a white luminance divided by it shows the same picture",
     ),
     Departure(
         "cycles.film_transparent_glass",
@@ -168,6 +162,27 @@ SCENE = (
         INFO,
     ),
 )
+
+STILL = (
+    Departure(
+        "render.use_motion_blur",
+        _on,
+        "motion blur is for renders",
+        "views, lux maps and sensors have the frame's own moment",
+        INFO,
+    ),
+)
+"""What is told of a scene of which one moment counts."""
+
+SHUTTER = (
+    Departure(
+        "cycles.rolling_shutter_type",
+        _unlike("NONE"),
+        "the shutter rolls over the picture in Cycles",
+        "it is open for all of the picture at once",
+    ),
+)
+"""What is told of a scene of which pictures are blurred."""
 
 UNMADE_PASSES = (
     "use_pass_vector",

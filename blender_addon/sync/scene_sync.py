@@ -26,10 +26,14 @@ class SceneSync:
     Parameters
     ----------
     final : bool    Leave out what is hidden in renders; else the dependency graph alone decides.
+
+    Attributes
+    ----------
+    is_blurred : bool    Whether all moments of the shutter will be walked, so that motion blur is no departure.
     """
 
     def __init__(self, final: bool = False):
-        self.final = final
+        self.final, self.is_blurred = final, False
         self._is_new = True
         self.start_over()
         live.keep(self)
@@ -62,6 +66,7 @@ class SceneSync:
             shown.name: shown.key
             for shown in self._sent.shown.values()
             if shown.is_own
+            and shown.is_mapped
             and isinstance(shown.item, Placement)
             and shown.item.geometry != GEOMETRY
         }
@@ -82,13 +87,14 @@ class SceneSync:
         source, scale = scene.camera.evaluated_get(depsgraph), metres_per_unit(scene)
         return convert_camera(source, scene, scale, report)
 
-    def walk(self, depsgraph, visible: Callable | None = None) -> SyncStep:
+    def walk(self, depsgraph, visible: Callable | None = None, is_moment: bool = False) -> SyncStep:
         """Find what changed since the last walk.
 
         Parameters
         ----------
         depsgraph : bpy.types.Depsgraph    Evaluated.
         visible : callable or None    Asked whether an instance (`bpy.types.DepsgraphObjectInstance`) is shown.
+        is_moment : bool    Whether it is a moment of the shutter, at which what is not to be blurred stays as it was.
         """
         start = time.perf_counter()
         copies = identity.copies_since(self._copies)
@@ -98,7 +104,7 @@ class SceneSync:
         # Renders walk on a thread of their own: what is tagged from here on is for the next walk.
         tags, self._tags = self._tags, Tags()
         sent = self._sent
-        walk = Walk(sent, self.final, depsgraph, visible, tags)
+        walk = Walk(sent, self.final, depsgraph, visible, tags, is_moment)
         try:
             walk.run()
         except BaseException:
@@ -116,7 +122,7 @@ class SceneSync:
         gone -= {item.id for item in changed}
         self._left = set()
         delta = SceneDelta(changed, tuple(sorted(gone)), tuple(copies))
-        self._report = walk.report()
+        self._report = walk.report(self.is_blurred)
         lights = [item for item in walk.changed if not isinstance(item, Placement)]
         counts = {
             "picture": len(pictures),

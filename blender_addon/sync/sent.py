@@ -28,6 +28,7 @@ class Shown:
     matrix : bytes    World matrix that it was made with, in Blender units.
     data : int    Session uid of the object's data.
     shading : frozenset of int    Node trees and images that a light reads.
+    is_mapped : bool    Whether lux maps can be laid over it, which are not over strands and points.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
     is_far : bool    Whether it is an object that was left out because of where it is.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
@@ -43,6 +44,7 @@ class Shown:
     matrix: bytes = b""
     data: int = 0
     shading: frozenset[int] = frozenset()
+    is_mapped: bool = True
     is_dark: bool = False
     is_far: bool = False
     towards_sun: np.ndarray | None = None

@@ -89,6 +89,14 @@ def is_rendered(instance, unrendered: set[int]) -> bool:
     return is_within or top.original.session_uid not in unrendered
 
 
+def is_blurred(source, instance, setting: str = "use_motion_blur") -> bool:
+    """Whether an instance, and what makes it, is blurred where it moves; ``use_deform_motion``: where its shape does."""
+    owners = [source, instance.parent] if instance.is_instance else [source]
+    # Settings of Cycles are there with its add-on alone.
+    settings = (getattr(owner, "cycles", None) for owner in owners if owner is not None)
+    return all(getattr(each, setting, True) for each in settings)
+
+
 def tell_visibility(found: Visibility, name: str, report) -> None:
     """Note what of an object's visibility is not Blender's."""
     if not found.light:
@@ -135,10 +143,6 @@ def tell_departures(source, name: str, report, view_layer=None, parent=None) -> 
             "the object is a shadow catcher",
             "it is an ordinary object; for a picture on a photograph render with and without what casts shadows",
         )
-    for system in original.particle_systems:
-        settings = system.settings
-        if settings.type == "HAIR" and settings.render_type == "PATH":
-            report.error(name, f"hair of the particle system '{system.name}'", "it is left out")
 
 
 def tell_linking(source, name: str, report) -> None:

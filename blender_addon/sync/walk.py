@@ -17,7 +17,8 @@ from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
-from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
+from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
+from .hair import hair_systems, read_curves, read_hair, read_points
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
@@ -27,6 +28,7 @@ from .visibility import (
     NO_ID,
     collection_flags,
     find_unrendered,
+    is_blurred,
     is_dark_world,
     is_holdout,
     is_rendered,
@@ -37,15 +39,24 @@ from .visibility import (
 )
 from .world import convert_world, follows_sun_lamp, world_of
 
-UNSUPPORTED = {"CURVES", "POINTCLOUD", "VOLUME", "GREASEPENCIL", "GPENCIL"}
+UNSUPPORTED = {"VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
+
+STRANDS = {"CURVES", "POINTCLOUD"}
+"""Object types of which triangles are made."""
+
+
+HAIR = "hair"
+"""What the strands of an object's particles are called beside itself."""
 
 
 class Walk:
     """One pass over the instances."""
 
-    def __init__(self, sent: Sent, final: bool, depsgraph, visible, tags: Tags):
-        self.sent, self.final = sent, final
+    def __init__(
+        self, sent: Sent, final: bool, depsgraph, visible, tags: Tags, is_moment: bool = False
+    ):
+        self.sent, self.final, self.is_moment = sent, final, is_moment
         self.depsgraph, self.visible, self.tags = depsgraph, visible, tags
         self.scene, self.layer = depsgraph.scene, depsgraph.view_layer
         self.changed: list[Placement | Light] = []
@@ -70,10 +81,11 @@ class Walk:
         self.is_refiltered = filters != sent.filters
         sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
+        sent.materials.scale = scale
         sent.geometries.mark(tags.geometry)
         sent.images.forget(tags.shading)
         sent.materials.mark(tags.shading)
-        if self.is_rerated:
+        if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
         if self._concerns_objects():
             self._visit_all()
@@ -87,8 +99,8 @@ class Walk:
         lights = (shown.shading for shown in sent.shown.values() if shown.shading)
         return sent.materials.dependencies() | sent.world.shading.union(*lights)
 
-    def report(self) -> ConversionReport:
-        """Return the rows of everything that is shown."""
+    def report(self, is_blurred: bool = False) -> ConversionReport:
+        """Return the rows of everything that is shown. ``is_blurred``: as of `SceneSync`."""
         sent, whole = self.sent, ConversionReport()
         reports, is_lit = sent.materials.tell(self._used_materials())
         for shown in sent.shown.values():
@@ -100,6 +112,7 @@ class Walk:
         for part in reports:
             whole.include(part)
         tell(SCENE, self.scene, self.scene.name, whole)
+        tell(SHUTTER if is_blurred else STILL, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
         self._tell_colours(whole)
         if not is_lit and not sent.world.gives_light:
@@ -136,14 +149,16 @@ class Walk:
         sent.last_visit = self.number
         touched = tags.objects | tags.geometry | tags.shading
         is_all = self.is_rescaled or self.is_rerated or self.is_refiltered
-        shown_before, number = sent.shown, self.number
+        shown_before, number, shows_hair = sent.shown, self.number, self.layer.use_strand
         matrices = _read_matrices(self.depsgraph.object_instances)
         if self.final:
             self._unrendered = find_unrendered(self.layer)
         for row, instance in enumerate(self.depsgraph.object_instances):
-            if not instance.show_self or not self._is_visible(instance):
+            has_hair = shows_hair and instance.show_particles
+            if not (instance.show_self or has_hair) or not self._is_visible(instance):
                 continue
             source = instance.object
+            has_hair = has_hair and source.type == "MESH" and bool(hair_systems(source))
             original = source.original
             session_uid = original.session_uid
             if instance.is_instance:
@@ -155,22 +170,30 @@ class Walk:
                 key = session_uid
                 is_touched = is_all or session_uid in touched
             self.visited += 1
-            shown = shown_before.get(key)
-            if shown is None:
-                shown = shown_before[key] = Shown(session_uid, key == session_uid)
-                is_touched = True
-            shown.walk = number
             matrix = matrices[64 * row : 64 * row + 64]
-            if (
-                is_touched
-                or shown.is_dark
-                or shown.data in touched
-                or (shown.shading and not shown.shading.isdisjoint(touched))
-            ):
-                self._convert(shown, instance, source, original)
-            elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
-                self._move(shown, instance, source, original)
-            shown.matrix = matrix
+            for part in (HAIR,) * has_hair + ("",) * instance.show_self:
+                shown = shown_before.get((key, part) if part else key)
+                is_new = shown is None
+                if is_new:
+                    shown = Shown(session_uid, key == session_uid)
+                    shown_before[(key, part) if part else key] = shown
+                shown.walk = number
+                if self.is_moment and shown.matrix and not is_blurred(source, instance):
+                    continue
+                if (
+                    is_touched
+                    or is_new
+                    or shown.is_dark
+                    or shown.data in touched
+                    or (shown.shading and not shown.shading.isdisjoint(touched))
+                ):
+                    if part:
+                        self._convert_hair(shown, instance, source, original)
+                    else:
+                        self._convert(shown, instance, source, original)
+                elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
+                    self._move(shown, instance, source, original)
+                shown.matrix = matrix
 
     def _is_visible(self, instance) -> bool:
         if self.final and not is_rendered(instance, self._unrendered):
@@ -196,7 +219,7 @@ class Walk:
         kind = source.type
         if kind == "EMPTY" and is_luminaire(source):
             kind = "LIGHT"
-        if kind not in {"MESH", "LIGHT"} and kind not in UNSUPPORTED:
+        if kind not in {"MESH", "LIGHT"} | STRANDS and kind not in UNSUPPORTED:
             self._place(shown, None)
             return
         if kind == "MESH" and original.lumenray.is_luminaire_body:
@@ -206,17 +229,50 @@ class Walk:
             kind = "PORTAL"
         self._name(shown, instance, original, kind)
         if kind == "MESH":
-            self._convert_mesh(shown, instance, source, original)
+            layer = self.layer
+            geometry = (
+                self._geometry(shown, instance, source, original) if layer.use_solid else None
+            )
+            self._convert_surface(shown, instance, source, original, geometry)
+        elif kind in STRANDS:
+            shown.is_mapped = False
+            read = read_points if kind == "POINTCLOUD" else self._read_curves
+            geometry = None
+            if kind == "POINTCLOUD" or self.layer.use_strand:
+                geometry = self._geometry(shown, instance, source, original, read)
+            self._convert_surface(shown, instance, source, original, geometry)
         elif kind == "PORTAL":
             self._convert_portal(shown, instance, source)
         elif kind == "LIGHT":
             self._convert_light(shown, instance, source, original)
         else:
             shown.report = ConversionReport()
-            shown.report.error(shown.name, f"objects of type {kind} are not converted", "left out")
+            note = shown.report.medium if kind == "VOLUME" else shown.report.error
+            note(shown.name, f"objects of type {kind} are not converted", "left out")
             self._place(shown, None)
 
-    def _name(self, shown, instance, original, kind) -> None:
+    def _convert_hair(self, shown, instance, source, original) -> None:
+        """Convert the strands of an object's particles."""
+        shown.is_mapped, shown.data = False, original.data.session_uid
+        self._name(shown, instance, original, "MESH", HAIR)
+        geometry = self._kept_geometry(shown, instance, source)
+        if geometry is None:
+            key = f"geometry:{identity.identity_of(original)}/{HAIR}"
+            is_render = self.depsgraph.mode == "RENDER"
+            geometry = self.sent.geometries.take(
+                key,
+                original.session_uid,
+                source,
+                lambda item, name: read_hair(item, name, is_render),
+            )
+        self._convert_surface(shown, instance, source, original, geometry)
+
+    def _read_curves(self, source, geometry_id):
+        settings = getattr(self.scene, "cycles_curves", None)
+        is_smooth = settings is None or settings.shape != "THICK_LINEAR"
+        return read_curves(source, geometry_id, is_smooth)
+
+    def _name(self, shown, instance, original, kind, part: str = "") -> None:
         shown.name, key = original.name_full, identity.identity_of(original)
         if not shown.is_own:
             parent = instance.parent
@@ -232,13 +288,15 @@ class Walk:
                 key = f"{owner}/{number}/{key}"
         is_light = kind == "LIGHT" and original.type == "LIGHT"
         key = f"{'light' if is_light else 'object'}:{key}"
+        if part:
+            shown.name, key = f"{shown.name} ({part})", f"{key}/{part}"
         if shown.key and shown.key != key:
             self._place(shown, None)
         shown.key = key
 
-    def _convert_mesh(self, shown, instance, source, original) -> None:
+    def _convert_surface(self, shown, instance, source, original, geometry: str | None) -> None:
+        """Convert something that has a surface. ``geometry``: its id, None if it has no face."""
         layer = self.layer
-        geometry = self._geometry(instance, source, original) if layer.use_solid else None
         if geometry is None:
             self._place(shown, None)
             return
@@ -254,6 +312,14 @@ class Walk:
         tell(OBJECT, original, shown.name, report)
         if found.light and table.is_luminous(materials):
             tell_linking(source, shown.name, report)
+        if not shown.is_mapped and table.has_pictures(materials):
+            report.error(
+                shown.name,
+                "the material varies over the surface, and strands and points have no UV maps here",
+                "its pictures are laid over each triangle",
+            )
+        if note := self.sent.geometries.note(geometry):
+            report.warn(shown.name, note, "blocks of the picture are right on the mean alone")
         shown.report = report if report.rows else None
         placement = Placement(
             id=shown.key,
@@ -275,8 +341,18 @@ class Walk:
         material = self.sent.materials.use_portal()
         self._place(shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0))
 
-    def _geometry(self, instance, source, original) -> str | None:
+    def _kept_geometry(self, shown, instance, source) -> str | None:
+        """Id of the geometry that an instance keeps while the shutter is open, None if it is to be read."""
+        is_kept = self.is_moment and isinstance(shown.item, Placement)
+        if is_kept and not is_blurred(source, instance, "use_deform_motion"):
+            return shown.item.geometry
+        return None
+
+    def _geometry(self, shown, instance, source, original, read=None) -> str | None:
         """Id of the geometry that an instance shows; objects that show the same data share it."""
+        kept = self._kept_geometry(shown, instance, source)
+        if kept is not None:
+            return kept
         take, owner = self.sent.geometries.take, original.session_uid
         if original.type != "MESH" or (
             instance.is_instance and source.data.as_pointer() != self._data_of(original)
@@ -285,7 +361,7 @@ class Walk:
             known = self._ordinals.setdefault(owner, {})
             ordinal = known.setdefault(source.data.as_pointer(), len(known))
             key = f"geometry:{identity.identity_of(original)}/{ordinal}"
-            return take(key, owner, source)
+            return take(key, owner, source, read)
         settings = "RENDER" if self.depsgraph.mode == "RENDER" else "PREVIEW"
         if original.is_modified(self.scene.original, settings):
             return take(f"geometry:{identity.identity_of(original)}", owner, source)

@@ -217,7 +217,7 @@ def _shown(world, report, images, is_camera: bool = False) -> _Shown | None:
         return None
     volume = find_socket(output.inputs, "Volume")
     if volume is not None and volume.is_linked:
-        report.error(world.name, "the world has a volume", "it is left out")
+        report.medium(world.name, "the world has a volume", "it is left out")
     surface = find_socket(output.inputs, "Surface")
     origin = _only_branch(trace(surface), world.name, images, is_camera)
     if not origin.is_output:

@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from ..arrays import average
+from .absorption import body_of
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
@@ -238,6 +239,7 @@ def _glass_class():
             mi.BSDF.__init__(self, props)
             self.ior = props["ior"]
             self.tint = props["tint"]
+            self.body = body_of(props)
             self.refraction = DISPERSED_COMPONENT if props.get("disperses", False) else 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
@@ -249,6 +251,8 @@ def _glass_class():
         def traverse(self, callback):
             callback.put("ior", self.ior, mi.ParamFlags.NonDifferentiable)
             callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
+            if self.body is not None:
+                callback.put("internal", self.body.internal, mi.ParamFlags.Differentiable)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             cos_i = mi.Frame3f.cos_theta(si.wi)
@@ -270,6 +274,8 @@ def _glass_class():
             )
             through = self.tint.eval(si, active) * (1.0 - hero_r) * dr.square(eta_ti)
             weight = dr.select(reflects, reflectance, through) / dr.maximum(bs.pdf, 1e-8)
+            if self.body is not None:
+                weight *= self.body.passed(si, active)
             return bs, mi.Spectrum(dr.select(active, weight, 0.0))
 
         def to_string(self):

@@ -11,6 +11,7 @@ E. Turquin: Practical Multiple Scattering Compensation for Microfacet Models, In
 
 import numpy as np
 
+from .absorption import body_of
 from .facets import kept_by_glass, read_row
 
 
@@ -22,11 +23,15 @@ def rough_glass_class():
     from ..arrays import upload
 
     class RoughGlass(mi.BSDF):
-        """``nested``: the boundary by single scattering; ``alpha`` and ``index``: numbers that it was made with."""
+        """``nested``: the boundary by single scattering; ``alpha`` and ``index``: numbers that it was made with.
+
+        ``internal`` and ``thickness``: as of `absorption.Body`, if light is absorbed inside.
+        """
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.nested = props["nested"]
+            self.body = body_of(props)
             alpha, index = float(props["alpha"]), float(props["index"])
             kept = np.stack([kept_by_glass(alpha, index), kept_by_glass(alpha, 1.0 / index)])
             self.table = upload(mi.Float, kept)
@@ -37,11 +42,14 @@ def rough_glass_class():
 
         def traverse(self, callback):
             callback.put("nested", self.nested, mi.ParamFlags.Differentiable)
+            if self.body is not None:
+                callback.put("internal", self.body.internal, mi.ParamFlags.Differentiable)
 
         def _scale(self, si, active):
             cosine = mi.Frame3f.cos_theta(si.wi)
             side = dr.select(cosine > 0.0, mi.UInt32(0), mi.UInt32(1))
-            return 1.0 / dr.maximum(read_row(self.table, side, dr.abs(cosine), active), 0.05)
+            scale = 1.0 / dr.maximum(read_row(self.table, side, dr.abs(cosine), active), 0.05)
+            return scale if self.body is None else scale * self.body.passed(si, active)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             bs, weight = self.nested.sample(ctx, si, sample1, sample2, active)

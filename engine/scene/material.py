@@ -78,6 +78,9 @@ class Surface:
     has_grain = False
     """Whether it has a direction of its own, which follows U."""
 
+    is_absorbing = False
+    """Whether it bounds a body that absorbs light on its way inside."""
+
     has_own_colour = False
     """Whether it depends on the wavelength by more than its ``spectra``."""
 
@@ -244,14 +247,53 @@ class Conductor(_MirrorLike):
 
 @dataclass(frozen=True)
 class Dielectric(Surface):
-    """A solid transparent body: refracts at its boundary. ``tint`` multiplies what is transmitted per crossing."""
+    """A solid transparent body: refracts at its boundary, and may absorb light on its way inside.
+
+    Parameters
+    ----------
+    ior : RefractiveIndex
+    roughness : float    As in `Coated`.
+    tint : Colour    Multiplies what is transmitted per crossing of the boundary. [-]
+    internal : Spectrum or None    Transmittance of ``thickness`` of the body, without its boundaries; None: all passes. [-]
+    thickness : float    [m]
+    """
 
     ior: RefractiveIndex = Cauchy(1.5)
     roughness: float = 0.0
     tint: Colour = Constant(1.0)
+    internal: Spectrum | None = None
+    thickness: float = 1.0
 
     spectra = ("tint",)
     is_opaque = False
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold, and what its body lets through."""
+        return super().colours if self.internal is None else (*super().colours, self.internal)
+
+    @property
+    def largest(self) -> float:
+        """As of `Surface`; whatever its body lets through, none of it is more than there was."""
+        return largest_of(self.tint)
+
+    def check(self) -> None:
+        """Refuse a body that would make light.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with it.
+        """
+        if self.internal is None:
+            return
+        if not 0.0 < self.thickness < np.inf:
+            raise SceneError(
+                f"internal transmittance is stated for {self.thickness:g} m, expected a length above 0"
+            )
+        if isinstance(self.internal, ImageTexture) or largest_of(self.internal) > 1.0 + ROUNDING:
+            raise SceneError(
+                "internal transmittance has to be a spectrum of shares from 0 to 1, the same all over"
+            )
 
     @property
     def is_smooth(self) -> bool:
@@ -259,6 +301,10 @@ class Dielectric(Surface):
         return self.roughness < SMOOTH_ROUGHNESS
 
     is_bending = is_purely_specular = is_smooth
+
+    @property
+    def is_absorbing(self) -> bool:
+        return self.internal is not None
 
     @property
     def is_dispersive(self) -> bool:
@@ -464,6 +510,7 @@ class Mix(Surface):
     passes_straight = _of_one("passes_straight")
     is_bending = _of_one("is_bending")
     is_dispersive = _of_one("is_dispersive")
+    is_absorbing = _of_one("is_absorbing")
     has_grain = _of_one("has_grain")
     has_own_colour = _of_one("has_own_colour")
 

@@ -111,6 +111,10 @@ class RemoteSession:
         interval = None if progress is None else preview_interval
         return self._wait("render", (camera, settings), {}, progress, idle, interval)
 
+    def write_spectral(self, path: str, picture: Picture) -> None:
+        """Write the bands of a picture, as `Session.write_spectral`. Raises as `render`."""
+        self._wait("write_spectral", (path, picture), {}, None, None)
+
     def measure(
         self,
         positions,

@@ -20,7 +20,14 @@ from ..errors import BackendError, Cancelled, CodecError, LumenrayError
 from . import faults, process
 from .channel import Channel, Message
 
-JOBS = {"status": 0, "render": 1, "measure": 2, "measure_sensors": 2, "bake_objects": 3}
+JOBS = {
+    "status": 0,
+    "render": 1,
+    "write_spectral": 1,
+    "measure": 2,
+    "measure_sensors": 2,
+    "bake_objects": 3,
+}
 """Jobs that are answered, and how urgent they are: the lower, the sooner."""
 
 CHANGES = ("apply", "watch", "unwatch", "close")

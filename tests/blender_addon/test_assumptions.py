@@ -216,6 +216,26 @@ def test_what_was_left_out_of_the_scene_has_an_exit_code_of_its_own(box, lose, t
 
 
 @pytest.mark.mitsuba
+def test_a_volume_that_scatters_is_refused_for_lux_and_told_of_pictures(box, tmp_path, capsys):
+    data = bpy.data.volumes.new("Smoke")
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Smoke", data))
+    path = box()
+    for command in (
+        ["measure", path, "--sensors", str(tmp_path / "in.csv"), "-o", str(tmp_path / "out.csv")],
+        ["bake", path, "-o", str(tmp_path / "lux"), "--objects", "Floor", "--lumels-per-m", "2"],
+    ):
+        assert command_line.main([*command, "--samples", "4"]) == 1
+        said = capsys.readouterr().err.strip()
+        assert "Smoke" in said
+        assert "illuminance cannot be computed beside such a volume" in said
+    assert not (tmp_path / "out.csv").exists()
+    picture = ["render", path, "-o", str(tmp_path / "a.exr"), "--size", "8x8", "--samples", "4"]
+    assert command_line.main(picture) == assumptions.ASSUMED
+    assert "Smoke" in capsys.readouterr().err
+    rows = json.loads((tmp_path / "a.json").read_text())["conversion"]
+    assert [row["severity"] for row in rows if row["object"] == "Smoke"] == ["error"]
+
+
 def test_an_error_in_lux_is_reached_where_there_is_no_light(box, tmp_path, capsys):
     # Outside of the closed box.
     next(item for item in bpy.data.objects if item.type == "LIGHT").location.z = 5.0
@@ -286,11 +306,11 @@ def frame(tmp_path, monkeypatch):
 
 @pytest.mark.mitsuba
 def test_a_render_without_a_window_prints_the_conversion_report(box, frame, capfd):
-    hair = bpy.data.objects.new("Fur", bpy.data.hair_curves.new("Fur"))
-    bpy.context.scene.collection.objects.link(hair)
+    smoke = bpy.data.objects.new("Smoke", bpy.data.volumes.new("Smoke"))
+    bpy.context.scene.collection.objects.link(smoke)
     frame()
     said = capfd.readouterr()
-    assert "Fur" in said.out
+    assert "Smoke" in said.out
     assert "Traceback" not in said.err
 
 

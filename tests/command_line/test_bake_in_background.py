@@ -25,10 +25,10 @@ from lumenray.engine.scene.scene import Scene
 pytestmark = pytest.mark.usefixtures("extension")
 
 
-def add_fur():
+def add_sketch():
     """Add what the engine leaves out."""
-    hair = bpy.data.objects.new("Fur", bpy.data.hair_curves.new("Fur"))
-    bpy.context.scene.collection.objects.link(hair)
+    sketch = bpy.data.objects.new("Sketch", bpy.data.grease_pencils.new("Sketch"))
+    bpy.context.scene.collection.objects.link(sketch)
 
 
 def quad_mesh():
@@ -46,10 +46,10 @@ def quad_mesh():
 def test_a_bake_without_a_window_prints_the_conversion_report(monkeypatch, tmp_path, capfd):
     monkeypatch.setattr(engine_process, "open_session", lambda _: FakeSession())
     add_quad("Floor")
-    add_fur()
+    add_sketch()
     bpy.ops.lumenray.bake_illuminance(objects="Floor", folder=str(tmp_path), error=0.05)
     said = capfd.readouterr().out
-    assert re.search("error: Fur: objects of type .* are not converted; left out", said)
+    assert re.search("error: Sketch: objects of type .* are not converted; left out", said)
     assert "goal:" not in said
 
 
@@ -79,7 +79,7 @@ def test_a_bake_that_ctrl_c_ends_has_the_code_of_what_it_leaves(
     monkeypatch.setattr("lumenray.engine.session.Session", lambda: Interrupted(times))
     add_quad("Floor")
     if has_fur:
-        add_fur()
+        add_sketch()
     file = tmp_path / "room.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
     assert command_line.main(["bake", str(file), "-o", str(tmp_path / "lux")]) == code

@@ -71,6 +71,7 @@ BLENDERS = {
     "Add",
     "Adjust Last Operation",
     "Camera",
+    "Deformation",
     "Developer Extras",
     "Environment Texture",
     "Extensions",
@@ -79,12 +80,20 @@ BLENDERS = {
     "Install from Disk",
     "Interface",
     "Mapping",
+    "Motion Blur",
+    "Position",
     "Preferences",
     "Ray Visibility",
     "Render",
     "Rendered",
+    "Shape",
+    "Show Emitter",
+    "Shutter",
     "Sidebar",
+    "Strands",
     "View Layer",
+    "Volume Absorption",
+    "Volume Coefficients",
 }
 """Names in the guide that are Blender's own."""
 

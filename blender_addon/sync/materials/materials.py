@@ -29,6 +29,7 @@ from ..spectra import light_spectrum
 from .closures import Closure
 from .overrides import convert_override
 from .shaders import convert_shader
+from .volumes import with_volume
 
 _logger = logging.getLogger(__name__)
 
@@ -51,6 +52,7 @@ def convert_material(
     efficacy: float,
     images: ImageCache | None = None,
     is_patient: bool = True,
+    scale: float = 1.0,
 ) -> Material:
     """Convert a Blender material.
 
@@ -62,6 +64,7 @@ def convert_material(
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
+    scale : float    Metres per Blender unit.
 
     Returns
     -------
@@ -74,11 +77,13 @@ def convert_material(
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
-    made = _convert_nodes(material, material_id, report, efficacy, images)
+    made = _convert_nodes(material, material_id, report, efficacy, images, scale)
     if not _tells_rays_apart(material):
         return made
     own = ConversionReport()
-    seen = _convert_nodes(material, f"{material_id}/seen", own, efficacy, images, is_camera=True)
+    seen = _convert_nodes(
+        material, f"{material_id}/seen", own, efficacy, images, scale, is_camera=True
+    )
     if content_digest(seen) == content_digest(made):
         return made
     report.include_new(own)
@@ -118,11 +123,18 @@ def _mixes_holdout(surface) -> bool:
 
 
 def _convert_nodes(
-    material, material_id: str, report, efficacy: float, images, is_camera: bool = False
+    material,
+    material_id: str,
+    report,
+    efficacy: float,
+    images,
+    scale: float,
+    is_camera: bool = False,
 ) -> Material:
     """Convert what rays of light, or those of the camera, meet of a material."""
     try:
-        closure = _convert_tree(material, RayContext(material.name, report, images, is_camera))
+        context = RayContext(material.name, report, images, is_camera)
+        closure = _convert_tree(material, context, scale)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -158,7 +170,7 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, context: RayContext) -> Closure:
+def _convert_tree(material, context: RayContext, scale: float) -> Closure:
     report = context.report
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
@@ -170,13 +182,15 @@ def _convert_tree(material, context: RayContext) -> Closure:
     is_volume = output.inputs["Volume"].is_linked
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
-    if is_volume:
-        report.error(material.name, "A volume is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
-            return Closure(Transparent())
+            surface = with_volume(Transparent(), output, context, scale)
+            return Closure(surface)
         report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
-    return convert_shader(output.inputs["Surface"], context)
+    closure = convert_shader(output.inputs["Surface"], context)
+    if is_volume:
+        closure = replace(closure, surface=with_volume(closure.surface, output, context, scale))
+    return closure
 
 
 def _emission(closure: Closure, efficacy: float, name: str, report) -> Emission | None:

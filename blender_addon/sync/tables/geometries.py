@@ -1,5 +1,6 @@
 """The geometries that the engine has, and which of them may be out of date."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -11,12 +12,16 @@ from ..meshes import fingerprint, read_geometry
 
 @dataclass
 class _Entry:
-    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3)."""
+    """What is known of one geometry.
+
+    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``note``: what is to be told of it.
+    """
 
     owner: int
     fingerprint: int = 0
     is_stale: bool = True
     corners: np.ndarray | None = None
+    note: str = ""
 
 
 class GeometryTable:
@@ -35,15 +40,22 @@ class GeometryTable:
             for key in self._of_owner[owner]:
                 self._entries[key].is_stale = True
 
-    def take(self, key: str, owner: int, source) -> str | None:
-        """Return the id of an object's geometry, read anew where needed; None when it has no face."""
+    def take(self, key: str, owner: int, source, read: Callable | None = None) -> str | None:
+        """Return the id of an object's geometry, read anew where needed; None when it has no face.
+
+        ``read``: as `hair.read_points`; None: as a mesh.
+        """
         entry = self._entries.get(key)
         if entry is None:
             entry = self._entries[key] = _Entry(owner)
             self._of_owner.setdefault(owner, set()).add(key)
         if entry.is_stale:
-            self._update(key, entry, source)
+            self._update(key, entry, source, read)
         return key if entry.fingerprint else None
+
+    def note(self, key: str) -> str:
+        """Return what is to be told of a geometry; empty if nothing is."""
+        return self._entries[key].note
 
     def corners(self, key: str) -> np.ndarray:
         """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
@@ -95,8 +107,10 @@ class GeometryTable:
         """Ids of the geometries that the engine has."""
         return (key for key, entry in self._entries.items() if entry.fingerprint)
 
-    def _update(self, key, entry, source) -> None:
-        geometry = read_geometry(source, key)
+    def _update(self, key, entry, source, read) -> None:
+        geometry, entry.note = (
+            (read_geometry(source, key), "") if read is None else read(source, key)
+        )
         entry.is_stale, before = False, entry.fingerprint
         entry.fingerprint = fingerprint(geometry)
         if entry.fingerprint == before:

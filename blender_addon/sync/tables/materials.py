@@ -31,6 +31,7 @@ class _Entry:
     is_luminous: bool = False
     paints: tuple[Rgb, ...] = ()
     glow: Rgb | None = None
+    has_pictures: bool = False
     dependencies: frozenset[int] = frozenset()
     report: ConversionReport = field(default_factory=ConversionReport)
 
@@ -43,10 +44,14 @@ class MaterialTable:
     images : ImageCache    What was read of images before.
     pictures : PictureTable    What the engine has of them.
     is_patient : bool    Whether to wait for scattering files that are being read.
+
+    Attributes
+    ----------
+    efficacy, scale : float    As of `convert_material`.
     """
 
     def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
-        self.efficacy = 0.0
+        self.efficacy, self.scale = 0.0, 1.0
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
@@ -125,6 +130,10 @@ class MaterialTable:
         """Whether one of the materials with these ids glows."""
         return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
 
+    def has_pictures(self, keys) -> bool:
+        """Whether one of the materials with these ids varies over the surface."""
+        return any(entry.has_pictures for entry in self._entries.values() if entry.key in keys)
+
     def luminous(self) -> list[tuple[str, str]]:
         """Return ids and names of the materials that glow."""
         return [(entry.key, entry.name) for entry in self._entries.values() if entry.is_luminous]
@@ -147,11 +156,15 @@ class MaterialTable:
             self.efficacy,
             self._images,
             self._is_patient,
+            self.scale,
         )
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
         entry.paints, entry.glow = paints_of(made), colour_of_light(made)
+        entry.has_pictures = bool(made.surface.pictures)
+        if made.emission is not None:
+            entry.has_pictures |= made.emission.pattern is not None
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest = digest

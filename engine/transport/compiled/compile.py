@@ -26,6 +26,7 @@ from ..requirements import Requirements, worlds
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
+from .enclosures import find_enclosed
 from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .layers import Layer
 from .lights import LightTable, Source
@@ -431,6 +432,7 @@ class CompiledScene:
     def _note(self, scene: Scene) -> None:
         """Say what is approximated."""
         self.notes = self._material_palette.notes()
+        self.notes += find_enclosed(self)
         for world in worlds(scene):
             if isinstance(world, ImageWorld):
                 self.notes += [

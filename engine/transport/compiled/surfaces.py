@@ -192,12 +192,18 @@ def _mirror_like(properties: dict, roughness, make: TextureMaker, edge=None) -> 
 
 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
-    tint = make.reflectance(surface.tint)
+    surface.check()
+    tint, body = make.reflectance(surface.tint), {}
+    if surface.internal is not None:
+        body = {
+            "internal": make.reflectance(surface.internal),
+            "thickness": float(surface.thickness),
+        }
     index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
     if surface.is_smooth:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
-        return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
+        return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses, **body}
     width = alpha(surface.roughness)
     nested = {
         "type": "roughdielectric",
@@ -206,7 +212,13 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         "int_ior": index,
         "specular_transmittance": tint,
     }
-    return {"type": "lumenray_rough_glass", "alpha": width, "index": index, "nested": nested}
+    return {
+        "type": "lumenray_rough_glass",
+        "alpha": width,
+        "index": index,
+        "nested": nested,
+        **body,
+    }
 
 
 MAKERS = {

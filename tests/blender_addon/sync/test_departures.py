@@ -155,7 +155,7 @@ CYCLES = {
     "material": words(
         "emission_sampling use_bump_map_correction volume_sampling volume_interpolation volume_step_rate"
     ),
-    # Motion blur and culling are told of the scene.
+    # Culling is told of the scene; motion is blurred as it is, not by steps.
     "object": words(
         "use_motion_blur use_deform_motion motion_steps use_camera_cull use_distance_cull shadow_terminator_offset "
         "shadow_terminator_geometry_offset ao_distance is_caustics_caster is_caustics_receiver"
@@ -232,7 +232,7 @@ def test_every_setting_of_lights_has_been_judged(struct):
 
 
 def test_every_setting_of_renders_and_of_depth_of_field_has_been_judged():
-    _, of = told(departures.SCENE)
+    _, of = told((*departures.SCENE, *departures.STILL))
     assert names_of(bpy.types.RenderSettings, None) <= of["render"] | RENDER
     _, of = told(departures.CAMERA)
     known = words(
@@ -328,7 +328,7 @@ def test_what_blender_makes_departs_in_nothing(stage):
         ("light", {"use_shadow": False}, "no shadows"),
         ("world", {"cycles.max_bounces": 1}, "1 times at most"),
         ("material", {"use_transparent_shadow": False}, "transparent shadows"),
-        ("scene", {"render.use_motion_blur": True}, "motion blur"),
+        ("scene", {"render.use_motion_blur": True}, "motion blur is for renders"),
         ("scene", {"render.use_multiview": True}, "stereo"),
         ("scene", {"render.use_freestyle": True}, "Freestyle"),
         ("scene", {"cycles.film_exposure": 2.0}, "film exposure of 2"),
