@@ -7,7 +7,7 @@ The reflectance distribution is
 with the GGX distribution D, Smith's height-correlated G2, the dielectric Fresnel term F, the scale s of the coat, the
 coat's directional reflectance E and its hemispherical mean E_mean = 2 * integral of E cos. It is reciprocal, and a white
 base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
-is Lambert's law exactly.
+is Lambert's law exactly. Where a base is rough itself, 1 / pi has a factor more (see `rough_diffuse`).
 
 Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all such materials
 of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit, pictures included.
@@ -27,6 +27,7 @@ from .facets import (
     read_row,
     reflect_on_facet,
 )
+from .rough_diffuse import aslant
 
 
 def coated_class():
@@ -50,10 +51,13 @@ def coated_class():
             self.m_flags = self.m_components[0] | self.m_components[1]
             self.rows = None
 
-        def set_palette(self, alpha, eta, specular, spectra, pictures=None, picture_table=None):
+        def set_palette(
+            self, alpha, eta, specular, sigma, spectra, pictures=None, picture_table=None
+        ):
             """Set the materials' parameters: (m,) each, ``spectra`` (m, w) even over 360..830 nm.
 
-            ``pictures`` holds rows of ``picture_table`` plus 1; 0: the spectrum holds all over.
+            ``sigma``: diffuse roughness of the base. ``pictures`` holds rows of ``picture_table`` plus 1; 0: the spectrum
+            holds all over.
             """
             alpha = np.maximum(alpha, MINIMUM_ALPHA)
             tables = np.stack(
@@ -74,8 +78,9 @@ def coated_class():
             has_pictures = pictures is not None and np.any(pictures)
             self.pictures = upload(mi.UInt32, pictures) if has_pictures else None
             self.picture_table = picture_table if has_pictures else None
+            self.sigma = upload(mi.Float, sigma) if np.any(sigma) else None
             dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
-            dr.eval(self.pictures)
+            dr.eval(self.pictures, self.sigma)
 
         def set_rows(self, rows):
             """Set the table from shape id to row."""
@@ -136,7 +141,7 @@ def coated_class():
             return row, cos_i, reflectance, coat, share
 
         def _evaluate(self, si, wo, prepared, active):
-            row, _, reflectance, coat, share = prepared
+            row, cos_i, reflectance, coat, share = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
             alpha = dr.gather(mi.Float, self.alpha, row, active)
@@ -149,6 +154,9 @@ def coated_class():
             matte = (
                 (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
             )
+            if self.sigma is not None:
+                sigma = dr.gather(mi.Float, self.sigma, row, active)
+                matte *= aslant(cos_i, cos_o, dr.dot(si.wi, wo), sigma, reflectance)
             value = scale * mirror + reflectance * matte * lambert
             pdf = share * density + (1.0 - share) * lambert
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)

@@ -115,10 +115,14 @@ class Surface:
 
 @dataclass(frozen=True)
 class Diffuse(Surface):
-    """Lambertian reflection of both sides and, if given, Lambertian transmission; their sum must not exceed 1."""
+    """Lambertian reflection of both sides and, if given, Lambertian transmission; their sum must not exceed 1.
+
+    ``roughness``: as ``base_roughness`` of `Coated`, for opaque ones.
+    """
 
     reflectance: Colour = Constant(0.5)
     transmittance: Colour | None = None
+    roughness: float = 0.0
 
     spectra = ("reflectance", "transmittance")
 
@@ -128,7 +132,7 @@ class Diffuse(Surface):
 
     @property
     def as_coated(self) -> Coated | None:
-        return Coated(self.reflectance, 1.5, 1.0, 0.0) if self.is_opaque else None
+        return Coated(self.reflectance, 1.5, 1.0, 0.0, self.roughness) if self.is_opaque else None
 
 
 @dataclass(frozen=True)
@@ -136,12 +140,14 @@ class Coated(Surface):
     """A diffuse base under a clear dielectric coat (varnish, plastic, gloss paint).
 
     ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection.
+    ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren and Nayar's model).
     """
 
     reflectance: Colour = Constant(0.5)
     ior: float = 1.5
     roughness: float = 0.5
     specular: float = 1.0
+    base_roughness: float = 0.0
 
     spectra = ("reflectance",)
 

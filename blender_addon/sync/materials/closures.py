@@ -116,7 +116,7 @@ def _joined(at, first, second, surface):
 def _sum_of_surfaces(at, first, second):
     if first is None or second is None:
         return first or second
-    if isinstance(first, Diffuse) and isinstance(second, Diffuse):
+    if all(isinstance(part, Diffuse) and part.roughness == 0.0 for part in (first, second)):
         return _sum_of_diffuse(at, first, second)
     at.note("Two shaders are added, which may create light", "they are mixed half and half")
     return Mix(first, second, 0.5)

@@ -21,6 +21,9 @@ from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
 
+EVEN = 1e-5
+"""Diffuse roughness below which a surface is plainly matt, in Cycles too."""
+
 _LEFT_OUT = {
     "Coat Weight": (0.0, "The coat"),
     "Sheen Weight": (0.0, "Sheen"),
@@ -30,7 +33,6 @@ _LEFT_OUT = {
 
 _AS_DIFFUSE = {
     "Subsurface Weight": (0.0, "Subsurface scattering"),
-    "Diffuse Roughness": (0.0, "Diffuse roughness"),
 }
 
 
@@ -74,9 +76,18 @@ def _coated(at, base):
     normal_reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * at.plain("Specular IOR Level")
     amplitude = math.sqrt(min(max(normal_reflectance, 0.0), 0.98))
     if amplitude < 1e-4:
-        return Diffuse(as_colour(base))
+        return Diffuse(as_colour(base), None, aslant(at, "Diffuse Roughness"))
     ior = (1 + amplitude) / (1 - amplitude)
-    return Coated(as_colour(base), ior, min(max(at.plain("Roughness"), 0.0), 1.0))
+    roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
+    return Coated(as_colour(base), ior, roughness, 1.0, aslant(at, "Diffuse Roughness"))
+
+
+def aslant(at, name: str) -> float:
+    """Return a diffuse roughness as Cycles has it, 0 where this version of Blender lacks it."""
+    if find_socket(at.node.inputs, name) is None:
+        return 0.0
+    roughness = min(max(at.plain(name), 0.0), 1.0)
+    return roughness if roughness >= EVEN else 0.0
 
 
 def _is_thin_wall(at) -> bool:

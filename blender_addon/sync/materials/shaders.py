@@ -18,7 +18,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
-from .principled import convert_principled, report_facets, report_normal
+from .principled import aslant, convert_principled, report_facets, report_normal
 
 _MIRROR = 0.1
 """Roughness below which a gloss over a transparent shader is meant as a pane."""
@@ -65,9 +65,7 @@ def _roughness(at):
 
 def _diffuse(at):
     report_normal(at)
-    if not at("Roughness").is_everywhere(0):
-        at.note("Diffuse roughness is not supported", "plain diffuse is used")
-    return Closure(Diffuse(as_colour(_colour(at))))
+    return Closure(Diffuse(as_colour(_colour(at)), None, aslant(at, "Roughness")))
 
 
 def _translucent(at):
@@ -204,7 +202,8 @@ def _by_fresnel(at, weight):
         roughness = float(np.mean(roughness.pixels))
     base, surface = under.surface, None
     if isinstance(base, Diffuse) and base.transmittance is None:
-        surface = Coated(base.reflectance, ior, min(max(roughness, 0.0), 1.0))
+        roughness = min(max(roughness, 0.0), 1.0)
+        surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
         meaning = "a diffuse base under a clear coat"
     elif isinstance(base, Transparent) and roughness < _MIRROR:
         surface, meaning = ThinGlass(ior, base.transmittance), "a pane that reflects at both faces"

@@ -1,8 +1,9 @@
 """Which shapes are matt, and how much light passes their coats: what is read at a hit without asking the surface model.
 
-A matt surface is a diffuse base with or without a clear coat (see `materials.coated`). The light that its base sends out is
-separable: f = rho / pi * (1 - C(cos_i)) (1 - C(cos_o)) / (1 - C_mean), with the coat's directional reflectance C. So the
-base sends rho / pi * (1 - C(cos_o)) / (1 - C_mean) * M in every direction, where M is the irradiance that passes the coat.
+A matt surface is a smooth diffuse base with or without a clear coat (see `materials.coated`). The light that its base sends
+out is separable: f = rho / pi * (1 - C(cos_i)) (1 - C(cos_o)) / (1 - C_mean), with the coat's directional reflectance C. So
+the base sends rho / pi * (1 - C(cos_o)) / (1 - C_mean) * M in every direction, where M is the irradiance that passes the
+coat.
 """
 
 import drjit as dr
@@ -28,7 +29,7 @@ class DiffuseTable:
         self.shapes: list[int] = []
         for _, part, material in scene.parts():
             coated = material.surface.as_coated
-            if coated is None or part.is_transparent:
+            if coated is None or coated.base_roughness > 0.0 or part.is_transparent:
                 continue
             self.shapes.append(part.number)
             key = _coat(coated)

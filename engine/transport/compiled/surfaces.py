@@ -51,6 +51,7 @@ def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray
         "specular": np.array(
             [np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]
         ),
+        "sigma": np.array([np.clip(c.base_roughness, 0.0, 1.0) for c in coats]),
         "spectra": np.stack([_row_spectrum(c.reflectance, make) for c in coats]),
     }
 

@@ -20,6 +20,8 @@ from scipy import stats
 
 SMOOTH = {
     "matt": Diffuse(Constant(0.6)),
+    "rough matt": Diffuse(Rgb(0.9, 0.6, 0.3), None, 0.8),
+    "gloss over rough": Coated(Rgb(0.9, 0.6, 0.3), 1.5, 0.3, 1.0, 0.8),
     "sheet": Diffuse(Constant(0.3), Constant(0.5)),
     "gloss paint": Coated(Rgb(0.6, 0.3, 0.2), 1.5, 0.3),
     "satin": Coated(Constant(0.2), 1.6, 0.7),
@@ -105,9 +107,13 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
     assert np.allclose(np.array(weight)[:, valid], ratio, rtol=2e-3, atol=1e-4)
 
 
-@pytest.mark.parametrize(
-    "name", ["matt", "gloss paint", "satin", "rough gloss", "rough metal", "tinted edge"]
+RECIPROCAL = (
+    *("matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
+    *("rough gloss", "rough metal", "tinted edge"),
 )
+
+
+@pytest.mark.parametrize("name", RECIPROCAL)
 def test_reflection_is_reciprocal(name):
     import mitsuba as mi
 
@@ -147,6 +153,28 @@ def albedo(surface, angle, count=1 << 16):
 def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(roughness, angle):
     # Single scattering of a rough coat loses a few percent at grazing angles; nothing may be gained.
     assert 0.93 < albedo(Coated(Constant(1.0), 1.5, roughness), angle) < 1.003
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 110])
+@pytest.mark.parametrize("roughness", [0.2, 1.0])
+def test_a_white_rough_base_reflects_everything(roughness, angle):
+    found = albedo(Diffuse(Constant(1.0), None, roughness), angle, 1 << 18)
+    assert found == pytest.approx(1.0, abs=2.5e-3)
+
+
+def test_a_rough_base_is_brightest_towards_the_light():
+    """Fujii's closed form for light and eye at 60 degrees: 1 + sigma sin^2 / cos together, 1 - sigma sin^2 opposite."""
+    import mitsuba as mi
+
+    # So dark that no light comes by two facets.
+    sigma, reflectance, sine = 0.7, 1e-3, float(np.sqrt(0.75))
+    scale = 1.0 / (1.0 + sigma * (0.5 - 2.0 / (3.0 * np.pi)))
+    bsdf = plugin(Diffuse(Constant(reflectance), None, sigma))
+    si = interaction((sine, 0.0, 0.5), 1)
+    for wo, t in (((sine, 0.0, 0.5), 1.5), ((-sine, 0.0, 0.5), -0.75), ((0.0, sine, 0.5), 0.0)):
+        value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*wo), True)
+        expected = reflectance / np.pi * 0.5 * scale * (1.0 + sigma * t)
+        np.testing.assert_allclose(np.array(value)[0], expected, rtol=1e-4)
 
 
 @pytest.mark.parametrize("angle", [0, 45, 80, 110])

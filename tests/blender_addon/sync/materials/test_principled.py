@@ -48,6 +48,15 @@ def test_no_specular_level_leaves_plain_diffuse(tree, convert):
     assert result.surface == Diffuse(Constant(0.5))
 
 
+@pytest.mark.parametrize(("level", "kind"), [(0.5, Coated), (0.0, Diffuse)])
+def test_diffuse_roughness_is_taken_over(tree, convert, level, kind):
+    shader = tree.add("BsdfPrincipled", Diffuse_Roughness=0.6, Specular_IOR_Level=level)
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, kind)
+    assert result.surface.as_coated.base_roughness == pytest.approx(0.6)
+    assert rows == []
+
+
 def test_full_metallic_is_glossy_alone(tree, convert):
     shader = tree.add("BsdfPrincipled", Base_Color=(0.9, 0.7, 0.3), Metallic=1.0, Roughness=0.25)
     result, rows = convert(tree.surface(shader))
