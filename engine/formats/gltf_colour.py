@@ -27,6 +27,7 @@ from ..scene.material import (
     TabulatedPane,
     ThinGlass,
     Transparent,
+    Varnish,
 )
 from ..scene.spectrum import Constant, Rgb
 from ..scene.texture import ImageTexture
@@ -127,6 +128,15 @@ def _mix(surface: Mix):
     return (1.0 - share) * first + share * second, (1.0 - share) * through + share * beyond
 
 
+def _varnish(surface: Varnish):
+    weight = surface.weight
+    weight = _mean(weight).mean() if isinstance(weight, ImageTexture) else float(weight)
+    weight = min(max(float(weight), 0.0), 1.0)
+    reflected, passing = _look(surface.base)
+    left = 1.0 - weight + weight * (1.0 - _face(surface.ior)) * _colour(surface.tint)
+    return reflected * left, passing * float(left @ REC709_LUMINANCE)
+
+
 LOOKS = {
     Diffuse: _by_reflectance,
     Coated: _by_reflectance,
@@ -140,6 +150,7 @@ LOOKS = {
     Black: _black,
     Measured: _measured,
     Mix: _mix,
+    Varnish: _varnish,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

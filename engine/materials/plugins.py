@@ -1,4 +1,4 @@
-"""Models that Mitsuba lacks, as its plug-ins: coated, rough metal, sheet, fabric, panes, glass, transparency, mixture.
+"""Models that Mitsuba lacks, as its plug-ins: coats, rough metal, sheet, fabric, panes, glass, transparency, mixtures.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -15,6 +15,7 @@ from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
+from .varnish import varnish_class
 
 DISPERSED_COMPONENT = 16
 """`sampled_component` of a refraction whose direction belongs to the first wavelength only."""
@@ -63,6 +64,7 @@ def register() -> None:
         ("lumenray_glass", _glass_class),
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
+        ("lumenray_varnish", varnish_class),
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))

@@ -492,6 +492,47 @@ class Mix(Surface):
         return replace(self, first=first or self.first, second=second or self.second)
 
 
+def _of_base(name: str) -> property:
+    return property(lambda surface: getattr(surface.base, name))
+
+
+@dataclass(frozen=True)
+class Varnish(Surface):
+    """A clear or tinted dielectric coat over any other surface, on both sides of it.
+
+    ``weight`` is the share of the surface that it covers; ``roughness`` as in `Coated`; ``tint`` is what it lets through of
+    light on one way along the normal.
+    """
+
+    base: Surface
+    weight: Scalar = 1.0
+    ior: float = 1.5
+    roughness: float = 0.03
+    tint: Colour = Constant(1.0)
+
+    depth = _of_base("depth")
+    is_opaque = _of_base("is_opaque")
+    passes_straight = _of_base("passes_straight")
+    is_window = _of_base("is_window")
+    is_bending = _of_base("is_bending")
+    is_dispersive = _of_base("is_dispersive")
+    has_grain = _of_base("has_grain")
+    has_own_colour = _of_base("has_own_colour")
+    largest = _of_base("largest")
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return (*self.base.colours, self.tint)
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return (*self.base.pictures, *super().pictures)
+
+    def scaled(self, factor: float) -> Varnish | None:
+        base = self.base.scaled(factor)
+        return None if base is None else replace(self, base=base)
+
+
 @dataclass(frozen=True)
 class Emission:
     """Lambertian emission of a surface.

@@ -33,6 +33,7 @@ from lumenray.engine.scene.material import (
     TabulatedPane,
     ThinGlass,
     Transparent,
+    Varnish,
 )
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
@@ -88,6 +89,10 @@ SURFACES = {
     "patches": Measured(_patches(), _patches(), _patches(), _patches(), 0.3, 0.9),
     "half a mirror": Mix(Diffuse(GREY), Glossy(Constant(0.9), 0.0), 0.5),
     "only the second": Mix(Black(), Coated(GREY), 1.0),
+    "varnish": Varnish(Coated(CHECKS), MASK, 1.5, 0.1, Constant(0.5)),
+    "varnished mirror": Varnish(Glossy(Constant(0.9), 0.0)),
+    "varnished glass": Varnish(Dielectric(Cauchy(1.5))),
+    "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }
 

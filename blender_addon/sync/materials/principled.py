@@ -17,6 +17,7 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket, trace
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+from .layers import varnished
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
@@ -25,7 +26,6 @@ EVEN = 1e-5
 """Diffuse roughness below which a surface is plainly matt, in Cycles too."""
 
 _LEFT_OUT = {
-    "Coat Weight": (0.0, "The coat"),
     "Sheen Weight": (0.0, "Sheen"),
     "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
@@ -40,7 +40,7 @@ def convert_principled(at) -> Closure:
     """Return what a Principled BSDF stands for.
 
     A coated diffuse base, a metal by ``Metallic``, a solid dielectric by ``Transmission Weight``,
-    all seen through ``Alpha``.
+    all below the ``Coat``, and seen through ``Alpha``.
     """
     _report_unsupported(at)
     base = reflectance_of(at, at("Base Color"))
@@ -63,7 +63,7 @@ def convert_principled(at) -> Closure:
         edge = as_colour(reflectance_of(at, at("Specular Tint")))
         metal = Glossy(as_colour(base), as_scalar(roughness), edge)
         surface = mix_surfaces(surface, metal, metallic)
-    radiance = _radiance(at)
+    surface, radiance = varnished(at, surface, _radiance(at))
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
         radiance = scaled(at, radiance, alpha)

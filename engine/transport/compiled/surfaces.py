@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...materials.facets import MINIMUM_ALPHA
 from ...scattering.data.surface import usable
 from ...scene.material import (
     SMOOTH_ROUGHNESS,
@@ -18,6 +19,7 @@ from ...scene.material import (
     TabulatedPane,
     ThinGlass,
     Transparent,
+    Varnish,
 )
 from ...scene.spectrum import Constant
 from ...scene.texture import ImageTexture
@@ -154,6 +156,39 @@ def _mix(surface: Mix, make: TextureMaker) -> dict:
     }
 
 
+def _varnish(surface: Varnish, make: TextureMaker):
+    import mitsuba as mi
+
+    properties = {
+        "type": "lumenray_varnish",
+        "base": bsdf(surface.base, make),
+        "weight": make.scalar(surface.weight),
+        "tint": make.reflectance(surface.tint),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    plugin.set_coat(alpha(surface.roughness), max(surface.ior, 1.0001), _facets(surface.base))
+    return plugin
+
+
+def _facets(base: Surface) -> tuple | None:
+    """Width, index and scale of the facets over an opaque base's diffuse light; None: light passes."""
+    if not base.is_opaque:
+        return None
+    if isinstance(base, Glossy | Conductor):
+        roughness = base.roughness
+        if isinstance(roughness, ImageTexture):
+            roughness = np.sqrt(np.mean(np.square(roughness.pixels, dtype=np.float64)))
+        return _width(roughness), np.inf, 1.0
+    coated = _as_plain(base)
+    if coated is None or coated.ior <= 1.001 or coated.specular <= 0.0:
+        return MINIMUM_ALPHA, np.inf, 0.0
+    return _width(coated.roughness), round(float(coated.ior), 4), float(min(coated.specular, 1.0))
+
+
+def _width(roughness) -> float:
+    return round(float(max(alpha(roughness), MINIMUM_ALPHA)), 4)
+
+
 def _tabulated_pane(surface: TabulatedPane, _make: TextureMaker):
     import mitsuba as mi
 
@@ -222,6 +257,7 @@ MAKERS = {
     Black: _black,
     Measured: _measured,
     Mix: _mix,
+    Varnish: _varnish,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -231,6 +267,8 @@ def approximations(surface: Surface) -> list[str]:
     match surface:
         case Mix():
             return approximations(surface.first) + approximations(surface.second)
+        case Varnish():
+            return approximations(surface.base)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:

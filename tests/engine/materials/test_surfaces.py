@@ -12,6 +12,7 @@ from lumenray.engine.scene.material import (
     Mix,
     ThinGlass,
     Transparent,
+    Varnish,
 )
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend
@@ -28,6 +29,8 @@ SMOOTH = {
     "rough gloss": Glossy(Rgb(0.9, 0.6, 0.3), 0.8),
     "rough metal": Conductor("Au", 0.5),
     "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
+    "varnished paint": Varnish(Coated(Rgb(0.9, 0.6, 0.3)), 0.7, 1.6, 0.3, Rgb(0.3, 0.6, 0.9)),
+    "varnished metal": Varnish(Glossy(Rgb(0.9, 0.6, 0.3), 0.6), 1.0, 1.5, 0.2),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -70,7 +73,8 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
     si = interaction(towards(angle), count)
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
     bs, weight = bsdf.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
-    valid = np.array(bs.pdf) > 0.0
+    # Mitsuba's rough glass returns a density with directions that it gives no light.
+    valid = (np.array(bs.pdf) > 0.0) & (np.array(bsdf.pdf(mi.BSDFContext(), si, bs.wo, True)) > 0.0)
     wo = np.stack([np.array(c) for c in bs.wo], axis=1)[valid]
     bins = (16, 24)
 
@@ -109,7 +113,7 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 
 RECIPROCAL = (
     *("matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
-    *("rough gloss", "rough metal", "tinted edge"),
+    *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal"),
 )
 
 
@@ -148,6 +152,17 @@ def albedo(surface, angle, count=1 << 16):
     return float(np.array(weight).mean())
 
 
+def flux(surface, angle, count):
+    """Share of light that goes on; radiance grows with the square of the index that it passes to."""
+    import mitsuba as mi
+
+    stream = mi.PCG32(size=count, initstate=9)
+    si = interaction(towards(angle), count)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    bs, weight = plugin(surface).sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
+    return float((np.array(weight)[0] * np.array(bs.eta) ** 2).mean())
+
+
 @pytest.mark.parametrize("angle", [0, 45, 80])
 @pytest.mark.parametrize("roughness", [0.1, 0.5, 1.0])
 def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(roughness, angle):
@@ -175,6 +190,47 @@ def test_a_rough_base_is_brightest_towards_the_light():
         value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*wo), True)
         expected = reflectance / np.pi * 0.5 * scale * (1.0 + sigma * t)
         np.testing.assert_allclose(np.array(value)[0], expected, rtol=1e-4)
+
+
+VARNISHED = {
+    "matt": Diffuse(Constant(1.0)),
+    "gloss paint": Coated(Constant(1.0), 1.5, 0.3),
+    "metal": Glossy(Constant(1.0), 0.5),
+    "rough metal": Glossy(Constant(1.0), 1.0),
+    "mirror": Glossy(Constant(1.0), 0.0),
+    "glass": Dielectric(),
+}
+"""White bases: none of them keeps light but what the single scattering of a gloss loses."""
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80])
+@pytest.mark.parametrize("name", VARNISHED)
+def test_a_base_under_varnish_reflects_what_the_varnish_leaves(name, angle):
+    """In all directions together: 1 - w C of what it would reflect, and w C from the varnish, C by Fresnel (smooth)."""
+    weight, count = 0.6, 1 << 17
+    base = VARNISHED[name]
+    surface = Varnish(base, weight, 1.5, 0.03)
+    cos_i = np.cos(np.radians(angle))
+    cos_t = np.sqrt(1.0 - (1.0 - cos_i**2) / 2.25)
+    mirror = 0.5 * (
+        ((cos_i - 1.5 * cos_t) / (cos_i + 1.5 * cos_t)) ** 2
+        + ((1.5 * cos_i - cos_t) / (1.5 * cos_i + cos_t)) ** 2
+    )
+    under, found = flux(base, angle, count), flux(surface, angle, count)
+    expected = weight * mirror + (1.0 - weight * mirror) * under
+    assert found == pytest.approx(expected, abs=5e-3)
+    assert found < 1.003
+
+
+def test_tinted_varnish_over_a_white_base_lets_both_ways_pass_as_one():
+    """Blender's tint is that of both ways together, by the way that is slanted like the eye's."""
+    tint, angle = 0.3, 60
+    surface = Varnish(Diffuse(Constant(1.0)), 1.0, 1.5, 0.03, Constant(tint))
+    clear = Varnish(Diffuse(Constant(0.0)), 1.0, 1.5, 0.03)
+    own = albedo(clear, angle, 1 << 17)
+    length = 1.0 / np.sqrt(1.0 - np.sin(np.radians(angle)) ** 2 / 2.25)
+    found = albedo(surface, angle, 1 << 17)
+    assert found - own == pytest.approx((1.0 - own) * tint**length, rel=0.015)
 
 
 @pytest.mark.parametrize("angle", [0, 45, 80, 110])
