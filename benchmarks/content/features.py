@@ -117,6 +117,7 @@ for _key, (_kind, _attributes, _values) in {
     "Glass, rough": ("BsdfGlass", {}, {"Roughness": 0.4}),
     "Glass, coloured": ("BsdfGlass", {}, {"Roughness": 0.0, "Color": (0.6, 0.9, 0.7, 1.0)}),
     "Refraction": ("BsdfRefraction", {}, {"Roughness": 0.0, "IOR": 1.45}),
+    "Refraction, rough": ("BsdfRefraction", {}, {"Roughness": 0.3, "IOR": 1.45}),
     "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
     "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
     "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
@@ -149,6 +150,14 @@ def _added(stage):
     stage.studio(tree.show(tree.add("AddShader", _0=first, _1=second)))
 
 
+@_feature("Surfaces", "Add Shader, dark")
+def _added_dark(stage):
+    tree = stage.material()
+    first = tree.add("BsdfDiffuse", Color=(0.4, 0.2, 0.1, 1.0))
+    second = tree.add("BsdfAnisotropic", Color=(0.5, 0.5, 0.5, 1.0), Roughness=0.3)
+    stage.studio(tree.show(tree.add("AddShader", _0=first, _1=second)))
+
+
 @_feature("Surfaces", "Mix by Fresnel")
 def _by_fresnel(stage):
     tree = stage.material()
@@ -163,6 +172,14 @@ def _by_facing(stage):
     first, second = _two(tree)
     factor = tree.add("LayerWeight", out=1, Blend=0.3)
     stage.studio(tree.show(tree.add("MixShader", Fac=factor, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Mix by a ramp of facing")
+def _by_ramp(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    power = tree.add("Math", {"operation": "POWER"}, _0=tree.add("LayerWeight", out=1), _1=2.5)
+    stage.studio(tree.show(tree.add("MixShader", Fac=power, _1=first, _2=second)))
 
 
 @_feature("Surfaces", "Pane by Fresnel")

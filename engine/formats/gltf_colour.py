@@ -13,6 +13,7 @@ from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, 
 from ..scattering.data.evaluation import total
 from ..scene.material import (
     Black,
+    Blend,
     Coated,
     Conductor,
     Dielectric,
@@ -137,6 +138,12 @@ def _varnish(surface: Varnish):
     return reflected * left, passing * float(left @ REC709_LUMINANCE)
 
 
+def _blend(surface: Blend):
+    first, second = surface.weights[0, :, -1]
+    (one, through), (other, beyond) = _look(surface.first), _look(surface.second)
+    return first * one + second * other, float(first * through + second * beyond)
+
+
 LOOKS = {
     Diffuse: _by_reflectance,
     Coated: _by_reflectance,
@@ -151,6 +158,7 @@ LOOKS = {
     Measured: _measured,
     Mix: _mix,
     Varnish: _varnish,
+    Blend: _blend,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

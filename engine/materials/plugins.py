@@ -8,9 +8,11 @@ import drjit as dr
 import mitsuba as mi
 
 from ..arrays import average
+from .blend import blend_class
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
+from .refraction import refraction_class, rough_refraction_class
 from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
@@ -65,6 +67,9 @@ def register() -> None:
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
         ("lumenray_varnish", varnish_class),
+        ("lumenray_blend", blend_class),
+        ("lumenray_refraction", refraction_class),
+        ("lumenray_rough_refraction", rough_refraction_class),
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))

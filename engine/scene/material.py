@@ -15,6 +15,9 @@ from .texture import ImageTexture
 SMOOTH_ROUGHNESS = 0.03
 """Below this roughness (microfacet alpha 0.0009) a surface is computed as an ideal mirror."""
 
+BLEND_STEPS = 512
+"""Weights of a `Blend` by the cosine, evenly in its root from 0 to 1."""
+
 ROUNDING = 1e-6
 """By which shares that are stated of light may exceed what energy allows. [-]"""
 
@@ -250,11 +253,15 @@ class Conductor(_MirrorLike):
 
 @dataclass(frozen=True)
 class Dielectric(Surface):
-    """A solid transparent body: refracts at its boundary. ``tint`` multiplies what is transmitted per crossing."""
+    """A solid transparent body: refracts at its boundary. ``tint`` multiplies what is transmitted per crossing.
+
+    Where it does not ``reflect``, all light passes, and none beyond the critical angle.
+    """
 
     ior: RefractiveIndex = Cauchy(1.5)
     roughness: float = 0.0
     tint: Colour = Constant(1.0)
+    reflects: bool = True
 
     spectra = ("tint",)
     is_opaque = False
@@ -490,6 +497,81 @@ class Mix(Surface):
         if first is None and second is None:
             return None
         return replace(self, first=first or self.first, second=second or self.second)
+
+
+def blend_cosines() -> np.ndarray:
+    """Return the cosines by which a `Blend` has its weights. (n,) [-]"""
+    return np.linspace(0.0, 1.0, BLEND_STEPS) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class Blend(Surface):
+    """Two surfaces, weighed by the side and the angle that they are seen from.
+
+    Parameters
+    ----------
+    first, second : Surface
+    weights : (2, 2, n) array    Of the front's parts and the back's, by the cosine (see `blend_cosines`), 0 to 1. [-]
+    """
+
+    first: Surface
+    second: Surface
+    weights: np.ndarray
+
+    is_opaque = _of_both("is_opaque")
+    is_purely_specular = _of_both("is_purely_specular")
+    passes_straight = _of_one("passes_straight")
+    is_window = _of_one("is_window")
+    is_bending = _of_one("is_bending")
+    is_dispersive = _of_one("is_dispersive")
+    has_grain = _of_one("has_grain")
+    has_own_colour = _of_one("has_own_colour")
+
+    @property
+    def depth(self) -> int:
+        return 1 + max(self.first.depth, self.second.depth)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return self.first.colours + self.second.colours
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return self.first.pictures + self.second.pictures
+
+    @property
+    def is_reciprocal(self) -> bool:
+        """Whether its weights are the same for light and eye exchanged."""
+        weights = np.asarray(self.weights)
+        if not np.array_equal(weights[0], weights[1]):
+            return False
+        parts = self.first, self.second
+        # Mirrors and panes send light on at the angle that it comes by.
+        keep_angles = all(each.is_mirror or isinstance(each, _Pane | Transparent) for each in parts)
+        return keep_angles or not np.ptp(weights, axis=2).any()
+
+    @property
+    def largest(self) -> float:
+        parts = np.array([self.first.largest, self.second.largest])
+        return float((self.weights * parts[:, None]).sum(axis=1).max())
+
+    def scaled(self, factor: float) -> Blend:
+        return replace(self, weights=self.weights * factor)
+
+    def check(self) -> None:
+        """Refuse weights that say nothing.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with them.
+        """
+        weights = np.asarray(self.weights)
+        if weights.shape != (2, 2, BLEND_STEPS):
+            raise SceneError(
+                f"a blend's weights are {' x '.join(map(str, weights.shape))}, expected 2 x 2 x {BLEND_STEPS}"
+            )
+        if not (weights.min() >= 0.0 and weights.max() <= 1.0 + ROUNDING):
+            raise SceneError("a blend has a weight that is not within 0 and 1")
 
 
 def _of_base(name: str) -> property:

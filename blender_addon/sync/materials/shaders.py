@@ -9,19 +9,16 @@ from ....engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
-    ThinGlass,
     Transparent,
 )
 from ....engine.scene.spectrum import Blackbody
 from ...foundation.report import Severity
+from ..nodes.angles import over_angles
 from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
-from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
+from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
 from .principled import aslant, convert_principled, report_facets, report_normal
-
-_MIRROR = 0.1
-"""Roughness below which a gloss over a transparent shader is meant as a pane."""
 
 
 def convert_shader(socket, context, groups=()) -> Closure:
@@ -117,10 +114,10 @@ def _report_beckmann(at):
 
 
 def _refraction(at):
-    at.remark("A Refraction BSDF does not reflect", "glass, which does, is used")
     report_normal(at)
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(_colour(at))))
+    ior = Cauchy(at.plain("IOR"), 0.0)
+    return Closure(Dielectric(ior, _roughness(at), as_colour(_colour(at)), reflects=False))
 
 
 def _transparent(at):
@@ -160,8 +157,6 @@ def _add(at):
 def _mix(at):
     origin = trace(at.node.inputs[0], at.groups)
     kind = origin.socket.node.bl_idname if origin.is_output else ""
-    if kind == "ShaderNodeNewGeometry" and origin.socket.identifier == "Backfacing":
-        return _by_side(at)
     if kind == "ShaderNodeFresnel" or (
         kind == "ShaderNodeLayerWeight" and origin.socket.identifier == "Fresnel"
     ):
@@ -170,6 +165,9 @@ def _mix(at):
         )
         if closure is not None:
             return closure
+    weights = over_angles(at.node.inputs[0], at.context, at.groups)
+    if weights is not None:
+        return blend(at, _branch(at, 1), _branch(at, 2), weights)
     factor = at.field(at.node.inputs[0])
     # A branch that never shows must not fill the report.
     first = Closure() if factor.is_everywhere(1) else _branch(at, 1)
@@ -181,37 +179,24 @@ def _branch(at, index):
     return convert_shader(at.node.inputs[index], at.context, at.groups)
 
 
-def _by_side(at):
-    """Take the front for both sides, but let a one-sided emission stay one-sided."""
-    front, back = _branch(at, 1), _branch(at, 2)
-    at.note(
-        "Front and back of a face have different shaders",
-        "the front's surface is used for both sides; only the front emits",
-    )
-    return Closure(front.surface, front.radiance, front.spectrum, back.radiance is not None)
-
-
 def _by_fresnel(at, weight):
-    """Return one surface for "gloss over something by Fresnel", None if it is not that."""
+    """Return one surface for "gloss over a matt one by Fresnel", None if it is not that."""
     under, over = _branch(at, 1), _branch(at, 2)
+    base = under.surface
     if not isinstance(over.surface, Glossy) or over.radiance is not None:
+        return None
+    if not isinstance(base, Diffuse) or base.transmittance is not None:
         return None
     ior = _index_of(weight)
     roughness = over.surface.roughness
     if not isinstance(roughness, float):
         roughness = float(np.mean(roughness.pixels))
-    base, surface = under.surface, None
-    if isinstance(base, Diffuse) and base.transmittance is None:
-        roughness = min(max(roughness, 0.0), 1.0)
-        surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
-        meaning = "a diffuse base under a clear coat"
-    elif isinstance(base, Transparent) and roughness < _MIRROR:
-        surface, meaning = ThinGlass(ior, base.transmittance), "a pane that reflects at both faces"
-    elif isinstance(base, Dielectric):
-        surface, meaning = base, "glass"
-    if surface is None:
-        return None
-    at.remark("A gloss is mixed over another shader by Fresnel", f"{meaning} is used")
+    roughness = min(max(roughness, 0.0), 1.0)
+    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
+    at.remark(
+        "A gloss is mixed over a matt shader by Fresnel",
+        "a diffuse base under a clear coat is used",
+    )
     return Closure(surface, under.radiance, under.spectrum, under.two_sided)
 
 

@@ -2,11 +2,14 @@
 
 import numpy as np
 
+from ...materials.albedo import limits
 from ...materials.facets import MINIMUM_ALPHA
+from ...photometry.spectra import GRID, evaluate_reflectance
 from ...scattering.data.surface import usable
 from ...scene.material import (
     SMOOTH_ROUGHNESS,
     Black,
+    Blend,
     Coated,
     Conductor,
     Dielectric,
@@ -21,7 +24,7 @@ from ...scene.material import (
     Transparent,
     Varnish,
 )
-from ...scene.spectrum import Constant
+from ...scene.spectrum import Constant, Tabulated
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
@@ -30,6 +33,12 @@ SODIUM_D = 589.3
 
 NOTHING = Diffuse(Constant(0.0))
 """What a black surface is to light, and what the palette holds before there are plain materials."""
+
+BY_ANGLE = (
+    "its parts are weighed by the angle or the side that it is seen from, as in Blender; with light and eye exchanged it is "
+    "another surface"
+)
+"""What is said of a blend that is not reciprocal."""
 
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
@@ -156,6 +165,31 @@ def _mix(surface: Mix, make: TextureMaker) -> dict:
     }
 
 
+def _blend(surface: Blend, make: TextureMaker):
+    import mitsuba as mi
+
+    surface.check()
+    by_colour, by_angle = limits(surface, _most_by_wavelength)
+    properties = {
+        "type": "lumenray_blend",
+        "first": bsdf(surface.first, make),
+        "second": bsdf(surface.second, make),
+        "limit": make.reflectance(Tabulated(GRID, by_colour)),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    plugin.set_weights(surface.weights * by_angle[:, None])
+    return plugin
+
+
+def _most_by_wavelength(colour) -> np.ndarray:
+    """Values of a colour at every nanometre, for a picture the most that any place may have. (471,) [-]"""
+    if not isinstance(colour, ImageTexture):
+        return np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
+    pixels = colour.pixels
+    is_grey = pixels.ndim == 2 or pixels.shape[2] == 1 or not np.ptp(pixels, axis=2).any()
+    return np.full(len(GRID), float(pixels.max()) if is_grey else 1.0)
+
+
 def _varnish(surface: Varnish, make: TextureMaker):
     import mitsuba as mi
 
@@ -229,6 +263,8 @@ def _mirror_like(properties: dict, roughness, make: TextureMaker, edge=None) -> 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
     tint = make.reflectance(surface.tint)
     index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
+    if not surface.reflects:
+        return _refraction(surface, index, tint)
     if surface.is_smooth:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
@@ -242,6 +278,19 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         "specular_transmittance": tint,
     }
     return {"type": "lumenray_rough_glass", "alpha": width, "index": index, "nested": nested}
+
+
+def _refraction(surface: Dielectric, index: float, tint) -> dict:
+    if surface.is_smooth:
+        return {"type": "lumenray_refraction", "ior": number(index), "tint": tint}
+    nested = {
+        "type": "roughdielectric",
+        "distribution": "ggx",
+        "alpha": alpha(surface.roughness),
+        "int_ior": index,
+        "specular_transmittance": tint,
+    }
+    return {"type": "lumenray_rough_refraction", "index": index, "nested": nested}
 
 
 MAKERS = {
@@ -258,6 +307,7 @@ MAKERS = {
     Measured: _measured,
     Mix: _mix,
     Varnish: _varnish,
+    Blend: _blend,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -267,6 +317,9 @@ def approximations(surface: Surface) -> list[str]:
     match surface:
         case Mix():
             return approximations(surface.first) + approximations(surface.second)
+        case Blend():
+            notes = approximations(surface.first) + approximations(surface.second)
+            return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
         case Varnish():
             return approximations(surface.base)
         case Measured() if usable(surface) is not surface:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from lumenray.engine.scene.material import (
     Black,
+    Blend,
     Coated,
     Conductor,
     Dielectric,
@@ -13,11 +14,17 @@ from lumenray.engine.scene.material import (
     ThinGlass,
     Transparent,
     Varnish,
+    blend_cosines,
 )
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend
 from scattering_models import towards
 from scipy import stats
+
+FACING = np.stack([np.stack([blend_cosines(), 1.0 - blend_cosines()])] * 2)
+"""Weights of a blend whose second part shows at the edges."""
+
+SUM = np.ones_like(FACING)
 
 SMOOTH = {
     "matt": Diffuse(Constant(0.6)),
@@ -31,6 +38,8 @@ SMOOTH = {
     "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
     "varnished paint": Varnish(Coated(Rgb(0.9, 0.6, 0.3)), 0.7, 1.6, 0.3, Rgb(0.3, 0.6, 0.9)),
     "varnished metal": Varnish(Glossy(Rgb(0.9, 0.6, 0.3), 0.6), 1.0, 1.5, 0.2),
+    "by facing": Blend(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), FACING),
+    "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -113,7 +122,7 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 
 RECIPROCAL = (
     *("matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
-    *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal"),
+    *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal", "sum"),
 )
 
 
@@ -190,6 +199,70 @@ def test_a_rough_base_is_brightest_towards_the_light():
         value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*wo), True)
         expected = reflectance / np.pi * 0.5 * scale * (1.0 + sigma * t)
         np.testing.assert_allclose(np.array(value)[0], expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 120])
+def test_a_blend_by_facing_reflects_as_its_parts_at_that_angle(angle):
+    parts = Diffuse(Constant(0.2)), Diffuse(Constant(0.7))
+    cosine = abs(np.cos(np.radians(angle)))
+    found = albedo(Blend(*parts, FACING), angle, 1 << 14)
+    assert found == pytest.approx(0.2 * cosine + 0.7 * (1.0 - cosine), abs=2e-3)
+
+
+def test_a_blend_of_front_and_back_is_another_surface_from_behind():
+    weights = np.zeros_like(FACING)
+    weights[0, 0] = weights[1, 1] = 1.0
+    surface = Blend(Diffuse(Constant(0.2)), Diffuse(Constant(0.7)), weights)
+    assert albedo(surface, 30, 1 << 10) == pytest.approx(0.2, abs=1e-4)
+    assert albedo(surface, 150, 1 << 10) == pytest.approx(0.7, abs=1e-4)
+
+
+@pytest.mark.parametrize("angle", [0, 45, 85, 110])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (Diffuse(Constant(1.0)), Glossy(Constant(1.0), 0.3)),
+        (Coated(Constant(0.5), 1.5, 0.3), Diffuse(Constant(0.5))),
+        (Glossy(Rgb(0.9, 0.3, 0.1), 0.0), Dielectric()),
+    ],
+)
+def test_a_sum_of_surfaces_makes_no_light(parts, angle):
+    assert flux(Blend(*parts, SUM), angle, 1 << 16) < 1.003
+
+
+def test_a_sum_holds_every_wavelength_within_what_comes():
+    """Spectra of saturated colours rise above the colour itself: 0.5 and a red of 0.4 are more than 1 beyond 650 nm."""
+    import mitsuba as mi
+
+    surface = Blend(Diffuse(Rgb(0.4, 0.2, 0.1)), Diffuse(Constant(0.5)), SUM)
+    si = interaction(towards(30), 1)
+    si.wavelengths = mi.Spectrum(550.0, 600.0, 700.0, 760.0)
+    values = np.array(plugin(surface).eval(mi.BSDFContext(), si, mi.Vector3f(0, 0, 1), True))
+    parts = [
+        np.array(plugin(part).eval(mi.BSDFContext(), si, mi.Vector3f(0, 0, 1), True))
+        for part in (surface.first, surface.second)
+    ]
+    assert (sum(parts) * np.pi).max() > 1.05
+    np.testing.assert_allclose(values, np.minimum(sum(parts), 1.0 / np.pi), rtol=2e-3)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3])
+def test_a_refraction_lets_all_light_pass_or_none(roughness):
+    surface = Dielectric(roughness=roughness, reflects=False)
+    lost = 0.0 if roughness == 0.0 else 0.03
+    for angle in (0, 60, 160):
+        assert 1.0 - lost - 2e-3 < flux(surface, angle, 1 << 16) < 1.003
+    # Beyond the critical angle of 41.8 degrees, far enough for facets that lie aslant.
+    assert flux(surface, 110, 1 << 16) < (1e-9 if roughness == 0.0 else 0.05)
+
+
+def test_a_blend_that_is_not_reciprocal_says_so():
+    from lumenray.engine.transport.compiled.surfaces import approximations
+
+    matt = Diffuse(Constant(0.5))
+    assert "exchanged" in approximations(Blend(matt, Glossy(), FACING))[0]
+    assert approximations(Blend(matt, Glossy(), SUM)) == []
+    assert approximations(Blend(Transparent(), Glossy(Constant(1.0), 0.0), FACING)) == []
 
 
 VARNISHED = {
