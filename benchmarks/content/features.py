@@ -66,6 +66,7 @@ for _key, _values in {
     "Principled, no specular": {"Specular_IOR_Level": 0.0},
     "Principled, specular level": {"Specular_IOR_Level": 0.9},
     "Principled, specular tint": {"Specular_Tint": (0.2, 0.5, 1.0, 1.0)},
+    "Principled, dark specular tint": {"Specular_Tint": (0.1, 0.2, 0.1, 1.0), "IOR": 2.0},
     "Principled, metal 0.2": {"Metallic": 1.0, "Roughness": 0.2},
     "Principled, metal 0.6": {"Metallic": 1.0, "Roughness": 0.6},
     "Principled, metal, edge tint": {

@@ -142,8 +142,9 @@ class Diffuse(Surface):
 class Coated(Surface):
     """A diffuse base under a clear dielectric coat (varnish, plastic, gloss paint).
 
-    ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection.
-    ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren and Nayar's model).
+    ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection, and ``tint``
+    what it reflects along its normal. ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren
+    and Nayar's model).
     """
 
     reflectance: Colour = Constant(0.5)
@@ -151,8 +152,19 @@ class Coated(Surface):
     roughness: float = 0.5
     specular: float = 1.0
     base_roughness: float = 0.0
+    tint: Spectrum | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold, and the tint."""
+        return super().colours if self.tint is None else (*super().colours, self.tint)
+
+    @property
+    def largest(self) -> float:
+        """As of `Surface`; the coat takes no light but what the base lacks."""
+        return largest_of(self.reflectance)
 
     @property
     def as_coated(self) -> Coated:

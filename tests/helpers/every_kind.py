@@ -100,6 +100,7 @@ SURFACES = {
     "sum": Blend(Coated(CHECKS), Glossy(GREY, 0.3), np.ones_like(_FACING)),
     "refraction alone": Dielectric(Cauchy(1.5), reflects=False),
     "rough refraction alone": Dielectric(Cauchy(1.5), 0.3, reflects=False),
+    "tinted highlight": Coated(GREY, 1.5, 0.3, 1.0, 0.0, Constant(0.2)),
     "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }

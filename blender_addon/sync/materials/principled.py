@@ -52,11 +52,11 @@ def convert_principled(at) -> Closure:
     if not metallic.is_everywhere(0):
         report_facets(at)
     surface = None
-    if not metallic.is_everywhere(1) and not at("Specular Tint").is_everywhere(1):
-        at.note("The tint of the highlight is not supported but for metals", "it is left out")
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
+        if not at("Specular Tint").is_everywhere(1):
+            at.note("The tint of the highlight is not supported for glass", "it is left out")
         pane = _pane if _is_thin_wall(at) else _glass
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
@@ -79,7 +79,19 @@ def _coated(at, base):
         return Diffuse(as_colour(base), None, aslant(at, "Diffuse Roughness"))
     ior = (1 + amplitude) / (1 - amplitude)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
-    return Coated(as_colour(base), ior, roughness, 1.0, aslant(at, "Diffuse Roughness"))
+    sigma = aslant(at, "Diffuse Roughness")
+    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at))
+
+
+def _tint(at):
+    """Return the tint of the highlight, the mean where it varies; None: it has none."""
+    field = at("Specular Tint").settled()
+    if field.is_everywhere(1):
+        return None
+    if not field.is_constant:
+        at.note("The tint of the highlight varies over the surface", "its mean is used")
+        field = Field(field.mean())
+    return as_colour(reflectance_of(at, field))
 
 
 def aslant(at, name: str) -> float:

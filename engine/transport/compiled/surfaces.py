@@ -63,6 +63,7 @@ def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray
             [np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]
         ),
         "sigma": np.array([np.clip(c.base_roughness, 0.0, 1.0) for c in coats]),
+        "tints": np.stack([make.spectrum(c.tint or Constant(1.0), PALETTE_STEPS) for c in coats]),
         "spectra": np.stack([_row_spectrum(c.reflectance, make) for c in coats]),
     }
 

@@ -32,6 +32,7 @@ SMOOTH = {
     "gloss over rough": Coated(Rgb(0.9, 0.6, 0.3), 1.5, 0.3, 1.0, 0.8),
     "sheet": Diffuse(Constant(0.3), Constant(0.5)),
     "gloss paint": Coated(Rgb(0.6, 0.3, 0.2), 1.5, 0.3),
+    "tinted gloss": Coated(Rgb(0.6, 0.3, 0.2), 1.8, 0.4, 1.0, 0.0, Rgb(0.1, 0.5, 0.9)),
     "satin": Coated(Constant(0.2), 1.6, 0.7),
     "rough gloss": Glossy(Rgb(0.9, 0.6, 0.3), 0.8),
     "rough metal": Conductor("Au", 0.5),
@@ -121,7 +122,7 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 
 
 RECIPROCAL = (
-    *("matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
+    *("tinted gloss", "matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
     *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal", "sum"),
 )
 
@@ -365,6 +366,25 @@ def test_what_facets_reflect_once_and_what_comes_by_more_of_them(roughness):
 def test_a_black_coated_surface_reflects_the_fresnel_share():
     # Smooth limit at normal incidence: ((n - 1) / (n + 1))^2 = 4 %.
     assert albedo(Coated(Constant(0.0), 1.5, 0.05), 0) == pytest.approx(0.04, rel=0.02)
+
+
+@pytest.mark.parametrize(("angle", "tint"), [(0, 0.3), (70, 0.3), (70, 0.0)])
+def test_a_tint_colours_what_a_coat_reflects_along_its_normal(angle, tint):
+    """Fresnel's rise from the normal to grazing light goes on to 1 from where the tint begins."""
+    normal = 0.04
+    cos_i = np.cos(np.radians(angle))
+    cos_t = np.sqrt(1.0 - (1.0 - cos_i**2) / 2.25)
+    mirror = 0.5 * (
+        ((cos_i - 1.5 * cos_t) / (cos_i + 1.5 * cos_t)) ** 2
+        + ((1.5 * cos_i - cos_t) / (1.5 * cos_i + cos_t)) ** 2
+    )
+    rise = (mirror - normal) / (1.0 - normal)
+    expected = normal * tint + (1.0 - normal * tint) * rise
+    black, white = (
+        Coated(Constant(grey), 1.5, 0.05, 1.0, 0.0, Constant(tint)) for grey in (0.0, 1.0)
+    )
+    assert albedo(black, angle) == pytest.approx(expected, rel=0.02, abs=1e-5)
+    assert albedo(white, angle) == pytest.approx(1.0, abs=3e-3)
 
 
 def test_a_pane_transmits_what_fresnel_and_its_body_say():

@@ -114,7 +114,6 @@ def test_emission_strength_times_efficacy_is_luminance(tree, convert):
         ("Sheen_Weight", 0.5),
         ("Subsurface_Weight", 0.5),
         ("Anisotropic", 0.5),
-        ("Specular_Tint", (1.0, 0.2, 0.2)),
     ],
 )
 def test_unsupported_part_of_principled_is_reported(tree, convert, name, value):
@@ -123,6 +122,15 @@ def test_unsupported_part_of_principled_is_reported(tree, convert, name, value):
     assert row["object"] == "Paint"
     assert row["node"] == "Principled BSDF"
     assert row["instead"]
+
+
+def test_the_tint_of_a_highlight_is_taken_over_but_for_glass(tree, convert):
+    values = {"Specular_Tint": (1.0, 0.2, 0.2)}
+    result, rows = convert(tree.surface(tree.add("BsdfPrincipled", **values)))
+    assert rgb_of(result.surface.tint) == pytest.approx((1.0, 0.2, 0.2))
+    assert rows == []
+    _, rows = convert(tree.surface(tree.add("BsdfPrincipled", Transmission_Weight=1.0, **values)))
+    assert "highlight" in messages_of(rows)
 
 
 def test_a_coat_lies_over_each_part_of_a_mixture(tree, convert):
