@@ -117,6 +117,7 @@ for _key, (_kind, _attributes, _values) in {
     "Glass": ("BsdfGlass", {}, {"Roughness": 0.0}),
     "Glass, rough": ("BsdfGlass", {}, {"Roughness": 0.4}),
     "Glass, coloured": ("BsdfGlass", {}, {"Roughness": 0.0, "Color": (0.6, 0.9, 0.7, 1.0)}),
+    "Glass, coloured, rough": ("BsdfGlass", {}, {"Roughness": 0.3, "Color": (0.6, 0.9, 0.7, 1.0)}),
     "Refraction": ("BsdfRefraction", {}, {"Roughness": 0.0, "IOR": 1.45}),
     "Refraction, rough": ("BsdfRefraction", {}, {"Roughness": 0.3, "IOR": 1.45}),
     "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
@@ -181,6 +182,18 @@ def _by_ramp(stage):
     first, second = _two(tree)
     power = tree.add("Math", {"operation": "POWER"}, _0=tree.add("LayerWeight", out=1), _1=2.5)
     stage.studio(tree.show(tree.add("MixShader", Fac=power, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Colour by facing")
+def _colour_by_facing(stage):
+    tree = stage.material()
+    colour = tree.add(
+        "MixRGB",
+        Fac=tree.add("LayerWeight", out=1, Blend=0.4),
+        Color1=(0.1, 0.2, 0.6, 1.0),
+        Color2=(0.9, 0.7, 0.5, 1.0),
+    )
+    stage.studio(tree.show(tree.add("BsdfPrincipled", Base_Color=colour, Roughness=0.6)))
 
 
 @_feature("Surfaces", "Pane by Fresnel")

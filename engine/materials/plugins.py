@@ -245,6 +245,8 @@ def _glass_class():
             mi.BSDF.__init__(self, props)
             self.ior = props["ior"]
             self.tint = props["tint"]
+            # Where there is none, kernels do not look for it.
+            self.mirror_tint = props["mirror_tint"] if "mirror_tint" in props else None
             self.refraction = DISPERSED_COMPONENT if props.get("disperses", False) else 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
@@ -256,6 +258,8 @@ def _glass_class():
         def traverse(self, callback):
             callback.put("ior", self.ior, mi.ParamFlags.NonDifferentiable)
             callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
+            if self.mirror_tint is not None:
+                callback.put("mirror_tint", self.mirror_tint, mi.ParamFlags.Differentiable)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             cos_i = mi.Frame3f.cos_theta(si.wi)
@@ -264,6 +268,8 @@ def _glass_class():
             for k in range(len(reflectance)):
                 reflectance[k] = mi.fresnel(cos_i, index[k])[0]
             hero_r, cos_t, eta_it, eta_ti = mi.fresnel(cos_i, index[0])
+            if self.mirror_tint is not None:
+                reflectance *= self.mirror_tint.eval(si, active)
             reflects = sample1 < hero_r
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = dr.select(reflects, mi.reflect(si.wi), mi.refract(si.wi, cos_t, eta_ti))

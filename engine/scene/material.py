@@ -267,15 +267,28 @@ class Conductor(_MirrorLike):
 class Dielectric(Surface):
     """A solid transparent body: refracts at its boundary. ``tint`` multiplies what is transmitted per crossing.
 
-    Where it does not ``reflect``, all light passes, and none beyond the critical angle.
+    ``mirror_tint``, of what is reflected, is Blender's. Where it does not ``reflect``, all light passes, and none beyond the
+    critical angle.
     """
 
     ior: RefractiveIndex = Cauchy(1.5)
     roughness: float = 0.0
     tint: Colour = Constant(1.0)
     reflects: bool = True
+    mirror_tint: Colour | None = None
 
     spectra = ("tint",)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold, and the tint of what is reflected."""
+        return (self.tint,) if self.mirror_tint is None else (self.tint, self.mirror_tint)
+
+    @property
+    def largest(self) -> float:
+        """As of `Surface`; either reflects or lets pass."""
+        return max(map(largest_of, self.colours))
+
     is_opaque = False
 
     @property

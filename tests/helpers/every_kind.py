@@ -101,6 +101,7 @@ SURFACES = {
     "refraction alone": Dielectric(Cauchy(1.5), reflects=False),
     "rough refraction alone": Dielectric(Cauchy(1.5), 0.3, reflects=False),
     "tinted highlight": Coated(GREY, 1.5, 0.3, 1.0, 0.0, Constant(0.2)),
+    "coloured glass": Dielectric(Cauchy(1.5), 0.0, Constant(0.5), mirror_tint=Constant(0.5)),
     "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }

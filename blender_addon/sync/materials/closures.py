@@ -112,6 +112,8 @@ def blend(at, first: Closure, second: Closure, weights: np.ndarray) -> Closure:
     lights = [replace(each, surface=None) for each in (first, second)]
     if all(each.radiance is None for each in lights):
         return Closure(surface)
+    if _are_same(*(each.radiance for each in lights)):
+        return replace(first, surface=surface)
     cosine = blend_cosines()
     mean = float(np.trapezoid(2.0 * weights[0] * cosine, cosine))
     at.note(
@@ -120,6 +122,12 @@ def blend(at, first: Closure, second: Closure, weights: np.ndarray) -> Closure:
     )
     light = mix(at, *lights, constant(mean))
     return replace(light, surface=surface)
+
+
+def _are_same(first: Field | None, second: Field | None) -> bool:
+    if first is None or second is None or first.layout is not second.layout:
+        return False
+    return np.array_equal(first.values, second.values)
 
 
 def _two_sides(at, front: Closure, back: Closure, surface: Surface) -> Closure:

@@ -13,7 +13,7 @@ from ....engine.scene.material import (
 )
 from ....engine.scene.spectrum import Blackbody
 from ...foundation.report import Severity
-from ..nodes.angles import over_angles
+from ..nodes.angles import course_of, over_angles
 from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
@@ -46,8 +46,13 @@ def convert_shader(socket, context, groups=()) -> Closure:
         at.fail("The links run in a circle", "black is used")
         return Closure()
     context.active.add(key)
+    convert = _SHADERS.get(node.bl_idname, _unsupported)
     try:
-        return _SHADERS.get(node.bl_idname, _unsupported)(at)
+        course = None if convert is _emission else course_of(node, context, origin.groups)
+        if course is not None:
+            ends = (convert(Inputs(node, origin.socket, end, origin.groups)) for end in course.ends)
+            return blend(at, *ends, course.share)
+        return convert(at)
     finally:
         context.active.discard(key)
 
@@ -101,10 +106,12 @@ def _glass(at):
     if not at("Thin Film Thickness").is_everywhere(0):
         at.note("The thin film is not supported", "it is left out")
     colour = _colour(at)
-    if not colour.is_everywhere(1):
-        at.remark("Blender tints the reflection of coloured glass", "only what passes is tinted")
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
+    tint = as_colour(colour)
+    # Blender tints what is reflected too.
+    mirror = None if colour.is_everywhere(1) else tint
+    ior = Cauchy(at.plain("IOR"), 0.0)
+    return Closure(Dielectric(ior, _roughness(at), tint, mirror_tint=mirror))
 
 
 def _report_beckmann(at):

@@ -1,5 +1,6 @@
 """Evaluation of values that depend on the side and the angle that a surface is seen from: a grid of both for a UV map."""
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -10,6 +11,18 @@ from .evaluation import Context, evaluate_field
 from .fields import Field, Layout, luminance
 from .graph import find_socket, node_key, trace
 from .stand_ins import fresnel
+
+LINEAR = {"Metallic", "Alpha", "Coat Weight", "Transmission Weight"}
+"""Inputs of shaders with which what is reflected goes in proportion."""
+
+COLOURS = {"Color", "Base Color"}
+"""Those with which it does so where light meets one facet only."""
+
+SMOOTH = 0.3
+"""Roughness of a metal up to which next to no light passes from facet to facet."""
+
+STRAIGHT = 2e-3
+"""How far inputs may be from the line between two angles. [-]"""
 
 LAYOUT = Layout("angles", np.eye(3), name="angles")
 """Layout of what depends on the angle; it lies on no surface."""
@@ -48,6 +61,79 @@ def over_angles(socket, context: Context, groups: tuple) -> np.ndarray | None:
     context.report.include(report)
     values = np.broadcast_to(luminance(field.values), (2, BLEND_STEPS, 1))[..., 0]
     return np.clip(values, 0.0, 1.0).astype(np.float64)
+
+
+@dataclass(frozen=True)
+class Course:
+    """How the inputs of a shader go with the angle: on a straight line from ones at one angle to ones at another.
+
+    Parameters
+    ----------
+    share : (2, n) array    Of the second by side and angle, 0 to 1.
+    ends : pair of Context    Conversions as seen from where the share is 0 and 1.
+    """
+
+    share: np.ndarray
+    ends: tuple[Context, Context]
+
+
+def course_of(node, context: Context, groups: tuple) -> Course | None:
+    """Return how a shader's inputs go with the angle; None: they do not, or in a way that two surfaces cannot show."""
+    sockets = [each for each in node.inputs if each.enabled and each.type != "SHADER"]
+    sockets = [each for each in sockets if _depends(each, groups, set())]
+    names = {each.identifier for each in sockets}
+    if not names or not (names <= LINEAR or (names <= LINEAR | COLOURS and _is_linear(node))):
+        return None
+    fields = []
+    for socket in sockets:
+        scratch = AngleContext(context.datablock, ConversionReport(), context.images)
+        field = evaluate_field(socket, scratch, groups)
+        if field.layout is None or field.layout.uv_map != LAYOUT.uv_map:
+            return None
+        fields.append(field.values.reshape(2 * BLEND_STEPS, -1))
+    points = np.concatenate(fields, axis=1).astype(np.float64)
+    last = int(np.argmax(np.linalg.norm(points - points[0], axis=1)))
+    first = int(np.argmax(np.linalg.norm(points - points[last], axis=1)))
+    way = points[last] - points[first]
+    length = float(way @ way)
+    share = (points - points[first]) @ way / max(length, 1e-30)
+    if np.abs(points - points[first] - share[:, None] * way).max() > STRAIGHT:
+        return None
+    ends = tuple(_FixedContext(context, divmod(place, BLEND_STEPS)) for place in (first, last))
+    return Course(np.clip(share, 0.0, 1.0).reshape(2, BLEND_STEPS), ends)
+
+
+def _is_linear(node) -> bool:
+    """Whether what a shader reflects goes in proportion to its colour."""
+    kind = node.bl_idname
+    if kind == "ShaderNodeBsdfDiffuse":
+        return _is_at_most(node, "Roughness", 0.0)
+    if kind in {"ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlossy", "ShaderNodeBsdfMetallic"}:
+        return _is_at_most(node, "Roughness", SMOOTH)
+    if kind == "ShaderNodeBsdfPrincipled":
+        is_smooth = _is_at_most(node, "Metallic", 0.0) or _is_at_most(node, "Roughness", SMOOTH)
+        names = "Transmission Weight", "Diffuse Roughness"
+        return is_smooth and all(_is_at_most(node, name, 0.0) for name in names)
+    return True
+
+
+def _is_at_most(node, name: str, largest: float) -> bool:
+    socket = find_socket(node.inputs, name)
+    return socket is None or (not socket.is_linked and socket.default_value <= largest)
+
+
+class _FixedContext(Context):
+    """The conversion as seen from one side and angle; ``place``: their numbers in the grid."""
+
+    def __init__(self, context: Context, place: tuple[int, int]):
+        super().__init__(context.datablock, context.report, context.images)
+        self._place = place
+
+    def take_output(self, at) -> Field | None:
+        """Return what a node gives from there; None: it gives the same as on a surface."""
+        if not _is_source(at.output):
+            return None
+        return Field(_SOURCES[at.node.bl_idname](at).values[self._place])
 
 
 def _depends(socket, groups, seen: set) -> bool:

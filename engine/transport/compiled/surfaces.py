@@ -266,10 +266,12 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
     index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
     if not surface.reflects:
         return _refraction(surface, index, tint)
+    mirror = None if surface.mirror_tint is None else make.reflectance(surface.mirror_tint)
     if surface.is_smooth:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
-        return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
+        made = {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses}
+        return made if mirror is None else {**made, "mirror_tint": mirror}
     width = alpha(surface.roughness)
     nested = {
         "type": "roughdielectric",
@@ -278,6 +280,8 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         "int_ior": index,
         "specular_transmittance": tint,
     }
+    if mirror is not None:
+        nested["specular_reflectance"] = mirror
     return {"type": "lumenray_rough_glass", "alpha": width, "index": index, "nested": nested}
 
 

@@ -247,6 +247,18 @@ def test_a_sum_holds_every_wavelength_within_what_comes():
     np.testing.assert_allclose(values, np.minimum(sum(parts), 1.0 / np.pi), rtol=2e-3)
 
 
+@pytest.mark.parametrize("roughness", [0.0, 0.2])
+def test_glass_with_a_tint_on_both_ways_loses_as_much_of_each(roughness):
+    tint = Constant(0.25)
+    plain = flux(Dielectric(roughness=roughness), 120, 1 << 16)
+    assert plain == pytest.approx(1.0, abs=3e-3)
+    both = flux(Dielectric(roughness=roughness, tint=tint, mirror_tint=tint), 120, 1 << 16)
+    assert both == pytest.approx(0.25 * plain, rel=5e-3)
+    # At 80 degrees 38.8 % are reflected (Fresnel, index 1.5).
+    passing = flux(Dielectric(tint=tint), 80, 1 << 18)
+    assert passing == pytest.approx(0.388 + 0.612 * 0.25, abs=5e-3)
+
+
 @pytest.mark.parametrize("roughness", [0.0, 0.3])
 def test_a_refraction_lets_all_light_pass_or_none(roughness):
     surface = Dielectric(roughness=roughness, reflects=False)

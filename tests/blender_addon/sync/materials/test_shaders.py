@@ -185,6 +185,29 @@ def test_what_is_made_of_facing_is_followed_by_the_angle(tree, convert):
     assert rows == []
 
 
+def test_a_colour_by_facing_is_a_blend_of_its_ends(tree, convert):
+    colour = tree.add("MixRGB", Color1=(0.1, 0.2, 0.6), Color2=(0.9, 0.7, 0.5))
+    tree.set(colour, "Fac", tree.add("LayerWeight", Blend=0.5).outputs["Facing"])
+    shader = tree.add("BsdfDiffuse", Color=colour.outputs[0])
+    result, rows = convert(tree.surface(shader))
+    surface = result.surface
+    ends = [rgb_of(part.reflectance) for part in (surface.first, surface.second)]
+    cosine = np.linspace(0.0, 1.0, 512)[:, None] ** 2
+    expected = cosine * (0.1, 0.2, 0.6) + (1.0 - cosine) * (0.9, 0.7, 0.5)
+    for side in range(2):
+        found = surface.weights[side].T @ np.array(ends)
+        np.testing.assert_allclose(found, expected, atol=1e-4)
+    assert rows == []
+
+
+def test_a_colour_by_facing_of_a_rough_metal_is_its_mean_with_a_row(tree, convert):
+    facing = tree.add("LayerWeight").outputs["Facing"]
+    shader = tree.add("BsdfAnisotropic", Color=facing, Roughness=0.8, Anisotropy=0.0)
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, Glossy)
+    assert "viewing angle" in messages_of(rows)
+
+
 def test_front_and_back_may_be_different_surfaces(tree, convert):
     mixed = tree.add(
         "MixShader",
@@ -195,6 +218,14 @@ def test_front_and_back_may_be_different_surfaces(tree, convert):
     result, rows = convert(tree.surface(mixed))
     assert result.surface.first == Diffuse(Constant(pytest.approx(0.2)))
     assert (result.surface.weights[:, 1] == np.array([[0.0], [1.0]])).all()
+    assert rows == []
+
+
+def test_coloured_glass_tints_what_it_reflects_too(tree, convert):
+    shader = tree.add("BsdfGlass", Color=(0.6, 0.9, 0.7), Roughness=0.0)
+    result, rows = convert(tree.surface(shader))
+    assert rgb_of(result.surface.mirror_tint) == pytest.approx((0.6, 0.9, 0.7))
+    assert result.surface.tint == result.surface.mirror_tint
     assert rows == []
 
 
