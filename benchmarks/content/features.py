@@ -124,6 +124,7 @@ for _key, (_kind, _attributes, _values) in {
     "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
     "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
     "Toon": ("BsdfToon", {}, {"Color": PAINT}),
+    "Toon, smooth": ("BsdfToon", {}, {"Color": PAINT, "Size": 0.4, "Smooth": 0.3}),
     "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),
     "Holdout": ("Holdout", {}, {}),
 }.items():

@@ -27,6 +27,7 @@ from ..scene.material import (
     Surface,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
     Varnish,
 )
@@ -73,7 +74,7 @@ def _look(surface: Surface) -> tuple[np.ndarray, float]:
     return LOOKS[type(surface)](surface)
 
 
-def _by_reflectance(surface: Diffuse | Coated | Glossy):
+def _by_reflectance(surface: Diffuse | Coated | Glossy | Toon):
     return _colour(surface.reflectance), 0.0
 
 
@@ -159,6 +160,7 @@ LOOKS = {
     Mix: _mix,
     Varnish: _varnish,
     Blend: _blend,
+    Toon: _by_reflectance,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

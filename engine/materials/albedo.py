@@ -14,6 +14,7 @@ from ..scene.material import (
     Glossy,
     Mix,
     Surface,
+    Toon,
     Transparent,
     blend_cosines,
 )
@@ -45,6 +46,8 @@ def most_sent_out(surface: Surface, of: Callable = largest_of) -> np.ndarray:
             own = np.interp(np.sqrt(cosine), np.sqrt(cosines()), table)
             own = min(surface.specular, 1.0) * own
             share = own + (1.0 - own) * of(surface.reflectance)
+        case Toon():
+            share = of(surface.reflectance)
         case Glossy() if surface.edge is None or surface.is_mirror:
             share = of(surface.reflectance)
         case Mix():

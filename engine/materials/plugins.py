@@ -17,6 +17,7 @@ from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
+from .toon import toon_class
 from .varnish import varnish_class
 
 DISPERSED_COMPONENT = 16
@@ -68,6 +69,7 @@ def register() -> None:
         ("lumenray_mix", _mix_class),
         ("lumenray_varnish", varnish_class),
         ("lumenray_blend", blend_class),
+        ("lumenray_toon", toon_class),
         ("lumenray_refraction", refraction_class),
         ("lumenray_rough_refraction", rough_refraction_class),
     ):

@@ -524,6 +524,30 @@ class Mix(Surface):
         return replace(self, first=first or self.first, second=second or self.second)
 
 
+@dataclass(frozen=True)
+class Toon(Surface):
+    """Light goes evenly into a cone about the normal, as of Blender's diffuse Toon BSDF.
+
+    Parameters
+    ----------
+    reflectance : Colour    Of light that goes into the cone at its middle.
+    size, edge : float    Half angle of the cone, and width of its edge, of right angles. [-]
+    """
+
+    reflectance: Colour = Constant(0.8)
+    size: float = 0.5
+    edge: float = 0.0
+
+    spectra = ("reflectance",)
+
+
+def toon_angles(size: float, edge: float) -> tuple[float, float, float]:
+    """Return half angle, edge and whole half angle of a `Toon`'s cone. [rad]"""
+    right = 0.5 * np.pi
+    inner, soft = min(max(size, 1e-3), 1.0) * right, min(max(edge, 0.0), 1.0) * right
+    return inner, soft, min(inner + soft, right)
+
+
 def blend_cosines() -> np.ndarray:
     """Return the cosines by which a `Blend` has its weights. (n,) [-]"""
     return np.linspace(0.0, 1.0, BLEND_STEPS) ** 2

@@ -33,6 +33,7 @@ from lumenray.engine.scene.material import (
     Mix,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
     Varnish,
     blend_cosines,
@@ -102,6 +103,7 @@ SURFACES = {
     "rough refraction alone": Dielectric(Cauchy(1.5), 0.3, reflects=False),
     "tinted highlight": Coated(GREY, 1.5, 0.3, 1.0, 0.0, Constant(0.2)),
     "coloured glass": Dielectric(Cauchy(1.5), 0.0, Constant(0.5), mirror_tint=Constant(0.5)),
+    "toon": Toon(CHECKS, 0.5, 0.2),
     "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }

@@ -9,6 +9,7 @@ from ....engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Toon,
     Transparent,
 )
 from ....engine.scene.spectrum import Blackbody
@@ -213,6 +214,14 @@ def _index_of(weight):
     return 1.0 / (1.0 - min(max(weight.plain("Blend"), 0.0), 0.99))
 
 
+def _toon(at):
+    report_normal(at)
+    if at.node.component == "GLOSSY":
+        at.note("A glossy toon is not supported", "the diffuse one of its colour is used")
+    size, edge = at.plain("Size"), at.plain("Smooth")
+    return Closure(Toon(as_colour(_colour(at)), size, edge))
+
+
 def _as_diffuse(at):
     at.note(f"{at.node.bl_label} is not supported", "a diffuse surface of its colour is used")
     report_normal(at)
@@ -238,6 +247,7 @@ _SHADERS = {
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeBsdfRayPortal": _portal,
     "ShaderNodeHoldout": _holdout,
+    "ShaderNodeBsdfToon": _toon,
     "ShaderNodeEmission": _emission,
     "ShaderNodeAddShader": _add,
     "ShaderNodeMixShader": _mix,

@@ -21,6 +21,7 @@ from ...scene.material import (
     Surface,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
     Varnish,
 )
@@ -163,6 +164,15 @@ def _mix(surface: Mix, make: TextureMaker) -> dict:
         "first": bsdf(surface.first, make),
         "second": bsdf(surface.second, make),
         "factor": make.scalar(surface.factor),
+    }
+
+
+def _toon(surface: Toon, make: TextureMaker) -> dict:
+    return {
+        "type": "lumenray_toon",
+        "reflectance": make.reflectance(surface.reflectance),
+        "size": float(surface.size),
+        "edge": float(surface.edge),
     }
 
 
@@ -313,6 +323,7 @@ MAKERS = {
     Mix: _mix,
     Varnish: _varnish,
     Blend: _blend,
+    Toon: _toon,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -325,6 +336,8 @@ def approximations(surface: Surface) -> list[str]:
         case Blend():
             notes = approximations(surface.first) + approximations(surface.second)
             return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
+        case Toon():
+            return ["it shines about its normal wherever light comes from, as in Blender"]
         case Varnish():
             return approximations(surface.base)
         case Measured() if usable(surface) is not surface:

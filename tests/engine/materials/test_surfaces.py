@@ -12,6 +12,7 @@ from lumenray.engine.scene.material import (
     Glossy,
     Mix,
     ThinGlass,
+    Toon,
     Transparent,
     Varnish,
     blend_cosines,
@@ -41,6 +42,7 @@ SMOOTH = {
     "varnished metal": Varnish(Glossy(Rgb(0.9, 0.6, 0.3), 0.6), 1.0, 1.5, 0.2),
     "by facing": Blend(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), FACING),
     "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
+    "toon": Toon(Rgb(0.7, 0.4, 0.2), 0.4, 0.3),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -245,6 +247,17 @@ def test_a_sum_holds_every_wavelength_within_what_comes():
     ]
     assert (sum(parts) * np.pi).max() > 1.05
     np.testing.assert_allclose(values, np.minimum(sum(parts), 1.0 / np.pi), rtol=2e-3)
+
+
+def test_a_toon_reflects_its_colour_from_all_sides_less_what_its_edge_takes():
+    """Without an edge all; with one what integrates to: cone of 45 degrees, edge of 45, by quadrature."""
+    angle = (np.arange(4096) + 0.5) / 4096 * np.pi / 2
+    shine = np.clip(2.0 - angle / (np.pi / 4), 0.0, 1.0)
+    soft = (shine * np.sin(angle)).sum() * (np.pi / 2) / 4096
+    for eye in (0, 70, 130):
+        assert albedo(Toon(Constant(0.6), 0.5), eye) == pytest.approx(0.6, abs=1e-3)
+        found = albedo(Toon(Constant(0.6), 0.5, 0.5), eye)
+        assert found == pytest.approx(0.6 * soft, abs=4e-3)
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.2])
