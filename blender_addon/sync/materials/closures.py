@@ -106,7 +106,9 @@ def blend(at, first: Closure, second: Closure, weights: np.ndarray) -> Closure:
     if weights.min() >= 1.0:
         return second
     parts = np.stack([1.0 - weights, weights], axis=1)
-    surface = Blend(first.surface or Black(), second.surface or Black(), parts)
+    surface = first.surface
+    if surface is not second.surface:
+        surface = Blend(first.surface or Black(), second.surface or Black(), parts)
     if not weights[0].any() and weights[1].min() >= 1.0:
         return _two_sides(at, first, second, surface)
     lights = [replace(each, surface=None) for each in (first, second)]
@@ -115,7 +117,8 @@ def blend(at, first: Closure, second: Closure, weights: np.ndarray) -> Closure:
     if _are_same(*(each.radiance for each in lights)):
         return replace(first, surface=surface)
     cosine = blend_cosines()
-    mean = float(np.trapezoid(2.0 * weights[0] * cosine, cosine))
+    # Cosines are even in their root, of which even light has the third power.
+    mean = float(np.average(weights[0], weights=cosine**1.5))
     at.note(
         "Light that a surface gives depends on the viewing angle",
         f"the factor's mean for diffuse light, {mean:.3f}, is used for it",
@@ -130,7 +133,7 @@ def _are_same(first: Field | None, second: Field | None) -> bool:
     return np.array_equal(first.values, second.values)
 
 
-def _two_sides(at, front: Closure, back: Closure, surface: Surface) -> Closure:
+def _two_sides(at, front: Closure, back: Closure, surface: Surface | None) -> Closure:
     """Return a front and a back, whose light is that of the front, or of none."""
     if back.radiance is None:
         return replace(front, surface=surface, two_sided=False)

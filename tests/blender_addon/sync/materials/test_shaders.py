@@ -200,6 +200,20 @@ def test_a_colour_by_facing_is_a_blend_of_its_ends(tree, convert):
     assert rows == []
 
 
+def test_light_by_facing_counts_by_its_mean_with_a_row(tree, convert):
+    """Facing at a blend of a half is 1 - cos, a third of even light."""
+    mixed = tree.add(
+        "MixShader",
+        Fac=tree.add("LayerWeight", Blend=0.5).outputs["Facing"],
+        Shader=tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=3.0).outputs[0],
+        Shader_001=tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=6.0).outputs[0],
+    )
+    result, rows = convert(tree.surface(mixed))
+    assert isinstance(result.surface, Black)
+    assert result.emission.luminance == pytest.approx(EFFICACY * 4.0, rel=2e-3)
+    assert "viewing angle" in messages_of(rows)
+
+
 def test_a_colour_by_facing_of_a_rough_metal_is_its_mean_with_a_row(tree, convert):
     facing = tree.add("LayerWeight").outputs["Facing"]
     shader = tree.add("BsdfAnisotropic", Color=facing, Roughness=0.8, Anisotropy=0.0)
