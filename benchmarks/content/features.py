@@ -66,6 +66,7 @@ for _key, _values in {
     "Principled, no specular": {"Specular_IOR_Level": 0.0},
     "Principled, specular level": {"Specular_IOR_Level": 0.9},
     "Principled, specular tint": {"Specular_Tint": (0.2, 0.5, 1.0, 1.0)},
+    "Principled, dark specular tint": {"Specular_Tint": (0.1, 0.2, 0.1, 1.0), "IOR": 2.0},
     "Principled, metal 0.2": {"Metallic": 1.0, "Roughness": 0.2},
     "Principled, metal 0.6": {"Metallic": 1.0, "Roughness": 0.6},
     "Principled, metal, edge tint": {
@@ -79,6 +80,9 @@ for _key, _values in {
     "Principled, alpha": {"Alpha": 0.5},
     "Principled, emission": {"Emission_Strength": 0.5, "Emission_Color": (1.0, 0.8, 0.5, 1.0)},
     "Principled, coat": {"Coat_Weight": 1.0},
+    "Principled, rough coat": {"Coat_Weight": 0.7, "Coat_Roughness": 0.4, "Coat_IOR": 1.8},
+    "Principled, coat on metal": {"Coat_Weight": 1.0, "Metallic": 1.0, "Roughness": 0.5},
+    "Principled, coat on glass": {"Coat_Weight": 1.0, "Transmission_Weight": 1.0, "Roughness": 0.0},
     "Principled, coat tint": {"Coat_Weight": 1.0, "Coat_Tint": (0.3, 0.6, 1.0, 1.0)},
     "Principled, sheen": {"Sheen_Weight": 1.0},
     "Principled, anisotropy": {"Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.8},
@@ -113,11 +117,14 @@ for _key, (_kind, _attributes, _values) in {
     "Glass": ("BsdfGlass", {}, {"Roughness": 0.0}),
     "Glass, rough": ("BsdfGlass", {}, {"Roughness": 0.4}),
     "Glass, coloured": ("BsdfGlass", {}, {"Roughness": 0.0, "Color": (0.6, 0.9, 0.7, 1.0)}),
+    "Glass, coloured, rough": ("BsdfGlass", {}, {"Roughness": 0.3, "Color": (0.6, 0.9, 0.7, 1.0)}),
     "Refraction": ("BsdfRefraction", {}, {"Roughness": 0.0, "IOR": 1.45}),
+    "Refraction, rough": ("BsdfRefraction", {}, {"Roughness": 0.3, "IOR": 1.45}),
     "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
     "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
     "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
     "Toon": ("BsdfToon", {}, {"Color": PAINT}),
+    "Toon, smooth": ("BsdfToon", {}, {"Color": PAINT, "Size": 0.4, "Smooth": 0.3}),
     "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),
     "Holdout": ("Holdout", {}, {}),
 }.items():
@@ -146,6 +153,14 @@ def _added(stage):
     stage.studio(tree.show(tree.add("AddShader", _0=first, _1=second)))
 
 
+@_feature("Surfaces", "Add Shader, dark")
+def _added_dark(stage):
+    tree = stage.material()
+    first = tree.add("BsdfDiffuse", Color=(0.4, 0.2, 0.1, 1.0))
+    second = tree.add("BsdfAnisotropic", Color=(0.5, 0.5, 0.5, 1.0), Roughness=0.3)
+    stage.studio(tree.show(tree.add("AddShader", _0=first, _1=second)))
+
+
 @_feature("Surfaces", "Mix by Fresnel")
 def _by_fresnel(stage):
     tree = stage.material()
@@ -160,6 +175,26 @@ def _by_facing(stage):
     first, second = _two(tree)
     factor = tree.add("LayerWeight", out=1, Blend=0.3)
     stage.studio(tree.show(tree.add("MixShader", Fac=factor, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Mix by a ramp of facing")
+def _by_ramp(stage):
+    tree = stage.material()
+    first, second = _two(tree)
+    power = tree.add("Math", {"operation": "POWER"}, _0=tree.add("LayerWeight", out=1), _1=2.5)
+    stage.studio(tree.show(tree.add("MixShader", Fac=power, _1=first, _2=second)))
+
+
+@_feature("Surfaces", "Colour by facing")
+def _colour_by_facing(stage):
+    tree = stage.material()
+    colour = tree.add(
+        "MixRGB",
+        Fac=tree.add("LayerWeight", out=1, Blend=0.4),
+        Color1=(0.1, 0.2, 0.6, 1.0),
+        Color2=(0.9, 0.7, 0.5, 1.0),
+    )
+    stage.studio(tree.show(tree.add("BsdfPrincipled", Base_Color=colour, Roughness=0.6)))
 
 
 @_feature("Surfaces", "Pane by Fresnel")

@@ -13,6 +13,7 @@ from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, 
 from ..scattering.data.evaluation import total
 from ..scene.material import (
     Black,
+    Blend,
     Coated,
     Conductor,
     Dielectric,
@@ -26,7 +27,9 @@ from ..scene.material import (
     Surface,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
+    Varnish,
 )
 from ..scene.spectrum import Constant, Rgb
 from ..scene.texture import ImageTexture
@@ -71,7 +74,7 @@ def _look(surface: Surface) -> tuple[np.ndarray, float]:
     return LOOKS[type(surface)](surface)
 
 
-def _by_reflectance(surface: Diffuse | Coated | Glossy):
+def _by_reflectance(surface: Diffuse | Coated | Glossy | Toon):
     return _colour(surface.reflectance), 0.0
 
 
@@ -127,6 +130,21 @@ def _mix(surface: Mix):
     return (1.0 - share) * first + share * second, (1.0 - share) * through + share * beyond
 
 
+def _varnish(surface: Varnish):
+    weight = surface.weight
+    weight = _mean(weight).mean() if isinstance(weight, ImageTexture) else float(weight)
+    weight = min(max(float(weight), 0.0), 1.0)
+    reflected, passing = _look(surface.base)
+    left = 1.0 - weight + weight * (1.0 - _face(surface.ior)) * _colour(surface.tint)
+    return reflected * left, passing * float(left @ REC709_LUMINANCE)
+
+
+def _blend(surface: Blend):
+    first, second = surface.weights[0, :, -1]
+    (one, through), (other, beyond) = _look(surface.first), _look(surface.second)
+    return first * one + second * other, float(first * through + second * beyond)
+
+
 LOOKS = {
     Diffuse: _by_reflectance,
     Coated: _by_reflectance,
@@ -140,6 +158,9 @@ LOOKS = {
     Black: _black,
     Measured: _measured,
     Mix: _mix,
+    Varnish: _varnish,
+    Blend: _blend,
+    Toon: _by_reflectance,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

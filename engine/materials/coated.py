@@ -7,7 +7,8 @@ The reflectance distribution is
 with the GGX distribution D, Smith's height-correlated G2, the dielectric Fresnel term F, the scale s of the coat, the
 coat's directional reflectance E and its hemispherical mean E_mean = 2 * integral of E cos. It is reciprocal, and a white
 base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
-is Lambert's law exactly.
+is Lambert's law exactly. A tint t of the coat puts 1 - (1 - F) (1 - F_0 t) / (1 - F_0) for F, F_0 being that along the
+normal; E is then that of the largest t. Where a base is rough itself, 1 / pi has a factor more (see `rough_diffuse`).
 
 Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all such materials
 of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit, pictures included.
@@ -21,12 +22,14 @@ import numpy as np
 
 from .facets import (
     MINIMUM_ALPHA,
-    directional_reflectance,
+    coat_reflectance,
+    grazing,
     mean_reflectance,
     mirror_light,
     read_row,
     reflect_on_facet,
 )
+from .rough_diffuse import aslant
 
 
 def coated_class():
@@ -50,16 +53,19 @@ def coated_class():
             self.m_flags = self.m_components[0] | self.m_components[1]
             self.rows = None
 
-        def set_palette(self, alpha, eta, specular, spectra, pictures=None, picture_table=None):
+        def set_palette(
+            self, alpha, eta, specular, sigma, tints, spectra, pictures=None, picture_table=None
+        ):
             """Set the materials' parameters: (m,) each, ``spectra`` (m, w) even over 360..830 nm.
 
-            ``pictures`` holds rows of ``picture_table`` plus 1; 0: the spectrum holds all over.
+            ``sigma``: diffuse roughness of the base; ``tints``: as ``spectra``, of the coat. ``pictures`` holds rows of
+            ``picture_table`` plus 1; 0: the spectrum holds all over.
             """
             alpha = np.maximum(alpha, MINIMUM_ALPHA)
             tables = np.stack(
                 [
-                    s * directional_reflectance(round(float(a), 4), round(float(e), 4))
-                    for a, e, s in zip(alpha, eta, specular, strict=True)
+                    coat_reflectance(round(float(a), 4), round(float(e), 4), s, t)
+                    for a, e, s, t in zip(alpha, eta, specular, tints.max(axis=1), strict=True)
                 ]
             )
             self.alpha = upload(mi.Float, alpha)
@@ -74,8 +80,10 @@ def coated_class():
             has_pictures = pictures is not None and np.any(pictures)
             self.pictures = upload(mi.UInt32, pictures) if has_pictures else None
             self.picture_table = picture_table if has_pictures else None
+            self.sigma = upload(mi.Float, sigma) if np.any(sigma) else None
             dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
-            dr.eval(self.pictures)
+            self.tints = upload(mi.Float, tints) if np.any(tints < 1.0) else None
+            dr.eval(self.pictures, self.sigma, self.tints)
 
         def set_rows(self, rows):
             """Set the table from shape id to row."""
@@ -95,7 +103,7 @@ def coated_class():
         def _reflectance(self, si, row, active):
             if self.texture is not None:
                 return self.texture.eval(si, active)
-            value = self._own_spectrum(si, row, active)
+            value = self._spectrum(self.spectra, si, row, active)
             if self.pictures is None:
                 return value
             picture = dr.gather(mi.UInt32, self.pictures, row, active)
@@ -109,16 +117,16 @@ def coated_class():
                 lambda uv, wavelengths, picture, value: value,
             )
 
-        def _own_spectrum(self, si, row, active):
+        def _spectrum(self, spectra, si, row, active):
             if self.width == 1:
-                return mi.Spectrum(dr.gather(mi.Float, self.spectra, row, active))
+                return mi.Spectrum(dr.gather(mi.Float, spectra, row, active))
             value = mi.Spectrum(0.0)
             for k in range(len(value)):
                 place = (si.wavelengths[k] - 360.0) * ((self.width - 1) / 470.0)
                 below = dr.clip(mi.Int32(place), 0, self.width - 2)
                 index = row * self.width + mi.UInt32(below)
-                low = dr.gather(mi.Float, self.spectra, index, active)
-                high = dr.gather(mi.Float, self.spectra, index + 1, active)
+                low = dr.gather(mi.Float, spectra, index, active)
+                high = dr.gather(mi.Float, spectra, index + 1, active)
                 value[k] = dr.lerp(low, high, place - mi.Float(below))
             return value
 
@@ -136,19 +144,26 @@ def coated_class():
             return row, cos_i, reflectance, coat, share
 
         def _evaluate(self, si, wo, prepared, active):
-            row, _, reflectance, coat, share = prepared
+            row, cos_i, reflectance, coat, share = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
             alpha = dr.gather(mi.Float, self.alpha, row, active)
             eta = dr.gather(mi.Float, self.eta, row, active)
             scale = dr.gather(mi.Float, self.scale, row, active)
             light, density, cosine = mirror_light(si.wi, wo, alpha)
-            mirror = mi.fresnel(cosine, eta)[0] * light
+            mirror = mi.fresnel(cosine, eta)[0]
+            if self.tints is not None:
+                tint = self._spectrum(self.tints, si, row, active)
+                mirror = 1.0 - grazing(eta, tint) * (1.0 - mirror)
+            mirror *= light
             mean = dr.gather(mi.Float, self.mean, row, active)
             lambert = cos_o * dr.inv_pi
             matte = (
                 (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
             )
+            if self.sigma is not None:
+                sigma = dr.gather(mi.Float, self.sigma, row, active)
+                matte *= aslant(cos_i, cos_o, dr.dot(si.wi, wo), sigma, reflectance)
             value = scale * mirror + reflectance * matte * lambert
             pdf = share * density + (1.0 - share) * lambert
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)

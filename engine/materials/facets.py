@@ -82,6 +82,24 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
     return np.clip(weight.mean(axis=1, dtype=np.float64), 0.0, 1.0)
 
 
+def coat_reflectance(alpha: float, eta: float, scale: float, tint: float = 1.0) -> np.ndarray:
+    """Share of light that a coat reflects once, as `directional_reflectance`.
+
+    ``scale``: on all of it; ``tint``: on what it reflects along the normal, of which grazing light keeps less.
+    """
+    own = directional_reflectance(alpha, eta)
+    if tint < 1.0:
+        whole = directional_reflectance(alpha)
+        own = whole - grazing(eta, tint) * (whole - own)
+    return scale * own
+
+
+def grazing(eta, tint):
+    """Factor on what does not reflect, 1 - F, of facets whose reflectance along the normal is tinted. [-]"""
+    normal = ((eta - 1.0) / (eta + 1.0)) ** 2
+    return (1.0 - normal * tint) / (1.0 - normal)
+
+
 @lru_cache(maxsize=512)
 def kept_by_glass(alpha: float, eta: float) -> np.ndarray:
     """Share of light that the first facet of a boundary reflects or lets in, as Mitsuba has it. (64,) [-]

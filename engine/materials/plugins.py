@@ -1,4 +1,4 @@
-"""Models that Mitsuba lacks, as its plug-ins: coated, rough metal, sheet, fabric, panes, glass, transparency, mixture.
+"""Models that Mitsuba lacks, as its plug-ins: coats, rough metal, sheet, fabric, panes, glass, transparency, mixtures.
 
 Mitsuba's base classes belong to a variant, so the classes are made by `register` after the variant is active.
 Directions are local, with the normal along +z; ``wi`` points to where the path came from.
@@ -9,13 +9,17 @@ import mitsuba as mi
 
 from ..arrays import average
 from .absorption import body_of
+from .blend import blend_class
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
+from .refraction import refraction_class, rough_refraction_class
 from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
+from .toon import toon_class
+from .varnish import varnish_class
 
 DISPERSED_COMPONENT = 16
 """`sampled_component` of a refraction whose direction belongs to the first wavelength only."""
@@ -64,6 +68,11 @@ def register() -> None:
         ("lumenray_glass", _glass_class),
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
+        ("lumenray_varnish", varnish_class),
+        ("lumenray_blend", blend_class),
+        ("lumenray_toon", toon_class),
+        ("lumenray_refraction", refraction_class),
+        ("lumenray_rough_refraction", rough_refraction_class),
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))
@@ -240,6 +249,8 @@ def _glass_class():
             self.ior = props["ior"]
             self.tint = props["tint"]
             self.body = body_of(props)
+            # Where there is none, kernels do not look for it.
+            self.mirror_tint = props["mirror_tint"] if "mirror_tint" in props else None
             self.refraction = DISPERSED_COMPONENT if props.get("disperses", False) else 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
@@ -253,6 +264,8 @@ def _glass_class():
             callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
             if self.body is not None:
                 callback.put("internal", self.body.internal, mi.ParamFlags.Differentiable)
+            if self.mirror_tint is not None:
+                callback.put("mirror_tint", self.mirror_tint, mi.ParamFlags.Differentiable)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             cos_i = mi.Frame3f.cos_theta(si.wi)
@@ -261,6 +274,8 @@ def _glass_class():
             for k in range(len(reflectance)):
                 reflectance[k] = mi.fresnel(cos_i, index[k])[0]
             hero_r, cos_t, eta_it, eta_ti = mi.fresnel(cos_i, index[0])
+            if self.mirror_tint is not None:
+                reflectance *= self.mirror_tint.eval(si, active)
             reflects = sample1 < hero_r
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = dr.select(reflects, mi.reflect(si.wi), mi.refract(si.wi, cos_t, eta_ti))

@@ -15,6 +15,9 @@ from .texture import ImageTexture
 SMOOTH_ROUGHNESS = 0.03
 """Below this roughness (microfacet alpha 0.0009) a surface is computed as an ideal mirror."""
 
+BLEND_STEPS = 512
+"""Weights of a `Blend` by the cosine, evenly in its root from 0 to 1."""
+
 ROUNDING = 1e-6
 """By which shares that are stated of light may exceed what energy allows. [-]"""
 
@@ -118,10 +121,14 @@ class Surface:
 
 @dataclass(frozen=True)
 class Diffuse(Surface):
-    """Lambertian reflection of both sides and, if given, Lambertian transmission; their sum must not exceed 1."""
+    """Lambertian reflection of both sides and, if given, Lambertian transmission; their sum must not exceed 1.
+
+    ``roughness``: as ``base_roughness`` of `Coated`, for opaque ones.
+    """
 
     reflectance: Colour = Constant(0.5)
     transmittance: Colour | None = None
+    roughness: float = 0.0
 
     spectra = ("reflectance", "transmittance")
 
@@ -131,22 +138,36 @@ class Diffuse(Surface):
 
     @property
     def as_coated(self) -> Coated | None:
-        return Coated(self.reflectance, 1.5, 1.0, 0.0) if self.is_opaque else None
+        return Coated(self.reflectance, 1.5, 1.0, 0.0, self.roughness) if self.is_opaque else None
 
 
 @dataclass(frozen=True)
 class Coated(Surface):
     """A diffuse base under a clear dielectric coat (varnish, plastic, gloss paint).
 
-    ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection.
+    ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection, and ``tint``
+    what it reflects along its normal. ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren
+    and Nayar's model).
     """
 
     reflectance: Colour = Constant(0.5)
     ior: float = 1.5
     roughness: float = 0.5
     specular: float = 1.0
+    base_roughness: float = 0.0
+    tint: Spectrum | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """What its ``spectra`` hold, and the tint."""
+        return super().colours if self.tint is None else (*super().colours, self.tint)
+
+    @property
+    def largest(self) -> float:
+        """As of `Surface`; the coat takes no light but what the base lacks."""
+        return largest_of(self.reflectance)
 
     @property
     def as_coated(self) -> Coated:
@@ -256,6 +277,8 @@ class Dielectric(Surface):
     tint : Colour    Multiplies what is transmitted per crossing of the boundary. [-]
     internal : Spectrum or None    Transmittance of ``thickness`` of the body, without its boundaries; None: all passes. [-]
     thickness : float    [m]
+    reflects : bool    False: all light passes, as in Blender's Refraction BSDF, and none beyond the critical angle.
+    mirror_tint : Colour or None    Multiplies what is reflected, as in Blender. [-]
     """
 
     ior: RefractiveIndex = Cauchy(1.5)
@@ -263,19 +286,24 @@ class Dielectric(Surface):
     tint: Colour = Constant(1.0)
     internal: Spectrum | None = None
     thickness: float = 1.0
+    reflects: bool = True
+    mirror_tint: Colour | None = None
 
     spectra = ("tint",)
+
     is_opaque = False
 
     @property
     def colours(self) -> tuple[Colour, ...]:
-        """What its ``spectra`` hold, and what its body lets through."""
-        return super().colours if self.internal is None else (*super().colours, self.internal)
+        """What its ``spectra`` hold, the tint of what is reflected, and what its body lets through."""
+        more = (each for each in (self.mirror_tint, self.internal) if each is not None)
+        return (*super().colours, *more)
 
     @property
     def largest(self) -> float:
         """As of `Surface`; whatever its body lets through, none of it is more than there was."""
-        return largest_of(self.tint)
+        tints = (self.tint,) if self.mirror_tint is None else (self.tint, self.mirror_tint)
+        return max(map(largest_of, tints))
 
     def check(self) -> None:
         """Refuse a body that would make light.
@@ -536,6 +564,146 @@ class Mix(Surface):
         if first is None and second is None:
             return None
         return replace(self, first=first or self.first, second=second or self.second)
+
+
+@dataclass(frozen=True)
+class Toon(Surface):
+    """Light goes evenly into a cone about the normal, as of Blender's diffuse Toon BSDF.
+
+    Parameters
+    ----------
+    reflectance : Colour    Of light that goes into the cone at its middle.
+    size, edge : float    Half angle of the cone, and width of its edge, of right angles. [-]
+    """
+
+    reflectance: Colour = Constant(0.8)
+    size: float = 0.5
+    edge: float = 0.0
+
+    spectra = ("reflectance",)
+
+
+def toon_angles(size: float, edge: float) -> tuple[float, float, float]:
+    """Return half angle, edge and whole half angle of a `Toon`'s cone. [rad]"""
+    right = 0.5 * np.pi
+    inner, soft = min(max(size, 1e-3), 1.0) * right, min(max(edge, 0.0), 1.0) * right
+    return inner, soft, min(inner + soft, right)
+
+
+def blend_cosines() -> np.ndarray:
+    """Return the cosines by which a `Blend` has its weights. (n,) [-]"""
+    return np.linspace(0.0, 1.0, BLEND_STEPS) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class Blend(Surface):
+    """Two surfaces, weighed by the side and the angle that they are seen from.
+
+    Parameters
+    ----------
+    first, second : Surface
+    weights : (2, 2, n) array    Of the front's parts and the back's, by the cosine (see `blend_cosines`), 0 to 1. [-]
+    """
+
+    first: Surface
+    second: Surface
+    weights: np.ndarray
+
+    is_opaque = _of_both("is_opaque")
+    is_purely_specular = _of_both("is_purely_specular")
+    passes_straight = _of_one("passes_straight")
+    is_window = _of_one("is_window")
+    is_bending = _of_one("is_bending")
+    is_dispersive = _of_one("is_dispersive")
+    has_grain = _of_one("has_grain")
+    has_own_colour = _of_one("has_own_colour")
+
+    @property
+    def depth(self) -> int:
+        return 1 + max(self.first.depth, self.second.depth)
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return self.first.colours + self.second.colours
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return self.first.pictures + self.second.pictures
+
+    @property
+    def is_reciprocal(self) -> bool:
+        """Whether its weights are the same for light and eye exchanged."""
+        weights = np.asarray(self.weights)
+        if not np.array_equal(weights[0], weights[1]):
+            return False
+        parts = self.first, self.second
+        # Mirrors and panes send light on at the angle that it comes by.
+        keep_angles = all(each.is_mirror or isinstance(each, _Pane | Transparent) for each in parts)
+        return keep_angles or not np.ptp(weights, axis=2).any()
+
+    @property
+    def largest(self) -> float:
+        parts = np.array([self.first.largest, self.second.largest])
+        return float((self.weights * parts[:, None]).sum(axis=1).max())
+
+    def scaled(self, factor: float) -> Blend:
+        return replace(self, weights=self.weights * factor)
+
+    def check(self) -> None:
+        """Refuse weights that say nothing.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with them.
+        """
+        weights = np.asarray(self.weights)
+        if weights.shape != (2, 2, BLEND_STEPS):
+            raise SceneError(
+                f"a blend's weights are {' x '.join(map(str, weights.shape))}, expected 2 x 2 x {BLEND_STEPS}"
+            )
+        if not (weights.min() >= 0.0 and weights.max() <= 1.0 + ROUNDING):
+            raise SceneError("a blend has a weight that is not within 0 and 1")
+
+
+def _of_base(name: str) -> property:
+    return property(lambda surface: getattr(surface.base, name))
+
+
+@dataclass(frozen=True)
+class Varnish(Surface):
+    """A clear or tinted dielectric coat over any other surface, on both sides of it.
+
+    ``weight`` is the share of the surface that it covers; ``roughness`` as in `Coated`; ``tint`` is what it lets through of
+    light on one way along the normal.
+    """
+
+    base: Surface
+    weight: Scalar = 1.0
+    ior: float = 1.5
+    roughness: float = 0.03
+    tint: Colour = Constant(1.0)
+
+    depth = _of_base("depth")
+    is_opaque = _of_base("is_opaque")
+    passes_straight = _of_base("passes_straight")
+    is_window = _of_base("is_window")
+    is_bending = _of_base("is_bending")
+    is_dispersive = _of_base("is_dispersive")
+    has_grain = _of_base("has_grain")
+    has_own_colour = _of_base("has_own_colour")
+    largest = _of_base("largest")
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return (*self.base.colours, self.tint)
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return (*self.base.pictures, *super().pictures)
+
+    def scaled(self, factor: float) -> Varnish | None:
+        base = self.base.scaled(factor)
+        return None if base is None else replace(self, base=base)
 
 
 @dataclass(frozen=True)

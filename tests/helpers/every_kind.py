@@ -19,6 +19,7 @@ from lumenray.engine.scene.light import (
 )
 from lumenray.engine.scene.material import (
     Black,
+    Blend,
     Cauchy,
     Coated,
     Conductor,
@@ -32,7 +33,10 @@ from lumenray.engine.scene.material import (
     Mix,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
+    Varnish,
+    blend_cosines,
 )
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
@@ -55,6 +59,8 @@ def _patches():
     basis = PatchBasis(np.radians([0.0, 45.0, 90.0]), np.array([1, 4], np.int32))
     return PatchMatrix(basis, basis, np.array([550.0]), np.full((5, 5, 1), 0.1, np.float32))
 
+
+_FACING = np.stack([np.stack([blend_cosines(), 1.0 - blend_cosines()])] * 2)
 
 SURFACES = {
     "matt": Diffuse(GREY),
@@ -88,6 +94,17 @@ SURFACES = {
     "patches": Measured(_patches(), _patches(), _patches(), _patches(), 0.3, 0.9),
     "half a mirror": Mix(Diffuse(GREY), Glossy(Constant(0.9), 0.0), 0.5),
     "only the second": Mix(Black(), Coated(GREY), 1.0),
+    "varnish": Varnish(Coated(CHECKS), MASK, 1.5, 0.1, Constant(0.5)),
+    "varnished mirror": Varnish(Glossy(Constant(0.9), 0.0)),
+    "varnished glass": Varnish(Dielectric(Cauchy(1.5))),
+    "by the angle": Blend(Transparent(), Glossy(GREY, 0.0), _FACING),
+    "sum": Blend(Coated(CHECKS), Glossy(GREY, 0.3), np.ones_like(_FACING)),
+    "refraction alone": Dielectric(Cauchy(1.5), reflects=False),
+    "rough refraction alone": Dielectric(Cauchy(1.5), 0.3, reflects=False),
+    "tinted highlight": Coated(GREY, 1.5, 0.3, 1.0, 0.0, Constant(0.2)),
+    "coloured glass": Dielectric(Cauchy(1.5), 0.0, Constant(0.5), mirror_tint=Constant(0.5)),
+    "toon": Toon(CHECKS, 0.5, 0.2),
+    "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }
 

@@ -4,10 +4,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engine.scene.material import Black, Diffuse, Mix, Surface
+from ....engine.materials.albedo import most_sent_out
+from ....engine.scene.material import (
+    BLEND_STEPS,
+    Black,
+    Blend,
+    Diffuse,
+    Mix,
+    Surface,
+    blend_cosines,
+)
 from ....engine.scene.memo import recall
 from ....engine.scene.spectrum import Spectrum
 from ..nodes.fields import Field, as_colour, as_scalar, constant, from_colour
+
+
+MUCH = 1.001
+"""Share of light that a sum sends out from which on it is worth a row that it is scaled down."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +93,57 @@ def mix(at, first: Closure, second: Closure, factor: Field) -> Closure:
     )
 
 
+def blend(at, first: Closure, second: Closure, weights: np.ndarray) -> Closure:
+    """Return the mixture that a Mix Shader node makes whose factor depends on the side and the angle.
+
+    Parameters
+    ----------
+    first, second : Closure
+    weights : (2, n) array    Of the second: from the front and from the back, by `blend_cosines`.
+    """
+    if not weights.any():
+        return first
+    if weights.min() >= 1.0:
+        return second
+    parts = np.stack([1.0 - weights, weights], axis=1)
+    surface = first.surface
+    if surface is not second.surface:
+        surface = Blend(first.surface or Black(), second.surface or Black(), parts)
+    if not weights[0].any() and weights[1].min() >= 1.0:
+        return _two_sides(at, first, second, surface)
+    lights = [replace(each, surface=None) for each in (first, second)]
+    if all(each.radiance is None for each in lights):
+        return Closure(surface)
+    if _are_same(*(each.radiance for each in lights)):
+        return replace(first, surface=surface)
+    cosine = blend_cosines()
+    # Cosines are even in their root, of which even light has the third power.
+    mean = float(np.average(weights[0], weights=cosine**1.5))
+    at.note(
+        "Light that a surface gives depends on the viewing angle",
+        f"the factor's mean for diffuse light, {mean:.3f}, is used for it",
+    )
+    light = mix(at, *lights, constant(mean))
+    return replace(light, surface=surface)
+
+
+def _are_same(first: Field | None, second: Field | None) -> bool:
+    if first is None or second is None or first.layout is not second.layout:
+        return False
+    return np.array_equal(first.values, second.values)
+
+
+def _two_sides(at, front: Closure, back: Closure, surface: Surface | None) -> Closure:
+    """Return a front and a back, whose light is that of the front, or of none."""
+    if back.radiance is None:
+        return replace(front, surface=surface, two_sided=False)
+    if front.radiance is None:
+        at.fail("Only the back of its faces gives light", "they give none")
+        return Closure(surface)
+    at.note("Front and back of its faces give light", "the front's is used for both sides")
+    return replace(front, surface=surface, two_sided=True)
+
+
 def mix_surfaces(first, second, factor: Field):
     """Return a mixture of two surfaces, collapsed where the factor is 0 or 1."""
     if factor.is_everywhere(0) or first is second:
@@ -116,10 +180,15 @@ def _joined(at, first, second, surface):
 def _sum_of_surfaces(at, first, second):
     if first is None or second is None:
         return first or second
-    if isinstance(first, Diffuse) and isinstance(second, Diffuse):
+    if all(isinstance(part, Diffuse) and part.roughness == 0.0 for part in (first, second)):
         return _sum_of_diffuse(at, first, second)
-    at.note("Two shaders are added, which may create light", "they are mixed half and half")
-    return Mix(first, second, 0.5)
+    total = (most_sent_out(first) + most_sent_out(second)).max()
+    if total > MUCH:
+        at.note(
+            f"Two shaders are added that send out up to {total:.0%} of the light that comes",
+            "both are scaled down for the angles and colours where it is more than all",
+        )
+    return Blend(first, second, np.ones((2, 2, BLEND_STEPS)))
 
 
 def _sum_of_diffuse(at, first, second):

@@ -17,12 +17,15 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket, trace
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+from .layers import varnished
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
 
+EVEN = 1e-5
+"""Diffuse roughness below which a surface is plainly matt, in Cycles too."""
+
 _LEFT_OUT = {
-    "Coat Weight": (0.0, "The coat"),
     "Sheen Weight": (0.0, "Sheen"),
     "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
@@ -30,7 +33,6 @@ _LEFT_OUT = {
 
 _AS_DIFFUSE = {
     "Subsurface Weight": (0.0, "Subsurface scattering"),
-    "Diffuse Roughness": (0.0, "Diffuse roughness"),
 }
 
 
@@ -38,7 +40,7 @@ def convert_principled(at) -> Closure:
     """Return what a Principled BSDF stands for.
 
     A coated diffuse base, a metal by ``Metallic``, a solid dielectric by ``Transmission Weight``,
-    all seen through ``Alpha``.
+    all below the ``Coat``, and seen through ``Alpha``.
     """
     _report_unsupported(at)
     base = reflectance_of(at, at("Base Color"))
@@ -50,18 +52,18 @@ def convert_principled(at) -> Closure:
     if not metallic.is_everywhere(0):
         report_facets(at)
     surface = None
-    if not metallic.is_everywhere(1) and not at("Specular Tint").is_everywhere(1):
-        at.note("The tint of the highlight is not supported but for metals", "it is left out")
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
         surface = _coated(at, base)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
+        if not at("Specular Tint").is_everywhere(1):
+            at.note("The tint of the highlight is not supported for glass", "it is left out")
         pane = _pane if _is_thin_wall(at) else _glass
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
         edge = as_colour(reflectance_of(at, at("Specular Tint")))
         metal = Glossy(as_colour(base), as_scalar(roughness), edge)
         surface = mix_surfaces(surface, metal, metallic)
-    radiance = _radiance(at)
+    surface, radiance = varnished(at, surface, _radiance(at))
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
         radiance = scaled(at, radiance, alpha)
@@ -74,9 +76,30 @@ def _coated(at, base):
     normal_reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * at.plain("Specular IOR Level")
     amplitude = math.sqrt(min(max(normal_reflectance, 0.0), 0.98))
     if amplitude < 1e-4:
-        return Diffuse(as_colour(base))
+        return Diffuse(as_colour(base), None, aslant(at, "Diffuse Roughness"))
     ior = (1 + amplitude) / (1 - amplitude)
-    return Coated(as_colour(base), ior, min(max(at.plain("Roughness"), 0.0), 1.0))
+    roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
+    sigma = aslant(at, "Diffuse Roughness")
+    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at))
+
+
+def _tint(at):
+    """Return the tint of the highlight, the mean where it varies; None: it has none."""
+    field = at("Specular Tint").settled()
+    if field.is_everywhere(1):
+        return None
+    if not field.is_constant:
+        at.note("The tint of the highlight varies over the surface", "its mean is used")
+        field = Field(field.mean())
+    return as_colour(reflectance_of(at, field))
+
+
+def aslant(at, name: str) -> float:
+    """Return a diffuse roughness as Cycles has it, 0 where this version of Blender lacks it."""
+    if find_socket(at.node.inputs, name) is None:
+        return 0.0
+    roughness = min(max(at.plain(name), 0.0), 1.0)
+    return roughness if roughness >= EVEN else 0.0
 
 
 def _is_thin_wall(at) -> bool:

@@ -10,19 +10,17 @@ from ....engine.scene.material import (
     Diffuse,
     Glossy,
     Holdout,
-    ThinGlass,
+    Toon,
     Transparent,
 )
 from ....engine.scene.spectrum import Blackbody
 from ...foundation.report import Severity
+from ..nodes.angles import course_of, over_angles
 from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
-from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
-from .principled import convert_principled, report_facets, report_normal
-
-_MIRROR = 0.1
-"""Roughness below which a gloss over a transparent shader is meant as a pane."""
+from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
+from .principled import aslant, convert_principled, report_facets, report_normal
 
 
 def convert_shader(socket, context, groups=()) -> Closure:
@@ -50,8 +48,13 @@ def convert_shader(socket, context, groups=()) -> Closure:
         at.fail("The links run in a circle", "black is used")
         return Closure()
     context.active.add(key)
+    convert = _SHADERS.get(node.bl_idname, _unsupported)
     try:
-        return _SHADERS.get(node.bl_idname, _unsupported)(at)
+        course = None if convert is _emission else course_of(node, context, origin.groups)
+        if course is not None:
+            ends = (convert(Inputs(node, origin.socket, end, origin.groups)) for end in course.ends)
+            return blend(at, *ends, course.share)
+        return convert(at)
     finally:
         context.active.discard(key)
 
@@ -66,9 +69,7 @@ def _roughness(at):
 
 def _diffuse(at):
     report_normal(at)
-    if not at("Roughness").is_everywhere(0):
-        at.note("Diffuse roughness is not supported", "plain diffuse is used")
-    return Closure(Diffuse(as_colour(_colour(at))))
+    return Closure(Diffuse(as_colour(_colour(at)), None, aslant(at, "Roughness")))
 
 
 def _translucent(at):
@@ -107,10 +108,12 @@ def _glass(at):
     if not at("Thin Film Thickness").is_everywhere(0):
         at.note("The thin film is not supported", "it is left out")
     colour = _colour(at)
-    if not colour.is_everywhere(1):
-        at.remark("Blender tints the reflection of coloured glass", "only what passes is tinted")
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
+    tint = as_colour(colour)
+    # Blender tints what is reflected too.
+    mirror = None if colour.is_everywhere(1) else tint
+    ior = Cauchy(at.plain("IOR"), 0.0)
+    return Closure(Dielectric(ior, _roughness(at), tint, mirror_tint=mirror))
 
 
 def _report_beckmann(at):
@@ -120,10 +123,10 @@ def _report_beckmann(at):
 
 
 def _refraction(at):
-    at.remark("A Refraction BSDF does not reflect", "glass, which does, is used")
     report_normal(at)
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(_colour(at))))
+    ior = Cauchy(at.plain("IOR"), 0.0)
+    return Closure(Dielectric(ior, _roughness(at), as_colour(_colour(at)), reflects=False))
 
 
 def _transparent(at):
@@ -162,8 +165,6 @@ def _add(at):
 def _mix(at):
     origin = trace(at.node.inputs[0], at.groups)
     kind = origin.socket.node.bl_idname if origin.is_output else ""
-    if kind == "ShaderNodeNewGeometry" and origin.socket.identifier == "Backfacing":
-        return _by_side(at)
     if kind == "ShaderNodeFresnel" or (
         kind == "ShaderNodeLayerWeight" and origin.socket.identifier == "Fresnel"
     ):
@@ -172,6 +173,9 @@ def _mix(at):
         )
         if closure is not None:
             return closure
+    weights = over_angles(at.node.inputs[0], at.context, at.groups)
+    if weights is not None:
+        return blend(at, _branch(at, 1), _branch(at, 2), weights)
     factor = at.field(at.node.inputs[0])
     # A branch that never shows must not fill the report.
     first = Closure() if factor.is_everywhere(1) else _branch(at, 1)
@@ -183,36 +187,24 @@ def _branch(at, index):
     return convert_shader(at.node.inputs[index], at.context, at.groups)
 
 
-def _by_side(at):
-    """Take the front for both sides, but let a one-sided emission stay one-sided."""
-    front, back = _branch(at, 1), _branch(at, 2)
-    at.note(
-        "Front and back of a face have different shaders",
-        "the front's surface is used for both sides; only the front emits",
-    )
-    return Closure(front.surface, front.radiance, front.spectrum, back.radiance is not None)
-
-
 def _by_fresnel(at, weight):
-    """Return one surface for "gloss over something by Fresnel", None if it is not that."""
+    """Return one surface for "gloss over a matt one by Fresnel", None if it is not that."""
     under, over = _branch(at, 1), _branch(at, 2)
+    base = under.surface
     if not isinstance(over.surface, Glossy) or over.radiance is not None:
+        return None
+    if not isinstance(base, Diffuse) or base.transmittance is not None:
         return None
     ior = _index_of(weight)
     roughness = over.surface.roughness
     if not isinstance(roughness, float):
         roughness = float(np.mean(roughness.pixels))
-    base, surface = under.surface, None
-    if isinstance(base, Diffuse) and base.transmittance is None:
-        surface = Coated(base.reflectance, ior, min(max(roughness, 0.0), 1.0))
-        meaning = "a diffuse base under a clear coat"
-    elif isinstance(base, Transparent) and roughness < _MIRROR:
-        surface, meaning = ThinGlass(ior, base.transmittance), "a pane that reflects at both faces"
-    elif isinstance(base, Dielectric):
-        surface, meaning = base, "glass"
-    if surface is None:
-        return None
-    at.remark("A gloss is mixed over another shader by Fresnel", f"{meaning} is used")
+    roughness = min(max(roughness, 0.0), 1.0)
+    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
+    at.remark(
+        "A gloss is mixed over a matt shader by Fresnel",
+        "a diffuse base under a clear coat is used",
+    )
     return Closure(surface, under.radiance, under.spectrum, under.two_sided)
 
 
@@ -220,6 +212,14 @@ def _index_of(weight):
     if weight.node.bl_idname == "ShaderNodeFresnel":
         return max(weight.plain("IOR"), 1.0)
     return 1.0 / (1.0 - min(max(weight.plain("Blend"), 0.0), 0.99))
+
+
+def _toon(at):
+    report_normal(at)
+    if at.node.component == "GLOSSY":
+        at.note("A glossy toon is not supported", "the diffuse one of its colour is used")
+    size, edge = at.plain("Size"), at.plain("Smooth")
+    return Closure(Toon(as_colour(_colour(at)), size, edge))
 
 
 def _as_diffuse(at):
@@ -247,6 +247,7 @@ _SHADERS = {
     "ShaderNodeBsdfTransparent": _transparent,
     "ShaderNodeBsdfRayPortal": _portal,
     "ShaderNodeHoldout": _holdout,
+    "ShaderNodeBsdfToon": _toon,
     "ShaderNodeEmission": _emission,
     "ShaderNodeAddShader": _add,
     "ShaderNodeMixShader": _mix,

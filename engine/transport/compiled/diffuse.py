@@ -1,8 +1,9 @@
 """Which shapes are matt, and how much light passes their coats: what is read at a hit without asking the surface model.
 
-A matt surface is a diffuse base with or without a clear coat (see `materials.coated`). The light that its base sends out is
-separable: f = rho / pi * (1 - C(cos_i)) (1 - C(cos_o)) / (1 - C_mean), with the coat's directional reflectance C. So the
-base sends rho / pi * (1 - C(cos_o)) / (1 - C_mean) * M in every direction, where M is the irradiance that passes the coat.
+A matt surface is a smooth diffuse base with or without a clear coat (see `materials.coated`). The light that its base sends
+out is separable: f = rho / pi * (1 - C(cos_i)) (1 - C(cos_o)) / (1 - C_mean), with the coat's directional reflectance C. So
+the base sends rho / pi * (1 - C(cos_o)) / (1 - C_mean) * M in every direction, where M is the irradiance that passes the
+coat.
 """
 
 import drjit as dr
@@ -10,8 +11,9 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...materials.facets import COSINES, MINIMUM_ALPHA, directional_reflectance, mean_reflectance
-from .surfaces import alpha
+from ...materials.facets import COSINES, MINIMUM_ALPHA, coat_reflectance, mean_reflectance
+from .surfaces import PALETTE_STEPS, alpha
+from .textures import TextureMaker
 
 
 class DiffuseTable:
@@ -24,14 +26,15 @@ class DiffuseTable:
 
     def __init__(self, scene):
         rows: dict[tuple, int] = {}
+        make = TextureMaker(scene.mean_light)
         numbers = np.zeros(scene.shape_count, dtype=np.uint32)
         self.shapes: list[int] = []
         for _, part, material in scene.parts():
             coated = material.surface.as_coated
-            if coated is None or part.is_transparent:
+            if coated is None or coated.base_roughness > 0.0 or part.is_transparent:
                 continue
             self.shapes.append(part.number)
-            key = _coat(coated)
+            key = _coat(coated, make)
             numbers[part.number] = rows.setdefault(key, len(rows)) + 1
         tables = [_table(*key) for key in rows] or [np.zeros(COSINES)]
         self.has_coat = any(table.any() for table in tables)
@@ -73,14 +76,16 @@ class DiffuseTable:
         return dr.gather(mi.Float, self._scale, row - 1, active)
 
 
-def _coat(coated) -> tuple:
+def _coat(coated, make) -> tuple:
     if coated.ior <= 1.001 or coated.specular <= 0.0:
-        return (0.0, 1.0, 0.0)
+        return (0.0, 1.0, 0.0, 1.0)
     width = round(float(max(alpha(coated.roughness), MINIMUM_ALPHA)), 4)
-    return (width, round(float(max(coated.ior, 1.0001)), 4), min(float(coated.specular), 1.0))
+    tint = 1.0 if coated.tint is None else float(make.spectrum(coated.tint, PALETTE_STEPS).max())
+    eta = round(float(max(coated.ior, 1.0001)), 4)
+    return (width, eta, min(float(coated.specular), 1.0), tint)
 
 
-def _table(width: float, eta: float, specular: float) -> np.ndarray:
+def _table(width: float, eta: float, specular: float, tint: float) -> np.ndarray:
     if specular <= 0.0:
         return np.zeros(COSINES)
-    return specular * directional_reflectance(width, eta)
+    return coat_reflectance(width, eta, specular, tint)

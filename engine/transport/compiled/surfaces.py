@@ -2,10 +2,14 @@
 
 import numpy as np
 
+from ...materials.albedo import limits
+from ...materials.facets import MINIMUM_ALPHA
+from ...photometry.spectra import GRID, evaluate_reflectance
 from ...scattering.data.surface import usable
 from ...scene.material import (
     SMOOTH_ROUGHNESS,
     Black,
+    Blend,
     Coated,
     Conductor,
     Dielectric,
@@ -18,9 +22,11 @@ from ...scene.material import (
     Surface,
     TabulatedPane,
     ThinGlass,
+    Toon,
     Transparent,
+    Varnish,
 )
-from ...scene.spectrum import Constant
+from ...scene.spectrum import Constant, Tabulated
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
@@ -29,6 +35,12 @@ SODIUM_D = 589.3
 
 NOTHING = Diffuse(Constant(0.0))
 """What a black surface is to light, and what the palette holds before there are plain materials."""
+
+BY_ANGLE = (
+    "its parts are weighed by the angle or the side that it is seen from, as in Blender; with light and eye exchanged it is "
+    "another surface"
+)
+"""What is said of a blend that is not reciprocal."""
 
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
@@ -52,6 +64,8 @@ def palette(surfaces: list[Surface], make: TextureMaker) -> dict[str, np.ndarray
         "specular": np.array(
             [np.clip(c.specular, 0.0, 1.0) if c.ior > 1.001 else 0.0 for c in coats]
         ),
+        "sigma": np.array([np.clip(c.base_roughness, 0.0, 1.0) for c in coats]),
+        "tints": np.stack([make.spectrum(c.tint or Constant(1.0), PALETTE_STEPS) for c in coats]),
         "spectra": np.stack([_row_spectrum(c.reflectance, make) for c in coats]),
     }
 
@@ -154,6 +168,73 @@ def _mix(surface: Mix, make: TextureMaker) -> dict:
     }
 
 
+def _toon(surface: Toon, make: TextureMaker) -> dict:
+    return {
+        "type": "lumenray_toon",
+        "reflectance": make.reflectance(surface.reflectance),
+        "size": float(surface.size),
+        "edge": float(surface.edge),
+    }
+
+
+def _blend(surface: Blend, make: TextureMaker):
+    import mitsuba as mi
+
+    surface.check()
+    by_colour, by_angle = limits(surface, _most_by_wavelength)
+    properties = {
+        "type": "lumenray_blend",
+        "first": bsdf(surface.first, make),
+        "second": bsdf(surface.second, make),
+        "limit": make.reflectance(Tabulated(GRID, by_colour)),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    plugin.set_weights(surface.weights * by_angle[:, None])
+    return plugin
+
+
+def _most_by_wavelength(colour) -> np.ndarray:
+    """Values of a colour at every nanometre, for a picture the most that any place may have. (471,) [-]"""
+    if not isinstance(colour, ImageTexture):
+        return np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
+    pixels = colour.pixels
+    is_grey = pixels.ndim == 2 or pixels.shape[2] == 1 or not np.ptp(pixels, axis=2).any()
+    return np.full(len(GRID), float(pixels.max()) if is_grey else 1.0)
+
+
+def _varnish(surface: Varnish, make: TextureMaker):
+    import mitsuba as mi
+
+    properties = {
+        "type": "lumenray_varnish",
+        "base": bsdf(surface.base, make),
+        "weight": make.scalar(surface.weight),
+        "tint": make.reflectance(surface.tint),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    plugin.set_coat(alpha(surface.roughness), max(surface.ior, 1.0001), _facets(surface.base))
+    return plugin
+
+
+def _facets(base: Surface) -> tuple | None:
+    """Width, index and scale of the facets over an opaque base's diffuse light; None: light passes."""
+    if not base.is_opaque:
+        return None
+    if isinstance(base, Glossy | Conductor):
+        roughness = base.roughness
+        if isinstance(roughness, ImageTexture):
+            roughness = np.sqrt(np.mean(np.square(roughness.pixels, dtype=np.float64)))
+        return _width(roughness), np.inf, 1.0
+    coated = _as_plain(base)
+    if coated is None or coated.ior <= 1.001 or coated.specular <= 0.0:
+        return MINIMUM_ALPHA, np.inf, 0.0
+    return _width(coated.roughness), round(float(coated.ior), 4), float(min(coated.specular, 1.0))
+
+
+def _width(roughness) -> float:
+    return round(float(max(alpha(roughness), MINIMUM_ALPHA)), 4)
+
+
 def _tabulated_pane(surface: TabulatedPane, _make: TextureMaker):
     import mitsuba as mi
 
@@ -200,10 +281,14 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
             "thickness": float(surface.thickness),
         }
     index = max(float(refractive_index(surface.ior, SODIUM_D)), 1.0001)
+    if not surface.reflects:
+        return _refraction(surface, index, tint, body)
+    mirror = None if surface.mirror_tint is None else make.reflectance(surface.mirror_tint)
     if surface.is_smooth:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
-        return {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses, **body}
+        made = {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses, **body}
+        return made if mirror is None else {**made, "mirror_tint": mirror}
     width = alpha(surface.roughness)
     nested = {
         "type": "roughdielectric",
@@ -212,6 +297,8 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         "int_ior": index,
         "specular_transmittance": tint,
     }
+    if mirror is not None:
+        nested["specular_reflectance"] = mirror
     return {
         "type": "lumenray_rough_glass",
         "alpha": width,
@@ -219,6 +306,19 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         "nested": nested,
         **body,
     }
+
+
+def _refraction(surface: Dielectric, index: float, tint, body: dict) -> dict:
+    if surface.is_smooth:
+        return {"type": "lumenray_refraction", "ior": number(index), "tint": tint, **body}
+    nested = {
+        "type": "roughdielectric",
+        "distribution": "ggx",
+        "alpha": alpha(surface.roughness),
+        "int_ior": index,
+        "specular_transmittance": tint,
+    }
+    return {"type": "lumenray_rough_refraction", "index": index, "nested": nested, **body}
 
 
 MAKERS = {
@@ -235,6 +335,9 @@ MAKERS = {
     Holdout: _black,
     Measured: _measured,
     Mix: _mix,
+    Varnish: _varnish,
+    Blend: _blend,
+    Toon: _toon,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -244,6 +347,13 @@ def approximations(surface: Surface) -> list[str]:
     match surface:
         case Mix():
             return approximations(surface.first) + approximations(surface.second)
+        case Blend():
+            notes = approximations(surface.first) + approximations(surface.second)
+            return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
+        case Toon():
+            return ["it shines about its normal wherever light comes from, as in Blender"]
+        case Varnish():
+            return approximations(surface.base)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:

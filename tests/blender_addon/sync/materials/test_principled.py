@@ -17,6 +17,7 @@ from lumenray.engine.scene.material import (
     Mix,
     ThinGlass,
     Transparent,
+    Varnish,
 )
 from lumenray.engine.scene.spectrum import Constant
 from material_trees import EFFICACY, add_image
@@ -46,6 +47,15 @@ def test_no_specular_level_leaves_plain_diffuse(tree, convert):
     shader = tree.add("BsdfPrincipled", Base_Color=(0.5, 0.5, 0.5), Specular_IOR_Level=0.0)
     result, _ = convert(tree.surface(shader))
     assert result.surface == Diffuse(Constant(0.5))
+
+
+@pytest.mark.parametrize(("level", "kind"), [(0.5, Coated), (0.0, Diffuse)])
+def test_diffuse_roughness_is_taken_over(tree, convert, level, kind):
+    shader = tree.add("BsdfPrincipled", Diffuse_Roughness=0.6, Specular_IOR_Level=level)
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, kind)
+    assert result.surface.as_coated.base_roughness == pytest.approx(0.6)
+    assert rows == []
 
 
 def test_full_metallic_is_glossy_alone(tree, convert):
@@ -101,11 +111,9 @@ def test_emission_strength_times_efficacy_is_luminance(tree, convert):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("Coat_Weight", 0.5),
         ("Sheen_Weight", 0.5),
         ("Subsurface_Weight", 0.5),
         ("Anisotropic", 0.5),
-        ("Specular_Tint", (1.0, 0.2, 0.2)),
     ],
 )
 def test_unsupported_part_of_principled_is_reported(tree, convert, name, value):
@@ -114,6 +122,52 @@ def test_unsupported_part_of_principled_is_reported(tree, convert, name, value):
     assert row["object"] == "Paint"
     assert row["node"] == "Principled BSDF"
     assert row["instead"]
+
+
+def test_the_tint_of_a_highlight_is_taken_over_but_for_glass(tree, convert):
+    values = {"Specular_Tint": (1.0, 0.2, 0.2)}
+    result, rows = convert(tree.surface(tree.add("BsdfPrincipled", **values)))
+    assert rgb_of(result.surface.tint) == pytest.approx((1.0, 0.2, 0.2))
+    assert rows == []
+    _, rows = convert(tree.surface(tree.add("BsdfPrincipled", Transmission_Weight=1.0, **values)))
+    assert "highlight" in messages_of(rows)
+
+
+def test_a_coat_lies_over_each_part_of_a_mixture(tree, convert):
+    shader = tree.add(
+        "BsdfPrincipled",
+        Metallic=0.5,
+        Coat_Weight=0.75,
+        Coat_Roughness=0.2,
+        Coat_IOR=1.7,
+        Coat_Tint=(0.3, 0.6, 0.9),
+    )
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, Mix)
+    for part, base in ((result.surface.first, Coated), (result.surface.second, Glossy)):
+        assert isinstance(part, Varnish)
+        assert isinstance(part.base, base)
+        assert (part.weight, part.roughness, part.ior) == pytest.approx((0.75, 0.2, 1.7))
+        assert rgb_of(part.tint) == pytest.approx((0.3, 0.6, 0.9))
+    assert rows == []
+
+
+def test_the_weight_of_a_coat_may_vary_by_place(tree, convert):
+    mask = tree.add("TexImage", attributes={"image": add_image("Picture", np.eye(2)[..., None])})
+    result, rows = convert(
+        tree.surface(tree.add("BsdfPrincipled", Coat_Weight=mask.outputs["Color"]))
+    )
+    assert isinstance(result.surface, Varnish)
+    np.testing.assert_allclose(result.surface.weight.pixels.squeeze(), np.eye(2))
+    assert rows == []
+
+
+def test_a_coat_dims_the_light_below_it(tree, convert):
+    """By a smooth coat of index 1.5, which reflects 9.2 % of even light (Duntley)."""
+    values = {"Emission_Color": (1.0, 1.0, 1.0), "Emission_Strength": 3.0, "Coat_Weight": 1.0}
+    result, rows = convert(tree.surface(tree.add("BsdfPrincipled", **values)))
+    assert result.emission.luminance == pytest.approx(EFFICACY * 3.0 * (1.0 - 0.0918), rel=2e-3)
+    assert "dims" in messages_of(rows)
 
 
 def test_normal_map_is_reported(tree, convert):

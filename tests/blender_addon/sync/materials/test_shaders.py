@@ -6,12 +6,12 @@ import pytest
 from conversion import messages_of, rgb_of
 from lumenray.engine.scene.material import (
     Black,
+    Blend,
     Cauchy,
     Coated,
     Dielectric,
     Diffuse,
     Glossy,
-    ThinGlass,
     Transparent,
 )
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant
@@ -59,12 +59,18 @@ def test_diffuse_sum_above_one_is_reduced_in_proportion(tree, convert):
     assert "more than 1" in messages_of(rows)
 
 
-def test_two_unlike_shaders_added_are_mixed_and_reported(tree, convert):
-    first = tree.add("BsdfDiffuse").outputs[0]
-    second = tree.add("BsdfAnisotropic").outputs[0]
+@pytest.mark.parametrize(("grey", "count"), [(0.4, 0), (0.8, 1)])
+def test_two_unlike_shaders_are_added_and_said_where_they_are_too_much(tree, convert, grey, count):
+    colour = (grey, grey, grey)
+    first = tree.add("BsdfDiffuse", Color=colour).outputs[0]
+    second = tree.add("BsdfAnisotropic", Color=colour, Anisotropy=0.0).outputs[0]
     result, rows = convert(tree.surface(tree.add("AddShader", Shader=first, Shader_001=second)))
-    assert result.surface.factor == 0.5
-    assert len(rows) == 1
+    assert isinstance(result.surface, Blend)
+    assert isinstance(result.surface.first, Diffuse)
+    assert isinstance(result.surface.second, Glossy)
+    assert (result.surface.weights == 1.0).all()
+    assert len(rows) == count
+    assert count == 0 or "160%" in messages_of(rows)
 
 
 def test_mix_of_emission_and_diffuse_shares_the_emission(tree, convert):
@@ -140,16 +146,118 @@ def test_gloss_over_diffuse_by_fresnel_is_a_coated_base(tree, convert):
     assert len(rows) == 1
 
 
-def test_mirror_over_transparent_by_fresnel_is_a_pane(tree, convert):
+def test_mirror_over_transparent_by_fresnel_keeps_both_by_the_angle(tree, convert):
     mixed = tree.add(
         "MixShader",
         Fac=tree.add("Fresnel", IOR=1.5).outputs[0],
         Shader=tree.add("BsdfTransparent", Color=(0.9, 0.9, 0.9)).outputs[0],
         Shader_001=tree.add("BsdfAnisotropic", Roughness=0.0, Anisotropy=0.0).outputs[0],
     )
-    result, _ = convert(tree.surface(mixed))
-    assert isinstance(result.surface, ThinGlass)
-    assert result.surface.transmittance.value == pytest.approx(0.9)
+    result, rows = convert(tree.surface(mixed))
+    surface = result.surface
+    assert isinstance(surface.first, Transparent)
+    assert isinstance(surface.second, Glossy)
+    (through, mirrored), (_, inside) = surface.weights
+    # Fresnel along the normal, at Brewster's angle (s alone, halved), and beyond the critical angle from inside.
+    brewster = 0.5 * ((1.5**2 - 1.0) / (1.5**2 + 1.0)) ** 2
+    at = [np.interp(np.sqrt(c), np.linspace(0, 1, 512), mirrored) for c in (1.0, 3.25**-0.5)]
+    assert at == pytest.approx([0.04, brewster], rel=2e-3)
+    assert np.interp(np.sqrt(0.5), np.linspace(0, 1, 512), inside) == pytest.approx(1.0)
+    np.testing.assert_allclose(through + mirrored, 1.0)
+    assert rows == []
+
+
+def test_what_is_made_of_facing_is_followed_by_the_angle(tree, convert):
+    """Blender's facing is 1 - cos at a blend of a half."""
+    facing = tree.add("LayerWeight", Blend=0.5).outputs["Facing"]
+    squared = tree.add("Math", attributes={"operation": "MULTIPLY"}, Value=facing)
+    tree.set(squared, "Value 001", facing)
+    mixed = tree.add(
+        "MixShader",
+        Fac=squared.outputs[0],
+        Shader=tree.add("BsdfDiffuse").outputs[0],
+        Shader_001=tree.add("BsdfTranslucent").outputs[0],
+    )
+    result, rows = convert(tree.surface(mixed))
+    expected = (1.0 - np.linspace(0.0, 1.0, 512) ** 2) ** 2
+    for side in range(2):
+        np.testing.assert_allclose(result.surface.weights[side, 1], expected, atol=1e-5)
+    assert rows == []
+
+
+def test_a_colour_by_facing_is_a_blend_of_its_ends(tree, convert):
+    colour = tree.add("MixRGB", Color1=(0.1, 0.2, 0.6), Color2=(0.9, 0.7, 0.5))
+    tree.set(colour, "Fac", tree.add("LayerWeight", Blend=0.5).outputs["Facing"])
+    shader = tree.add("BsdfDiffuse", Color=colour.outputs[0])
+    result, rows = convert(tree.surface(shader))
+    surface = result.surface
+    ends = [rgb_of(part.reflectance) for part in (surface.first, surface.second)]
+    cosine = np.linspace(0.0, 1.0, 512)[:, None] ** 2
+    expected = cosine * (0.1, 0.2, 0.6) + (1.0 - cosine) * (0.9, 0.7, 0.5)
+    for side in range(2):
+        found = surface.weights[side].T @ np.array(ends)
+        np.testing.assert_allclose(found, expected, atol=1e-4)
+    assert rows == []
+
+
+def test_light_by_facing_counts_by_its_mean_with_a_row(tree, convert):
+    """Facing at a blend of a half is 1 - cos, a third of even light."""
+    mixed = tree.add(
+        "MixShader",
+        Fac=tree.add("LayerWeight", Blend=0.5).outputs["Facing"],
+        Shader=tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=3.0).outputs[0],
+        Shader_001=tree.add("Emission", Color=(1.0, 1.0, 1.0), Strength=6.0).outputs[0],
+    )
+    result, rows = convert(tree.surface(mixed))
+    assert isinstance(result.surface, Black)
+    assert result.emission.luminance == pytest.approx(EFFICACY * 4.0, rel=2e-3)
+    assert "viewing angle" in messages_of(rows)
+
+
+def test_a_colour_by_facing_of_a_rough_metal_is_its_mean_with_a_row(tree, convert):
+    facing = tree.add("LayerWeight").outputs["Facing"]
+    shader = tree.add("BsdfAnisotropic", Color=facing, Roughness=0.8, Anisotropy=0.0)
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, Glossy)
+    assert "viewing angle" in messages_of(rows)
+
+
+def test_front_and_back_may_be_different_surfaces(tree, convert):
+    mixed = tree.add(
+        "MixShader",
+        Fac=tree.add("NewGeometry").outputs["Backfacing"],
+        Shader=tree.add("BsdfDiffuse", Color=(0.2, 0.2, 0.2)).outputs[0],
+        Shader_001=tree.add("BsdfDiffuse", Color=(0.7, 0.7, 0.7)).outputs[0],
+    )
+    result, rows = convert(tree.surface(mixed))
+    assert result.surface.first == Diffuse(Constant(pytest.approx(0.2)))
+    assert (result.surface.weights[:, 1] == np.array([[0.0], [1.0]])).all()
+    assert rows == []
+
+
+def test_coloured_glass_tints_what_it_reflects_too(tree, convert):
+    shader = tree.add("BsdfGlass", Color=(0.6, 0.9, 0.7), Roughness=0.0)
+    result, rows = convert(tree.surface(shader))
+    assert rgb_of(result.surface.mirror_tint) == pytest.approx((0.6, 0.9, 0.7))
+    assert result.surface.tint == result.surface.mirror_tint
+    assert rows == []
+
+
+@pytest.mark.parametrize(("component", "count"), [("DIFFUSE", 0), ("GLOSSY", 1)])
+def test_a_toon_is_taken_over_but_for_a_glossy_one(tree, convert, component, count):
+    attributes = {"component": component}
+    shader = tree.add("BsdfToon", attributes=attributes, Size=0.4, Smooth=0.2)
+    result, rows = convert(tree.surface(shader))
+    assert (result.surface.size, result.surface.edge) == pytest.approx((0.4, 0.2))
+    assert len(rows) == count
+
+
+def test_a_refraction_does_not_reflect(tree, convert):
+    shader = tree.add("BsdfRefraction", attributes={"distribution": "GGX"}, IOR=1.4)
+    result, rows = convert(tree.surface(shader))
+    assert isinstance(result.surface, Dielectric)
+    assert not result.surface.reflects
+    assert rows == []
 
 
 def test_emission_of_the_front_alone_stays_one_sided(tree, convert):
@@ -161,10 +269,22 @@ def test_emission_of_the_front_alone_stays_one_sided(tree, convert):
     )
     result, rows = convert(tree.surface(mixed))
     assert not result.emission.two_sided
-    assert len(rows) == 1
+    assert rows == []
 
 
-@pytest.mark.parametrize("kind", ["BsdfToon", "BsdfSheen", "SubsurfaceScattering", "BsdfHair"])
+def test_light_of_the_back_alone_is_left_out_with_an_error(tree, convert):
+    mixed = tree.add(
+        "MixShader",
+        Fac=tree.add("NewGeometry").outputs["Backfacing"],
+        Shader=tree.add("BsdfDiffuse").outputs[0],
+        Shader_001=tree.add("Emission", Strength=1.0).outputs[0],
+    )
+    result, rows = convert(tree.surface(mixed))
+    assert result.emission is None
+    assert [row["severity"] for row in rows] == ["error"]
+
+
+@pytest.mark.parametrize("kind", ["BsdfSheen", "SubsurfaceScattering", "BsdfHair"])
 def test_unsupported_shader_is_diffuse_of_its_colour_with_a_row(tree, convert, kind):
     shader = tree.add(kind, Color=(0.5, 0.25, 0.125))
     result, rows = convert(tree.surface(shader))
