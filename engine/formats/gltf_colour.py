@@ -23,6 +23,7 @@ from ..scene.material import (
     Material,
     Measured,
     Mix,
+    Raised,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -127,6 +128,10 @@ def _mix(surface: Mix):
     return (1.0 - share) * first + share * second, (1.0 - share) * through + share * beyond
 
 
+def _raised(surface: Raised):
+    return _look(surface.surface)
+
+
 LOOKS = {
     Diffuse: _by_reflectance,
     Coated: _by_reflectance,
@@ -140,6 +145,7 @@ LOOKS = {
     Black: _black,
     Measured: _measured,
     Mix: _mix,
+    Raised: _raised,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

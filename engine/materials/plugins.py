@@ -11,6 +11,7 @@ from ..arrays import average
 from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
+from .relief import relief_class
 from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
@@ -63,6 +64,7 @@ def register() -> None:
         ("lumenray_glass", _glass_class),
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
+        ("lumenray_relief", relief_class),
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))

@@ -14,11 +14,13 @@ from ...scene.material import (
     Glossy,
     Measured,
     Mix,
+    Raised,
     Surface,
     TabulatedPane,
     ThinGlass,
     Transparent,
 )
+from ...scene.relief import layers, picture_of
 from ...scene.spectrum import Constant
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
@@ -153,6 +155,18 @@ def _mix(surface: Mix, make: TextureMaker) -> dict:
     }
 
 
+def _raised(surface: Raised, make: TextureMaker):
+    import mitsuba as mi
+
+    surface.check()
+    is_matt = isinstance(surface.surface, Diffuse) and not surface.surface.is_opaque
+    properties = {"nested": bsdf(surface.surface, make), "is_matt": is_matt}
+    plugin = mi.load_dict({"type": "lumenray_relief", **properties}, optimize=False)
+    parts = layers(surface.relief)
+    plugin.set_layers(make.bitmaps.table, parts, [make.relief(picture_of(p)) for p in parts])
+    return plugin
+
+
 def _tabulated_pane(surface: TabulatedPane, _make: TextureMaker):
     import mitsuba as mi
 
@@ -221,6 +235,7 @@ MAKERS = {
     Black: _black,
     Measured: _measured,
     Mix: _mix,
+    Raised: _raised,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -230,6 +245,8 @@ def approximations(surface: Surface) -> list[str]:
     match surface:
         case Mix():
             return approximations(surface.first) + approximations(surface.second)
+        case Raised():
+            return approximations(surface.surface)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:
