@@ -66,10 +66,11 @@ class Walk:
         self.is_refiltered = filters != sent.filters
         sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
+        sent.materials.metres = scale
         sent.geometries.mark(tags.geometry)
         sent.images.forget(tags.shading)
         sent.materials.mark(tags.shading)
-        if self.is_rerated:
+        if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
         if self._concerns_objects():
             self._visit_all()

@@ -3,15 +3,17 @@
 Directions are local, with the normal of the mesh along +z. What spreads light evenly (the matt part) answers by the normal
 n of the relief; it is lit by n . o as a facet of that slope is, times the shadow that such facets throw near the horizon,
 
-    S(g) = g + g^2 - g^3,   g = o_z / ((n . o) n_z),   1 from g = 1 on and 0 below 0,
+    S = 2 / (1 + sqrt(1 + min(tan^2 a / 8, 1) tan^2 b)),
 
-so that no light comes from below the surface and none ends in a sharp edge. What mirrors would send light into the surface
+a being the angle of n, b that of o to the surface's normal: so no light comes from below the surface and none ends in a
+sharp edge. What mirrors would send light into the surface
 where it is seen at a flat angle; there n is raised in the plane of itself and the surface's normal until what a mirror would
 reflect leaves the surface. From the back of a surface both hold with the signs turned.
 
 References
 ----------
-M. J.-Y. Chiang, Y. K. Li, B. Burley: Taming the Shadow Terminator, SIGGRAPH 2019 Talks.
+A. C. Estevez, P. Lecocq, C. Stein: A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem, Ray Tracing
+Gems, 2019, ch. 12.
 """
 
 import drjit as dr
@@ -23,6 +25,9 @@ LEAST = 0.01
 """Cosine to the surface up to which what mirrors is raised, and share of the eye's own cosine that it never exceeds. [-]"""
 
 NOT_MORE = 0.9
+
+STEEPNESS = 0.125
+"""Square of the width of the facets' distribution over that of the tangent of the slope. [-]"""
 
 TINY = 1e-12
 
@@ -222,9 +227,10 @@ def _frame_of(normal):
 
 def _shadow(normal, wo):
     """Share of light that facets of a slope leave to those behind them, S of this module's head. [-]"""
-    facing = dr.dot(normal, wo) * normal.z
-    g = dr.select(facing != 0.0, wo.z / dr.select(facing != 0.0, facing, 1.0), 0.0)
-    return dr.select(g >= 1.0, 1.0, dr.select(g < 0.0, 0.0, g + dr.square(g) - dr.square(g) * g))
+    slope = dr.minimum(STEEPNESS * (dr.rcp(dr.square(normal.z)) - 1.0), 1.0)
+    light = dr.rcp(dr.maximum(dr.square(wo.z), TINY)) - 1.0
+    found = 2.0 / (1.0 + dr.sqrt(1.0 + slope * dr.maximum(light, 0.0)))
+    return dr.select(wo.z * normal.z * dr.dot(normal, wo) > 0.0, found, 0.0)
 
 
 def _raised(normal, wi, side):

@@ -18,6 +18,7 @@ from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
 from ..spectra import light_spectrum
 from .closures import Closure
 from .overrides import convert_override
+from .relief import relief_of_displacement
 from .shaders import convert_shader
 
 _logger = logging.getLogger(__name__)
@@ -41,6 +42,7 @@ def convert_material(
     efficacy: float,
     images: ImageCache | None = None,
     is_patient: bool = True,
+    metres: float = 1.0,
 ) -> Material:
     """Convert a Blender material.
 
@@ -52,6 +54,7 @@ def convert_material(
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
+    metres : float    That a unit of Blender stands for. [m]
 
     Returns
     -------
@@ -65,7 +68,7 @@ def convert_material(
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
     try:
-        closure = _convert_tree(material, report, images)
+        closure = _convert_tree(material, report, images, metres)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -85,6 +88,14 @@ def convert_material(
         )
         closure = replace(closure, surface=Diffuse(Constant(DEFAULT_REFLECTANCE)))
     emission = _emission(closure, efficacy, material.name, report)
+    if closure.surface is not None and closure.surface.has_relief:
+        maps = list(dict.fromkeys(each.uv_map for each in closure.surface.pictures))
+        if len(maps) > 1:
+            report.warn(
+                material.name,
+                f"Its pictures and its relief lie on the UV maps {', '.join(map(repr, maps))}",
+                f"all are laid by {maps[0]!r}",
+            )
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index
     )
@@ -101,7 +112,7 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, report, images) -> Closure:
+def _convert_tree(material, report, images, metres) -> Closure:
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
@@ -110,9 +121,11 @@ def _convert_tree(material, report, images) -> Closure:
         report.warn(material.name, "The node tree has no material output", "black is used")
         return Closure(Black())
     context = Context(material.name, report, images)
+    context.metres = metres
     is_volume = output.inputs["Volume"].is_linked
-    if output.inputs["Displacement"].is_linked:
-        report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
+    if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT":
+        displaces = material.displacement_method == "BOTH"
+        context.relief = relief_of_displacement(output, context, displaces)
     if is_volume:
         report.error(material.name, "A volume is not supported", "it is left out", output.name)
     if not output.inputs["Surface"].is_linked:

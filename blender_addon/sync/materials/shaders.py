@@ -9,8 +9,10 @@ from ....engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Raised,
     ThinGlass,
     Transparent,
+    raise_surface,
 )
 from ....engine.scene.spectrum import Blackbody
 from ...foundation.report import Severity
@@ -18,7 +20,8 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, diffuse, emitting, mix, reflectance_of
-from .principled import convert_principled, report_facets, report_normal
+from .principled import convert_principled, report_facets
+from .relief import find_relief
 
 _MIRROR = 0.1
 """Roughness below which a gloss over a transparent shader is meant as a pane."""
@@ -64,27 +67,28 @@ def _roughness(at):
 
 
 def _diffuse(at):
-    report_normal(at)
     if not at("Roughness").is_everywhere(0):
         at.note("Diffuse roughness is not supported", "plain diffuse is used")
-    return Closure(Diffuse(as_colour(_colour(at))))
+    return _raised(at, Diffuse(as_colour(_colour(at))))
+
+
+def _raised(at, surface) -> Closure:
+    """Return a surface with the relief that the node's normal asks for."""
+    return Closure(raise_surface(surface, find_relief(at)))
 
 
 def _translucent(at):
-    report_normal(at)
-    return Closure(diffuse(at, constant(0.0), _colour(at)))
+    return _raised(at, diffuse(at, constant(0.0), _colour(at)))
 
 
 def _glossy(at):
-    report_normal(at)
     if not at("Anisotropy").is_everywhere(0):
         at.note("Anisotropy is not supported", "it is left out")
     report_facets(at)
-    return Closure(Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
+    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
 
 
 def _metallic(at):
-    report_normal(at)
     for name, subject in (("Anisotropy", "Anisotropy"), ("Thin Film Thickness", "The thin film")):
         if not at(name).is_everywhere(0):
             at.note(f"{subject} is not supported", "it is left out")
@@ -94,7 +98,7 @@ def _metallic(at):
     else:
         colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
     report_facets(at)
-    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
+    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
 
 
 def _normal_reflectance(n, k):
@@ -102,14 +106,13 @@ def _normal_reflectance(n, k):
 
 
 def _glass(at):
-    report_normal(at)
     if not at("Thin Film Thickness").is_everywhere(0):
         at.note("The thin film is not supported", "it is left out")
     colour = _colour(at)
     if not colour.is_everywhere(1):
         at.remark("Blender tints the reflection of coloured glass", "only what passes is tinted")
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
+    return _raised(at, Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(colour)))
 
 
 def _report_beckmann(at):
@@ -120,9 +123,9 @@ def _report_beckmann(at):
 
 def _refraction(at):
     at.remark("A Refraction BSDF does not reflect", "glass, which does, is used")
-    report_normal(at)
     _report_beckmann(at)
-    return Closure(Dielectric(Cauchy(at.plain("IOR"), 0.0), _roughness(at), as_colour(_colour(at))))
+    index = Cauchy(at.plain("IOR"), 0.0)
+    return _raised(at, Dielectric(index, _roughness(at), as_colour(_colour(at))))
 
 
 def _transparent(at):
@@ -196,13 +199,14 @@ def _by_side(at):
 def _by_fresnel(at, weight):
     """Return one surface for "gloss over something by Fresnel", None if it is not that."""
     under, over = _branch(at, 1), _branch(at, 2)
-    if not isinstance(over.surface, Glossy) or over.radiance is not None:
+    (base, relief), (gloss, upper) = map(_flat, (under.surface, over.surface))
+    if not isinstance(gloss, Glossy) or over.radiance is not None:
         return None
     ior = _index_of(weight)
-    roughness = over.surface.roughness
+    roughness = gloss.roughness
     if not isinstance(roughness, float):
         roughness = float(np.mean(roughness.pixels))
-    base, surface = under.surface, None
+    surface = None
     if isinstance(base, Diffuse) and base.transmittance is None:
         surface = Coated(base.reflectance, ior, min(max(roughness, 0.0), 1.0))
         meaning = "a diffuse base under a clear coat"
@@ -213,7 +217,15 @@ def _by_fresnel(at, weight):
     if surface is None:
         return None
     at.remark("A gloss is mixed over another shader by Fresnel", f"{meaning} is used")
+    if (relief is None) != (upper is None):
+        at.note("The shaders have different normals", "both have the one that is bent")
+    surface = raise_surface(surface, relief or upper)
     return Closure(surface, under.radiance, under.spectrum, under.two_sided)
+
+
+def _flat(surface):
+    """Return a surface without its relief, and that."""
+    return (surface.surface, surface.relief) if isinstance(surface, Raised) else (surface, None)
 
 
 def _index_of(weight):
@@ -224,8 +236,7 @@ def _index_of(weight):
 
 def _as_diffuse(at):
     at.note(f"{at.node.bl_label} is not supported", "a diffuse surface of its colour is used")
-    report_normal(at)
-    return Closure(Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
+    return _raised(at, Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
 
 
 def _unsupported(at):

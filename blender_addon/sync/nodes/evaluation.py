@@ -30,7 +30,15 @@ class Context:
     datablock : str    Name of the material or world, for the report.
     report : ConversionReport    Where departures go.
     images : ImageCache or None    What was read before.
+
+    Attributes
+    ----------
+    metres : float    That a unit of Blender stands for. [m]
+    relief : scene.relief.Relief or None    Of a displacement, which all normals start from.
     """
+
+    metres = 1.0
+    relief = None
 
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock

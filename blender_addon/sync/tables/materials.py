@@ -42,7 +42,7 @@ class MaterialTable:
     """
 
     def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
-        self.efficacy = 0.0
+        self.efficacy, self.metres = 0.0, 1.0
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
@@ -137,6 +137,7 @@ class MaterialTable:
             self.efficacy,
             self._images,
             self._is_patient,
+            self.metres,
         )
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
