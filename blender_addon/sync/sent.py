@@ -29,6 +29,7 @@ class Shown:
     shading : frozenset of int    Node trees and images that a light reads.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
     is_far : bool    Whether it is an object that was left out because of where it is.
+    is_anchored : bool    Whether it is an object whose shape depends on where it stands.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
     walk : int    Number of the walk that saw it last.
     """
@@ -44,6 +45,7 @@ class Shown:
     shading: frozenset[int] = frozenset()
     is_dark: bool = False
     is_far: bool = False
+    is_anchored: bool = False
     towards_sun: np.ndarray | None = None
     report: ConversionReport | None = None
     walk: int = 0

@@ -17,6 +17,7 @@ from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
 from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
+from .displacement import Displacement, displaces, follows_object
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
@@ -72,6 +73,10 @@ class Walk:
         sent.materials.mark(tags.shading)
         if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
+        # Before the objects, as meshes are displaced by them.
+        if tags.shading or self.is_rescaled:
+            sent.materials.refresh(self._used_materials(), self.depsgraph)
+        self._reshaping = sent.materials.take_reshaping()
         if self._concerns_objects():
             self._visit_all()
             self._sweep()
@@ -110,6 +115,7 @@ class Walk:
             tags.objects
             or tags.geometry
             or tags.scene
+            or self._reshaping
             or any(not s.shading.isdisjoint(tags.shading) for s in self.sent.shown.values())
         )
 
@@ -148,11 +154,18 @@ class Walk:
                 or shown.is_dark
                 or shown.data in touched
                 or (shown.shading and not shown.shading.isdisjoint(touched))
+                or self._is_reshaped(shown)
             ):
                 self._convert(shown, instance, source, original)
             elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
                 self._move(shown, instance, source, original)
             shown.matrix = matrix
+
+    def _is_reshaped(self, shown) -> bool:
+        """Whether a material that displaces an object has changed."""
+        if not self._reshaping or not isinstance(shown.item, Placement):
+            return False
+        return not self._reshaping.isdisjoint(shown.item.materials)
 
     def _is_visible(self, instance) -> bool:
         if self.final and not is_rendered(instance, self._unrendered):
@@ -160,7 +173,8 @@ class Walk:
         return self.visible is None or self.visible(instance)
 
     def _move(self, shown, instance, source, original) -> None:
-        if isinstance(shown.item, Placement) and shown.item.geometry != GEOMETRY:
+        is_free = isinstance(shown.item, Placement) and not shown.is_anchored
+        if is_free and shown.item.geometry != GEOMETRY:
             self._place(shown, replace(shown.item, frame=self._frame(instance)))
         else:
             self._convert(shown, instance, source, original)
@@ -175,6 +189,7 @@ class Walk:
         data = original.data
         shown.data = data.session_uid if data is not None else 0
         shown.report = shown.towards_sun = None
+        shown.is_anchored = False
         kind = source.type
         if kind == "EMPTY" and is_luminaire(source):
             kind = "LIGHT"
@@ -220,13 +235,16 @@ class Walk:
 
     def _convert_mesh(self, shown, instance, source, original) -> None:
         layer = self.layer
-        geometry = self._geometry(instance, source, original) if layer.use_solid else None
+        slots = [layer.material_override or slot.material for slot in source.material_slots]
+        slots = slots or [layer.material_override]
+        shown.is_anchored = not all(map(follows_object, slots))
+        geometry = None
+        if layer.use_solid:
+            geometry = self._geometry(instance, source, original, slots)
         if geometry is None:
             self._place(shown, None)
             return
         table = self.sent.materials
-        slots = [layer.material_override or slot.material for slot in source.material_slots]
-        slots = slots or [layer.material_override]
         materials = tuple(table.use(material, self.depsgraph) for material in slots)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
         found = visibility_of(source, parent, layer)
@@ -236,6 +254,9 @@ class Walk:
         tell(OBJECT, original, shown.name, report)
         if found.light and table.is_luminous(materials):
             tell_linking(source, shown.name, report)
+        displaced = self.sent.geometries.report(geometry)
+        if displaced is not None:
+            report.include(displaced)
         shown.report = report if report.rows else None
         placement = Placement(
             id=shown.key,
@@ -256,9 +277,11 @@ class Walk:
         material = self.sent.materials.use_portal()
         self._place(shown, Placement(shown.key, shown.name, geometry, frame, (material,), False, 0))
 
-    def _geometry(self, instance, source, original) -> str | None:
-        """Id of the geometry that an instance shows; objects that show the same data share it."""
+    def _geometry(self, instance, source, original, slots) -> str | None:
+        """Id of the geometry that an instance shows; objects that show the same data share it, but for displaced ones."""
         take, owner = self.sent.geometries.take, original.session_uid
+        if any(map(displaces, slots)):
+            take = self._displaced(instance, slots)
         if original.type != "MESH" or (
             instance.is_instance and source.data.as_pointer() != self._data_of(original)
         ):
@@ -272,6 +295,24 @@ class Walk:
             return take(f"geometry:{identity.identity_of(original)}", owner, source)
         owner = original.data.session_uid
         return take(f"geometry:data/{owner}", owner, source)
+
+    def _displaced(self, instance, slots):
+        """What takes the geometry of an object whose materials displace it."""
+        frame = np.array(instance.matrix_world, dtype=np.float64)
+        table, is_movable = self.sent.materials, all(map(follows_object, slots))
+        known = [table.use(each, self.depsgraph) and table.version(each) for each in slots if each]
+        moving = tuple(each if displaces(each) else None for each in slots)
+        displacement = Displacement(moving, frame, self.sent.images)
+        place = b"" if is_movable else frame.tobytes()
+        cause = (tuple(each and each.original.session_uid for each in moving), *known, place)
+        name = f"{instance.object.original.session_uid}/{tuple(instance.persistent_id)}"
+
+        def take(key, owner, source):
+            own = f"{key}/displaced" if is_movable else f"{key}/displaced/{name}"
+            own = f"{own}/{'.'.join(str(number) for number in cause[0])}"
+            return self.sent.geometries.take(own, owner, source, displacement, cause)
+
+        return take
 
     def _data_of(self, original) -> int:
         """Address of the data that an object itself shows, within this walk."""

@@ -75,31 +75,32 @@ def relief_class():
         # ---- normals ----
 
         def _normal(self, si, active):
-            """Normal of the relief where light comes from in front; from the back it is that of what is seen, turned round."""
+            """Normal of the relief, turned round where it is seen from the back, that of the shape below it, and the side."""
             side = dr.select(mi.Frame3f.cos_theta(si.wi) < 0.0, -1.0, 1.0)
-            normal = mi.Vector3f(0.0, 0.0, 1.0)
+            normal = own = mi.Vector3f(0.0, 0.0, 1.0)
             for layer in self.layers:
                 turned = layer.turn(self.table, self.frames, si, normal, side, active)
                 turned = dr.lerp(normal, turned, layer.strength)
                 length = dr.norm(turned)
                 is_usable = dr.isfinite(length) & (length > TINY)
                 normal = dr.select(is_usable, turned / dr.maximum(length, TINY), normal)
-            return normal, side
+                own = normal if layer.is_shape else own
+            return normal, own, side
 
         def _frames_at(self, si, active):
-            """Frames of what is matt and of what mirrors, and the surface as its model sees it."""
-            normal, side = self._normal(si, active)
+            """Frames of what is matt and of what mirrors, the surface as its model sees it, and the normal of the shape."""
+            normal, own, side = self._normal(si, active)
             matt, shiny = _frame_of(normal), _frame_of(_raised(normal, si.wi, side))
             inner = mi.SurfaceInteraction3f(si)
             inner.wi = shiny.to_local(si.wi)
             # Of matt parts and of rounding: the model is always asked from the side that is seen.
             inner.wi.z = side * dr.maximum(dr.abs(inner.wi.z), 1e-6)
-            return matt, shiny, inner
+            return matt, shiny, inner, own
 
         # ---- light ----
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            frames = matt, shiny, inner = self._frames_at(si, active)
+            frames = matt, shiny, inner, _ = self._frames_at(si, active)
             bs, weight = self.nested.sample(ctx, inner, sample1, sample2, active)
             is_matt = mi.Bool(self.is_matt)
             if self.has_parts:
@@ -116,9 +117,9 @@ def relief_class():
             return bs, mi.Spectrum(dr.select(passes & mi.Bool(active), weight, 0.0))
 
         def _evaluate(self, ctx, frames, wo, active):
-            matt, shiny, inner = frames
+            matt, shiny, inner, shape = frames
             own, raised = matt.to_local(wo), shiny.to_local(wo)
-            shadow = _shadow(matt.n, wo)
+            shadow = _shadow(matt.n, shape, wo)
             stays, passes = own.z * wo.z > 0.0, raised.z * wo.z > 0.0
             if self.has_parts:
                 gloss, gloss_pdf, base, base_pdf = self.nested.eval_parts(inner, raised, own, active)
@@ -157,6 +158,7 @@ class _Layer:
         self.is_heights = isinstance(layer, Heights)
         self.axes = None if self.is_heights else layer.axes
         self.in_object = self.is_heights and layer.in_object
+        self.is_shape = self.is_heights and layer.is_shape
         dr.make_opaque(self.strength)
         dr.eval(self.row)
 
@@ -225,12 +227,19 @@ def _frame_of(normal):
     return mi.Frame3f(along, dr.cross(normal, along), normal)
 
 
-def _shadow(normal, wo):
-    """Share of light that facets of a slope leave to those behind them, S of this module's head. [-]"""
-    slope = dr.minimum(STEEPNESS * (dr.rcp(dr.square(normal.z)) - 1.0), 1.0)
-    light = dr.rcp(dr.maximum(dr.square(wo.z), TINY)) - 1.0
-    found = 2.0 / (1.0 + dr.sqrt(1.0 + slope * dr.maximum(light, 0.0)))
-    return dr.select(wo.z * normal.z * dr.dot(normal, wo) > 0.0, found, 0.0)
+def _shadow(normal, shape, wo):
+    """Share of light that facets of a slope leave to those behind them, S of this module's head. [-]
+
+    ``shape``: normal of what the facets lie on.
+    """
+    slope, light = dr.dot(normal, shape), dr.dot(wo, shape)
+    steepness = dr.minimum(STEEPNESS * _squared_tangent(slope), 1.0)
+    found = 2.0 / (1.0 + dr.sqrt(1.0 + steepness * _squared_tangent(light)))
+    return dr.select(slope * light * dr.dot(normal, wo) > 0.0, found, 0.0)
+
+
+def _squared_tangent(cosine):
+    return dr.maximum(dr.rcp(dr.maximum(dr.square(cosine), TINY)) - 1.0, 0.0)
 
 
 def _raised(normal, wi, side):

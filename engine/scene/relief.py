@@ -51,12 +51,15 @@ class Heights:
     heights : ImageTexture    (height, width, 1), along the normal. [m], or in units of the object where those count
     strength : float    Which part of the way from the normal below is gone; 1: all. [-]
     in_object : bool    Whether heights are stated in units of the object, whose scale they follow.
+    is_shape : bool    Whether they stand for the shape of the mesh, as Blender's displacement does: what lies on them takes
+        their normal for that of the mesh.
     below : Relief or None    Relief that these heights are added to; None: the surface itself.
     """
 
     heights: ImageTexture
     strength: float = 1.0
     in_object: bool = False
+    is_shape: bool = False
     below: Relief | None = None
 
 

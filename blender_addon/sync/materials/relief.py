@@ -56,7 +56,8 @@ def relief_of_displacement(output, context, displaces: bool) -> Relief | None:
     if height is None:
         return None
     in_object = displaces or getattr(node, "space", "OBJECT") != "WORLD"
-    return _raise(at, height, 1.0, in_object, None)
+    made = _raise(at, height, 1.0, in_object, None)
+    return None if made is None else replace(made, is_shape=True)
 
 
 def height_of_displacement(at) -> Field | None:

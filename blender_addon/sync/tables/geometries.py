@@ -6,17 +6,25 @@ import bpy
 import numpy as np
 
 from ....engine.scene.mesh import Geometry
+from ...foundation.report import ConversionReport
+from ..displacement import Displacement
 from ..meshes import fingerprint, read_geometry
 
 
 @dataclass
 class _Entry:
-    """What is known of one geometry; ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3)."""
+    """What is known of one geometry.
+
+    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``cause``: what it was displaced by,
+    and ``report``: what is to be told of that.
+    """
 
     owner: int
     fingerprint: int = 0
     is_stale: bool = True
     corners: np.ndarray | None = None
+    cause: tuple = ()
+    report: ConversionReport | None = None
 
 
 class GeometryTable:
@@ -35,15 +43,31 @@ class GeometryTable:
             for key in self._of_owner[owner]:
                 self._entries[key].is_stale = True
 
-    def take(self, key: str, owner: int, source) -> str | None:
-        """Return the id of an object's geometry, read anew where needed; None when it has no face."""
+    def take(
+        self, key: str, owner: int, source, displacement: Displacement | None = None, cause=()
+    ) -> str | None:
+        """Return the id of an object's geometry, read anew where needed; None when it has no face.
+
+        Parameters
+        ----------
+        key : str
+        owner : int
+        source : bpy.types.Object    Evaluated.
+        displacement : Displacement or None    What moves its vertices.
+        cause : tuple    What that follows from: where it differs from before, it is applied anew.
+        """
         entry = self._entries.get(key)
         if entry is None:
             entry = self._entries[key] = _Entry(owner)
             self._of_owner.setdefault(owner, set()).add(key)
-        if entry.is_stale:
-            self._update(key, entry, source)
+        if entry.is_stale or entry.cause != cause:
+            entry.cause = cause
+            self._update(key, entry, source, displacement)
         return key if entry.fingerprint else None
+
+    def report(self, key: str) -> ConversionReport | None:
+        """Return what is to be told of how a geometry was displaced; None: nothing."""
+        return self._entries[key].report
 
     def corners(self, key: str) -> np.ndarray:
         """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
@@ -95,8 +119,15 @@ class GeometryTable:
         """Ids of the geometries that the engine has."""
         return (key for key, entry in self._entries.items() if entry.fingerprint)
 
-    def _update(self, key, entry, source) -> None:
-        geometry = read_geometry(source, key)
+    def _update(self, key, entry, source, displacement) -> None:
+        change, entry.report = None, None
+        if displacement is not None:
+            report = entry.report = ConversionReport()
+
+            def change(made, mesh):
+                return displacement.apply(made, mesh, report)
+
+        geometry = read_geometry(source, key, change)
         entry.is_stale, before = False, entry.fingerprint
         entry.fingerprint = fingerprint(geometry)
         if entry.fingerprint == before:

@@ -8,6 +8,7 @@ from ....engine.scene.material import Material
 from ....engine.scene.scene import content_digest
 from ...foundation.identity import engine_id
 from ...foundation.report import ConversionReport
+from ..displacement import displaces
 from ..images.cache import ImageCache
 from ..lights.portals import portal_material
 from ..materials.materials import convert_material, default_material
@@ -27,6 +28,8 @@ class _Entry:
     is_stale: bool = True
     digest: bytes = b""
     is_luminous: bool = False
+    displaces: bool = False
+    version: int = 0
     dependencies: frozenset[int] = frozenset()
     report: ConversionReport = field(default_factory=ConversionReport)
 
@@ -47,6 +50,7 @@ class MaterialTable:
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self._entries: dict[int, _Entry] = {}
+        self._reshaping: set[str] = set()
 
     def mark(self, tagged: set[int]) -> None:
         """Note that materials which are or read one of these data-blocks may be out of date."""
@@ -70,6 +74,15 @@ class MaterialTable:
             entry = self._entries[session_uid] = _Entry(engine_id(original))
             self._update(original, entry, depsgraph)
         return entry.key
+
+    def version(self, material) -> int:
+        """Return how often a material in use has been converted."""
+        return self._entries[material.original.session_uid].version
+
+    def take_reshaping(self) -> set[str]:
+        """Return the ids of materials that displace meshes, or did, and were converted since the last time."""
+        found, self._reshaping = self._reshaping, set()
+        return found
 
     def use_portal(self) -> str:
         """Return the id of what portals are made of."""
@@ -140,6 +153,10 @@ class MaterialTable:
             self.metres,
         )
         entry.is_stale, entry.name = False, made.name
+        entry.version += 1
+        did, entry.displaces = entry.displaces, displaces(block)
+        if did or entry.displaces:
+            self._reshaping.add(entry.key)
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
         digest = content_digest(made)
