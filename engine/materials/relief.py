@@ -75,38 +75,40 @@ def relief_class():
         # ---- normals ----
 
         def _normal(self, si, active):
-            """Normal of the relief, turned round where it is seen from the back, that of the shape below it, and the side."""
+            """Normal of the relief as seen from the side of the eye, of the shape that it lies on, and of the face; the side."""
             side = dr.select(mi.Frame3f.cos_theta(si.wi) < 0.0, -1.0, 1.0)
-            normal = own = mi.Vector3f(0.0, 0.0, 1.0)
+            normal = own = ground = mi.Vector3f(0.0, 0.0, 1.0)
             for layer in self.layers:
                 turned = layer.turn(self.table, self.frames, si, normal, side, active)
                 turned = dr.lerp(normal, turned, layer.strength)
                 length = dr.norm(turned)
                 is_usable = dr.isfinite(length) & (length > TINY)
                 normal = dr.select(is_usable, turned / dr.maximum(length, TINY), normal)
-                own = normal if layer.is_shape else own
-            return normal, own, side
+                if layer.is_shape:
+                    # The mesh may be displaced, so that only its faces tell what lies behind them.
+                    own, ground = normal, si.to_local(mi.Vector3f(si.n))
+            return normal, own, ground, side
 
         def _frames_at(self, si, active):
-            """Frames of what is matt and of what mirrors, the surface as its model sees it, and the normal of the shape."""
-            normal, own, side = self._normal(si, active)
+            """Frames of what is matt and of what mirrors, the surface as its model sees it, and normals of shape and face."""
+            normal, own, ground, side = self._normal(si, active)
             matt, shiny = _frame_of(normal), _frame_of(_raised(normal, si.wi, side))
             inner = mi.SurfaceInteraction3f(si)
             inner.wi = shiny.to_local(si.wi)
             # Of matt parts and of rounding: the model is always asked from the side that is seen.
             inner.wi.z = side * dr.maximum(dr.abs(inner.wi.z), 1e-6)
-            return matt, shiny, inner, own
+            return matt, shiny, inner, own, ground
 
         # ---- light ----
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            frames = matt, shiny, inner, _ = self._frames_at(si, active)
+            frames = matt, shiny, inner, _, ground = self._frames_at(si, active)
             bs, weight = self.nested.sample(ctx, inner, sample1, sample2, active)
             is_matt = mi.Bool(self.is_matt)
             if self.has_parts:
                 is_matt = bs.sampled_component == 1
             wo = dr.select(is_matt, matt.to_world(bs.wo), shiny.to_world(bs.wo))
-            passes = bs.wo.z * wo.z > 0.0
+            passes = bs.wo.z * dr.dot(wo, ground) > 0.0
             is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             spread = mi.Bool(active) & ~is_delta
             value, pdf = self._evaluate(ctx, frames, wo, spread)
@@ -117,10 +119,11 @@ def relief_class():
             return bs, mi.Spectrum(dr.select(passes & mi.Bool(active), weight, 0.0))
 
         def _evaluate(self, ctx, frames, wo, active):
-            matt, shiny, inner, shape = frames
+            matt, shiny, inner, shape, ground = frames
             own, raised = matt.to_local(wo), shiny.to_local(wo)
             shadow = _shadow(matt.n, shape, wo)
-            stays, passes = own.z * wo.z > 0.0, raised.z * wo.z > 0.0
+            height = dr.dot(wo, ground)
+            stays, passes = own.z * height > 0.0, raised.z * height > 0.0
             if self.has_parts:
                 gloss, gloss_pdf, base, base_pdf = self.nested.eval_parts(inner, raised, own, active)
                 value = dr.select(passes, gloss, 0.0) + dr.select(stays, base * shadow, 0.0)
