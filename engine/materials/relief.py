@@ -108,15 +108,13 @@ def relief_class():
             if self.has_parts:
                 is_matt = bs.sampled_component == 1
             wo = dr.select(is_matt, matt.to_world(bs.wo), shiny.to_world(bs.wo))
-            passes = bs.wo.z * dr.dot(wo, ground) > 0.0
-            is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-            spread = mi.Bool(active) & ~is_delta
-            value, pdf = self._evaluate(ctx, frames, wo, spread)
-            found = dr.select(pdf > 0.0, value / dr.maximum(pdf, 1e-20), 0.0)
+            lit = mi.Bool(active) & (bs.wo.z * dr.dot(wo, ground) > 0.0)
             bs.wo = wo
-            bs.pdf = dr.select(spread, pdf, bs.pdf)
-            weight = dr.select(spread, found, weight)
-            return bs, mi.Spectrum(dr.select(passes & mi.Bool(active), weight, 0.0))
+            if self.has_parts or self.is_matt:
+                # The other part may send light that way too, and facets throw shadows.
+                value, bs.pdf = self._evaluate(ctx, frames, wo, lit)
+                weight = dr.select(bs.pdf > 0.0, value / dr.maximum(bs.pdf, 1e-20), 0.0)
+            return bs, mi.Spectrum(dr.select(lit, weight, 0.0))
 
         def _evaluate(self, ctx, frames, wo, active):
             matt, shiny, inner, shape, ground = frames
