@@ -316,9 +316,7 @@ def _both(stage):
 
 @_feature("Relief", "True displacement by a texture of the object")
 def _true_object(stage):
-    _waves(
-        stage, "DISPLACEMENT", True, lambda tree: tree.add("TexNoise", Scale=2.0, Detail=1.0)
-    )
+    _waves(stage, "DISPLACEMENT", True, lambda tree: tree.add("TexNoise", Scale=2.0, Detail=1.0))
 
 
 # ---- textures and nodes ----

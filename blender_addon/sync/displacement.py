@@ -12,12 +12,15 @@ from .images.cache import ImageCache
 from .nodes.evaluation import Inputs, evaluate_field
 from .nodes.fields import rgb
 from .nodes.graph import find_socket, trace
-from .nodes.vertices import VertexContext, Vertices
+from .nodes.vertices import VertexContext, Vertices, unit
 
 ALIKE = 1e-3
 """How much corner normals of one vertex may differ and still be one. [-]"""
 
 _LEFT_OUT = "the mesh is not displaced by it"
+
+_ALONG = {"ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"}
+"""Nodes whose vectors may be those of the object."""
 
 
 def displaces(material) -> bool:
@@ -42,16 +45,15 @@ def follows_object(material) -> bool:
     ) and any(node.bl_idname in _ALONG for node in nodes)
 
 
-_ALONG = {"ShaderNodeDisplacement", "ShaderNodeVectorDisplacement"}
-
-
 def _nodes_of(tree, seen=None):
     seen = set() if seen is None else seen
     if tree is None or tree in seen:
         return []
     seen.add(tree)
     return [
-        each for node in tree.nodes for each in (node, *_nodes_of(getattr(node, "node_tree", None), seen))
+        each
+        for node in tree.nodes
+        for each in (node, *_nodes_of(getattr(node, "node_tree", None), seen))
     ]
 
 
@@ -103,41 +105,43 @@ class Displacement:
         return replace(made, corner_normals=_turned_normals(geometry, moved, is_new))
 
     def _offsets(self, material, vertices: Vertices, report) -> np.ndarray:
-        """How far vertices move, in the object's frame. (n, 3) [BU]"""
+        """How far vertices move, in the object's frame. (n, 3) or (1, 3) [BU]"""
         context = VertexContext(material.name, report, self.images, vertices)
-        output = material.node_tree.get_output_node("CYCLES")
-        socket = output.inputs["Displacement"]
+        socket = material.node_tree.get_output_node("CYCLES").inputs["Displacement"]
         origin = trace(socket)
-        node = origin.socket.node
-        at = Inputs(node, origin.socket, context, origin.groups)
+        at = Inputs(origin.socket.node, origin.socket, context, origin.groups)
         to_object = np.linalg.pinv(self.frame[:3, :3])
-        if node.bl_idname == "ShaderNodeDisplacement":
-            normal = trace(find_socket(node.inputs, "Normal"), origin.groups)
-            if normal.is_output and normal.socket.node.bl_idname != "ShaderNodeNewGeometry":
-                at.note("Displacement along another normal is not supported", "the mesh's is used")
-            found = at.map(lambda h, m, s: (h - m) * s, *map(at, ("Height", "Midlevel", "Scale")))
-            ways = vertices.normals
-            if node.space == "WORLD":
-                ways = ways @ to_object
-                ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)
-                ways = ways @ to_object.T
-        elif node.bl_idname == "ShaderNodeVectorDisplacement":
-            if node.space == "TANGENT":
+        space = getattr(at.node, "space", "WORLD")
+        match at.node.bl_idname:
+            case "ShaderNodeDisplacement":
+                found = self._heights(at)
+            case "ShaderNodeVectorDisplacement" if space == "TANGENT":
                 at.fail("Displacement by a vector in tangent space is not supported", _LEFT_OUT)
                 return np.zeros((1, 3))
-            found = at.map(
-                lambda v, m, s: (rgb(v) - m) * s, *map(at, ("Vector", "Midlevel", "Scale"))
-            )
-            ways = np.eye(3) if node.space == "OBJECT" else to_object.T
-        else:
-            found, ways = evaluate_field(socket, context), to_object.T
+            case "ShaderNodeVectorDisplacement":
+                inputs = map(at, ("Vector", "Midlevel", "Scale"))
+                found = at.map(lambda vector, middle, size: (rgb(vector) - middle) * size, *inputs)
+            case _:
+                found, space = evaluate_field(socket, context), "WORLD"
         if found.is_spread or found.is_stand_in:
             at.fail("A displacement depends on what is not known at vertices", _LEFT_OUT)
             return np.zeros((1, 3))
         values = found.values.reshape(-1, found.values.shape[-1]).astype(np.float64)
-        if len(ways) == len(vertices.normals) and ways is not None and values.shape[-1] == 1:
-            return values * ways
-        return np.broadcast_to(values, (len(values), 3)) @ ways
+        if at.node.bl_idname != "ShaderNodeDisplacement":
+            vectors = np.broadcast_to(values, (len(values), 3))
+            return vectors if space == "OBJECT" else vectors @ to_object.T
+        if space == "OBJECT":
+            return values * vertices.normals
+        # Along the normal in the world, whose way in the object's frame is another where that is stretched.
+        return values * (unit(vertices.normals @ to_object) @ to_object.T)
+
+    def _heights(self, at):
+        """How far along the normal a Displacement node moves vertices."""
+        normal = trace(find_socket(at.node.inputs, "Normal"), at.groups)
+        if normal.is_output and normal.socket.node.bl_idname != "ShaderNodeNewGeometry":
+            at.note("Displacement along another normal is not supported", "the mesh's is used")
+        inputs = map(at, ("Height", "Midlevel", "Scale"))
+        return at.map(lambda height, middle, size: (height - middle) * size, *inputs)
 
 
 def _first_corners(vertex: np.ndarray) -> np.ndarray:
@@ -162,8 +166,7 @@ def _vertices_of(geometry, chosen, corners, box, frame) -> tuple[np.ndarray, Ver
 
 def _face_normals(vertices, triangles) -> np.ndarray:
     a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
-    normals = np.cross(b - a, c - a)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return unit(np.cross(b - a, c - a))
 
 
 def _turned_normals(geometry: Geometry, moved, is_new) -> np.ndarray:
@@ -175,6 +178,5 @@ def _turned_normals(geometry: Geometry, moved, is_new) -> np.ndarray:
     _, group = np.unique(key, axis=0, return_inverse=True)
     faces = np.repeat(_face_normals(moved, triangles), 3, axis=0)
     sums = np.stack([np.bincount(group.ravel(), faces[:, k]) for k in range(3)], axis=1)
-    sums /= np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
-    made[is_new] = sums[group.ravel()].reshape(-1, 3, 3)
+    made[is_new] = unit(sums)[group.ravel()].reshape(-1, 3, 3)
     return made

@@ -173,7 +173,9 @@ def coated_class():
             gloss, density = self._gloss(si, mirrored, row, active)
             base, lambert = self._base(spread, prepared, active)
             cos_i = mi.Frame3f.cos_theta(si.wi)
-            shines, lies = (active & (cos_i * mi.Frame3f.cos_theta(w) > 0.0) for w in (mirrored, spread))
+            shines, lies = (
+                active & (cos_i * mi.Frame3f.cos_theta(w) > 0.0) for w in (mirrored, spread)
+            )
             return (
                 mi.Spectrum(dr.select(shines, gloss, 0.0)),
                 dr.select(shines, share * density, 0.0),

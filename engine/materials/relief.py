@@ -64,7 +64,7 @@ def relief_class():
             self.layers = [_Layer(*each) for each in zip(layers, rows, strict=True)]
 
         def set_frames(self, frames):
-            """Set axes of the objects by the number of their shapes, (n, 3, 3): columns are what x, y, z become in the world."""
+            """Set axes of the objects by the number of their shapes: columns are what x, y, z become. (n, 3, 3)"""
             if any(layer.follows_object for layer in self.layers):
                 self.frames = upload(mi.Float, frames)
                 dr.eval(self.frames)
@@ -75,7 +75,7 @@ def relief_class():
         # ---- normals ----
 
         def _normal(self, si, active):
-            """Normal of the relief as seen from the side of the eye, of the shape that it lies on, and of the face; the side."""
+            """Normals of the relief as it is seen, of the shape that it lies on and of the face, and the side of the eye."""
             side = dr.select(mi.Frame3f.cos_theta(si.wi) < 0.0, -1.0, 1.0)
             normal = own = ground = mi.Vector3f(0.0, 0.0, 1.0)
             for layer in self.layers:
@@ -90,7 +90,7 @@ def relief_class():
             return normal, own, ground, side
 
         def _frames_at(self, si, active):
-            """Frames of what is matt and of what mirrors, the surface as its model sees it, and normals of shape and face."""
+            """Frames of what is matt and of what mirrors, the surface as its model sees it, normals of shape and face."""
             normal, own, ground, side = self._normal(si, active)
             matt, shiny = _frame_of(normal), _frame_of(_raised(normal, si.wi, side))
             inner = mi.SurfaceInteraction3f(si)
@@ -123,7 +123,9 @@ def relief_class():
             height = dr.dot(wo, ground)
             stays, passes = own.z * height > 0.0, raised.z * height > 0.0
             if self.has_parts:
-                gloss, gloss_pdf, base, base_pdf = self.nested.eval_parts(inner, raised, own, active)
+                gloss, gloss_pdf, base, base_pdf = self.nested.eval_parts(
+                    inner, raised, own, active
+                )
                 value = dr.select(passes, gloss, 0.0) + dr.select(stays, base * shadow, 0.0)
                 return mi.Spectrum(value), gloss_pdf + base_pdf
             if self.is_matt:
@@ -180,7 +182,9 @@ class _Layer:
             x, y, z = _axes_of(frames, si, active)
             # Normals go with the inverse of what moves points.
             whole = dr.dot(dr.cross(x, y), z)
-            vector = dr.cross(y, z) * vector.x + dr.cross(z, x) * vector.y + dr.cross(x, y) * vector.z
+            vector = (
+                dr.cross(y, z) * vector.x + dr.cross(z, x) * vector.y + dr.cross(x, y) * vector.z
+            )
             vector *= dr.select(whole < 0.0, -1.0, 1.0)
         return si.to_local(dr.normalize(vector))
 
@@ -214,7 +218,9 @@ class _Layer:
 def _axes_of(frames, si, active):
     number = dr.reinterpret_array(mi.UInt32, si.shape)
     return [
-        mi.Vector3f(*(dr.gather(mi.Float, frames, number * 9 + 3 * k + axis, active) for k in range(3)))
+        mi.Vector3f(
+            *(dr.gather(mi.Float, frames, number * 9 + 3 * k + axis, active) for k in range(3))
+        )
         for axis in range(3)
     ]
 

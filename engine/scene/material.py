@@ -537,7 +537,9 @@ class Raised(Surface):
         SceneError    Says which.
         """
         if not isinstance(self.surface, RAISABLE):
-            raise SceneError(f"a relief cannot lie on a surface of kind {type(self.surface).__name__}")
+            raise SceneError(
+                f"a relief cannot lie on a surface of kind {type(self.surface).__name__}"
+            )
         for layer in layers(self.relief):
             channels = 3 if hasattr(layer, "vectors") else 1
             if picture_of(layer).pixels.shape[2] != channels:

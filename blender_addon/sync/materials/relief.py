@@ -154,7 +154,7 @@ def _raise(at, height: Field, strength: float, in_object: bool, below) -> Relief
         metres = at.context.metres
         pixels = recall(texture.pixels, ("metres", metres), lambda v: v * np.float32(metres))
         texture = replace(texture, pixels=pixels)
-    return Heights(texture, strength, in_object, below)
+    return Heights(texture, strength, in_object, below=below)
 
 
 def _is_usable(at, field: Field) -> bool:

@@ -66,6 +66,11 @@ class VertexContext(Context):
         return _at_vertices(look_up(field, u, v), field.is_stand_in)
 
 
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors of length 1 (n, 3); 0 stays 0."""
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+
+
 def _at_vertices(values: np.ndarray, is_stand_in: bool = False) -> Field:
     return Field(np.asarray(values, np.float32)[None], LAYOUT, is_stand_in)
 
@@ -114,8 +119,7 @@ def _geometry(at, vertices: Vertices) -> np.ndarray | None:
         return vertices.places @ linear.T + vertices.frame[:3, 3]
     if name != "Normal":
         return None
-    normals = vertices.normals @ np.linalg.pinv(linear)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return unit(vertices.normals @ np.linalg.pinv(linear))
 
 
 _SOURCES = {

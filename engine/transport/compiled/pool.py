@@ -198,8 +198,8 @@ class SurfacePool:
 
         Returns
         -------
-        SurfaceInteraction3f    With position, normals, coordinates, shape and directions; derivatives of meshes where there is
-            relief, 0 where no coordinates are laid.
+        SurfaceInteraction3f    With position, normals, coordinates, shape and directions; no derivatives but those of meshes
+            by their coordinates, where something has a relief.
         """
         valid = mi.Bool(active) & hit.is_valid()
         number = dr.reinterpret_array(mi.UInt32, hit.shape)

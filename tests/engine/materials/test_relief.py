@@ -23,6 +23,7 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.relief import Axes, Heights, Normals
+from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.transport import backend
@@ -113,9 +114,7 @@ def test_sampled_light_is_the_integral_of_the_answers(name):
     si = view(towards(50), count)
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
     _, weight = model.sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
-    wo = mi.warp.square_to_uniform_sphere(
-        mi.Point2f(stream.next_float32(), stream.next_float32())
-    )
+    wo = mi.warp.square_to_uniform_sphere(mi.Point2f(stream.next_float32(), stream.next_float32()))
     value, _ = model.eval_pdf(mi.BSDFContext(), si, wo, True)
     drawn, even = np.array(weight)[0], 4.0 * np.pi * np.array(value)[0]
     error = np.hypot(drawn.std(), even.std()) / np.sqrt(count)
@@ -129,8 +128,8 @@ def test_a_relief_without_slope_changes_nothing(name):
         Heights(ImageTexture(np.full((2, 2, 1), 3.0, np.float32))),
     ):
         plain, raised = plugin(SURFACES[name]), plugin(Raised(SURFACES[name], relief))
-        for wi, wo in (((0.3, 0.1, 0.9), (-0.5, 0.4, 0.7)), ((0.9, 0.0, 0.2), (-0.9, 0.1, 0.3))):
-            wi, wo = (np.array(each) / np.linalg.norm(each) for each in (wi, wo))
+        for pair in (((0.3, 0.1, 0.9), (-0.5, 0.4, 0.7)), ((0.9, 0.0, 0.2), (-0.9, 0.1, 0.3))):
+            wi, wo = (np.array(each) / np.linalg.norm(each) for each in pair)
             for sign in (1.0, -1.0):
                 expected = answer(plain, wi, wo * (1.0, 1.0, sign))
                 assert answer(raised, wi, wo * (1.0, 1.0, sign)) == pytest.approx(
@@ -286,6 +285,22 @@ def test_heights_in_units_of_the_object_grow_with_it(in_object, slope):
     relief = ramp(0.3, in_object=in_object)
     luminance, _ = shown(Raised(GREY, relief), SUN, frame=turned(0.0, 3.0))
     assert luminance == pytest.approx(lit((-slope, 0.0, 1.0)), rel=2e-3)
+
+
+def test_an_edit_gives_a_relief_and_takes_it_away():
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), SUN, 0.0)
+    floor = quad("floor", (0, 0, 0), (1, 0, 0), (0, 1, 0), "m")
+    session = session_of(floor, Material("m", "m", GREY), sun)
+    relief = tilted(25.0, 180.0)
+    for surface, normal in (
+        (GREY, (0.0, 0.0, 1.0)),
+        (Raised(GREY, relief), relief.vectors.pixels[0, 0]),
+        (Raised(GREY, ramp(0.3)), (-0.3, 0.0, 1.0)),
+        (GREY, (0.0, 0.0, 1.0)),
+    ):
+        session.apply(SceneDelta(changed=(Material("m", "m", surface),)))
+        made = session.render(CAMERA, ViewSettings(StopRule(samples=16)))
+        assert made.tristimulus[..., 1].mean() == pytest.approx(lit(normal), rel=2e-3)
 
 
 def waves():
