@@ -6,25 +6,24 @@ n of the relief; it is lit by n . o as a facet of that slope is, times the shado
     S = 2 / (1 + sqrt(1 + min(tan^2 a / 8, 1) tan^2 b)),
 
 a being the angle of n, b that of o to the surface's normal: so no light comes from below the surface and none ends in a
-sharp edge. What mirrors would send light into the surface
-where it is seen at a flat angle; there n is raised in the plane of itself and the surface's normal until what a mirror would
-reflect leaves the surface. From the back of a surface both hold with the signs turned.
+sharp edge. What mirrors would send light into the surface where it is seen at a flat angle; there n is raised in the plane of
+itself and the surface's normal until what a mirror would reflect leaves the surface. From the back of a surface both hold with
+the signs turned.
 
 References
 ----------
-A. C. Estevez, P. Lecocq, C. Stein: A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem, Ray Tracing
+A. Conty Estevez, P. Lecocq, C. Stein: A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem, Ray Tracing
 Gems, 2019, ch. 12.
 """
 
 import drjit as dr
 import mitsuba as mi
+
 from ..arrays import upload
 from ..scene.relief import Axes, Heights
 
-LEAST = 0.01
-"""Cosine to the surface up to which what mirrors is raised, and share of the eye's own cosine that it never exceeds. [-]"""
-
-NOT_MORE = 0.9
+LEAST, NOT_MORE = 0.01, 0.9
+"""Height over the surface that mirror directions are raised to, and the share of the eye's own that this is at most. [-]"""
 
 STEEPNESS = 0.125
 """Square of the width of the facets' distribution over that of the tangent of the slope. [-]"""
