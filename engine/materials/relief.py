@@ -6,14 +6,14 @@ n of the relief; it is lit by n . o as a facet of that slope is, times the shado
     S = 2 / (1 + sqrt(1 + min(tan^2 a / 8, 1) tan^2 b)),
 
 a being the angle of n, b that of o to the surface's normal: so no light comes from below the surface and none ends in a
-sharp edge. What mirrors would send light into the surface where it is seen at a flat angle; there n is raised in the plane of
-itself and the surface's normal until what a mirror would reflect leaves the surface. From the back of a surface both hold with
-the signs turned.
+sharp edge. What mirrors would send light into the surface where it is seen at a flat angle; there n is raised in the plane
+of itself and the surface's normal until what a mirror would reflect leaves the surface. From the back of a surface both hold
+with the signs turned.
 
 References
 ----------
-A. Conty Estevez, P. Lecocq, C. Stein: A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem, Ray Tracing
-Gems, 2019, ch. 12.
+A. Conty Estevez, P. Lecocq, C. Stein: A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem, Ray
+Tracing Gems, 2019, ch. 12.
 """
 
 import drjit as dr

@@ -30,10 +30,12 @@ from lumenray.engine.scene.material import (
     Material,
     Measured,
     Mix,
+    Raised,
     TabulatedPane,
     ThinGlass,
     Transparent,
 )
+from lumenray.engine.scene.relief import Heights, Normals
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from luminaires import luminaire
@@ -45,6 +47,11 @@ CHECKS = ImageTexture(
     np.array([[[0.0, 0.2, 0.9], [1.0, 1.0, 1.0]], [[0.5, 0.1, 0.1], [0.0, 0.0, 0.0]]], np.float32)
 )
 MASK = ImageTexture(np.array([[[0.0], [1.0]], [[0.3], [0.0]]], np.float32), interpolation="closest")
+
+SLOPES = ImageTexture(
+    np.array([[[0.3, 0.0, 0.9], [0.0, 0.0, 0.0]], [[-0.9, 0.4, -0.2], [0.0, 1.0, 0.0]]], np.float32)
+)
+HEIGHTS = ImageTexture(np.array([[[0.0], [0.2]], [[1e3], [-0.1]]], np.float32))
 
 
 def _table():
@@ -88,6 +95,9 @@ SURFACES = {
     "patches": Measured(_patches(), _patches(), _patches(), _patches(), 0.3, 0.9),
     "half a mirror": Mix(Diffuse(GREY), Glossy(Constant(0.9), 0.0), 0.5),
     "only the second": Mix(Black(), Coated(GREY), 1.0),
+    "raised": Raised(Coated(GREY), Normals(SLOPES)),
+    "raised metal": Raised(Glossy(Constant(0.9), 0.3), Heights(HEIGHTS, below=Normals(SLOPES))),
+    "raised mirror": Raised(Glossy(Constant(0.9), 0.0), Heights(HEIGHTS, in_object=True)),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }
 
