@@ -75,6 +75,8 @@ def _sheet_class():
     class Sheet(mi.BSDF):
         """Lambertian reflection on both sides and Lambertian transmission."""
 
+        is_matt = True
+
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.reflectance = props["reflectance"]

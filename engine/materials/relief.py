@@ -35,15 +35,16 @@ def relief_class():
     """Return the plug-in for the active Mitsuba variant."""
 
     class Relief(mi.BSDF):
-        """``nested``: the surface model that lies on the relief; ``is_matt``: whether it is matt and nothing else.
+        """``nested``: the surface model that lies on the relief.
 
-        A model with ``eval_parts`` has a matt part, its second component, and one that mirrors.
+        A model whose ``is_matt`` is true spreads all light evenly; one with ``eval_parts`` has a matt part, its second
+        component, and one that mirrors; all others mirror.
         """
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.nested = props["nested"]
-            self.is_matt = bool(props["is_matt"])
+            self.is_matt = getattr(self.nested, "is_matt", False)
             self.has_parts = hasattr(self.nested, "eval_parts")
             count = self.nested.component_count()
             self.m_components = [self.nested.flags(i) for i in range(count)]

@@ -536,7 +536,7 @@ class Raised(Surface):
         ------
         SceneError    Says which.
         """
-        if not isinstance(self.surface, RAISABLE):
+        if not can_be_raised(self.surface):
             raise SceneError(
                 f"a relief cannot lie on a surface of kind {type(self.surface).__name__}"
             )
@@ -548,8 +548,11 @@ class Raised(Surface):
                 )
 
 
-RAISABLE = (Diffuse, Coated, Glossy, Conductor, Dielectric)
-"""Surfaces that a relief can turn; what is straight on (openings, panes, fabrics) has no use for one."""
+def can_be_raised(surface: Surface) -> bool:
+    """Tell whether a relief turns a surface of one kind: not what light passes straight, nor what was measured as it is."""
+    return not (
+        surface.passes_straight or isinstance(surface, Black | Fabric | Measured | Mix | Raised)
+    )
 
 
 def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | None:
@@ -559,7 +562,7 @@ def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | N
     if isinstance(surface, Mix):
         first, second = (raise_surface(s, relief) for s in (surface.first, surface.second))
         return replace(surface, first=first, second=second)
-    return Raised(surface, relief) if isinstance(surface, RAISABLE) else surface
+    return Raised(surface, relief) if can_be_raised(surface) else surface
 
 
 @dataclass(frozen=True)

@@ -159,9 +159,8 @@ def _raised(surface: Raised, make: TextureMaker):
     import mitsuba as mi
 
     surface.check()
-    is_matt = isinstance(surface.surface, Diffuse) and not surface.surface.is_opaque
-    properties = {"nested": bsdf(surface.surface, make), "is_matt": is_matt}
-    plugin = mi.load_dict({"type": "lumenray_relief", **properties}, optimize=False)
+    properties = {"type": "lumenray_relief", "nested": bsdf(surface.surface, make)}
+    plugin = mi.load_dict(properties, optimize=False)
     parts = layers(surface.relief)
     plugin.set_layers(make.bitmaps.table, parts, [make.relief(picture_of(p)) for p in parts])
     return plugin
