@@ -28,6 +28,9 @@ LEAST, NOT_MORE = 0.01, 0.9
 STEEPNESS = 0.125
 """Square of the width of the facets' distribution over that of the tangent of the slope. [-]"""
 
+GRAZING = 1e-4
+"""Least cosine by which shares of flux are divided. [-]"""
+
 TINY = 1e-12
 
 
@@ -102,7 +105,12 @@ def relief_class():
         # ---- light ----
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            frames = matt, shiny, inner, _, ground = self._frames_at(si, active)
+            matt, shiny, inner, shape, ground = self._frames_at(si, active)
+            is_from_light = ctx.mode == mi.TransportMode.Importance
+            if is_from_light:
+                # What is matt is seen from all sides of the face, whichever way its normal leans.
+                matt = _frame_of(ground)
+            frames = matt, shiny, inner, shape, ground
             bs, weight = self.nested.sample(ctx, inner, sample1, sample2, active)
             is_matt = mi.Bool(self.is_matt)
             if self.has_parts:
@@ -114,7 +122,24 @@ def relief_class():
                 # The other part may send light that way too, and facets throw shadows.
                 value, bs.pdf = self._evaluate(ctx, frames, wo, lit)
                 weight = dr.select(bs.pdf > 0.0, value / dr.maximum(bs.pdf, 1e-20), 0.0)
+            if is_from_light:
+                weight = self._from_light(si, bs, weight, shiny.n, ground, lit)
             return bs, mi.Spectrum(dr.select(lit, weight, 0.0))
+
+        def _from_light(self, si, bs, weight, mirror, ground, lit):
+            """Share of the flux of a path from a light, which comes from ``si.wi``: what would be seen the other way."""
+            leaves, comes = dr.abs(dr.dot(bs.wo, ground)), dr.abs(dr.dot(si.wi, ground))
+            ratio = leaves / dr.maximum(comes, GRAZING)
+            is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+            bent = dr.abs(dr.dot(mirror, si.wi)) / dr.maximum(
+                dr.abs(dr.dot(mirror, bs.wo)), GRAZING
+            )
+            back = mi.SurfaceInteraction3f(si)
+            back.wi = bs.wo
+            value, _ = self.eval_pdf(mi.BSDFContext(), back, si.wi, lit & ~is_delta)
+            # Who asks takes the square of the index back, of which nothing is in this.
+            spread = value / dr.maximum(bs.pdf * dr.square(bs.eta), 1e-20)
+            return ratio * dr.select(is_delta, bent * weight, spread)
 
         def _evaluate(self, ctx, frames, wo, active):
             matt, shiny, inner, shape, ground = frames

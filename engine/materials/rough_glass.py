@@ -44,7 +44,8 @@ def rough_glass_class():
             return 1.0 / dr.maximum(read_row(self.table, side, dr.abs(cosine), active), 0.05)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            bs, weight = self.nested.sample(ctx, si, sample1, sample2, active)
+            # Radiance in whichever way light goes, as all surfaces here.
+            bs, weight = self.nested.sample(mi.BSDFContext(), si, sample1, sample2, active)
             return bs, weight * self._scale(si, active)
 
         def eval_pdf(self, ctx, si, wo, active=True):

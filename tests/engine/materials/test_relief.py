@@ -26,6 +26,7 @@ from lumenray.engine.scene.relief import Axes, Heights, Normals
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
+from lumenray.engine.session import Session
 from lumenray.engine.transport import backend
 from lumenray.engine.views import ViewSettings
 from scattering_models import towards
@@ -119,6 +120,38 @@ def test_sampled_light_is_the_integral_of_the_answers(name):
     drawn, even = np.array(weight)[0], 4.0 * np.pi * np.array(value)[0]
     error = np.hypot(drawn.std(), even.std()) / np.sqrt(count)
     assert drawn.mean() == pytest.approx(even.mean(), abs=4.0 * error)
+
+
+@pytest.mark.parametrize(
+    ("name", "tilt", "loss"),
+    # Of mirrors, eyes that look along the facets see more than is traced to them.
+    [
+        ("matt", 25.0, 0.0),
+        ("sheet", 25.0, 0.0),
+        ("varnish", 25.0, 0.01),
+        ("rough metal", 8.0, 0.02),
+    ],
+)
+def test_light_on_its_way_from_a_lamp_is_shared_out_as_it_is_seen(name, tilt, loss):
+    import mitsuba as mi
+
+    count = 1 << 18
+    model = plugin(Raised(SURFACES[name], tilted(tilt, 120.0)))
+    stream = mi.PCG32(size=count, initstate=11)
+    light = towards(40)
+    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
+    context = mi.BSDFContext(mi.TransportMode.Importance)
+    _, weight = model.sample(context, view(light, count), stream.next_float32(), sample, True)
+    eye = mi.warp.square_to_uniform_sphere(mi.Point2f(stream.next_float32(), stream.next_float32()))
+    si = view(light, count)
+    si.wi = eye
+    value, _ = model.eval_pdf(mi.BSDFContext(), si, mi.Vector3f(*map(float, light)), True)
+    # Flux that leaves over flux that comes: radiance towards every eye, by the cosines to the face.
+    seen = np.array(value)[0] * np.abs(np.array(eye.z)) / abs(light[2]) * 4.0 * np.pi
+    drawn = np.array(weight)[0]
+    error = np.hypot(drawn.std(), seen.std()) / np.sqrt(count)
+    assert drawn.mean() == pytest.approx(seen.mean(), abs=4.0 * error + loss)
+    assert drawn.mean() > 0.3
 
 
 @pytest.mark.parametrize("name", [*SURFACES])
@@ -330,6 +363,18 @@ def test_a_room_with_a_relief_is_the_same_with_cells_and_by_full_paths():
     means = [picture.tristimulus[..., 1].mean() for picture in made.values()]
     errors = [np.sqrt((p.luminance_error**2).sum()) / 64 for p in made.values()]
     assert means[0] == pytest.approx(means[1], abs=4.0 * np.hypot(*errors) + 2e-3 * means[0])
+
+
+@pytest.mark.slow
+def test_light_paths_from_the_lamp_find_what_gathering_finds_under_a_relief():
+    session = Session(witness=True)
+    table = quad("table", (0.4, 0.4, 0.5), (1.2, 0, 0), (0, 1.2, 0), "m")
+    surface = Raised(Diffuse(Constant(0.8)), waves())
+    items = (box(2, 2, 2), table, paint(0.6), Material("m", "m", surface), lamp((0.6, 1.0, 1.7)))
+    session.apply(SceneDelta(changed=items))
+    places = [(1.0, 1.0, 1.2), (1.0, 1.0, 0.2)]
+    made = session.measure(places, [(0, 0, -1), (0, 0, 1)], StopRule(samples=4096))
+    assert not [note for note in made.provenance.notes if "light paths from the lights" in note]
 
 
 def test_a_map_of_a_relief_is_that_of_the_flat_surface_in_direct_light():
