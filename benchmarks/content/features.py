@@ -262,6 +262,98 @@ def _displaced(stage):
     stage.above()
 
 
+@_feature("Relief", "Bump of a procedural texture")
+def _procedural_bump(stage):
+    tree = stage.material()
+    height = tree.add("TexNoise", Vector=tree.add("UVMap"), Scale=3.0, Detail=0.0)
+    _bumpy(stage, tree, tree.add("Bump", Strength=0.6, Distance=0.2, Height=height))
+
+
+@_feature("Relief", "Bump on a normal map")
+def _chained(stage):
+    tree = stage.material()
+    colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+    below = tree.add("NormalMap", Color=colour, Strength=0.3)
+    height = tree.add("TexImage", {"image": image("Heights")}, Vector=tree.add("UVMap"))
+    bump = tree.add("Bump", {"invert": True}, Distance=0.2, Height=height, Normal=below)
+    _bumpy(stage, tree, bump)
+
+
+@_feature("Relief", "Object-space normal map")
+def _object_normals(stage):
+    tree = stage.material()
+    colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+    mixed = tree.add("MixRGB", Fac=0.3, Color1=(0.5, 0.5, 1.0, 1.0), Color2=colour)
+    normal = tree.add("NormalMap", {"space": "OBJECT"}, Color=mixed)
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    shader = tree.add("BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1.0), Normal=normal)
+    stage.tile(tree.show(shader), rotation_euler=(0.2, -0.1, 0.6), scale=(1.0, 1.3, 1.0))
+    stage.above()
+
+
+def _shiny(stage, tree, shader):
+    stage.studio(tree.show(shader))
+
+
+@_feature("Relief", "Normal map on metal")
+def _metal_relief(stage):
+    tree = stage.material()
+    colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+    normal = tree.add("NormalMap", Color=colour, Strength=0.3)
+    _shiny(
+        stage,
+        tree,
+        tree.add("BsdfPrincipled", Base_Color=PAINT, Metallic=1.0, Roughness=0.4, Normal=normal),
+    )
+
+
+@_feature("Relief", "Bump on varnish")
+def _varnish_relief(stage):
+    tree = stage.material()
+    height = tree.add("TexImage", {"image": image()}, Vector=tree.add("UVMap"))
+    normal = tree.add("Bump", Distance=0.15, Height=height)
+    _shiny(stage, tree, tree.add("BsdfPrincipled", Base_Color=PAINT, Roughness=0.3, Normal=normal))
+
+
+def _waves(stage, method, is_smooth, height=None):
+    """A grid that is displaced in a low sun."""
+    tree = stage.material()
+    if height is None:
+        height = tree.add("TexImage", {"image": image(size=32)}, Vector=tree.add("UVMap"))
+    else:
+        height = height(tree)
+    tree.links.new(
+        tree.add("Displacement", Height=height, Scale=0.3), tree.output.inputs["Displacement"]
+    )
+    tree.owner.displacement_method = method
+    material = tree.show(tree.add("BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1.0)))
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    stage.grid(material, is_smooth)
+    stage.above()
+
+
+@_feature("Relief", "True displacement")
+def _true(stage):
+    _waves(stage, "DISPLACEMENT", True)
+
+
+@_feature("Relief", "True displacement, flat")
+def _true_flat(stage):
+    _waves(stage, "DISPLACEMENT", False)
+
+
+@_feature("Relief", "Displacement and bump")
+def _both(stage):
+    _waves(stage, "BOTH", True)
+
+
+@_feature("Relief", "True displacement by a texture of the object")
+def _true_object(stage):
+    _waves(stage, "DISPLACEMENT", True, lambda tree: tree.add("TexNoise", Scale=2.0, Detail=1.0))
+
+
 # ---- textures and nodes ----
 
 

@@ -47,6 +47,19 @@ class Stage:
         layer.data.foreach_set("uv", np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float).ravel())
         return item
 
+    def grid(self, material, is_smooth=True, count=40):
+        """Add a square of two units of many faces with a UV map."""
+        step = np.linspace(-1.0, 1.0, count + 1)
+        corners = [(x, y, 0.0) for y in step for x in step]
+        first = [row * (count + 1) + column for row in range(count) for column in range(count)]
+        faces = [(n, n + 1, n + count + 2, n + count + 1) for n in first]
+        item = self.mesh("Grid", corners, faces, material)
+        layer = item.data.uv_layers.new(name="UVMap")
+        places = np.array([corners[n][:2] for face in faces for n in face])
+        layer.data.foreach_set("uv", (0.5 + 0.5 * places).ravel())
+        item.data.polygons.foreach_set("use_smooth", [is_smooth] * len(faces))
+        return item
+
     def ball(self, material, radius=0.8, location=(0.0, 0.0, 0.8), name="Ball", is_smooth=True):
         """Add a sphere with a UV map."""
         bpy.ops.mesh.primitive_uv_sphere_add(

@@ -102,6 +102,13 @@ WORLD = (
 
 MATERIAL = (
     Departure(
+        "cycles.use_bump_map_correction",
+        _off,
+        "the correction of bump maps is off",
+        "it is on: facets shade each other near the horizon",
+        INFO,
+    ),
+    Departure(
         "use_transparent_shadow",
         _off,
         "transparent shadows are off",

@@ -14,13 +14,14 @@ MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 """Object types that have a surface."""
 
 
-def read_geometry(source, geometry_id: str) -> Geometry | None:
+def read_geometry(source, geometry_id: str, change=None) -> Geometry | None:
     """Read the surface of one evaluated object, in the object's own frame and in Blender units.
 
     Parameters
     ----------
     source : bpy.types.Object    Evaluated; of an instance the object that the instance shows.
     geometry_id : str    Identity of the result.
+    change : callable or None    From the geometry and the mesh that it was read from to what is used in its place.
 
     Returns
     -------
@@ -30,7 +31,8 @@ def read_geometry(source, geometry_id: str) -> Geometry | None:
     if mesh is None:
         return None
     try:
-        return _convert(mesh, geometry_id, _hidden_maps(source, mesh))
+        made = _convert(mesh, geometry_id, _hidden_maps(source, mesh))
+        return made if made is None or change is None else change(made, mesh)
     finally:
         source.to_mesh_clear()
 

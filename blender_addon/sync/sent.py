@@ -31,6 +31,7 @@ class Shown:
     is_mapped : bool    Whether lux maps can be laid over it, which are not over strands and points.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
     is_far : bool    Whether it is an object that was left out because of where it is.
+    is_anchored : bool    Whether it is an object whose shape depends on where it stands.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
     walk : int    Number of the walk that saw it last.
     """
@@ -47,6 +48,7 @@ class Shown:
     is_mapped: bool = True
     is_dark: bool = False
     is_far: bool = False
+    is_anchored: bool = False
     towards_sun: np.ndarray | None = None
     report: ConversionReport | None = None
     walk: int = 0

@@ -18,6 +18,7 @@ from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
+from .displacement import Displacement, displaces, follows_object
 from .hair import hair_systems, read_curves, read_hair, read_points
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
@@ -81,12 +82,16 @@ class Walk:
         self.is_refiltered = filters != sent.filters
         sent.filters = filters
         sent.scale, sent.efficacy, sent.materials.efficacy = scale, efficacy, efficacy
-        sent.materials.scale = scale
+        sent.materials.metres = scale
         sent.geometries.mark(tags.geometry)
         sent.images.forget(tags.shading)
         sent.materials.mark(tags.shading)
         if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
+        # Before the objects, as meshes are displaced by them.
+        if tags.shading or self.is_rescaled:
+            sent.materials.refresh(self._used_materials(), self.depsgraph)
+        self._reshaping = sent.materials.take_reshaping()
         if self._concerns_objects():
             self._visit_all()
             self._sweep()
@@ -141,6 +146,7 @@ class Walk:
             or tags.objects
             or tags.geometry
             or tags.scene
+            or self._reshaping
             or any(not s.shading.isdisjoint(tags.shading) for s in self.sent.shown.values())
         )
 
@@ -186,6 +192,7 @@ class Walk:
                     or shown.is_dark
                     or shown.data in touched
                     or (shown.shading and not shown.shading.isdisjoint(touched))
+                    or self._is_reshaped(shown)
                 ):
                     if part:
                         self._convert_hair(shown, instance, source, original)
@@ -195,13 +202,20 @@ class Walk:
                     self._move(shown, instance, source, original)
                 shown.matrix = matrix
 
+    def _is_reshaped(self, shown) -> bool:
+        """Whether a material that displaces an object has changed."""
+        if not self._reshaping or not isinstance(shown.item, Placement):
+            return False
+        return not self._reshaping.isdisjoint(shown.item.materials)
+
     def _is_visible(self, instance) -> bool:
         if self.final and not is_rendered(instance, self._unrendered):
             return False
         return self.visible is None or self.visible(instance)
 
     def _move(self, shown, instance, source, original) -> None:
-        if isinstance(shown.item, Placement) and shown.item.geometry != GEOMETRY:
+        is_free = isinstance(shown.item, Placement) and not shown.is_anchored
+        if is_free and shown.item.geometry != GEOMETRY:
             self._place(shown, replace(shown.item, frame=self._frame(instance)))
         else:
             self._convert(shown, instance, source, original)
@@ -216,6 +230,7 @@ class Walk:
         data = original.data
         shown.data = data.session_uid if data is not None else 0
         shown.report = shown.towards_sun = None
+        shown.is_anchored = False
         kind = source.type
         if kind == "EMPTY" and is_luminaire(source):
             kind = "LIGHT"
@@ -229,17 +244,17 @@ class Walk:
             kind = "PORTAL"
         self._name(shown, instance, original, kind)
         if kind == "MESH":
-            layer = self.layer
-            geometry = (
-                self._geometry(shown, instance, source, original) if layer.use_solid else None
-            )
+            slots, geometry = self._slots(source), None
+            shown.is_anchored = not all(map(follows_object, slots))
+            if self.layer.use_solid:
+                geometry = self._geometry(shown, instance, source, original, slots)
             self._convert_surface(shown, instance, source, original, geometry)
         elif kind in STRANDS:
             shown.is_mapped = False
             read = read_points if kind == "POINTCLOUD" else self._read_curves
             geometry = None
             if kind == "POINTCLOUD" or self.layer.use_strand:
-                geometry = self._geometry(shown, instance, source, original, read)
+                geometry = self._geometry(shown, instance, source, original, read=read)
             self._convert_surface(shown, instance, source, original, geometry)
         elif kind == "PORTAL":
             self._convert_portal(shown, instance, source)
@@ -297,12 +312,11 @@ class Walk:
     def _convert_surface(self, shown, instance, source, original, geometry: str | None) -> None:
         """Convert something that has a surface. ``geometry``: its id, None if it has no face."""
         layer = self.layer
+        slots = self._slots(source)
         if geometry is None:
             self._place(shown, None)
             return
         table = self.sent.materials
-        slots = [layer.material_override or slot.material for slot in source.material_slots]
-        slots = slots or [layer.material_override]
         materials = tuple(table.use(material, self.depsgraph) for material in slots)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
         found = visibility_of(source, parent, layer)
@@ -320,6 +334,9 @@ class Walk:
             )
         if note := self.sent.geometries.note(geometry):
             report.warn(shown.name, note, "blocks of the picture are right on the mean alone")
+        displaced = self.sent.geometries.report(geometry)
+        if displaced is not None:
+            report.include(displaced)
         shown.report = report if report.rows else None
         placement = Placement(
             id=shown.key,
@@ -348,12 +365,22 @@ class Walk:
             return shown.item.geometry
         return None
 
-    def _geometry(self, shown, instance, source, original, read=None) -> str | None:
-        """Id of the geometry that an instance shows; objects that show the same data share it."""
+    def _slots(self, source) -> list:
+        """Materials of an object, None where it has none."""
+        override = self.layer.material_override
+        return [override or slot.material for slot in source.material_slots] or [override]
+
+    def _geometry(self, shown, instance, source, original, slots=(), read=None) -> str | None:
+        """Id of the geometry that an instance shows; objects that show the same data share it, but for displaced ones.
+
+        ``slots``: materials that may displace it; ``read``: as of `GeometryTable.take`.
+        """
         kept = self._kept_geometry(shown, instance, source)
         if kept is not None:
             return kept
         take, owner = self.sent.geometries.take, original.session_uid
+        if any(map(displaces, slots)):
+            take = self._displaced(instance, slots)
         if original.type != "MESH" or (
             instance.is_instance and source.data.as_pointer() != self._data_of(original)
         ):
@@ -367,6 +394,24 @@ class Walk:
             return take(f"geometry:{identity.identity_of(original)}", owner, source)
         owner = original.data.session_uid
         return take(f"geometry:data/{owner}", owner, source)
+
+    def _displaced(self, instance, slots):
+        """What takes the geometry of an object whose materials displace it."""
+        frame = np.array(instance.matrix_world, dtype=np.float64)
+        table, is_movable = self.sent.materials, all(map(follows_object, slots))
+        known = [table.use(each, self.depsgraph) and table.version(each) for each in slots if each]
+        moving = tuple(each if displaces(each) else None for each in slots)
+        displacement = Displacement(moving, frame, self.sent.images)
+        place = b"" if is_movable else frame.tobytes()
+        cause = (tuple(each and each.original.session_uid for each in moving), *known, place)
+        name = f"{instance.object.original.session_uid}/{tuple(instance.persistent_id)}"
+
+        def take(key, owner, source, read=None):
+            own = f"{key}/displaced" if is_movable else f"{key}/displaced/{name}"
+            own = f"{own}/{'.'.join(str(number) for number in cause[0])}"
+            return self.sent.geometries.take(own, owner, source, read, displacement, cause)
+
+        return take
 
     def _data_of(self, original) -> int:
         """Address of the data that an object itself shows, within this walk."""

@@ -24,6 +24,7 @@ from ..scene.material import (
     Material,
     Measured,
     Mix,
+    Raised,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -145,6 +146,10 @@ def _blend(surface: Blend):
     return first * one + second * other, float(first * through + second * beyond)
 
 
+def _raised(surface: Raised):
+    return _look(surface.surface)
+
+
 LOOKS = {
     Diffuse: _by_reflectance,
     Coated: _by_reflectance,
@@ -161,6 +166,7 @@ LOOKS = {
     Varnish: _varnish,
     Blend: _blend,
     Toon: _by_reflectance,
+    Raised: _raised,
 }
 """What a kind of surface reflects and lets pass head-on, for `_look`."""
 

@@ -143,10 +143,8 @@ def coated_class():
             share = dr.select(coat + base > 0.0, coat / dr.maximum(coat + base, 1e-8), 0.0)
             return row, cos_i, reflectance, coat, share
 
-        def _evaluate(self, si, wo, prepared, active):
-            row, cos_i, reflectance, coat, share = prepared
-            cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
-            valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
+        def _gloss(self, si, wo, row, active):
+            """What the coat mirrors, and the density by which it is drawn."""
             alpha = dr.gather(mi.Float, self.alpha, row, active)
             eta = dr.gather(mi.Float, self.eta, row, active)
             scale = dr.gather(mi.Float, self.scale, row, active)
@@ -156,6 +154,12 @@ def coated_class():
                 tint = self._spectrum(self.tints, si, row, active)
                 mirror = 1.0 - grazing(eta, tint) * (1.0 - mirror)
             mirror *= light
+            return scale * mirror, density
+
+        def _base(self, si, wo, prepared, active):
+            """What the base sends on, and the density by which it is drawn."""
+            row, cos_i, reflectance, coat, _ = prepared
+            cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             mean = dr.gather(mi.Float, self.mean, row, active)
             lambert = cos_o * dr.inv_pi
             matte = (
@@ -164,9 +168,36 @@ def coated_class():
             if self.sigma is not None:
                 sigma = dr.gather(mi.Float, self.sigma, row, active)
                 matte *= aslant(cos_i, cos_o, dr.dot(si.wi, wo), sigma, reflectance)
-            value = scale * mirror + reflectance * matte * lambert
+            return reflectance * matte * lambert, lambert
+
+        def _evaluate(self, si, wo, prepared, active):
+            row, _, _, _, share = prepared
+            valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
+            gloss, density = self._gloss(si, wo, row, active)
+            base, lambert = self._base(si, wo, prepared, active)
+            value = gloss + base
             pdf = share * density + (1.0 - share) * lambert
             return mi.Spectrum(dr.select(valid, value, 0.0)), dr.select(valid, pdf, 0.0)
+
+        def eval_parts(self, si, mirrored, spread, active):
+            """Light of the coat towards one direction and of the base towards another, and parts of the density of each.
+
+            Where both are the same, their sums are what `eval_pdf` gives. (Spectrum, Float, Spectrum, Float)
+            """
+            prepared = self._prepare(si, active)
+            row, _, _, _, share = prepared
+            gloss, density = self._gloss(si, mirrored, row, active)
+            base, lambert = self._base(si, spread, prepared, active)
+            cos_i = mi.Frame3f.cos_theta(si.wi)
+            shines, lies = (
+                active & (cos_i * mi.Frame3f.cos_theta(w) > 0.0) for w in (mirrored, spread)
+            )
+            return (
+                mi.Spectrum(dr.select(shines, gloss, 0.0)),
+                dr.select(shines, share * density, 0.0),
+                mi.Spectrum(dr.select(lies, base, 0.0)),
+                dr.select(lies, (1.0 - share) * lambert, 0.0),
+            )
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             prepared = self._prepare(si, active)

@@ -185,22 +185,37 @@ class PictureTable:
         """As `eval`, for pictures of plain numbers. -> Float"""
         return self._interpolate(uv, row, self._read_plain, mi.Float(0.0), active)
 
+    def vector(self, uv, row, active):
+        """As `eval`, for pictures of three plain numbers. -> Vector3f"""
+
+        def read(index, _is_coloured, active):
+            return mi.Vector3f(
+                *(dr.gather(mi.Float, self._texels, index + k, active) for k in range(3))
+            )
+
+        return self._interpolate(uv, row, read, mi.Vector3f(0.0), active)
+
+    def slope(self, uv, row, active):
+        """How pictures of plain numbers rise along U and V: the derivative of `eval_1`. -> (Float, Float)"""
+        offset, width, height, bits, axes, columns, weights = self._texels_at(uv, row, active)
+        (a, b), (c, d) = (
+            [
+                dr.gather(mi.Float, self._texels, offset + line * width + column, active)
+                for column in columns[0]
+            ]
+            for line in columns[1]
+        )
+        # Between squares there are steps, which have no slope.
+        is_smooth = dr.select((bits & _IS_NEAREST) != 0, 0.0, 1.0)
+        along = is_smooth * mi.Float(width) * dr.lerp(b - a, d - c, weights[1][1])
+        across = is_smooth * mi.Float(height) * dr.lerp(c - a, d - b, weights[0][1])
+        (x_u, x_v), (y_u, y_v) = axes
+        return along * x_u + across * y_u, along * x_v + across * y_v
+
     def _interpolate(self, uv, row, read, nothing, active):
         """Value between texels that ``read(index, is_coloured, active)`` gives."""
-        offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
-        is_nearest = (bits & _IS_NEAREST) != 0
+        offset, width, _, bits, _, columns, weights = self._texels_at(uv, row, active)
         is_coloured = (bits & _IS_COLOURED) != 0
-        wrap = bits // _WRAP
-        columns, weights = [], []
-        for axis, count in enumerate((width, height)):
-            a, b, c, _ = dr.gather(mi.Vector4f, self._transforms, 2 * row + axis, active)
-            place = dr.fma(b, uv.y, dr.fma(a, uv.x, c))
-            place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
-            below = dr.floor(place)
-            share = dr.select(is_nearest, 0.0, place - below)
-            first = mi.Int32(below)
-            columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
-            weights.append([1.0 - share, share])
         stride = dr.select(is_coloured, mi.UInt32(3), 1)
         value = nothing
         for j in (0, 1):
@@ -210,6 +225,31 @@ class PictureTable:
                 line = dr.fma(weights[0][i], read(index, is_coloured, active), line)
             value = dr.fma(weights[1][j], line, value)
         return value
+
+    def _texels_at(self, uv, row, active):
+        """Four texels about a place.
+
+        Returns
+        -------
+        (UInt32, UInt32, UInt32, UInt32, list, list, list)
+            Where the picture begins, its width and height, bits of its row; of u and of v of the picture each how it follows
+            from U and V, two columns or lines, and their weights.
+        """
+        offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
+        is_nearest = (bits & _IS_NEAREST) != 0
+        wrap = bits // _WRAP
+        axes, columns, weights = [], [], []
+        for axis, count in enumerate((width, height)):
+            a, b, c, _ = dr.gather(mi.Vector4f, self._transforms, 2 * row + axis, active)
+            place = dr.fma(b, uv.y, dr.fma(a, uv.x, c))
+            place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
+            below = dr.floor(place)
+            share = dr.select(is_nearest, 0.0, place - below)
+            first = mi.Int32(below)
+            axes.append((a, b))
+            columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
+            weights.append([1.0 - share, share])
+        return offset, width, height, bits, axes, columns, weights
 
     def _read_plain(self, index, _is_coloured, active):
         """Number of a texel."""

@@ -14,6 +14,7 @@ from .coated import coated_class
 from .fabric import fabric_class
 from .picture_texture import picture_class
 from .refraction import refraction_class, rough_refraction_class
+from .relief import relief_class
 from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
@@ -73,6 +74,7 @@ def register() -> None:
         ("lumenray_toon", toon_class),
         ("lumenray_refraction", refraction_class),
         ("lumenray_rough_refraction", rough_refraction_class),
+        ("lumenray_relief", relief_class),
     ):
         made = make()
         mi.register_bsdf(name, lambda props, made=made: made(props))
@@ -82,6 +84,8 @@ def register() -> None:
 def _sheet_class():
     class Sheet(mi.BSDF):
         """Lambertian reflection on both sides and Lambertian transmission."""
+
+        is_matt = True
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)

@@ -22,6 +22,7 @@ def toon_class():
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
+            self.is_matt = True
             self.reflectance = props["reflectance"]
             size, edge, whole = toon_angles(float(props["size"]), float(props["edge"]))
             self.size, self.edge, self.least, self.even = (

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import SceneError
 from .colour import Colour, Scalar, largest_of, scale
+from .relief import Relief, layers, picture_of
 from .scattering import Scatter
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
@@ -86,6 +87,9 @@ class Surface:
 
     has_own_colour = False
     """Whether it depends on the wavelength by more than its ``spectra``."""
+
+    has_relief = False
+    """Whether normals by place turn it, which follow U and V."""
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -541,6 +545,7 @@ class Mix(Surface):
     is_absorbing = _of_one("is_absorbing")
     has_grain = _of_one("has_grain")
     has_own_colour = _of_one("has_own_colour")
+    has_relief = _of_one("has_relief")
 
     @property
     def depth(self) -> int:
@@ -564,6 +569,84 @@ class Mix(Surface):
         if first is None and second is None:
             return None
         return replace(self, first=first or self.first, second=second or self.second)
+
+
+def _of_inner(name: str) -> property:
+    return property(lambda raised: getattr(raised.surface, name))
+
+
+@dataclass(frozen=True, eq=False)
+class Raised(Surface):
+    """A surface of one kind with a relief finer than its mesh: it answers light by normals that vary by place.
+
+    What is measured on it, its illuminance, is that of the mesh without the relief. `raise_surface` makes it of any surface.
+    """
+
+    surface: Surface
+    relief: Relief
+
+    has_relief = True
+    is_opaque = _of_inner("is_opaque")
+    is_bending = _of_inner("is_bending")
+    is_purely_specular = _of_inner("is_purely_specular")
+    is_dispersive = _of_inner("is_dispersive")
+    has_own_colour = _of_inner("has_own_colour")
+    has_grain = _of_inner("has_grain")
+    is_absorbing = _of_inner("is_absorbing")
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return self.surface.colours
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return self.surface.pictures + tuple(map(picture_of, layers(self.relief)))
+
+    @property
+    def largest(self) -> float:
+        return self.surface.largest
+
+    def scaled(self, factor: float) -> Raised | None:
+        surface = self.surface.scaled(factor)
+        return None if surface is None else replace(self, surface=surface)
+
+    def check(self) -> None:
+        """Refuse a surface that no relief can turn, and pictures of another kind.
+
+        Raises
+        ------
+        SceneError    Says which.
+        """
+        if not can_be_raised(self.surface):
+            raise SceneError(
+                f"a relief cannot lie on a surface of kind {type(self.surface).__name__}"
+            )
+        for layer in layers(self.relief):
+            channels = 3 if hasattr(layer, "vectors") else 1
+            if picture_of(layer).pixels.shape[2] != channels:
+                raise SceneError(
+                    f"a relief's picture has {picture_of(layer).pixels.shape[2]} channels, expected {channels}"
+                )
+
+
+def can_be_raised(surface: Surface) -> bool:
+    """Tell whether a relief turns a surface of one kind: not what light passes straight, nor what was measured as it is."""
+    return not (
+        surface.passes_straight
+        or isinstance(surface, Black | Blend | Fabric | Holdout | Measured | Mix | Raised | Varnish)
+    )
+
+
+def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | None:
+    """Return a surface, or all surfaces of a mixture, with a relief, but for those that none can turn."""
+    if relief is None or surface is None:
+        return surface
+    if isinstance(surface, Mix | Blend):
+        first, second = (raise_surface(s, relief) for s in (surface.first, surface.second))
+        return replace(surface, first=first, second=second)
+    if isinstance(surface, Varnish):
+        return replace(surface, base=raise_surface(surface.base, relief))
+    return Raised(surface, relief) if can_be_raised(surface) else surface
 
 
 @dataclass(frozen=True)
@@ -615,8 +698,10 @@ class Blend(Surface):
     is_window = _of_one("is_window")
     is_bending = _of_one("is_bending")
     is_dispersive = _of_one("is_dispersive")
+    is_absorbing = _of_one("is_absorbing")
     has_grain = _of_one("has_grain")
     has_own_colour = _of_one("has_own_colour")
+    has_relief = _of_one("has_relief")
 
     @property
     def depth(self) -> int:
@@ -689,7 +774,9 @@ class Varnish(Surface):
     is_window = _of_base("is_window")
     is_bending = _of_base("is_bending")
     is_dispersive = _of_base("is_dispersive")
+    is_absorbing = _of_base("is_absorbing")
     has_grain = _of_base("has_grain")
+    has_relief = _of_base("has_relief")
     has_own_colour = _of_base("has_own_colour")
     largest = _of_base("largest")
 

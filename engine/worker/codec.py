@@ -25,6 +25,7 @@ from ..scene import (
     mesh,
     provenance,
     ray_emission,
+    relief,
     scattering,
     scene,
     sensor,
@@ -52,8 +53,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, light_groups, material, mesh, provenance, ray_emission, scattering, scene, sensor, spectrum,
-    texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
+    camera, distribution, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene, sensor,
+    spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
 )  # fmt: skip
 
 

@@ -31,6 +31,7 @@ from lumenray.engine.scene.material import (
     Material,
     Measured,
     Mix,
+    Raised,
     TabulatedPane,
     ThinGlass,
     Toon,
@@ -38,6 +39,7 @@ from lumenray.engine.scene.material import (
     Varnish,
     blend_cosines,
 )
+from lumenray.engine.scene.relief import Heights, Normals
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from luminaires import luminaire
@@ -49,6 +51,11 @@ CHECKS = ImageTexture(
     np.array([[[0.0, 0.2, 0.9], [1.0, 1.0, 1.0]], [[0.5, 0.1, 0.1], [0.0, 0.0, 0.0]]], np.float32)
 )
 MASK = ImageTexture(np.array([[[0.0], [1.0]], [[0.3], [0.0]]], np.float32), interpolation="closest")
+
+SLOPES = ImageTexture(
+    np.array([[[0.3, 0.0, 0.9], [0.0, 0.0, 0.0]], [[-0.9, 0.4, -0.2], [0.0, 1.0, 0.0]]], np.float32)
+)
+HEIGHTS = ImageTexture(np.array([[[0.0], [0.2]], [[1e3], [-0.1]]], np.float32))
 
 
 def _table():
@@ -105,6 +112,9 @@ SURFACES = {
     "coloured glass": Dielectric(Cauchy(1.5), 0.0, Constant(0.5), mirror_tint=Constant(0.5)),
     "toon": Toon(CHECKS, 0.5, 0.2),
     "rough paint": Coated(GREY, 1.5, 0.5, 1.0, 0.7),
+    "raised": Raised(Coated(GREY), Normals(SLOPES)),
+    "raised metal": Raised(Glossy(Constant(0.9), 0.3), Heights(HEIGHTS, below=Normals(SLOPES))),
+    "raised mirror": Raised(Glossy(Constant(0.9), 0.0), Heights(HEIGHTS, in_object=True)),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }
 

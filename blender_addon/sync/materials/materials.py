@@ -28,6 +28,7 @@ from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
 from ..spectra import light_spectrum
 from .closures import Closure
 from .overrides import convert_override
+from .relief import relief_of_displacement
 from .shaders import convert_shader
 from .volumes import with_volume
 
@@ -52,7 +53,7 @@ def convert_material(
     efficacy: float,
     images: ImageCache | None = None,
     is_patient: bool = True,
-    scale: float = 1.0,
+    metres: float = 1.0,
 ) -> Material:
     """Convert a Blender material.
 
@@ -64,7 +65,7 @@ def convert_material(
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
-    scale : float    Metres per Blender unit.
+    metres : float    That a unit of Blender stands for. [m]
 
     Returns
     -------
@@ -77,12 +78,12 @@ def convert_material(
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
-    made = _convert_nodes(material, material_id, report, efficacy, images, scale)
+    made = _convert_nodes(material, material_id, report, efficacy, images, metres)
     if not _tells_rays_apart(material):
         return made
     own = ConversionReport()
     seen = _convert_nodes(
-        material, f"{material_id}/seen", own, efficacy, images, scale, is_camera=True
+        material, f"{material_id}/seen", own, efficacy, images, metres, is_camera=True
     )
     if content_digest(seen) == content_digest(made):
         return made
@@ -128,13 +129,14 @@ def _convert_nodes(
     report,
     efficacy: float,
     images,
-    scale: float,
+    metres: float,
     is_camera: bool = False,
 ) -> Material:
     """Convert what rays of light, or those of the camera, meet of a material."""
     try:
         context = RayContext(material.name, report, images, is_camera)
-        closure = _convert_tree(material, context, scale)
+        context.metres = metres
+        closure = _convert_tree(material, context)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -154,6 +156,14 @@ def _convert_nodes(
         )
         closure = replace(closure, surface=Diffuse(Constant(DEFAULT_REFLECTANCE)))
     emission = _emission(closure, efficacy, material.name, report)
+    if closure.surface is not None and closure.surface.has_relief:
+        maps = list(dict.fromkeys(each.uv_map for each in closure.surface.pictures))
+        if len(maps) > 1:
+            report.warn(
+                material.name,
+                f"Its pictures and its relief lie on the UV maps {', '.join(map(repr, maps))}",
+                f"all are laid by {maps[0]!r}",
+            )
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index
     )
@@ -170,7 +180,7 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, context: RayContext, scale: float) -> Closure:
+def _convert_tree(material, context: RayContext) -> Closure:
     report = context.report
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
@@ -180,16 +190,17 @@ def _convert_tree(material, context: RayContext, scale: float) -> Closure:
         report.warn(material.name, "The node tree has no material output", "black is used")
         return Closure(Black())
     is_volume = output.inputs["Volume"].is_linked
-    if output.inputs["Displacement"].is_linked:
-        report.warn(material.name, "Displacement is not supported", "it is left out", output.name)
+    if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT":
+        displaces = material.displacement_method == "BOTH"
+        context.relief = relief_of_displacement(output, context, displaces)
     if not output.inputs["Surface"].is_linked:
         if is_volume:
-            surface = with_volume(Transparent(), output, context, scale)
+            surface = with_volume(Transparent(), output, context)
             return Closure(surface)
         report.warn(material.name, "Nothing is linked to the surface", "black is used", output.name)
     closure = convert_shader(output.inputs["Surface"], context)
     if is_volume:
-        closure = replace(closure, surface=with_volume(closure.surface, output, context, scale))
+        closure = replace(closure, surface=with_volume(closure.surface, output, context))
     return closure
 
 

@@ -12,12 +12,14 @@ from ....engine.scene.material import (
     Glossy,
     ThinGlass,
     Transparent,
+    raise_surface,
 )
 from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
-from ..nodes.graph import find_socket, trace
+from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
 from .layers import varnished
+from .relief import find_relief
 
 ROUGH = 0.1
 """Roughness from which on light that passes is spread too widely for a pane."""
@@ -63,6 +65,7 @@ def convert_principled(at) -> Closure:
         edge = as_colour(reflectance_of(at, at("Specular Tint")))
         metal = Glossy(as_colour(base), as_scalar(roughness), edge)
         surface = mix_surfaces(surface, metal, metallic)
+    surface = raise_surface(surface, find_relief(at))
     surface, radiance = varnished(at, surface, _radiance(at))
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
@@ -111,6 +114,8 @@ def _is_thin_wall(at) -> bool:
 
 
 def _pane(at, base):
+    if find_relief(at) is not None:
+        at.note("A thin wall with a bent normal is not supported", "it is flat")
     if not at("Roughness").is_everywhere(0) and at.plain("Roughness") > ROUGH:
         at.fail("A thin wall that scatters is not supported", "a clear pane is used")
     return ThinGlass(max(at.plain("IOR"), 1.0), as_colour(base))
@@ -137,18 +142,8 @@ def _report_unsupported(at):
             socket = find_socket(at.node.inputs, name)
             if socket is not None and not at.field(socket).is_everywhere(neutral):
                 at.note(f"{subject} is not supported", remedy)
-    report_normal(at, "Normal", "Coat Normal")
-
-
-def report_normal(at, *names):
-    """Report inputs that bend the normal."""
-    for name in names or ("Normal",):
-        socket = find_socket(at.node.inputs, name)
-        origin = trace(socket, at.groups) if socket is not None else None
-        if origin is None or not origin.is_output:
-            continue
-        if origin.socket.node.bl_idname not in {"ShaderNodeNewGeometry", "ShaderNodeTexCoord"}:
-            at.remark("Bump and normal maps are not supported", "the mesh's own normal is used")
+    if not at("Coat Weight").is_everywhere(0) and find_relief(at, "Coat Normal") is not None:
+        at.note("A normal of the coat's own is not supported", "the coat is left out")
 
 
 _FACETS = {"BECKMANN": "Beckmann", "ASHIKHMIN_SHIRLEY": "Ashikhmin and Shirley"}

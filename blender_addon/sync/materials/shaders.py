@@ -10,8 +10,10 @@ from ....engine.scene.material import (
     Diffuse,
     Glossy,
     Holdout,
+    Raised,
     Toon,
     Transparent,
+    raise_surface,
 )
 from ....engine.scene.spectrum import Blackbody
 from ...foundation.report import Severity
@@ -20,7 +22,8 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
-from .principled import aslant, convert_principled, report_facets, report_normal
+from .principled import aslant, convert_principled, report_facets
+from .relief import find_relief
 
 
 def convert_shader(socket, context, groups=()) -> Closure:
@@ -68,25 +71,26 @@ def _roughness(at):
 
 
 def _diffuse(at):
-    report_normal(at)
-    return Closure(Diffuse(as_colour(_colour(at)), None, aslant(at, "Roughness")))
+    return _raised(at, Diffuse(as_colour(_colour(at)), None, aslant(at, "Roughness")))
+
+
+def _raised(at, surface) -> Closure:
+    """Return a surface with the relief that the node's normal asks for."""
+    return Closure(raise_surface(surface, find_relief(at)))
 
 
 def _translucent(at):
-    report_normal(at)
-    return Closure(diffuse(at, constant(0.0), _colour(at)))
+    return _raised(at, diffuse(at, constant(0.0), _colour(at)))
 
 
 def _glossy(at):
-    report_normal(at)
     if not at("Anisotropy").is_everywhere(0):
         at.note("Anisotropy is not supported", "it is left out")
     report_facets(at)
-    return Closure(Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
+    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
 
 
 def _metallic(at):
-    report_normal(at)
     for name, subject in (("Anisotropy", "Anisotropy"), ("Thin Film Thickness", "The thin film")):
         if not at(name).is_everywhere(0):
             at.note(f"{subject} is not supported", "it is left out")
@@ -96,7 +100,7 @@ def _metallic(at):
     else:
         colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
     report_facets(at)
-    return Closure(Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
+    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
 
 
 def _normal_reflectance(n, k):
@@ -104,7 +108,6 @@ def _normal_reflectance(n, k):
 
 
 def _glass(at):
-    report_normal(at)
     if not at("Thin Film Thickness").is_everywhere(0):
         at.note("The thin film is not supported", "it is left out")
     colour = _colour(at)
@@ -113,7 +116,7 @@ def _glass(at):
     # Blender tints what is reflected too.
     mirror = None if colour.is_everywhere(1) else tint
     ior = Cauchy(at.plain("IOR"), 0.0)
-    return Closure(Dielectric(ior, _roughness(at), tint, mirror_tint=mirror))
+    return _raised(at, Dielectric(ior, _roughness(at), tint, mirror_tint=mirror))
 
 
 def _report_beckmann(at):
@@ -123,10 +126,9 @@ def _report_beckmann(at):
 
 
 def _refraction(at):
-    report_normal(at)
     _report_beckmann(at)
     ior = Cauchy(at.plain("IOR"), 0.0)
-    return Closure(Dielectric(ior, _roughness(at), as_colour(_colour(at)), reflects=False))
+    return _raised(at, Dielectric(ior, _roughness(at), as_colour(_colour(at)), reflects=False))
 
 
 def _transparent(at):
@@ -190,13 +192,13 @@ def _branch(at, index):
 def _by_fresnel(at, weight):
     """Return one surface for "gloss over a matt one by Fresnel", None if it is not that."""
     under, over = _branch(at, 1), _branch(at, 2)
-    base = under.surface
-    if not isinstance(over.surface, Glossy) or over.radiance is not None:
+    (base, relief), (gloss, upper) = map(_flat, (under.surface, over.surface))
+    if not isinstance(gloss, Glossy) or over.radiance is not None:
         return None
     if not isinstance(base, Diffuse) or base.transmittance is not None:
         return None
     ior = _index_of(weight)
-    roughness = over.surface.roughness
+    roughness = gloss.roughness
     if not isinstance(roughness, float):
         roughness = float(np.mean(roughness.pixels))
     roughness = min(max(roughness, 0.0), 1.0)
@@ -205,7 +207,15 @@ def _by_fresnel(at, weight):
         "A gloss is mixed over a matt shader by Fresnel",
         "a diffuse base under a clear coat is used",
     )
+    if (relief is None) != (upper is None):
+        at.note("The shaders have different normals", "both have the one that is bent")
+    surface = raise_surface(surface, relief or upper)
     return Closure(surface, under.radiance, under.spectrum, under.two_sided)
+
+
+def _flat(surface):
+    """Return a surface without its relief, and that."""
+    return (surface.surface, surface.relief) if isinstance(surface, Raised) else (surface, None)
 
 
 def _index_of(weight):
@@ -215,17 +225,15 @@ def _index_of(weight):
 
 
 def _toon(at):
-    report_normal(at)
     if at.node.component == "GLOSSY":
         at.note("A glossy toon is not supported", "the diffuse one of its colour is used")
     size, edge = at.plain("Size"), at.plain("Smooth")
-    return Closure(Toon(as_colour(_colour(at)), size, edge))
+    return _raised(at, Toon(as_colour(_colour(at)), size, edge))
 
 
 def _as_diffuse(at):
     at.note(f"{at.node.bl_label} is not supported", "a diffuse surface of its colour is used")
-    report_normal(at)
-    return Closure(Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
+    return _raised(at, Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
 
 
 def _unsupported(at):

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....engine.scene.material import Dielectric, Mix, Surface
+from ....engine.scene.material import Dielectric, Mix, Raised, Surface
 from ....engine.scene.spectrum import Spectrum
 from ...foundation.report import Severity
 from ..nodes.evaluation import Inputs
@@ -22,7 +22,7 @@ class Body:
     thickness: float
 
 
-def with_volume(surface: Surface | None, output, context, scale: float) -> Surface | None:
+def with_volume(surface: Surface | None, output, context) -> Surface | None:
     """Return the surface of a body with what is inside.
 
     Parameters
@@ -30,12 +30,11 @@ def with_volume(surface: Surface | None, output, context, scale: float) -> Surfa
     surface : Surface or None    Of the body.
     output : bpy.types.Node    Material output, whose volume is linked.
     context : nodes.Context    The conversion that it belongs to.
-    scale : float    Metres per Blender unit.
     """
     if surface is None or surface.is_opaque:
         # No light gets in.
         return surface
-    body = _convert(output, context, scale)
+    body = _convert(output, context)
     if body is not None and not _is_solid(surface):
         message = "Absorption is computed within solids of glass alone"
         context.add(Severity.ERROR, output.name, message, LEFT_OUT)
@@ -47,6 +46,8 @@ def _is_solid(surface) -> bool:
     """Whether all of a surface is the boundary of a solid."""
     if isinstance(surface, Mix):
         return _is_solid(surface.first) and _is_solid(surface.second)
+    if isinstance(surface, Raised):
+        return _is_solid(surface.surface)
     return isinstance(surface, Dielectric)
 
 
@@ -55,10 +56,12 @@ def _filled(surface, body: Body):
         return replace(
             surface, first=_filled(surface.first, body), second=_filled(surface.second, body)
         )
+    if isinstance(surface, Raised):
+        return replace(surface, surface=_filled(surface.surface, body))
     return replace(surface, internal=body.internal, thickness=body.thickness)
 
 
-def _convert(output, context, scale: float) -> Body | None:
+def _convert(output, context) -> Body | None:
     """Convert what arrives at the volume of an output, None if that is nothing, or nothing that can be taken over."""
     origin = trace(output.inputs["Volume"], ())
     if not origin.is_output:
@@ -72,7 +75,7 @@ def _convert(output, context, scale: float) -> Body | None:
     if absorption is None:
         return None
     # Of a depth at which much of the light is absorbed the colour is exact.
-    absorption = np.maximum(np.broadcast_to(absorption, 3), 0.0) / scale
+    absorption = np.maximum(np.broadcast_to(absorption, 3), 0.0) / context.metres
     largest = float(absorption.max())
     if not largest > 0.0:
         return None

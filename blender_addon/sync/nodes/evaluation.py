@@ -30,10 +30,19 @@ class Context:
     datablock : str    Name of the material or world, for the report.
     report : ConversionReport    Where departures go.
     images : ImageCache or None    What was read before.
+
+    Attributes
+    ----------
+    metres : float    That a unit of Blender stands for. [m]
+    relief : scene.relief.Relief or None    Of a displacement, which all normals start from.
+    lies_on_maps : bool    Whether coordinates that are a UV map are known as one, and textures drawn on it.
     """
 
     is_camera = False
     """Whether rays of the camera are asked for, and not those that carry light."""
+    metres = 1.0
+    relief = None
+    lies_on_maps = True
 
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
@@ -50,6 +59,10 @@ class Context:
     def take_output(self, at) -> "Field | None":
         """Return what a node gives here in place of what it gives on a surface; None: the same."""
         return None
+
+    def settle(self, field: "Field") -> "Field":
+        """Return what a node gives as it is used here."""
+        return field
 
     def coordinates(self) -> "Field | None":
         """Return what textures go by where nothing is linked; None: coordinates of the object, which are not known."""
@@ -187,7 +200,7 @@ def _evaluate_output(output, context, groups):
     try:
         field = context.take_output(inputs)
         if field is None:
-            field = _FUNCTIONS.get(node.bl_idname, stand_ins.replace)(inputs)
+            field = context.settle(_FUNCTIONS.get(node.bl_idname, stand_ins.replace)(inputs))
     finally:
         context.active.discard(key)
     context.known[key] = field

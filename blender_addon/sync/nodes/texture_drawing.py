@@ -63,7 +63,8 @@ def draw_texture(at, draw, inputs, grain, has_places=True):
     has_places : bool    Whether the texture depends on its Vector input.
     """
     inputs = [_finite(at, each) for each in inputs]
-    placement = placement_of(at, is_uv_by_default=False) if has_places else None
+    is_laid = has_places and at.context.lies_on_maps
+    placement = placement_of(at, is_uv_by_default=False) if is_laid else None
     if not has_places:
         places, matrix = constant(0, 0, 0), np.eye(4)
     elif placement is None:

@@ -7,6 +7,8 @@ import bpy
 import numpy as np
 
 from ....engine.scene.mesh import Geometry
+from ...foundation.report import ConversionReport
+from ..displacement import Displacement
 from ..meshes import fingerprint, read_geometry
 
 
@@ -14,7 +16,8 @@ from ..meshes import fingerprint, read_geometry
 class _Entry:
     """What is known of one geometry.
 
-    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``note``: what is to be told of it.
+    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``note``: what is to be told of it;
+    ``cause``: what it was displaced by, and ``report``: what is to be told of that.
     """
 
     owner: int
@@ -22,6 +25,8 @@ class _Entry:
     is_stale: bool = True
     corners: np.ndarray | None = None
     note: str = ""
+    cause: tuple = ()
+    report: ConversionReport | None = None
 
 
 class GeometryTable:
@@ -40,22 +45,42 @@ class GeometryTable:
             for key in self._of_owner[owner]:
                 self._entries[key].is_stale = True
 
-    def take(self, key: str, owner: int, source, read: Callable | None = None) -> str | None:
+    def take(
+        self,
+        key: str,
+        owner: int,
+        source,
+        read: Callable | None = None,
+        displacement: Displacement | None = None,
+        cause=(),
+    ) -> str | None:
         """Return the id of an object's geometry, read anew where needed; None when it has no face.
 
-        ``read``: as `hair.read_points`; None: as a mesh.
+        Parameters
+        ----------
+        key : str
+        owner : int
+        source : bpy.types.Object    Evaluated.
+        read : callable or None    As `hair.read_points`; None: as a mesh.
+        displacement : Displacement or None    What moves the vertices of a mesh.
+        cause : tuple    What that follows from: where it differs from before, it is applied anew.
         """
         entry = self._entries.get(key)
         if entry is None:
             entry = self._entries[key] = _Entry(owner)
             self._of_owner.setdefault(owner, set()).add(key)
-        if entry.is_stale:
-            self._update(key, entry, source, read)
+        if entry.is_stale or entry.cause != cause:
+            entry.cause = cause
+            self._update(key, entry, source, read, displacement)
         return key if entry.fingerprint else None
 
     def note(self, key: str) -> str:
         """Return what is to be told of a geometry; empty if nothing is."""
         return self._entries[key].note
+
+    def report(self, key: str) -> ConversionReport | None:
+        """Return what is to be told of how a geometry was displaced; None: nothing."""
+        return self._entries[key].report
 
     def corners(self, key: str) -> np.ndarray:
         """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
@@ -107,9 +132,16 @@ class GeometryTable:
         """Ids of the geometries that the engine has."""
         return (key for key, entry in self._entries.items() if entry.fingerprint)
 
-    def _update(self, key, entry, source, read) -> None:
+    def _update(self, key, entry, source, read, displacement) -> None:
+        change, entry.report = None, None
+        if displacement is not None:
+            report = entry.report = ConversionReport()
+
+            def change(made, mesh):
+                return displacement.apply(made, mesh, report)
+
         geometry, entry.note = (
-            (read_geometry(source, key), "") if read is None else read(source, key)
+            (read_geometry(source, key, change), "") if read is None else read(source, key)
         )
         entry.is_stale, before = False, entry.fingerprint
         entry.fingerprint = fingerprint(geometry)

@@ -10,6 +10,7 @@ from ....engine.scene.spectrum import Rgb
 from ...foundation.identity import engine_id
 from ...foundation.report import ConversionReport
 from ..coloured_light import colour_of_light, paints_of
+from ..displacement import displaces
 from ..images.cache import ImageCache
 from ..lights.portals import portal_material
 from ..materials.materials import convert_material, default_material
@@ -32,6 +33,8 @@ class _Entry:
     paints: tuple[Rgb, ...] = ()
     glow: Rgb | None = None
     has_pictures: bool = False
+    displaces: bool = False
+    version: int = 0
     dependencies: frozenset[int] = frozenset()
     report: ConversionReport = field(default_factory=ConversionReport)
 
@@ -47,15 +50,16 @@ class MaterialTable:
 
     Attributes
     ----------
-    efficacy, scale : float    As of `convert_material`.
+    efficacy, metres : float    As of `convert_material`.
     """
 
     def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
-        self.efficacy, self.scale = 0.0, 1.0
+        self.efficacy, self.metres = 0.0, 1.0
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self._entries: dict[int, _Entry] = {}
+        self._reshaping: set[str] = set()
 
     def mark(self, tagged: set[int]) -> None:
         """Note that materials which are or read one of these data-blocks may be out of date."""
@@ -79,6 +83,15 @@ class MaterialTable:
             entry = self._entries[session_uid] = _Entry(engine_id(original))
             self._update(original, entry, depsgraph)
         return entry.key
+
+    def version(self, material) -> int:
+        """Return how often a material in use has been converted."""
+        return self._entries[material.original.session_uid].version
+
+    def take_reshaping(self) -> set[str]:
+        """Return the ids of materials that displace meshes, or did, and were converted since the last time."""
+        found, self._reshaping = self._reshaping, set()
+        return found
 
     def use_portal(self) -> str:
         """Return the id of what portals are made of."""
@@ -156,9 +169,13 @@ class MaterialTable:
             self.efficacy,
             self._images,
             self._is_patient,
-            self.scale,
+            self.metres,
         )
         entry.is_stale, entry.name = False, made.name
+        entry.version += 1
+        did, entry.displaces = entry.displaces, displaces(block)
+        if did or entry.displaces:
+            self._reshaping.add(entry.key)
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
         entry.paints, entry.glow = paints_of(made), colour_of_light(made)

@@ -6,6 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ...arrays import upload
 from ...materials.picture_table import PictureTable, Texels
 from ...scene.texture import ImageTexture
 from ..requirements import spread
@@ -47,7 +48,7 @@ class Bitmaps:
         Parameters
         ----------
         picture : ImageTexture
-        largest : float    Values are held within 0 and this.
+        largest : float    Values are held within 0 and this. Infinity: they are plain numbers, whatever their sign.
         power : float or None    For plain numbers: the channels' mean is raised to it. None: a colour.
         """
         if picture.pixels.flags.writeable:
@@ -58,7 +59,8 @@ class Bitmaps:
         if key not in self._rows:
             name = key[0]
             if not self.table.holds(name):
-                self.table.put(name, _texels(_values(picture.pixels, largest, power)))
+                texels = _numbers if np.isinf(largest) else _texels
+                self.table.put(name, texels(_values(picture.pixels, largest, power)))
             row = self.table.lay(
                 name, picture.transform, picture.interpolation == "closest", picture.extension
             )
@@ -79,12 +81,20 @@ def key_of(picture: ImageTexture, largest: float = 1.0, power: float | None = No
 
 
 def _values(pixels: np.ndarray, largest: float, power: float | None) -> np.ndarray:
+    if np.isinf(largest):
+        return np.nan_to_num(pixels, posinf=0.0, neginf=0.0).astype(np.float32)
     if power is not None:
         pixels = np.clip(pixels.mean(axis=2, keepdims=True), 0.0, 1.0) ** power
     pixels = np.clip(np.nan_to_num(pixels), 0.0, largest).astype(np.float32)
     if pixels.shape[2] == 3 and spread(pixels) <= 1e-6:
         pixels = pixels[:, :, :1]
     return pixels
+
+
+def _numbers(values: np.ndarray) -> Texels:
+    """Plain numbers, one or three for each texel."""
+    height, width, channels = values.shape
+    return Texels(upload(mi.Float, values), width, height, channels)
 
 
 def _texels(values: np.ndarray) -> Texels:

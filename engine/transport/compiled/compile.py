@@ -412,9 +412,11 @@ class CompiledScene:
             if light.source.luminaire is not None:
                 columns["luminaire"][light.body_id] = self.lights.row_of(light.source)
         luminaires = columns["luminaire"] if self.lights.palette is not None else None
-        self._pool.has_grain = any(item.surface.has_grain for item in self._objects.materials())
+        surfaces = [item.surface for item in self._objects.materials()]
+        self._pool.has_grain = any(surface.has_grain for surface in surfaces)
+        self._pool.has_relief = any(surface.has_relief for surface in surfaces)
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
-        self._material_palette.commit(columns["row"])
+        self._material_palette.commit(columns["row"], self._axes(size, parts))
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
         self.hidden, self.holdouts, self.unlit = (
@@ -426,6 +428,16 @@ class CompiledScene:
             size, shapes, self._material_palette.item, self._material_palette.make
         )
         dr.eval(self.indices, self.hidden, self.holdouts, self.unlit, self._extents)
+
+    def _axes(self, size: int, parts) -> np.ndarray | None:
+        """Axes of the object of every shape, None where no relief asks for them. (size, 3, 3)"""
+        if not self._pool.has_relief:
+            return None
+        axes = np.broadcast_to(np.eye(3), (size, 3, 3)).copy()
+        for body, part in parts:
+            if hasattr(body.item, "frame"):
+                axes[part.number] = np.asarray(body.item.frame)[:3, :3]
+        return axes
 
     # ---- notes ----
 

@@ -96,8 +96,14 @@ class MaterialPalette:
             for text in approximations(self._items[key].surface)
         ]
 
-    def commit(self, rows_by_shape: np.ndarray) -> None:
-        """Bring the palette up to date. ``rows_by_shape``: row of the shape with each number."""
+    def commit(self, rows_by_shape: np.ndarray, frames: np.ndarray | None = None) -> None:
+        """Bring the palette up to date.
+
+        Parameters
+        ----------
+        rows_by_shape : (n,) array    Row of the shape with each number.
+        frames : (n, 3, 3) array or None    Axes of the objects of the shapes, where something has a relief.
+        """
         if self._has_unused:
             self.make.bitmaps.keep(set().union(*self._pictures.values()))
             self._has_unused = False
@@ -110,6 +116,9 @@ class MaterialPalette:
             )
             self._changed = False
         self.palette.set_rows(rows_by_shape)
+        if frames is not None:
+            for plugin, _ in self._plugins.values():
+                _set_frames(plugin, frames)
 
     def _columns_of(self, material: Material) -> dict[str, np.ndarray]:
         """Row of a plain material, and note the picture that it shows."""
@@ -144,6 +153,15 @@ class MaterialPalette:
                 return row
         self._columns.append({})
         return len(self._columns) - 1
+
+
+def _set_frames(plugin, frames: np.ndarray) -> None:
+    """Give the parts of a surface model that have a relief the axes of objects."""
+    if hasattr(plugin, "set_frames"):
+        plugin.set_frames(frames)
+    for name in ("first", "second"):
+        if hasattr(plugin, name):
+            _set_frames(getattr(plugin, name), frames)
 
 
 def _transplant(new, old) -> bool:

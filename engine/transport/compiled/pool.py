@@ -74,10 +74,11 @@ class SurfacePool:
     """Looks up surfaces by the number of their shape (`arrays.pointer_id`).
 
     ``has_grain``: whether some surface has a direction of its own, so that frames have to follow the coordinates.
+    ``has_relief``: whether some surface needs to know how places follow from coordinates.
     """
 
     def __init__(self):
-        self.has_grain = False
+        self.has_grain = self.has_relief = False
         self._stores = {
             "positions": _Store(mi.Float),
             "faces": _Store(mi.UInt32),
@@ -197,7 +198,8 @@ class SurfacePool:
 
         Returns
         -------
-        SurfaceInteraction3f    With position, normals, coordinates, shape and directions; no derivatives.
+        SurfaceInteraction3f    With position, normals, coordinates, shape and directions; no derivatives but those of meshes
+            by their coordinates, where something has a relief.
         """
         valid = mi.Bool(active) & hit.is_valid()
         number = dr.reinterpret_array(mi.UInt32, hit.shape)
@@ -247,6 +249,8 @@ class SurfacePool:
         si.sh_frame = mi.Frame3f(mi.Vector3f(shading))
         if self.has_grain:
             si.sh_frame = _grain_frame(shading, (b - a, c - a), (tb - ta, tc - ta), laid)
+        if self.has_relief:
+            si.dp_du, si.dp_dv = _derivatives((b - a, c - a), (tb - ta, tc - ta), laid)
         si.wi = dr.select(valid, si.to_local(-ray.d), -ray.d)
         si.shape, si.prim_index = hit.shape, hit.prim_index
         return si
@@ -260,6 +264,14 @@ class SurfacePool:
         is_tube = active & (kind == TUBE)
         axis = dr.gather(mi.Vector3f, self._tubes, number, is_tube)
         return dr.select(is_tube, dr.normalize(away - axis * dr.dot(axis, away)), made)
+
+
+def _derivatives(edges, coordinates, laid):
+    """How places follow from U and V, 0 where they do not; parameters as of `_grain_frame`. (Vector3f, Vector3f) [m]"""
+    (first, second), (u, v) = edges, coordinates
+    area = u.x * v.y - v.x * u.y
+    share = dr.select(laid & (area != 0.0), 1.0 / area, 0.0)
+    return (first * v.y - second * u.y) * share, (second * u.x - first * v.x) * share
 
 
 def _grain_frame(normal, edges, coordinates, laid):

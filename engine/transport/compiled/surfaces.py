@@ -19,6 +19,7 @@ from ...scene.material import (
     Holdout,
     Measured,
     Mix,
+    Raised,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -26,6 +27,7 @@ from ...scene.material import (
     Transparent,
     Varnish,
 )
+from ...scene.relief import layers, picture_of
 from ...scene.spectrum import Constant, Tabulated
 from ...scene.texture import ImageTexture
 from .textures import TextureMaker, is_spectral, number, refractive_index
@@ -235,6 +237,17 @@ def _width(roughness) -> float:
     return round(float(max(alpha(roughness), MINIMUM_ALPHA)), 4)
 
 
+def _raised(surface: Raised, make: TextureMaker):
+    import mitsuba as mi
+
+    surface.check()
+    properties = {"type": "lumenray_relief", "nested": bsdf(surface.surface, make)}
+    plugin = mi.load_dict(properties, optimize=False)
+    parts = layers(surface.relief)
+    plugin.set_layers(make.bitmaps.table, parts, [make.relief(picture_of(p)) for p in parts])
+    return plugin
+
+
 def _tabulated_pane(surface: TabulatedPane, _make: TextureMaker):
     import mitsuba as mi
 
@@ -338,6 +351,7 @@ MAKERS = {
     Varnish: _varnish,
     Blend: _blend,
     Toon: _toon,
+    Raised: _raised,
 }
 """What makes the plug-in of a kind of surface, or its Mitsuba dictionary."""
 
@@ -354,6 +368,8 @@ def approximations(surface: Surface) -> list[str]:
             return ["it shines about its normal wherever light comes from, as in Blender"]
         case Varnish():
             return approximations(surface.base)
+        case Raised():
+            return approximations(surface.surface)
         case Measured() if usable(surface) is not surface:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:

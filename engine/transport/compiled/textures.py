@@ -90,6 +90,10 @@ class TextureMaker:
         """Row of a picture in the table of pictures, for a reflectance."""
         return self.bitmaps.row(texture)
 
+    def relief(self, texture: ImageTexture) -> int:
+        """Row of a picture of vectors or heights, whose numbers stay as they are."""
+        return self.bitmaps.row(texture, largest=np.inf)
+
     def scalar(self, value, power: float = 1.0):
         """Texture of a plain number or one-channel picture, raised to ``power``."""
         if isinstance(value, ImageTexture):

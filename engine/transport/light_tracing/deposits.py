@@ -186,7 +186,9 @@ def bend(si, bsdf, stream, active):
     """Draw how a surface sends light on: the sample and the share of the flux over its probability."""
     choice = stream.next_float32()
     sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    bs, weight = bsdf.sample(mi.BSDFContext(), si, choice, sample, active)
+    # Of all surfaces only a relief answers light on its way from a lamp otherwise, as its normals are not those of the mesh.
+    context = mi.BSDFContext(mi.TransportMode.Importance)
+    bs, weight = bsdf.sample(context, si, choice, sample, active)
     return bs, weight * dr.square(bs.eta)
 
 

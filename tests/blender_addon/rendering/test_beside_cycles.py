@@ -185,6 +185,81 @@ def test_pictures_agree_with_cycles(view):
     assert np.abs(blocks(ours) - blocks(theirs)).max() < 0.08 * blocks(theirs).max()
 
 
+def add_relief(kind):
+    """A square whose normals, or whose vertices, follow a picture."""
+    side = 24
+    step = np.linspace(-2.0, 2.0, side + 1)
+    corners = [(x, y, 0.0) for y in step for x in step]
+    first = [row * (side + 1) + column for row in range(side) for column in range(side)]
+    faces = [(n, n + 1, n + side + 2, n + side + 1) for n in first]
+    mesh = bpy.data.meshes.new("Square")
+    mesh.from_pydata(corners, [], faces)
+    places = np.array([corners[n][:2] for face in faces for n in face])
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", (0.25 * places + 0.5).ravel())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Square", mesh))
+
+    x, y = np.meshgrid(np.arange(16) / 16, np.arange(16) / 16)
+    pixels = np.ones((16, 16, 4), np.float32)
+    pixels[..., 0] = 0.5 + 0.3 * np.sin(2 * np.pi * x)
+    pixels[..., 1] = 0.5 + 0.3 * np.cos(2 * np.pi * y)
+    image = bpy.data.images.new("Relief", 16, 16, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+
+    material = bpy.data.materials.new("Relief")
+    material.use_nodes = True
+    mesh.materials.append(material)
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    shaders = "OutputMaterial", "BsdfAnisotropic" if kind == "metal" else "BsdfDiffuse"
+    output, shader = (nodes.new(f"ShaderNode{name}") for name in shaders)
+    shader.inputs["Color"].default_value = (0.6, 0.6, 0.6, 1.0)
+    links.new(shader.outputs[0], output.inputs["Surface"])
+    picture = nodes.new("ShaderNodeTexImage")
+    picture.image = image
+    if kind in {"normal map", "metal"}:
+        if kind == "metal":
+            shader.inputs["Roughness"].default_value = 0.5
+        node = nodes.new("ShaderNodeNormalMap")
+        links.new(picture.outputs["Color"], node.inputs["Color"])
+        links.new(node.outputs[0], shader.inputs["Normal"])
+    elif kind == "bump":
+        node = nodes.new("ShaderNodeBump")
+        node.inputs["Distance"].default_value = 0.5
+        links.new(picture.outputs["Color"], node.inputs["Height"])
+        links.new(node.outputs[0], shader.inputs["Normal"])
+    else:
+        node = nodes.new("ShaderNodeDisplacement")
+        node.inputs["Scale"].default_value = 0.6
+        links.new(picture.outputs["Color"], node.inputs["Height"])
+        links.new(node.outputs[0], output.inputs["Displacement"])
+        material.displacement_method = kind
+    add_light("SUN", location=(0, 0, 3), energy=3.0).rotation_euler = (0.7, 0.2, 0.0)
+    new_world((1.0, 1.0, 1.0), 0.2)
+    add_camera((0, 0, 3), (0, 0, 0), type="ORTHO", ortho_scale=3.6)
+
+
+@needs_cycles
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "bump",
+        *(
+            pytest.param(kind, marks=pytest.mark.slow)
+            for kind in ("normal map", "metal", "BUMP", "DISPLACEMENT", "BOTH")
+        ),
+    ],
+)
+def test_reliefs_agree_with_cycles(kind):
+    add_relief(kind)
+    ours, theirs = (render_with(engine, 64)[..., 1] for engine in ("LUMENRAY", "CYCLES"))
+    assert ours.mean() == pytest.approx(theirs.mean(), rel=0.01)
+    blocks = [picture.reshape(4, 8, 6, 8).mean(axis=(1, 3)) for picture in (ours, theirs)]
+    assert np.abs(blocks[0] - blocks[1]).max() < 0.03 * blocks[1].max()
+
+
 BLURRED = {"clip_start": 0.01} | {
     f"dof.{name}": value
     for name, value in (

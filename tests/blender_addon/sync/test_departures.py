@@ -81,7 +81,7 @@ STRUCTS = {
     "material": (
         bpy.types.Material,
         departures.MATERIAL,
-        # Displacement is told by its socket.
+        # How a mesh is displaced is read with the node at the output's socket.
         words(
             "displacement_method pass_index node_tree use_nodes diffuse_color animation_data cycles lumenray"
         ),
@@ -328,6 +328,7 @@ def test_what_blender_makes_departs_in_nothing(stage):
         ("light", {"use_shadow": False}, "no shadows"),
         ("world", {"cycles.max_bounces": 1}, "1 times at most"),
         ("material", {"use_transparent_shadow": False}, "transparent shadows"),
+        ("material", {"cycles.use_bump_map_correction": False}, "correction of bump maps"),
         ("scene", {"render.use_motion_blur": True}, "motion blur is for renders"),
         ("scene", {"render.use_multiview": True}, "stereo"),
         ("scene", {"render.use_freestyle": True}, "Freestyle"),

@@ -35,15 +35,13 @@ def test_output_without_surface_is_black_and_reported(tree, convert):
     assert len(rows) == 1
 
 
-def test_volume_and_displacement_are_reported(tree, convert):
+def test_volume_is_reported(tree, convert):
     material = tree.surface(tree.add("BsdfTransparent"))
     output = material.node_tree.get_output_node("CYCLES")
     links = material.node_tree.links
     links.new(tree.add("VolumeAbsorption").outputs[0], output.inputs["Volume"])
-    links.new(tree.add("Displacement").outputs[0], output.inputs["Displacement"])
     _, rows = convert(material)
     assert "Absorption" in messages_of(rows)
-    assert "Displacement" in messages_of(rows)
 
 
 def test_circle_of_shaders_ends_with_a_row(tree, convert):

@@ -15,6 +15,8 @@ from lumenray.engine.scene.material import (
     Diffuse,
     Glossy,
     Mix,
+    Raised,
+    Surface,
     ThinGlass,
     Transparent,
     Varnish,
@@ -170,10 +172,23 @@ def test_a_coat_dims_the_light_below_it(tree, convert):
     assert "dims" in messages_of(rows)
 
 
-def test_normal_map_is_reported(tree, convert):
-    normal = tree.add("NormalMap")
-    _, rows = convert(tree.surface(tree.add("BsdfPrincipled", Normal=normal.outputs[0])))
-    assert "normal" in messages_of(rows)
+def test_a_normal_bends_all_parts_of_principled_but_those_that_light_passes_straight(tree, convert):
+    normal = tree.add("NormalMap", Color=(0.7, 0.5, 0.9))
+    shader = tree.add("BsdfPrincipled", Metallic=0.5, Alpha=0.5, Normal=normal.outputs[0])
+    result, rows = convert(tree.surface(shader))
+    assert rows == []
+    assert isinstance(result.surface.first, Transparent)
+    assert all(
+        isinstance(part, Raised)
+        for part in vars(result.surface.second).values()
+        if isinstance(part, Surface)
+    )
+
+
+def test_a_normal_of_the_coats_own_is_reported(tree, convert):
+    normal = tree.add("NormalMap", Color=(0.7, 0.5, 0.9))
+    shader = tree.add("BsdfPrincipled", Coat_Weight=0.5, Coat_Normal=normal.outputs[0])
+    assert "normal of the coat" in messages_of(convert(tree.surface(shader))[1])
 
 
 def test_roughness_picture_of_a_coat_becomes_its_mean_with_a_row(tree, convert):
