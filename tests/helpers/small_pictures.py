@@ -100,7 +100,11 @@ ROOMS = {
 
 
 def picture_of(items, samples, method, seed=0, view=None, **more):
-    """Picture of a room by a method. ``samples``: or a rule."""
+    """Picture of a room by a method. ``samples``: or a rule.
+
+    Unless ``shares`` says so, pixels share nothing, so that their errors are independent and those of squares are known.
+    """
+    more = {"shares": False} | more
     rule = samples if isinstance(samples, StopRule) else StopRule(samples=samples)
     settings = ViewSettings(rule, seed, method=method, **more)
     return session_of(*items).render(view or look_in(), settings)

@@ -452,6 +452,11 @@ class _Passes:
         if shares.any():
             estimate = channels.widened(estimate, shares)
         notes = ()
+        if self._shared is not None:
+            notes = (
+                "pixels share light that is even over a surface; of the stated error "
+                f"{100.0 * self._smoothed:.2g} % is what that smooths away",
+            )
         if self.light.cells is not None:
             luminance = float(estimate.mean[:, 1].mean())
             tell = self._tell_correction if self.light.is_corrected else self._compare
@@ -459,12 +464,7 @@ class _Passes:
             estimate.standard_error[:, :3] = np.hypot(
                 estimate.standard_error[:, :3], beyond * estimate.mean[:, :3]
             )
-            notes = (note, *self.light.cells.notes)
-        if self._shared is not None:
-            notes += (
-                "pixels share light that is even over a surface; of the stated error "
-                f"{100.0 * self._smoothed:.2g} % is what that smooths away",
-            )
+            notes += (note, *self.light.cells.notes)
         self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
         all_lost = sum(lost.sum(axis=1) for lost in self.light.lost.values())
         lost = {name: (int(n), made) for name, n in zip(LOST, all_lost, strict=True)}

@@ -34,6 +34,7 @@ def divisions(monkeypatch):
 
 
 def rendered(session, samples=64, seed=1, view=None, **more):
+    more = {"shares": False} | more
     settings = ViewSettings(StopRule(samples=samples), seed, method="cells", **more)
     return session.render(view or look_in(), settings)
 
