@@ -133,26 +133,28 @@ def test_kinds_do_not_mix_and_what_shows_no_matt_surface_keeps_its_own():
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("room", ["matt", "textured floor"])
 def test_pictures_that_share_light_are_nearer_to_long_ones(room):
-    view = look_in(48, 40)
-    luminance = {}
+    view = look_in(96, 80)
+    made = {}
     for name, samples, seed, shares in (
-        ("long", 2048, 9, False),
-        ("shared", 32, 1, True),
-        ("own", 32, 1, False),
+        ("long", 1024, 9, False),
+        ("shared", 16, 1, True),
+        ("own", 16, 1, False),
     ):
         settings = ViewSettings(StopRule(samples=samples), seed, method="cells", shares=shares)
-        made = session_of(*ROOMS[room]).render(view, settings)
-        luminance[name] = made.tristimulus[..., 1].astype(float), made.relative_error
-    long = luminance["long"][0]
-    scale = np.maximum(long, long.mean())
-    errors = {
-        name: np.sqrt(
-            (((luminance[name][0] - long) / scale) ** 2).mean() - luminance["long"][1] ** 2
-        )
-        for name in ("shared", "own")
-    }
-    assert errors["shared"] < 0.75 * errors["own"]
-    assert luminance["shared"][1] == pytest.approx(errors["shared"], rel=0.2)
+        made[name] = session_of(*ROOMS[room]).render(view, settings)
+    luminance = {name: each.tristimulus[..., 1].astype(float) for name, each in made.items()}
+    long = luminance["long"]
+    # Of tiles, as a few pixels at the corners of the lamp make most of the whole error, and have nothing to share.
+    true = {name: by_tiles((luminance[name] - long) ** 2) for name in ("shared", "own")}
+    assert np.sqrt(np.median(true["shared"] / true["own"])) < 0.6
+    stated = by_tiles(made["shared"].luminance_error.astype(float) ** 2)
+    assert 0.75 < np.sqrt(np.median(stated / true["shared"])) < 1.5
+
+
+def by_tiles(values):
+    """Means of tiles of a picture (h, w)."""
+    height, width = values.shape
+    return values.reshape(height // TILE, TILE, width // TILE, TILE).mean(axis=(1, 3))
 
 
 @pytest.mark.mitsuba
