@@ -41,6 +41,7 @@ def convert_material(
     efficacy: float,
     images: ImageCache | None = None,
     is_patient: bool = True,
+    context: Context | None = None,
 ) -> Material:
     """Convert a Blender material.
 
@@ -52,6 +53,7 @@ def convert_material(
     efficacy : float    What one watt of Blender's radiance stands for. [lm/W]
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
+    context : Context or None    In which its nodes are evaluated; None: as they are for all objects.
 
     Returns
     -------
@@ -65,7 +67,9 @@ def convert_material(
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
     try:
-        closure = _convert_tree(material, report, images)
+        closure = _convert_tree(
+            material, report, context or material_context(material, report, images)
+        )
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None
@@ -101,7 +105,14 @@ def _report_working_space(report):
         )
 
 
-def _convert_tree(material, report, images) -> Closure:
+def material_context(material, report, images=None) -> Context:
+    """Return the conversion of a material's nodes for all objects, which notes what it would need to know of one."""
+    context = Context(material.name, report, images)
+    context.is_material = True
+    return context
+
+
+def _convert_tree(material, report, context: Context) -> Closure:
     if not uses_nodes(material):
         colour = np.clip(material.diffuse_color[:3], 0, 1)
         return Closure(Diffuse(as_colour(constant(*colour))))
@@ -109,7 +120,6 @@ def _convert_tree(material, report, images) -> Closure:
     if output is None:
         report.warn(material.name, "The node tree has no material output", "black is used")
         return Closure(Black())
-    context = Context(material.name, report, images)
     is_volume = output.inputs["Volume"].is_linked
     if output.inputs["Displacement"].is_linked:
         report.warn(material.name, "Displacement is not supported", "it is left out", output.name)

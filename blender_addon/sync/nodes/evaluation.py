@@ -7,7 +7,7 @@ import numpy as np
 from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
-from . import colour_nodes, coordinate_nodes, procedural_nodes, stand_ins, texture_nodes
+from . import colour_nodes, coordinate_nodes, needs, procedural_nodes, stand_ins, texture_nodes
 from .fields import Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
@@ -30,10 +30,19 @@ class Context:
     datablock : str    Name of the material or world, for the report.
     report : ConversionReport    Where departures go.
     images : ImageCache or None    What was read before.
+
+    Attributes
+    ----------
+    is_material : bool    Whether an object shows it, whose own values a conversion of its own can take.
+    has_texels : bool    Whether nodes are evaluated at texels of an object's surface, not on tiles of UV maps.
+    needs : set of tuple    What was asked for of the object that shows it, as `needs` has them.
     """
+
+    is_material = has_texels = False
 
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
+        self.needs: set[tuple] = set()
         self.report = report
         self.images = ImageCache() if images is None else images
         self.readings: dict = {}
@@ -46,11 +55,11 @@ class Context:
 
     def take_output(self, at) -> "Field | None":
         """Return what a node gives here in place of what it gives on a surface; None: the same."""
-        return None
+        self.needs |= needs.needs_of_node(at.node, at.output)
 
     def coordinates(self) -> "Field | None":
         """Return what textures go by where nothing is linked; None: coordinates of the object, which are not known."""
-        return None
+        self.needs.add(needs.SURFACE)
 
     def take_profile(self, node) -> float | None:
         """Return the number that an IES texture stands for; None: it cannot be taken over here."""

@@ -43,6 +43,10 @@ class Layout:
             and np.allclose(self.transform, other.transform, atol=_EQUAL)
         )
 
+    def picture(self, values: np.ndarray) -> np.ndarray:
+        """Return values as the pixels of the picture."""
+        return values
+
 
 @dataclass(frozen=True, eq=False)
 class Field:
@@ -342,7 +346,7 @@ def as_scalar(field: Field) -> Scalar:
 def as_texture(field: Field) -> ImageTexture:
     """Return a field that is not constant as the engine's picture."""
     layout = field.layout
-    pixels = field.values
+    pixels = recall(field.values, "picture", layout.picture)
     if pixels.dtype != np.float32 or not pixels.flags.c_contiguous:
         pixels = recall(pixels, "contiguous", lambda v: np.ascontiguousarray(v, np.float32))
     if pixels.flags.writeable:

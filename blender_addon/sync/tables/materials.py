@@ -10,9 +10,12 @@ from ...foundation.identity import engine_id
 from ...foundation.report import ConversionReport
 from ..images.cache import ImageCache
 from ..lights.portals import portal_material
-from ..materials.materials import convert_material, default_material
+from ..materials.materials import convert_material, default_material, material_context
 from ..nodes.dependencies import shading_dependencies
+from ..nodes.needs import all_needs
+from ..placing import Place
 from .pictures import PictureTable
+from .placed import MOST, Placed, convert_for, shares
 
 DEFAULT_MATERIAL = "material:"
 """Id of what surfaces without a material are made of."""
@@ -20,7 +23,10 @@ DEFAULT_MATERIAL = "material:"
 
 @dataclass
 class _Entry:
-    """What is known of one material of Blender, by its session uid."""
+    """What is known of one material of Blender, by its session uid.
+
+    ``needs``: what it would have to know of an object, as `nodes.needs` has them; ``version``: how often it was converted.
+    """
 
     key: str
     name: str = ""
@@ -28,6 +34,8 @@ class _Entry:
     digest: bytes = b""
     is_luminous: bool = False
     dependencies: frozenset[int] = frozenset()
+    needs: frozenset[tuple] = frozenset()
+    version: int = 0
     report: ConversionReport = field(default_factory=ConversionReport)
 
 
@@ -47,6 +55,8 @@ class MaterialTable:
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self._entries: dict[int, _Entry] = {}
+        self._placed: dict[str, Placed] = {}
+        self._used: set[str] = set()
 
     def mark(self, tagged: set[int]) -> None:
         """Note that materials which are or read one of these data-blocks may be out of date."""
@@ -71,6 +81,23 @@ class MaterialTable:
             self._update(original, entry, depsgraph)
         return entry.key
 
+    def needs(self, material) -> frozenset[tuple]:
+        """Return what a material that was `use`d would have to know of an object (None: nothing)."""
+        return (
+            frozenset() if material is None else self._entries[material.original.session_uid].needs
+        )
+
+    def place(self, material, place: Place) -> str:
+        """Return the id of a material for one object; that for all where it is made for too many."""
+        owner = material.original.session_uid
+        known = self._placed.get(place.key)
+        if known is None:
+            if sum(each.owner == owner for each in self._placed.values()) >= MOST:
+                return self._entries[owner].key
+            known = self._placed[place.key] = Placed(place, owner)
+        known.place = place
+        return place.key
+
     def use_portal(self) -> str:
         """Return the id of what portals are made of."""
         return self._take_made(-1, portal_material())
@@ -82,23 +109,79 @@ class MaterialTable:
             self.changed.append(made)
         return made.id
 
-    def refresh(self, used: set[str], depsgraph) -> None:
-        """Convert what is out of date among the materials in use; give up those that Blender has no more."""
+    def renew(self, used: set[str], depsgraph) -> bool:
+        """Convert what is out of date among the materials in use; return whether one needs to know other things of objects."""
+        used = used | {
+            self._entries[self._placed[key].owner].key for key in used if key in self._placed
+        }
         stale = [
             key for key, entry in self._entries.items() if entry.is_stale and entry.key in used
         ]
-        unused = [key for key, entry in self._entries.items() if entry.key not in used]
-        if not stale and not unused:
-            return
-        blocks = {block.session_uid: block for block in bpy.data.materials}
+        blocks = {block.session_uid: block for block in bpy.data.materials} if stale else {}
+        is_other = False
         for session_uid in stale:
             if session_uid in blocks:
-                self._update(blocks[session_uid], self._entries[session_uid], depsgraph)
+                entry = self._entries[session_uid]
+                before = entry.needs
+                self._update(blocks[session_uid], entry, depsgraph)
+                is_other |= entry.needs != before
+        return is_other
+
+    def refresh(self, used: set[str], depsgraph) -> None:
+        """Convert what is out of date among the materials in use; give up those that Blender has no more."""
+        self.renew(used, depsgraph)
+        self._used = used
+        self._refresh_placed(used, depsgraph)
+        owners = {placed.owner for placed in self._placed.values()}
+        unused = [
+            key
+            for key, entry in self._entries.items()
+            if entry.key not in used and key not in owners
+        ]
+        if not unused:
+            return
+        blocks = {block.session_uid: block for block in bpy.data.materials}
         for session_uid in unused:
             if session_uid not in blocks or not blocks[session_uid].users:
                 key = self._entries.pop(session_uid).key
                 self._pictures.drop(key)
                 self.removed.append(key)
+
+    def _refresh_placed(self, used: set[str], depsgraph) -> None:
+        """Convert what is out of date among the materials for single objects; give up those that nothing shows."""
+        for key in [key for key in self._placed if key not in used]:
+            if self._placed.pop(key).digest:
+                self._pictures.drop(key)
+                self.removed.append(key)
+        if not self._placed:
+            return
+        blocks = {block.session_uid: block for block in bpy.data.materials}
+        share = shares({key: placed.place for key, placed in self._placed.items()})
+        for key, placed in self._placed.items():
+            version, room = self._entries[placed.owner].version, share.get(key, 0)
+            # Pictures grow by factors of two along a side.
+            made_of = (*placed.place.state(), version, int(room).bit_length() // 2)
+            if made_of != placed.made_of and placed.owner in blocks:
+                self._update_placed(placed, blocks[placed.owner], 1 << (2 * made_of[-1]), depsgraph)
+                placed.made_of = made_of
+
+    def _update_placed(self, placed: Placed, block, share: int, depsgraph) -> None:
+        placed.report = ConversionReport()
+        made = convert_for(
+            placed.place,
+            share,
+            block.evaluated_get(depsgraph),
+            placed.report,
+            self.efficacy,
+            self._images,
+            self._is_patient,
+        )
+        placed.name = made.name
+        placed.is_luminous = _is_luminous(made)
+        digest = content_digest(made)
+        if digest != placed.digest:
+            placed.digest = digest
+            self.changed.append(self._pictures.put(made))
 
     def flush(self) -> tuple[list[Material], list[str]]:
         """Hand over what changed and what was removed since the last time."""
@@ -108,16 +191,26 @@ class MaterialTable:
 
     def tell(self, used: set[str]) -> tuple[list[ConversionReport], bool]:
         """Return the reports of the materials in use, and whether one of them is luminous."""
-        entries = [entry for entry in self._entries.values() if entry.key in used]
+        entries = [entry for key, entry in self._all() if key in used]
         return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
 
-    def is_luminous(self, keys) -> bool:
-        """Whether one of the materials with these ids glows."""
-        return any(entry.is_luminous for entry in self._entries.values() if entry.key in keys)
+    def is_luminous(self, materials) -> bool:
+        """Whether one of these materials, which were `use`d, glows."""
+        numbers = (0 if each is None else each.original.session_uid for each in materials)
+        return any(self._entries[number].is_luminous for number in numbers)
 
     def luminous(self) -> list[tuple[str, str]]:
         """Return ids and names of the materials that glow."""
-        return [(entry.key, entry.name) for entry in self._entries.values() if entry.is_luminous]
+        return [
+            (key, entry.name)
+            for key, entry in self._all()
+            if entry.is_luminous and (key in self._used or not getattr(entry, "needs", None))
+        ]
+
+    def _all(self):
+        """Ids and what is known of all materials, those for single objects included."""
+        yield from ((entry.key, entry) for entry in self._entries.values())
+        yield from self._placed.items()
 
     def dependencies(self) -> set[int]:
         """Return session uids of all node trees and images that the materials read."""
@@ -125,23 +218,32 @@ class MaterialTable:
 
     def __iter__(self):
         """Ids of the materials that the engine has."""
-        return (entry.key for entry in self._entries.values())
+        return (key for key, _ in self._all())
 
     def _update(self, block, entry, depsgraph) -> None:
         entry.report = ConversionReport()
         # In the frames of a render only the evaluated one has what is animated.
+        evaluated = block.evaluated_get(depsgraph)
+        context = material_context(evaluated, entry.report, self._images)
         made = convert_material(
-            block.evaluated_get(depsgraph),
+            evaluated,
             entry.key,
             entry.report,
             self.efficacy,
             self._images,
             self._is_patient,
+            context,
         )
+        entry.needs = all_needs(evaluated, context.needs)
+        entry.version += 1
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
-        entry.is_luminous = made.emission is not None and made.emission.luminance > 0.0
+        entry.is_luminous = _is_luminous(made)
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest = digest
             self.changed.append(self._pictures.put(made))
+
+
+def _is_luminous(made: Material) -> bool:
+    return made.emission is not None and made.emission.luminance > 0.0
