@@ -299,7 +299,8 @@ for _key, _make in {
     "Pointiness": lambda tree: tree.add("NewGeometry", out=7),
     "Random per island": lambda tree: tree.add("NewGeometry", out=8),
     "Ambient occlusion": lambda tree: tree.add("AmbientOcclusion"),
-    "Wireframe": lambda tree: tree.add("Wireframe", Size=0.1),
+    # Lines so wide that the camera sees those at the edges of the tile as well.
+    "Wireframe": lambda tree: tree.add("Wireframe", Size=0.2),
     "Random per object": lambda tree: tree.add("ObjectInfo", out=5),
     "Object's colour": lambda tree: tree.add("ObjectInfo", out=1),
     "Camera distance": lambda tree: tree.add("CameraData", out=2),

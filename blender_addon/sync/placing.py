@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from .instance_attributes import InstanceAttributes
 from .nodes import needs
 from .nodes.placed import Subject
+from .nodes.procedural.hashing import hash_integers
 from .surfaces import Surface
 
 SPAN = float(np.float32(1.0) / np.float32(0xFFFFFFFF))
@@ -80,7 +82,9 @@ def place_key(material: str, asked: frozenset, shown_key: str, geometry: str, sl
     return f"{kind}:{digest}/{identity}"
 
 
-def read_values(asked: frozenset, instance, source, parent, depsgraph) -> dict[tuple, tuple]:
+def read_values(
+    asked: frozenset, instance, source, parent, depsgraph, attributes: InstanceAttributes
+) -> dict[tuple, tuple]:
     """Return what needs of an instance come to; what is not known is left out.
 
     Parameters
@@ -90,13 +94,14 @@ def read_values(asked: frozenset, instance, source, parent, depsgraph) -> dict[t
     source : bpy.types.Object    Evaluated.
     parent : bpy.types.Object or None    What makes the instance.
     depsgraph : bpy.types.Depsgraph
+    attributes : InstanceAttributes    Of this walk.
     """
     found = {}
     for need in asked:
         if need[0] == needs.VALUE:
             value = _value(need[1], instance, source)
         elif need[0] == needs.ATTRIBUTE:
-            value = _property(need[2], _owners(need[1], source, parent, depsgraph))
+            value = _attribute(need, instance, source, parent, depsgraph, attributes)
         elif need[0] == needs.FRAME:
             value = _matrix_from_world(need[1], depsgraph)
         else:
@@ -114,7 +119,8 @@ def _value(name: str, instance, source) -> tuple | None:
     if name == "index":
         return (float(source.pass_index),)
     if name == "random":
-        return ((instance.random_id & 0xFFFFFFFF) * SPAN,)
+        number = instance.random_id if instance.is_instance else _number_of_name(source.name)
+        return ((number & 0xFFFFFFFF) * SPAN,)
     if name == "instance generated":
         is_made = instance.is_instance
         return tuple(0.5 * each - 0.5 for each in instance.orco) if is_made else (0.0, 0.0, 0.0)
@@ -123,12 +129,30 @@ def _value(name: str, instance, source) -> tuple | None:
     return None
 
 
-def _owners(kind: str, source, parent, depsgraph) -> list:
+def _number_of_name(name: str) -> int:
+    """Return the random number that Cycles gives an object by its name; instances have theirs from Blender."""
+    number = 0
+    for letter in name.encode():
+        number = (37 * number + letter) & 0xFFFFFFFF
+    return int(hash_integers(number, 0))
+
+
+def _attribute(need, instance, source, parent, depsgraph, attributes) -> tuple | None:
+    """Return a property that an Attribute node names; None: it is not known."""
+    _, kind, name = need
+    owners = [source, source.data]
     if kind == "VIEW_LAYER":
         scene = depsgraph.scene
-        return [depsgraph.view_layer, scene, scene.world]
-    owner = source if kind == "OBJECT" or parent is None else parent
-    return [owner, owner.data]
+        owners = [depsgraph.view_layer, scene, scene.world]
+    elif kind == "INSTANCER" and parent is not None:
+        try:
+            value = attributes.find(name, instance, parent)
+        except LookupError:
+            return None
+        if value is not None:
+            return value
+        owners = [parent, parent.data, *owners]
+    return _property(name, owners)
 
 
 def _property(name: str, owners) -> tuple | None:

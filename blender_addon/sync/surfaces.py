@@ -6,20 +6,9 @@ import numpy as np
 
 from ...engine.atlas.picture_charts import PictureCharts, lay_charts
 from ...engine.scene.mesh import CHART_MAP, Geometry, Mesh
+from .instance_attributes import KINDS
 from .meshes import corners_of, read_geometry, read_values
 from .vertex_values import find_islands, measure_pointiness
-
-_KINDS = {
-    "FLOAT": ("value", np.float32, 1),
-    "INT": ("value", np.int32, 1),
-    "INT8": ("value", np.int32, 1),
-    "BOOLEAN": ("value", np.bool_, 1),
-    "FLOAT2": ("vector", np.float32, 2),
-    "FLOAT_VECTOR": ("vector", np.float32, 3),
-    "FLOAT_COLOR": ("color", np.float32, 4),
-    "BYTE_COLOR": ("color", np.float32, 4),
-}
-"""Types of attributes that Cycles hands to materials: property, type of number, channels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +141,7 @@ def _read(mesh, geometry: Geometry) -> Surface:
     corners = corners_of(mesh)
     attributes = {}
     for attribute in mesh.attributes:
-        if attribute.data_type in _KINDS and not attribute.name.startswith("."):
+        if attribute.data_type in KINDS and not attribute.name.startswith("."):
             values = _at_corners(attribute, geometry, corners)
             if values is not None:
                 attributes[attribute.name] = values
@@ -168,7 +157,7 @@ def _read(mesh, geometry: Geometry) -> Surface:
 
 
 def _at_corners(attribute, geometry: Geometry, corners: np.ndarray) -> np.ndarray | None:
-    name, kind, channels = _KINDS[attribute.data_type]
+    name, kind, channels = KINDS[attribute.data_type]
     if attribute.domain not in {"POINT", "CORNER", "FACE"}:
         return None
     values = read_values(attribute.data, name, kind, (len(attribute.data), channels))

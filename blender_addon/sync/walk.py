@@ -17,6 +17,7 @@ from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
 from .departures import OBJECT, SCENE, WORLD, tell, tell_passes
+from .instance_attributes import InstanceAttributes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
@@ -57,6 +58,7 @@ class Walk:
         self.number = sent.walks = sent.walks + 1
         self._own_data: dict[int, int] = {}
         self._ordinals: dict[int, dict[int, int]] = {}
+        self._attributes = InstanceAttributes()
 
     def run(self) -> None:
         """Visit everything that the tags call for."""
@@ -265,7 +267,7 @@ class Walk:
         for slot, (material, needed) in enumerate(zip(slots, asked, strict=True)):
             keys.append(table.use(material, self.depsgraph))
             has_surface = wants_surface(needed, geometries.uv_bounds(geometry))
-            values = read_values(needed, instance, source, parent, self.depsgraph)
+            values = read_values(needed, instance, source, parent, self.depsgraph, self._attributes)
             if not has_surface and not values and PLACE not in needed:
                 continue
             is_placed = True

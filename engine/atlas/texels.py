@@ -19,7 +19,7 @@ class Texels:
     width, height : int    Of the picture.
     index : (n,) int64 array    Ascending, by rows from the bottom.
     triangle : (n,) int32 array
-    weights : (n, 3) float32 array    Of the triangle's corners; a middle beside its triangle counts by the nearest point there.
+    weights : (n, 3) float32 array    Of the triangle's corners; of a middle beside its triangle those of the nearest point.
     """
 
     width: int
@@ -72,8 +72,8 @@ class Texels:
 def find_texels(uv: np.ndarray, width: int, height: int) -> Texels:
     """Find the texels of charts.
 
-    A look-up mixes the four texels around a place: the one that holds it, which the surface covers, and three of those around
-    that. So these are all covered texels and a rim of one about them.
+    A look-up mixes the four texels around a place: the one that holds it, which the surface covers, and three of those
+    around that. So these are all covered texels and a rim of one about them.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _with_rim(uv, width: int, height: int, index, triangle):
 
 
 def _places(corners: np.ndarray, points: np.ndarray):
-    """Weights of the corners (k, 3, 2) at the points of triangles that are nearest to points (k, 2), and how far they are."""
+    """Weights of corners (k, 3, 2) at the places of their triangles nearest to points (k, 2), and how far those are."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     whole = _cross(b - a, c - a)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -9,6 +9,12 @@ from . import fields, needs
 from .evaluation import Context
 from .fields import Field, Layout, constant
 
+USUAL = 256
+"""Texels along a side where nothing asks for more: seams and edges of faces are blurred over one. [texel]"""
+
+SHARP = 1024
+"""Texels along a side where a texture has edges. [texel]"""
+
 FINEST = 2048
 """Side up to which a picture of texels goes. [texel]"""
 
@@ -72,6 +78,8 @@ class PlacedContext(Context):
         self.subject, self.surface, self.texels = subject, surface, texels
         self.rows, self.has_texels, self.is_material = rows, texels is not None, True
         self.wanted, self.work = 1.0, 0.0
+        if texels is not None:
+            self.want(USUAL)
 
     def take_output(self, at) -> Field | None:
         """Return what a node gives for the object; None: it gives the same as for all."""
@@ -163,7 +171,9 @@ class PlacedContext(Context):
         usual = float(np.quantile(rate, MOST)) * waves if len(rate) else 0.0
         if not np.isfinite(usual):
             return
-        self.wanted = max(self.wanted, usual * WAVE * (4 if is_sharp else 1))
+        self.wanted = max(self.wanted, usual * WAVE)
+        if is_sharp:
+            self.want(SHARP)
         if usual * COARSEST > 1.0:
             at.note(
                 "Details of the texture are finer than the texels of the object's picture",
@@ -215,7 +225,7 @@ def _geometry(at, context) -> Field | None:
     if name == "Normal":
         return context.turned("normal", lambda s: s.normals())
     if name == "True Normal":
-        return context.turned("flat", lambda s: s.flat_normals())
+        return _fine(context, context.turned("flat", lambda s: s.flat_normals()), WAVE)
     if name == "Random Per Island":
         return _fine(context, context.at_texels("islands", lambda s: s.islands()))
     if name == "Pointiness":
@@ -223,9 +233,9 @@ def _geometry(at, context) -> Field | None:
     return None
 
 
-def _fine(context, made: Field) -> Field:
-    """Ask for texels enough to tell triangles apart."""
-    context.want(COARSEST * np.sqrt(len(context.rows)))
+def _fine(context, made: Field, texels: float = COARSEST) -> Field:
+    """Ask for texels enough along the sides of triangles."""
+    context.want(texels * np.sqrt(len(context.rows)))
     return made
 
 
@@ -263,10 +273,10 @@ def _vertex_colour(at, context) -> Field | None:
 
 
 def _of_mesh(at, context, name: str) -> Field:
-    """Return an output of an attribute of the mesh; 0 if there is none, as in Cycles."""
+    """Return an output of an attribute of the mesh; black if there is none, as in Cycles."""
     values = context.surface.attributes.get(name)
     if values is None:
-        return constant(0.0) if at.output.type == "VALUE" else constant(0.0, 0.0, 0.0)
+        return _shown(at, constant(0.0))
     made = context.at_texels(("attribute", name), lambda s: s.attributes[name])
     return _fine(context, _shown(at, made))
 

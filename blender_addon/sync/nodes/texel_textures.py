@@ -17,10 +17,6 @@ _NUDGE, _SHRINK = 1e-6, 0.999999
 """What Cycles does to the coordinates of a checker, so that surfaces on its planes are of one colour."""
 
 
-WAVE_OF_PIXEL = 16.0
-"""Pixels that count as one wave, so that a pixel has a texel."""
-
-
 def places_of(at, is_uv_by_default: bool) -> Field:
     """Return the coordinates that a texture goes by."""
     socket = at.node.inputs["Vector"]
@@ -57,7 +53,7 @@ def draw_bricks(at, bonding) -> tuple[Field, Field]:
     """Return the share of mortar and the tint of bricks."""
     places, scale = places_of(at, False), at("Scale")
     finest = max(abs(bonding.mortar_size), 1e-3 * abs(bonding.row_height))
-    at.context.weigh(at, places, 0.25 * _largest(scale) / finest)
+    at.context.weigh(at, places, 0.25 * _largest(scale) / finest, is_sharp=True)
 
     def draw(places, scale, *_numbers):
         x, y, _ = np.moveaxis(rgb(places) * scale, -1, 0)
@@ -88,8 +84,8 @@ def look_up_picture(at, pixels) -> Field:
     places = places_of(at, node.projection == "FLAT")
     height, width = pixels.shape[:2]
     if pixels.size > pixels.shape[-1]:
-        finer = 4 if node.interpolation == "Closest" else 1
-        context.weigh(at, places, finer * max(height, width) / WAVE_OF_PIXEL)
+        is_sharp = node.interpolation == "Closest"
+        context.weigh(at, places, 0.25 * max(height, width), is_sharp=is_sharp)
     inputs = [places]
     if node.projection == "BOX":
         inputs.append(context.normals())

@@ -110,7 +110,7 @@ class MaterialTable:
         return made.id
 
     def renew(self, used: set[str], depsgraph) -> bool:
-        """Convert what is out of date among the materials in use; return whether one needs to know other things of objects."""
+        """Convert what is out of date among the materials in use; return whether one needs other things of objects."""
         used = used | {
             self._entries[self._placed[key].owner].key for key in used if key in self._placed
         }
