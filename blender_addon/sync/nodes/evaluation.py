@@ -8,7 +8,7 @@ from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
 from . import colour_nodes, coordinate_nodes, needs, procedural_nodes, stand_ins, texture_nodes
-from .fields import Field, constant, luminance, map_fields, rgb
+from .fields import OTHER_PLACES, TWO_MAPS, Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
 _FUNCTIONS = (
@@ -130,6 +130,8 @@ class Inputs:
 
     def note(self, message, remedy):
         """Note something that changes the result."""
+        if message in {TWO_MAPS, OTHER_PLACES}:
+            self.context.needs.add(needs.SURFACE)
         self.context.add(Severity.WARNING, self.node.name, message, remedy)
 
     def fail(self, message, remedy):

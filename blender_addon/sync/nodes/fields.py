@@ -18,6 +18,12 @@ LARGEST_TILE = 2048
 
 _EQUAL = 1e-6
 
+TWO_MAPS = "Two UV maps meet in one colour"
+"""What is noted where places on one map say nothing of those on the other."""
+
+OTHER_PLACES = "Pictures with different placements are combined"
+"""What is noted where no tile holds whole numbers of several pictures."""
+
 SAMPLES = 256
 """Values that stand for one that nothing is known of but how it is spread."""
 
@@ -172,7 +178,7 @@ def _map(function, fields, note) -> tuple[Field, bool]:
         kept = pictures[0].layout.uv_map
         if any(field.layout.uv_map != kept for field in pictures):
             note(
-                "Two UV maps meet in one colour",
+                TWO_MAPS,
                 f"the pictures on other maps than {kept or 'the default map'!r} become their mean",
             )
             fields = [_onto_map(field, kept) for field in fields]
@@ -232,7 +238,7 @@ def _common_layout(pictures, note):
     shape = tuple(int(side) for side in np.clip(np.ceil(wanted - 1e-3), 1, LARGEST_TILE))
     if not is_exact:
         note(
-            "Pictures with different placements are combined",
+            OTHER_PLACES,
             f"they are resampled on one UV tile of {shape[1]} x {shape[0]} pixels that repeats",
         )
     elif max(wanted) > LARGEST_TILE:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ....engine.scene.memo import recall
 from ....engine.scene.mesh import CHART_MAP
 from . import fields, needs
 from .evaluation import Context
@@ -165,10 +166,7 @@ class PlacedContext(Context):
         self.work += work
         if places.is_constant or len(self.texels) < 2:
             return
-        first, second = self.texels.keep("neighbours", lambda: np.stack(self.texels.neighbours()))
-        values = places.values[0]
-        rate = np.abs(values[first] - values[second]).max(axis=1)
-        usual = float(np.quantile(rate, MOST)) * waves if len(rate) else 0.0
+        usual = waves * recall(places.values, "usual step", self._usual_step)
         if not np.isfinite(usual):
             return
         self.wanted = max(self.wanted, usual * WAVE)
@@ -179,6 +177,12 @@ class PlacedContext(Context):
                 "Details of the texture are finer than the texels of the object's picture",
                 f"it is drawn on {self.texels.width} x {self.texels.height} texels, on which they are lost",
             )
+
+    def _usual_step(self, values: np.ndarray) -> float:
+        """Difference between texels beside each other that few exceed."""
+        first, second = self.texels.keep("neighbours", lambda: np.stack(self.texels.neighbours()))
+        steps = np.abs(values[0, first] - values[0, second]).max(axis=1)
+        return float(np.quantile(steps, MOST)) if len(steps) else 0.0
 
     def want(self, side: float) -> None:
         """Note how many texels along a side are wanted."""

@@ -15,8 +15,8 @@ class _Entry:
     """What is known of one geometry.
 
     ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``uv_bounds``: least and largest
-    coordinates by UV map, the default one first; ``surface``: what materials that are made for it asked for; ``slots``: those
-    whose charts it was sent with, ``is_unlaid``: unless it changed since.
+    coordinates by UV map, the default one first; ``surface``: what materials that are made for it asked for; ``slots``:
+    those whose charts it was sent with, ``is_unlaid``: unless it changed since.
     """
 
     owner: int

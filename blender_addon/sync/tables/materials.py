@@ -12,10 +12,10 @@ from ..images.cache import ImageCache
 from ..lights.portals import portal_material
 from ..materials.materials import convert_material, default_material, material_context
 from ..nodes.dependencies import shading_dependencies
-from ..nodes.needs import all_needs
+from ..nodes.needs import SURFACE, all_needs
 from ..placing import Place
 from .pictures import PictureTable
-from .placed import MOST, Placed, convert_for, shares
+from .placed import LIVE_TEXELS, MOST, TEXELS, Placed, convert_for, pictures_of, shares
 
 DEFAULT_MATERIAL = "material:"
 """Id of what surfaces without a material are made of."""
@@ -25,7 +25,8 @@ DEFAULT_MATERIAL = "material:"
 class _Entry:
     """What is known of one material of Blender, by its session uid.
 
-    ``needs``: what it would have to know of an object, as `nodes.needs` has them; ``version``: how often it was converted.
+    ``needs``: what it would have to know of an object, as `nodes.needs` has them; ``version``: how often it was converted;
+    ``waiting``: what of it the engine lacks; ``is_sent``: whether that has it in some form.
     """
 
     key: str
@@ -36,6 +37,8 @@ class _Entry:
     dependencies: frozenset[int] = frozenset()
     needs: frozenset[tuple] = frozenset()
     version: int = 0
+    waiting: Material | None = None
+    is_sent: bool = False
     report: ConversionReport = field(default_factory=ConversionReport)
 
 
@@ -106,7 +109,7 @@ class MaterialTable:
         """Return the id of a material that is none of Blender's; ``number``: in place of a session uid, 0 or less."""
         if number not in self._entries:
             self._entries[number] = _Entry(made.id, made.name, False, content_digest(made))
-            self.changed.append(made)
+            self._entries[number].waiting = made
         return made.id
 
     def renew(self, used: set[str], depsgraph) -> bool:
@@ -132,6 +135,11 @@ class MaterialTable:
         self.renew(used, depsgraph)
         self._used = used
         self._refresh_placed(used, depsgraph)
+        for entry in self._entries.values():
+            # What is made for objects one by one is not sent for all of them as well.
+            if entry.waiting is not None and (entry.key in used or not entry.needs):
+                self.changed.append(self._pictures.put(entry.waiting))
+                entry.waiting, entry.is_sent = None, True
         owners = {placed.owner for placed in self._placed.values()}
         unused = [
             key
@@ -143,9 +151,10 @@ class MaterialTable:
         blocks = {block.session_uid: block for block in bpy.data.materials}
         for session_uid in unused:
             if session_uid not in blocks or not blocks[session_uid].users:
-                key = self._entries.pop(session_uid).key
-                self._pictures.drop(key)
-                self.removed.append(key)
+                entry = self._entries.pop(session_uid)
+                if entry.is_sent:
+                    self._pictures.drop(entry.key)
+                    self.removed.append(entry.key)
 
     def _refresh_placed(self, used: set[str], depsgraph) -> None:
         """Convert what is out of date among the materials for single objects; give up those that nothing shows."""
@@ -156,13 +165,15 @@ class MaterialTable:
         if not self._placed:
             return
         blocks = {block.session_uid: block for block in bpy.data.materials}
-        share = shares({key: placed.place for key, placed in self._placed.items()})
+        room = TEXELS if self._is_patient else LIVE_TEXELS
+        share = shares(room, {key: placed.place for key, placed in self._placed.items()})
         for key, placed in self._placed.items():
-            version, room = self._entries[placed.owner].version, share.get(key, 0)
-            # Pictures grow by factors of two along a side.
-            made_of = (*placed.place.state(), version, int(room).bit_length() // 2)
+            version = self._entries[placed.owner].version
+            # A step of two along a side for every one of four in the share, so that few others change with one.
+            steps = share.get(key, 1).bit_length() // 2
+            made_of = (*placed.place.state(), version, steps)
             if made_of != placed.made_of and placed.owner in blocks:
-                self._update_placed(placed, blocks[placed.owner], 1 << (2 * made_of[-1]), depsgraph)
+                self._update_placed(placed, blocks[placed.owner], 4**steps, depsgraph)
                 placed.made_of = made_of
 
     def _update_placed(self, placed: Placed, block, share: int, depsgraph) -> None:
@@ -218,7 +229,8 @@ class MaterialTable:
 
     def __iter__(self):
         """Ids of the materials that the engine has."""
-        return (key for key, _ in self._all())
+        own = [entry.key for entry in self._entries.values() if entry.is_sent]
+        return iter((*own, *self._placed))
 
     def _update(self, block, entry, depsgraph) -> None:
         entry.report = ConversionReport()
@@ -234,15 +246,15 @@ class MaterialTable:
             self._is_patient,
             context,
         )
-        entry.needs = all_needs(evaluated, context.needs)
+        maps = {picture.uv_map for picture in pictures_of(made)}
+        entry.needs = all_needs(evaluated, context.needs | ({SURFACE} if len(maps) > 1 else set()))
         entry.version += 1
         entry.is_stale, entry.name = False, made.name
         entry.dependencies = shading_dependencies(block)
         entry.is_luminous = _is_luminous(made)
         digest = content_digest(made)
         if digest != entry.digest:
-            entry.digest = digest
-            self.changed.append(self._pictures.put(made))
+            entry.digest, entry.waiting = digest, made
 
 
 def _is_luminous(made: Material) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ....engine.errors import LumenrayError
+from ....engine.scene.material import Material
 from ...foundation.report import ConversionReport
 from ..materials.materials import convert_material
 from ..nodes.placed import AFFORDABLE, FINEST, PlacedContext
@@ -13,6 +14,9 @@ from ..placing import Place
 
 TEXELS = 1 << 22
 """Texels of all pictures that are made for single objects; each gets its share by the root of its area."""
+
+LIVE_TEXELS = TEXELS // 4
+"""The same for the rendered view, whose edits are waited for."""
 
 MOST = 1024
 """Objects that one material is made for at most; the others show what it is for all."""
@@ -38,11 +42,17 @@ class Placed:
     report: ConversionReport = field(default_factory=ConversionReport)
 
 
-def shares(places: dict[str, Place]) -> dict[str, int]:
-    """Return how many texels the picture of each may have, by keys; less for smaller surfaces."""
+def pictures_of(made: Material) -> list:
+    """Return all pictures of a material."""
+    pattern = None if made.emission is None else made.emission.pattern
+    return [*made.surface.pictures, *([] if pattern is None else [pattern])]
+
+
+def shares(room: int, places: dict[str, Place]) -> dict[str, int]:
+    """Return how many texels of ``room`` the picture of each may have, by keys; less for smaller surfaces."""
     sizes = {key: math.sqrt(_area(place)) for key, place in places.items() if place.surface}
     total = sum(sizes.values())
-    return {key: int(TEXELS * size / total) if total > 0 else 0 for key, size in sizes.items()}
+    return {key: int(room * size / total) if total > 0 else 0 for key, size in sizes.items()}
 
 
 def _area(place: Place) -> float:

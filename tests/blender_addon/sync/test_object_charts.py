@@ -6,6 +6,7 @@ import pytest
 from kept_scenes import KeptScene
 from lumenray.engine.scene.mesh import CHART_MAP
 from lumenray.blender_addon.sync.nodes.fields import LUMINANCE
+from lumenray.blender_addon.sync.tables import materials
 from material_trees import new_tree, output_of
 from seen_surfaces import see, see_by_cycles
 
@@ -116,6 +117,17 @@ CASES = {
     "tube": (lambda t: picture(t, coordinates(t, "Generated"), projection="TUBE"), SHARP),
     "wire": (lambda t: t.add("Wireframe", Size=0.05).outputs[0], 2 * SHARP),
 }
+
+
+def test_pictures_on_two_maps_are_both_seen(tmp_path):
+    tree = new_tree()
+    first = picture(tree, coordinates(tree, "UV"))
+    second = picture(tree, tree.add("UVMap", attributes={"uv_map": "Other"}).outputs[0])
+    mixed = tree.add("MixRGB", Fac=0.4, Color1=first, Color2=second)
+    item = add_box(shown(tree, mixed.outputs[0]))
+    layer = item.data.uv_layers.new(name="Other")
+    layer.data.foreach_set("uv", 1.7 * _uv_of(item.data).ravel())
+    compare(tmp_path, SHARP)
 
 
 @pytest.mark.parametrize("shape", [add_ball, add_box], ids=["ball", "box"])
@@ -385,9 +397,7 @@ def test_a_deleted_object_takes_its_picture_with_it():
 
 
 def test_pictures_share_what_room_there_is(monkeypatch):
-    from lumenray.blender_addon.sync.tables import placed
-
-    monkeypatch.setattr(placed, "TEXELS", 1 << 15)
+    monkeypatch.setattr(materials, "LIVE_TEXELS", 1 << 15)
     kept = Kept(lambda tree: texture(tree, "TexNoise", coordinates(tree, "Object"), Scale=40.0))
     pictures = [m.emission.pattern for m in kept.scene.materials.values() if m.emission]
     sizes = [p.pixels.size // p.pixels.shape[2] for p in pictures if p is not None]
