@@ -18,6 +18,9 @@ TEXELS = 1 << 22
 LIVE_TEXELS = TEXELS // 4
 """The same for the rendered view, whose edits are waited for."""
 
+MOST_OVER = 8
+"""Times its share that a surface of many parts may take. [-]"""
+
 MOST = 1024
 """Objects that one material is made for at most; the others show what it is for all."""
 
@@ -86,12 +89,7 @@ def convert_for(place: Place, share: int, block, report, efficacy, images, is_pa
         )
         return made, context
 
-    charts = None
-    if place.surface is not None:
-        try:
-            charts = place.surface.charts(place.slot, place.is_last)
-        except LumenrayError as error:
-            report.error(block.name, str(error), "its textures count by their means")
+    charts = None if place.surface is None else _charts_of(place, share, block, report)
     first = ConversionReport()
     made, context = convert(1, first)
     factor = 1 if charts is None else _factor(charts, context, share)
@@ -99,6 +97,24 @@ def convert_for(place: Place, share: int, block, report, efficacy, images, is_pa
         report.include(first)
         return made
     return convert(factor, report)[0]
+
+
+def _charts_of(place: Place, share: int, block, report):
+    """Return the charts of a surface, None where it has none or there is no room for so many."""
+    try:
+        charts = place.surface.charts(place.slot, place.is_last)
+    except LumenrayError:
+        charts = None
+        is_full = place.surface.area(place.slot, place.is_last) > 0.0
+    else:
+        is_full = charts is not None and charts.width * charts.height > MOST_OVER * share
+    if is_full:
+        report.error(
+            block.name,
+            "The surface of an object has more parts than its picture has room for",
+            "textures that lie by the object count by their means there",
+        )
+    return None if is_full else charts
 
 
 def _factor(charts, context, share: int) -> int:
