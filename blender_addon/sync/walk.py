@@ -290,10 +290,10 @@ class Walk:
         return tuple(keys) if is_placed else ()
 
     def _charts(self) -> dict[str, set]:
-        """Slots whose materials are made for a surface, by geometries."""
+        """Slots whose materials are made for a surface, by the geometries that are shown."""
         found: dict[str, set] = {}
         for shown in self.sent.shown.values():
-            if shown.charts and isinstance(shown.item, Placement):
+            if isinstance(shown.item, Placement):
                 found.setdefault(shown.item.geometry, set()).update(shown.charts)
         return found
 

@@ -25,7 +25,8 @@ def see():
     -------
     (PIXELS, PIXELS, 3) array, and bool array    Colours, and where there is a surface.
     """
-    kept = KeptScene.started()
+    kept = KeptScene(final=True)
+    kept.step()
     efficacy = bpy.context.scene.lumenray.efficacy
     meshes = [kept.scene.mesh(key) for key in kept.scene.meshes]
     trees = [BVHTree.FromPolygons(m.vertices.tolist(), m.triangles.tolist()) for m in meshes]

@@ -67,9 +67,9 @@ def convert_material(
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
     try:
-        closure = _convert_tree(
-            material, report, context or material_context(material, report, images)
-        )
+        context = context or material_context(material, report, images)
+        context.material_index = float(material.pass_index)
+        closure = _convert_tree(material, report, context)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
         closure, depth = Closure(), None

@@ -34,11 +34,13 @@ class Context:
     Attributes
     ----------
     is_material : bool    Whether an object shows it, whose own values a conversion of its own can take.
+    material_index : float or None    The material's own number, if it is one.
     has_texels : bool    Whether nodes are evaluated at texels of an object's surface, not on tiles of UV maps.
     needs : set of tuple    What was asked for of the object that shows it, as `needs` has them.
     """
 
     is_material = has_texels = False
+    material_index: float | None = None
 
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
@@ -55,7 +57,10 @@ class Context:
 
     def take_output(self, at) -> "Field | None":
         """Return what a node gives here in place of what it gives on a surface; None: the same."""
+        if self.material_index is not None and at.output.identifier == "Material Index":
+            return constant(self.material_index)
         self.needs |= needs.needs_of_node(at.node, at.output)
+        return None
 
     def coordinates(self) -> "Field | None":
         """Return what textures go by where nothing is linked; None: coordinates of the object, which are not known."""

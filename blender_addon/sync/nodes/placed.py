@@ -28,6 +28,12 @@ COARSEST = 4
 AFFORDABLE = 1e7
 """Noises in three dimensions that one picture may take, about three seconds' worth."""
 
+TWO_SIDES = (
+    "The normal of a face points at whoever looks at it",
+    "that of the front is used for both sides",
+)
+"""What is noted of normals."""
+
 MOST = 0.9
 """Share of neighbouring texels whose difference counts as the usual one at most; the rest may lie at seams. [-]"""
 
@@ -84,9 +90,8 @@ class PlacedContext(Context):
 
     def take_output(self, at) -> Field | None:
         """Return what a node gives for the object; None: it gives the same as for all."""
-        super().take_output(at)
-        found = _SOURCES.get(at.node.bl_idname)
-        return None if found is None else found(at, self)
+        made, found = super().take_output(at), _SOURCES.get(at.node.bl_idname)
+        return found(at, self) if made is None and found is not None else made
 
     def coordinates(self) -> Field | None:
         """Return what textures go by where nothing is linked."""
@@ -211,6 +216,7 @@ def _coordinates(at, context) -> Field | None:
     if name == "UV":
         return context.uv()
     if name == "Normal":
+        at.remark(*TWO_SIDES)
         return context.normals()
     if name != "Object":
         return None
@@ -226,6 +232,8 @@ def _geometry(at, context) -> Field | None:
         return None
     if name == "Position":
         return context.moved()
+    if name in {"Normal", "True Normal"}:
+        at.remark(*TWO_SIDES)
     if name == "Normal":
         return context.turned("normal", lambda s: s.normals())
     if name == "True Normal":

@@ -78,11 +78,12 @@ class GeometryTable:
 
         Parameters
         ----------
-        wanted : dict    Slots, (slot, whether it is the last), by geometries.
+        wanted : dict    Slots, (slot, whether it is the last), by geometries; of those that are not shown nothing changes.
         """
         for key, entry in self._entries.items():
             slots = frozenset(wanted.get(key, ()))
-            if entry.surface is None or (slots == entry.slots and not entry.is_unlaid):
+            is_current = slots == entry.slots and not entry.is_unlaid
+            if entry.surface is None or is_current or key not in wanted:
                 continue
             entry.slots, entry.is_unlaid = slots, False
             self.changed = [made for made in self.changed if made.id != key]

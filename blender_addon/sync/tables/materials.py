@@ -26,7 +26,8 @@ class _Entry:
     """What is known of one material of Blender, by its session uid.
 
     ``needs``: what it would have to know of an object, as `nodes.needs` has them; ``version``: how often it was converted;
-    ``waiting``: what of it the engine lacks; ``is_sent``: whether that has it in some form.
+    ``waiting``: what of it the engine lacks; ``is_sent``: whether that has it in some form;
+    ``is_crowded``: whether it was asked for by more objects than it is made for.
     """
 
     key: str
@@ -39,6 +40,7 @@ class _Entry:
     version: int = 0
     waiting: Material | None = None
     is_sent: bool = False
+    is_crowded: bool = False
     report: ConversionReport = field(default_factory=ConversionReport)
 
 
@@ -96,6 +98,7 @@ class MaterialTable:
         known = self._placed.get(place.key)
         if known is None:
             if sum(each.owner == owner for each in self._placed.values()) >= MOST:
+                self._entries[owner].is_crowded = True
                 return self._entries[owner].key
             known = self._placed[place.key] = Placed(place, owner)
         known.place = place
@@ -203,7 +206,11 @@ class MaterialTable:
     def tell(self, used: set[str]) -> tuple[list[ConversionReport], bool]:
         """Return the reports of the materials in use, and whether one of them is luminous."""
         entries = [entry for key, entry in self._all() if key in used]
-        return [entry.report for entry in entries], any(entry.is_luminous for entry in entries)
+        reports = [entry.report for entry in entries]
+        reports += [
+            _tell_crowd(e) for e in self._entries.values() if e.key in used and e.is_crowded
+        ]
+        return reports, any(entry.is_luminous for entry in entries)
 
     def is_luminous(self, materials) -> bool:
         """Whether one of these materials, which were `use`d, glows."""
@@ -255,6 +262,16 @@ class MaterialTable:
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest, entry.waiting = digest, made
+
+
+def _tell_crowd(entry: _Entry) -> ConversionReport:
+    report = ConversionReport()
+    report.warn(
+        entry.name,
+        f"The material is another one on each of more than {MOST} objects",
+        "further ones show it with the mean of what differs",
+    )
+    return report
 
 
 def _is_luminous(made: Material) -> bool:

@@ -9,7 +9,7 @@ from ....engine.errors import LumenrayError
 from ....engine.scene.material import Material
 from ...foundation.report import ConversionReport
 from ..materials.materials import convert_material
-from ..nodes.placed import AFFORDABLE, FINEST, PlacedContext
+from ..nodes.placed import AFFORDABLE, COARSEST, FINEST, PlacedContext
 from ..placing import Place
 
 TEXELS = 1 << 22
@@ -93,10 +93,17 @@ def convert_for(place: Place, share: int, block, report, efficacy, images, is_pa
     first = ConversionReport()
     made, context = convert(1, first)
     factor = 1 if charts is None else _factor(charts, context, share)
-    if factor == 1:
+    if factor > 1:
+        made, _ = convert(factor, report)
+    else:
         report.include(first)
-        return made
-    return convert(factor, report)[0]
+    if context.wanted > COARSEST * factor:
+        report.warn(
+            block.name,
+            "The picture of an object has fewer texels than its textures ask for",
+            f"{charts.width * factor} x {charts.height * factor} are drawn",
+        )
+    return made
 
 
 def _charts_of(place: Place, share: int, block, report):

@@ -232,7 +232,7 @@ def test_every_island_has_the_number_of_cycles(tmp_path):
 # ---- values of objects ----
 
 
-VALUES = ("Color", "Alpha", "Object Index", "Random", "Location")
+VALUES = ("Color", "Alpha", "Object Index", "Material Index", "Random", "Location")
 
 
 @pytest.mark.parametrize("name", VALUES)
@@ -240,7 +240,7 @@ def test_values_of_objects_are_those_of_cycles(name, tmp_path):
     tree = new_tree()
     material = shown(tree, output_of(tree.add("ObjectInfo"), name))
     items = [add_box(material, location=(x, 0.2, 0.3), scale=(0.4,) * 3) for x in (0.2, 1.0)]
-    items[1].data = items[0].data
+    items[1].data, material.pass_index = items[0].data, 3
     for number, item in enumerate(items):
         item.color, item.pass_index = (0.3 + 0.4 * number,) * 3 + (0.5,), number + 1
     compare(tmp_path, 2 * SMOOTH, is_grey=True)
@@ -451,3 +451,37 @@ def test_attributes_of_instances_are_those_of_cycles(tmp_path):
     item.hide_render = item.hide_viewport = True
     compare(tmp_path, SMOOTH)
     assert len(np.unique(np.round(see()[0], 3))) == 4
+
+
+@pytest.mark.parametrize("name", ["Generated", "UV"])
+def test_coordinates_of_instancers_are_those_of_cycles(name, tmp_path):
+    tree = new_tree()
+    where = coordinates(tree, name, from_instancer=True)
+    item = add_box(shown(tree, shifted(tree, where)), location=(0, 0, 0), scale=(0.3,) * 3)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2, size=1.6)
+    host = bpy.context.object
+    host.instance_type = "FACES" if name == "UV" else "VERTS"
+    host.show_instancer_for_render = host.show_instancer_for_viewport = False
+    item.parent = host
+    # The object itself is seen beside its instances here, and not in Cycles.
+    compare(tmp_path, 0.15, is_grey=True)
+
+
+def test_a_hidden_object_keeps_its_charts():
+    kept = Kept(noise)
+    kept.item.hide_viewport = True
+    kept.step()
+    kept.item.hide_viewport = False
+    assert kept.kinds() == ["Material", "Placement"]
+
+
+def test_what_is_shown_by_too_many_objects_is_told(monkeypatch):
+    monkeypatch.setattr(materials, "MOST", 2)
+    tree = new_tree()
+    material = shown(tree, output_of(tree.add("ObjectInfo"), "Random"))
+    for number in range(4):
+        add_box(material, location=(number, 0, 0))
+    kept = KeptScene.started()
+    rows = [row.text() for row, _ in kept.step().report.rows]
+    assert any("another one on each of more than 2 objects" in row for row in rows)
+    assert len(kept.scene.materials) == 3
