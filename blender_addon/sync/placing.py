@@ -30,6 +30,7 @@ class Place:
     surface : Surface or None    None where pictures lie by UV maps as ever.
     slot : int
     is_last : bool    Whether it is the last slot.
+    is_optional : bool    Whether a tile that repeats can take the place of pictures for the surface.
     """
 
     key: str
@@ -37,6 +38,7 @@ class Place:
     surface: Surface | None = None
     slot: int = 0
     is_last: bool = True
+    is_optional: bool = False
 
     def state(self) -> tuple:
         """Return what a material for it follows from, to be compared; the surface by its identity."""

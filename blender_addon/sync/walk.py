@@ -21,7 +21,7 @@ from .instance_attributes import InstanceAttributes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
-from .nodes.needs import ATTRIBUTE, FRAME, PLACE
+from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
 from .nodes.placed import Subject
 from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
@@ -279,6 +279,7 @@ class Walk:
                 Subject(_matrix_for(instance, needed), values),
                 geometries.surface(geometry, source) if has_surface else None,
                 *part,
+                is_optional=SURFACE not in needed,
             )
             keys[-1] = table.place(material, place)
             if has_surface:

@@ -171,7 +171,7 @@ class PlacedContext(Context):
         self.work += work
         if places.is_constant or len(self.texels) < 2:
             return
-        usual = waves * recall(places.values, "usual step", self._usual_step)
+        usual = waves * self.step_of(places)
         if not np.isfinite(usual):
             return
         self.wanted = max(self.wanted, usual * WAVE)
@@ -183,8 +183,13 @@ class PlacedContext(Context):
                 f"it is drawn on {self.texels.width} x {self.texels.height} texels, on which they are lost",
             )
 
+    def step_of(self, places: Field) -> float:
+        """Difference of coordinates between texels beside each other that few exceed."""
+        if places.is_constant or len(self.texels) < 2:
+            return 0.0
+        return recall(places.values, "usual step", self._usual_step)
+
     def _usual_step(self, values: np.ndarray) -> float:
-        """Difference between texels beside each other that few exceed."""
         first, second = self.texels.keep("neighbours", lambda: np.stack(self.texels.neighbours()))
         steps = np.abs(values[0, first] - values[0, second]).max(axis=1)
         return float(np.quantile(steps, MOST)) if len(steps) else 0.0

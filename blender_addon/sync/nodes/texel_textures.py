@@ -83,9 +83,10 @@ def look_up_picture(at, pixels) -> Field:
     node, context = at.node, at.context
     places = places_of(at, node.projection == "FLAT")
     height, width = pixels.shape[:2]
-    if pixels.size > pixels.shape[-1]:
+    if height * width > 1:
         is_sharp = node.interpolation == "Closest"
         context.weigh(at, places, 0.25 * max(height, width), is_sharp=is_sharp)
+        pixels = _coarsened(pixels, context.step_of(places))
     inputs = [places]
     if node.projection == "BOX":
         inputs.append(context.normals())
@@ -126,6 +127,28 @@ def with_black_border(pixels, transform):
     )
     bordered = recall(pixels, "bordered", lambda p: np.pad(p, ((1, 1), (1, 1), (0, 0))))
     return bordered, shrink @ transform
+
+
+def _coarsened(pixels, step: float):
+    """Return a picture with the means of as many pixels as lie between texels, so that they count as they do on the whole.
+
+    Parameters
+    ----------
+    pixels : (height, width, c) array
+    step : float    Between texels, as a part of the picture.
+    """
+    height, width = pixels.shape[:2]
+    factor = 1
+    while 2 * factor <= step * min(height, width) and not (height | width) % (2 * factor):
+        factor *= 2
+    if factor == 1:
+        return pixels
+
+    def mean(values):
+        rows, columns = height // factor, width // factor
+        return values.reshape(rows, factor, columns, factor, -1).mean(axis=(1, 3))
+
+    return recall(pixels, ("coarsened", factor), mean)
 
 
 class _Shown:

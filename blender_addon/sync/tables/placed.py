@@ -93,6 +93,10 @@ def convert_for(place: Place, share: int, block, report, efficacy, images, is_pa
     first = ConversionReport()
     made, context = convert(1, first)
     factor = 1 if charts is None else _factor(charts, context, share)
+    if place.is_optional and context.wanted > COARSEST * factor:
+        # Pictures that repeat on a UV map keep their pixels.
+        charts = None
+        return convert(1, report)[0]
     if factor > 1:
         made, _ = convert(factor, report)
     else:

@@ -130,6 +130,42 @@ def test_pictures_on_two_maps_are_both_seen(tmp_path):
     compare(tmp_path, SHARP)
 
 
+def test_a_fine_picture_has_its_mean_on_coarse_texels(monkeypatch):
+    monkeypatch.setattr(materials, "TEXELS", 1 << 12)
+    tree = new_tree()
+    image = bpy.data.images.new("Dots", 512, 512, float_buffer=True)
+    values = np.random.default_rng(2).random((512, 512, 4)).astype(np.float32) ** 8
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    where = coordinates(tree, "Object")
+    add_box(shown(tree, texture(tree, "TexImage", where, attributes={"image": image})))
+    seen, is_met = see()
+    assert seen[is_met].mean() == pytest.approx(values[..., :3].mean(), rel=0.03)
+
+
+def test_a_fine_picture_that_repeats_keeps_its_pixels_beside_a_texture_that_does_not(tmp_path):
+    tree = new_tree()
+    image = bpy.data.images.new("Dots", 256, 256, float_buffer=True)
+    values = np.random.default_rng(2).random((256, 256, 4)).astype(np.float32)
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    where = tree.add("Mapping", Vector=coordinates(tree, "UV"))
+    where.inputs["Scale"].default_value = (40.0, 40.0, 40.0)
+    dots = texture(tree, "TexImage", where.outputs[0], attributes={"image": image})
+    cloud = texture(tree, "TexNoise", coordinates(tree, "UV"), Scale=2.0)
+    glow = tree.add("BsdfDiffuse", Color=dots)
+    gloss = tree.add("BsdfDiffuse", Color=cloud)
+    item = add_box(tree.surface(tree.add("MixShader", Fac=0.5)))
+    mix = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeMixShader")
+    tree.material.node_tree.links.new(glow.outputs[0], mix.inputs[1])
+    tree.material.node_tree.links.new(gloss.outputs[0], mix.inputs[2])
+    item.data.uv_layers[0].data.foreach_set("uv", _uv_of(item.data).ravel())
+    kept = KeptScene.started()
+    (made,) = (m for m in kept.scene.materials.values() if m.name == "Paint")
+    assert {picture.uv_map for picture in made.surface.pictures} == {""}
+    assert max(picture.pixels.shape[0] for picture in made.surface.pictures) >= 256
+
+
 @pytest.mark.parametrize("shape", [add_ball, add_box], ids=["ball", "box"])
 @pytest.mark.parametrize("name", CASES)
 def test_objects_show_what_cycles_shows(name, shape, tmp_path):
