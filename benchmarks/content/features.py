@@ -422,6 +422,16 @@ for _key, _make in {
     _note("Textures and nodes", _key, _coloured_ball(_make))
 
 
+@_feature("Textures and nodes", "Generated, bent by a modifier")
+def _bent(stage):
+    tree = stage.material()
+    shown = tree.add("TexNoise", Vector=_on("Generated")(tree), Scale=2.0)
+    item = stage.studio(tree.show(tree.add("BsdfDiffuse", Color=shown)))
+    bend = item.modifiers.new("Bend", "SIMPLE_DEFORM")
+    bend.deform_method, bend.deform_axis, bend.angle = "TAPER", "Z", 0.0
+    bend.factor = 0.8
+
+
 @_feature("Textures and nodes", "Noise on UV beyond its tile")
 def _beyond(stage):
     stage.world()

@@ -119,6 +119,51 @@ CASES = {
 }
 
 
+def mirrored(material):
+    return add_ball(material, scale=(-1.0, 0.8, 1.1))
+
+
+def lettered(material):
+    data = bpy.data.curves.new("Sign", "FONT")
+    data.body, data.size, data.extrude = "B", 2.0, 0.2
+    data.materials.append(material)
+    made = bpy.data.objects.new("Sign", data)
+    bpy.context.scene.collection.objects.link(made)
+    return _placed(made, location=(-0.8, -0.5, 0.0), turn=(0.9, 0.0, 0.6))
+
+
+def subdivided(material):
+    made = add_box(material)
+    made.modifiers.new("Smooth", "SUBSURF").levels = 2
+    made.modifiers["Smooth"].render_levels = 2
+    return made
+
+
+def two_materials(material):
+    made = add_box(material)
+    other = new_tree()
+    made.data.materials.append(shown(other, coordinates(other, "Generated")))
+    made.data.polygons.foreach_set("material_index", [0, 1, 0, 1, 0, 7])
+    return made
+
+
+def own_slot(material):
+    made = add_ball(None)
+    made.material_slots[0].link = "OBJECT"
+    made.material_slots[0].material = material
+    return made
+
+
+@pytest.mark.parametrize(
+    "shape", [mirrored, lettered, subdivided, two_materials, own_slot], ids=lambda f: f.__name__
+)
+def test_objects_of_all_kinds_show_what_cycles_shows(shape, tmp_path):
+    tree = new_tree()
+    where = coordinates(tree, "Generated")
+    shape(shown(tree, texture(tree, "TexNoise", where, output=1, Scale=2.0)))
+    compare(tmp_path, 2 * SMOOTH)
+
+
 def test_pictures_on_two_maps_are_both_seen(tmp_path):
     tree = new_tree()
     first = picture(tree, coordinates(tree, "UV"))
