@@ -37,6 +37,9 @@ def needs_of_node(node, output) -> set[tuple]:
         if name in {"Position", "Normal", "True Normal"}:
             return {SURFACE, PLACE}
         return {SURFACE} if name in {"Pointiness", "Random Per Island"} else set()
+    if kind == "ShaderNodeVectorTransform":
+        spaces = {node.convert_from, node.convert_to}
+        return {SURFACE, PLACE} if spaces == {"WORLD", "OBJECT"} else set()
     if kind == "ShaderNodeUVMap":
         return {(VALUE, "instance uv")} if node.from_instancer else {SURFACE}
     if kind == "ShaderNodeWireframe":

@@ -136,7 +136,7 @@ class PlacedContext(Context):
 
     def turned(self, name: str, corners) -> Field:
         """Return directions across the surface in the world, of unit length."""
-        matrix = np.linalg.inv(self.subject.matrix[:3, :3]).T if self._is_regular() else np.eye(3)
+        matrix = np.linalg.inv(self.subject.matrix[:3, :3]).T if self.is_regular() else np.eye(3)
         return self.at_texels(
             (name, "world", matrix.tobytes()), corners, lambda v: _unit(_unit(v) @ matrix.T)
         )
@@ -154,7 +154,8 @@ class PlacedContext(Context):
             lambda v: v @ whole[:3, :3].T + whole[:3, 3],
         )
 
-    def _is_regular(self) -> bool:
+    def is_regular(self) -> bool:
+        """Whether the object has a size in all directions."""
         return abs(np.linalg.det(self.subject.matrix[:3, :3])) > 1e-30
 
     def weigh(self, at, places: Field, waves: float, work: float = 1.0, is_sharp=False) -> None:
@@ -318,6 +319,26 @@ def _shown(at, made: Field) -> Field:
     return fields.map_fields(lambda v: v[..., :3], made, note=at.note)
 
 
+def _transform(at, context) -> Field | None:
+    """Return a vector of the world in the object's frame, or the other way round."""
+    node = at.node
+    spaces = (node.convert_from, node.convert_to)
+    if spaces[0] == spaces[1]:
+        return at("Vector")
+    if "CAMERA" in spaces or not context.is_regular():
+        return None
+    matrix, kind = context.subject.matrix, node.vector_type
+    matrix = matrix if spaces[1] == "WORLD" else np.linalg.inv(matrix)
+    linear = np.linalg.inv(matrix[:3, :3]).T if kind == "NORMAL" else matrix[:3, :3]
+    shift = matrix[:3, 3] if kind == "POINT" else np.zeros(3)
+
+    def move(vector, linear, shift):
+        made = fields.rgb(vector) @ linear.reshape(3, 3).T + shift
+        return _unit(made) if kind == "NORMAL" else made
+
+    return at.map(move, at("Vector"), constant(*linear.ravel()), constant(*shift))
+
+
 def _wireframe(at, context) -> Field | None:
     """Return where a triangle's own edges are near, as Cycles draws them."""
     if not context.has_texels or at.node.use_pixel_size:
@@ -348,5 +369,6 @@ _SOURCES = {
     "ShaderNodeAttribute": _attribute,
     "ShaderNodeVertexColor": _vertex_colour,
     "ShaderNodeWireframe": _wireframe,
+    "ShaderNodeVectorTransform": _transform,
 }
 """What nodes give that know the object, by their ``bl_idname``."""

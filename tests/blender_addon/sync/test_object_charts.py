@@ -87,7 +87,26 @@ def far_uv(tree):
     return texture(tree, "TexNoise", where.outputs[0], Scale=3.0)
 
 
+def transformed(tree, socket, kind, spaces):
+    node = tree.add("VectorTransform", attributes={"vector_type": kind, "convert_from": spaces[0]})
+    node.convert_to = spaces[1]
+    tree.material.node_tree.links.new(socket, node.inputs[0])
+    return shifted(tree, node.outputs[0])
+
+
 CASES = {
+    "point to world": (
+        lambda t: transformed(t, coordinates(t, "Object"), "POINT", ("OBJECT", "WORLD")),
+        SMOOTH,
+    ),
+    "vector to object": (
+        lambda t: transformed(t, geometry(t, "Position"), "VECTOR", ("WORLD", "OBJECT")),
+        SMOOTH,
+    ),
+    "normal to object": (
+        lambda t: transformed(t, geometry(t, "Normal"), "NORMAL", ("WORLD", "OBJECT")),
+        SMOOTH,
+    ),
     "generated": (lambda t: coordinates(t, "Generated"), SMOOTH),
     "object": (lambda t: shifted(t, coordinates(t, "Object")), SMOOTH),
     "other object": (other_object, SMOOTH),
