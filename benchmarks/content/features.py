@@ -1,8 +1,10 @@
 """What is compared: a scene for each feature of Blender, by group."""
 
 import math
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -430,6 +432,25 @@ def _bent(stage):
     bend = item.modifiers.new("Bend", "SIMPLE_DEFORM")
     bend.deform_method, bend.deform_axis, bend.angle = "TAPER", "Z", 0.0
     bend.factor = 0.8
+
+
+@_feature("Textures and nodes", "Image, two tiles (UDIM)")
+def _tiles(stage):
+    stage.world()
+    folder = Path(tempfile.mkdtemp())
+    for number, tone in ((1001, 0.2), (1002, 0.7)):
+        made = image(f"Tile {number}")
+        made.pixels.foreach_set([tone, tone, tone, 1.0] * (len(made.pixels) // 4))
+        made.filepath_raw, made.file_format = str(folder / f"tile.{number}.exr"), "OPEN_EXR"
+        made.save()
+    tiled = bpy.data.images.load(str(folder / "tile.1001.exr"))
+    tiled.source, tiled.filepath = "TILED", str(folder / "tile.<UDIM>.exr")
+    tiled.reload()
+    tree = stage.material()
+    shown = tree.add("TexImage", {"image": tiled}, Vector=_on("UV")(tree))
+    item = stage.tile(tree.show(tree.add("BsdfDiffuse", Color=shown)))
+    item.data.uv_layers[0].data.foreach_set("uv", [0, 0, 2, 0, 2, 1, 0, 1])
+    stage.above()
 
 
 @_feature("Textures and nodes", "Noise on UV beyond its tile")

@@ -46,6 +46,10 @@ class PictureCharts:
         """Places on the page, 0..1. (t, 3, 2) float32"""
         return (self.uv / (self.width, self.height)).astype(np.float32)
 
+    def forget(self) -> None:
+        """Give up all texels, and what was worked out at them; they are found anew when they are asked for."""
+        self._kept.clear()
+
     def texels(self, factor: int) -> Texels:
         """Return the texels of a picture with ``factor`` times the page's texels along each side.
 

@@ -107,6 +107,9 @@ def convert_for(place: Place, share: int, block, report, efficacy, images, is_pa
             "The picture of an object has fewer texels than its textures ask for",
             f"{charts.width * factor} x {charts.height * factor} are drawn",
         )
+    if charts is not None and is_patient:
+        # No edits follow a render, so that what they would be quick by is only memory.
+        charts.forget()
     return made
 
 
