@@ -434,6 +434,28 @@ def _bent(stage):
     bend.factor = 0.8
 
 
+@_feature("Textures and nodes", "Glowing ball, object")
+def _glowing_by_object(stage):
+    tree = stage.material()
+    shown = tree.add("TexChecker", Vector=_on("Object")(tree), Scale=1.7, **_COLOURS)
+    stage.world((0.0, 0.0, 0.0))
+    stage.tile(stage.paint(), scale=(3.0, 3.0, 3.0))
+    stage.camera()
+    stage.ball(tree.show(tree.add("Emission", Color=shown, Strength=3.0)))
+
+
+@_feature("Textures and nodes", "Alpha and metal of an object's own")
+def _alpha_by_object(stage):
+    tree = stage.material()
+    where = tree.add("SeparateXYZ", out=2, Vector=_on("Generated")(tree))
+    metal = tree.add("TexNoise", Vector=_on("Object")(tree), Scale=2.0)
+    stage.studio(
+        tree.show(
+            tree.add("BsdfPrincipled", Base_Color=PAINT, Roughness=0.5, Metallic=metal, Alpha=where)
+        )
+    )
+
+
 @_feature("Textures and nodes", "Image, two tiles (UDIM)")
 def _tiles(stage):
     stage.world()
