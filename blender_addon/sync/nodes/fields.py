@@ -352,7 +352,7 @@ def as_scalar(field: Field) -> Scalar:
 def as_texture(field: Field) -> ImageTexture:
     """Return a field that is not constant as the engine's picture."""
     layout = field.layout
-    pixels = recall(field.values, "picture", layout.picture)
+    pixels = layout.picture(field.values)
     if pixels.dtype != np.float32 or not pixels.flags.c_contiguous:
         pixels = recall(pixels, "contiguous", lambda v: np.ascontiguousarray(v, np.float32))
     if pixels.flags.writeable:

@@ -46,7 +46,7 @@ class TexelLayout(Layout):
 
     def picture(self, values: np.ndarray) -> np.ndarray:
         """Return the picture of values."""
-        return self.texels.lay(values[0])
+        return recall(values, "picture", lambda v: self.texels.lay(v[0]))
 
 
 @dataclass(frozen=True, eq=False)
