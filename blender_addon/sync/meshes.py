@@ -1,5 +1,7 @@
 """Evaluated objects of Blender as geometries of the engine."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ...engine.scene.mesh import Geometry
@@ -14,13 +16,16 @@ MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 """Object types that have a surface."""
 
 
-def read_geometry(source, geometry_id: str) -> Geometry | None:
+def read_geometry(
+    source, geometry_id: str, look: Callable[[object, Geometry], None] | None = None
+) -> Geometry | None:
     """Read the surface of one evaluated object, in the object's own frame and in Blender units.
 
     Parameters
     ----------
     source : bpy.types.Object    Evaluated; of an instance the object that the instance shows.
     geometry_id : str    Identity of the result.
+    look : callable or None    Given the mesh and its geometry while the mesh is there, to read more of it.
 
     Returns
     -------
@@ -30,7 +35,10 @@ def read_geometry(source, geometry_id: str) -> Geometry | None:
     if mesh is None:
         return None
     try:
-        return _convert(mesh, geometry_id, _hidden_maps(source, mesh))
+        made = _convert(mesh, geometry_id, _hidden_maps(source, mesh))
+        if look is not None and made is not None:
+            look(mesh, made)
+        return made
     finally:
         source.to_mesh_clear()
 
@@ -80,29 +88,29 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     if count == 0:
         return None
     # The triangles' own vertices, polygons and materials would be read one by one: attributes are copied whole.
-    corners = np.arange(3 * count, dtype=np.int32).reshape(count, 3)
-    if count != len(mesh.polygons):
-        corners = _read(mesh.loop_triangles, "loops", np.int32, (count, 3))
-    corner_vertex = _read(mesh.attributes[".corner_vert"].data, "value", np.int32, len(mesh.loops))
-    polygon = _read(mesh.loop_triangle_polygons, "value", np.int32, count)
+    corners = corners_of(mesh)
+    corner_vertex = read_values(
+        mesh.attributes[".corner_vert"].data, "value", np.int32, len(mesh.loops)
+    )
+    polygon = read_values(mesh.loop_triangle_polygons, "value", np.int32, count)
     material = mesh.attributes.get("material_index")
     if material is None:
         slot = np.zeros(count, np.int32)
     else:
-        slot = _read(material.data, "value", np.int32, len(mesh.polygons))[polygon]
+        slot = read_values(material.data, "value", np.int32, len(mesh.polygons))[polygon]
     normals = None
     if mesh.normals_domain != "FACE":
-        normals = _read(mesh.corner_normals, "vector", np.float32, (len(mesh.loops), 3))
+        normals = read_values(mesh.corner_normals, "vector", np.float32, (len(mesh.loops), 3))
     return Geometry(
         id=geometry_id,
-        vertices=_read(
+        vertices=read_values(
             mesh.attributes["position"].data, "vector", np.float32, (len(mesh.vertices), 3)
         ),
         triangles=corner_vertex[corners],
         material_index=np.maximum(slot, 0),
         corner_normals=None if normals is None else normals.take(corners, axis=0),
         uv_maps={
-            layer.name: _read(layer.uv, "vector", np.float32, (len(mesh.loops), 2)).take(
+            layer.name: read_values(layer.uv, "vector", np.float32, (len(mesh.loops), 2)).take(
                 corners, axis=0
             )
             for layer in sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)
@@ -112,7 +120,16 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     )
 
 
-def _read(collection, attribute: str, dtype, shape) -> np.ndarray:
+def corners_of(mesh) -> np.ndarray:
+    """Return the corners of a mesh's polygons that its triangles have. (t, 3) int32"""
+    count = len(mesh.loop_triangles)
+    if count == len(mesh.polygons):
+        return np.arange(3 * count, dtype=np.int32).reshape(count, 3)
+    return read_values(mesh.loop_triangles, "loops", np.int32, (count, 3))
+
+
+def read_values(collection, attribute: str, dtype, shape) -> np.ndarray:
+    """Return a property of all members of a collection of Blender as an array."""
     values = np.empty(shape, dtype=dtype)
     collection.foreach_get(attribute, values.reshape(-1))
     return values

@@ -19,9 +19,13 @@ from ..sky import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
 from .hair import hair_systems, read_curves, read_hair, read_points
+from .instance_attributes import InstanceAttributes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
+from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
+from .nodes.placed import Subject
+from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
 from .tags import Tags
 from .visibility import (
@@ -68,6 +72,7 @@ class Walk:
         self.number = sent.walks = sent.walks + 1
         self._own_data: dict[int, int] = {}
         self._ordinals: dict[int, dict[int, int]] = {}
+        self._attributes = InstanceAttributes()
 
     def run(self) -> None:
         """Visit everything that the tags call for."""
@@ -87,9 +92,11 @@ class Walk:
         sent.materials.mark(tags.shading)
         if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
-        if self._concerns_objects():
+        self.is_replaced = sent.materials.renew(self._used_materials(), self.depsgraph)
+        if self._concerns_objects() or self.is_replaced:
             self._visit_all()
             self._sweep()
+            sent.geometries.lay_out(self._charts())
         sent.materials.refresh(self._used_materials(), self.depsgraph)
         self._update_world()
 
@@ -148,7 +155,7 @@ class Walk:
         sent, tags = self.sent, self.tags
         sent.last_visit = self.number
         touched = tags.objects | tags.geometry | tags.shading
-        is_all = self.is_rescaled or self.is_rerated or self.is_refiltered
+        is_all = self.is_rescaled or self.is_rerated or self.is_refiltered or self.is_replaced
         shown_before, number, shows_hair = sent.shown, self.number, self.layer.use_strand
         matrices = _read_matrices(self.depsgraph.object_instances)
         if self.final:
@@ -186,13 +193,11 @@ class Walk:
                     or shown.is_dark
                     or shown.data in touched
                     or (shown.shading and not shown.shading.isdisjoint(touched))
+                    or (shown.follows_scene and tags.scene)
                 ):
-                    if part:
-                        self._convert_hair(shown, instance, source, original)
-                    else:
-                        self._convert(shown, instance, source, original)
+                    self._convert_part(part, shown, instance, source, original)
                 elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
-                    self._move(shown, instance, source, original)
+                    self._move(part, shown, instance, source, original)
                 shown.matrix = matrix
 
     def _is_visible(self, instance) -> bool:
@@ -200,11 +205,16 @@ class Walk:
             return False
         return self.visible is None or self.visible(instance)
 
-    def _move(self, shown, instance, source, original) -> None:
-        if isinstance(shown.item, Placement) and shown.item.geometry != GEOMETRY:
+    def _move(self, part, shown, instance, source, original) -> None:
+        is_plain = isinstance(shown.item, Placement) and not shown.is_placed
+        if is_plain and shown.item.geometry != GEOMETRY:
             self._place(shown, replace(shown.item, frame=self._frame(instance)))
         else:
-            self._convert(shown, instance, source, original)
+            self._convert_part(part, shown, instance, source, original)
+
+    def _convert_part(self, part, shown, instance, source, original) -> None:
+        convert = self._convert_hair if part else self._convert
+        convert(shown, instance, source, original)
 
     def _frame(self, instance) -> np.ndarray:
         frame = np.array(instance.matrix_world, dtype=np.float64)
@@ -305,14 +315,15 @@ class Walk:
         slots = slots or [layer.material_override]
         materials = tuple(table.use(material, self.depsgraph) for material in slots)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
+        placed = self._place_materials(shown, instance, source, geometry, slots)
         found = visibility_of(source, parent, layer)
         report = ConversionReport()
         tell_visibility(found, shown.name, report)
         tell_departures(source, shown.name, report, layer, parent)
         tell(OBJECT, original, shown.name, report)
-        if found.light and table.is_luminous(materials):
+        if found.light and table.is_luminous(slots):
             tell_linking(source, shown.name, report)
-        if not shown.is_mapped and table.has_pictures(materials):
+        if not shown.is_mapped and table.has_pictures(slots):
             report.error(
                 shown.name,
                 "the material varies over the surface, and strands and points have no UV maps here",
@@ -326,13 +337,53 @@ class Walk:
             name=shown.name,
             geometry=geometry,
             frame=self._frame(instance),
-            materials=materials,
+            materials=placed or materials,
             visible_to_camera=found.camera,
             index=source.pass_index,
             meets_light=found.light,
             is_holdout=is_holdout(source, parent, layer),
         )
         self._place(shown, placement)
+
+    def _place_materials(self, shown, instance, source, geometry, slots) -> tuple[str, ...]:
+        """Return the ids of an object's materials where some of them are made for it, () if none is."""
+        table, geometries = self.sent.materials, self.sent.geometries
+        asked = [table.needs(material) for material in slots]
+        parent = instance.parent if instance.is_instance and not shown.is_own else None
+        charts, keys, followed, is_placed = set(), [], set(), False
+        for slot, (material, needed) in enumerate(zip(slots, asked, strict=True)):
+            keys.append(table.use(material, self.depsgraph))
+            has_surface = shown.is_mapped and wants_surface(needed, geometries.uv_bounds(geometry))
+            values = read_values(needed, instance, source, parent, self.depsgraph, self._attributes)
+            if not has_surface and not values and PLACE not in needed:
+                continue
+            is_placed = True
+            part = (slot, slot == len(slots) - 1)
+            place = Place(
+                place_key(
+                    keys[-1], needed, shown.key, geometry if has_surface else "", slot, values
+                ),
+                Subject(_matrix_for(instance, needed), values),
+                geometries.surface(geometry, source) if has_surface else None,
+                *part,
+                is_optional=SURFACE not in needed,
+            )
+            keys[-1] = table.place(material, place)
+            if has_surface:
+                charts.add(part)
+            followed |= needed
+        shown.charts, shown.is_placed = frozenset(charts), is_placed
+        shown.shading = frozenset(need[1] for need in followed if need[0] == FRAME)
+        shown.follows_scene = any(need[:2] == (ATTRIBUTE, "VIEW_LAYER") for need in followed)
+        return tuple(keys) if is_placed else ()
+
+    def _charts(self) -> dict[str, set]:
+        """Slots whose materials are made for a surface, by the geometries that are shown."""
+        found: dict[str, set] = {}
+        for shown in self.sent.shown.values():
+            if isinstance(shown.item, Placement):
+                found.setdefault(shown.item.geometry, set()).update(shown.charts)
+        return found
 
     def _convert_portal(self, shown, instance, source) -> None:
         shown.shading = frozenset()
@@ -537,6 +588,11 @@ def _read_matrices(instances) -> bytes:
     values = np.empty(16 * len(instances), np.float32)
     instances.foreach_get("matrix_world", values)
     return values.tobytes()
+
+
+def _matrix_for(instance, needed) -> np.ndarray:
+    """Matrix to the world in Blender units, as far as a material asks where the object stands."""
+    return np.array(instance.matrix_world, np.float64) if PLACE in needed else np.eye(4)
 
 
 def _is_special(source) -> bool:

@@ -1,20 +1,23 @@
 """The geometries that the engine has, and which of them may be out of date."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
 
 from ....engine.scene.mesh import Geometry
 from ..meshes import fingerprint, read_geometry
+from ..surfaces import Surface, read_surface
 
 
 @dataclass
 class _Entry:
     """What is known of one geometry.
 
-    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``note``: what is to be told of it.
+    ``fingerprint`` 0: it has no face and was not sent; ``corners`` of its box, (8, 3); ``note``: what is to be told of it;
+    ``uv_bounds``: least and largest coordinates by UV map, the default one first; ``surface``: what materials that are made
+    for it asked for; ``slots``: those whose charts it was sent with, ``is_unlaid``: unless it changed since.
     """
 
     owner: int
@@ -22,6 +25,10 @@ class _Entry:
     is_stale: bool = True
     corners: np.ndarray | None = None
     note: str = ""
+    uv_bounds: dict[str, tuple] = field(default_factory=dict)
+    surface: Surface | None = None
+    slots: frozenset = frozenset()
+    is_unlaid: bool = False
 
 
 class GeometryTable:
@@ -60,6 +67,38 @@ class GeometryTable:
     def corners(self, key: str) -> np.ndarray:
         """Return the corners of the box about a geometry that has faces, in its own frame. (8, 3)"""
         return self._entries[key].corners
+
+    def uv_bounds(self, key: str) -> dict[str, tuple]:
+        """Return the least and the largest coordinate of a geometry's UV maps, the default one first."""
+        return self._entries[key].uv_bounds
+
+    def surface(self, key: str, source) -> Surface:
+        """Return what materials may ask of a geometry that has faces; it is kept as long as one of them does.
+
+        It is another object when anything of it has changed.
+        """
+        entry = self._entries[key]
+        if entry.surface is None:
+            entry.surface = read_surface(source, key)
+        return entry.surface
+
+    def lay_out(self, wanted: dict[str, set]) -> None:
+        """Send geometries with the charts of those slots that need them, and without those of others.
+
+        Parameters
+        ----------
+        wanted : dict    Slots, (slot, whether it is the last), by geometries; of those that are not shown nothing changes.
+        """
+        for key, entry in self._entries.items():
+            slots = frozenset(wanted.get(key, ()))
+            is_current = slots == entry.slots and not entry.is_unlaid
+            if entry.surface is None or is_current or key not in wanted:
+                continue
+            entry.slots, entry.is_unlaid = slots, False
+            self.changed = [made for made in self.changed if made.id != key]
+            self.changed.append(entry.surface.with_charts(slots))
+            if not slots:
+                entry.surface = None
 
     def take_made(self, geometry: Geometry) -> str:
         """Return the id of a geometry that no data of Blender's states and that never changes."""
@@ -108,20 +147,33 @@ class GeometryTable:
         return (key for key, entry in self._entries.items() if entry.fingerprint)
 
     def _update(self, key, entry, source, read) -> None:
-        geometry, entry.note = (
-            (read_geometry(source, key), "") if read is None else read(source, key)
-        )
+        surface, entry.note = None, ""
+        if read is not None:
+            geometry, entry.note = read(source, key)
+        else:
+            surface = None if entry.surface is None else read_surface(source, key)
+            geometry = read_geometry(source, key) if surface is None else surface.geometry
         entry.is_stale, before = False, entry.fingerprint
         entry.fingerprint = fingerprint(geometry)
         if entry.fingerprint == before:
+            if surface is not None and not surface.is_same(entry.surface):
+                entry.surface = surface
             return
+        entry.surface, entry.is_unlaid = surface, surface is not None
         self.reshaped += bool(before)
         entry.corners = None if geometry is None else _corners_of(geometry)
+        entry.uv_bounds = {} if geometry is None else _bounds_of(geometry)
         if geometry is None or not np.isfinite(entry.corners).all():
             # What has a corner nowhere is left out by whoever shows it.
             self.removed.append(key)
         else:
             self.changed.append(geometry)
+
+
+def _bounds_of(geometry: Geometry) -> dict[str, tuple]:
+    return {
+        name: (float(uv.min()), float(uv.max())) for name, uv in geometry.uv_maps.items() if uv.size
+    }
 
 
 def _corners_of(geometry: Geometry) -> np.ndarray:
