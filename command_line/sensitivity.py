@@ -130,10 +130,13 @@ def _ids(scene, names: tuple[str, ...]):
 
     if not names:
         return None
-    known = {material.name: key for key, material in scene.materials.items()}
+    known: dict[str, list[str]] = {}
+    for key, material in scene.materials.items():
+        # What is made for several objects one by one has the name of all of them.
+        known.setdefault(material.name, []).append(key)
     for name in names:
         if name not in known:
             raise SceneError(
                 f"the scene has no material '{name}', expected one of {', '.join(sorted(known))}"
             )
-    return [known[name] for name in names]
+    return [key for name in names for key in known[name]]

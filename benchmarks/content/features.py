@@ -1,8 +1,10 @@
 """What is compared: a scene for each feature of Blender, by group."""
 
 import math
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -426,7 +428,8 @@ for _key, _make in {
     "Pointiness": lambda tree: tree.add("NewGeometry", out=7),
     "Random per island": lambda tree: tree.add("NewGeometry", out=8),
     "Ambient occlusion": lambda tree: tree.add("AmbientOcclusion"),
-    "Wireframe": lambda tree: tree.add("Wireframe", Size=0.1),
+    # Lines so wide that the camera sees those at the edges of the tile as well.
+    "Wireframe": lambda tree: tree.add("Wireframe", Size=0.2),
     "Random per object": lambda tree: tree.add("ObjectInfo", out=5),
     "Object's colour": lambda tree: tree.add("ObjectInfo", out=1),
     "Camera distance": lambda tree: tree.add("CameraData", out=2),
@@ -459,6 +462,189 @@ def _attribute(stage):
     layer.data.foreach_set(
         "color", [0.8, 0.1, 0.1, 1, 0.1, 0.8, 0.1, 1, 0.1, 0.1, 0.8, 1, 0.7, 0.7, 0.7, 1]
     )
+    stage.above()
+
+
+def _numbered(kind, domain, field, values):
+    """Show an attribute of a tile of two by two faces."""
+
+    def build(stage):
+        stage.world()
+        tree = stage.material()
+        shown = tree.add("Attribute", {"attribute_name": "Own"}, out=0)
+        at = [(x - 1.0, y - 1.0, 0.0) for y in range(3) for x in range(3)]
+        faces = [(k, k + 1, k + 4, k + 3) for k in (0, 1, 3, 4)]
+        item = stage.mesh("Tile", at, faces, tree.show(tree.add("BsdfDiffuse", Color=shown)))
+        item.data.attributes.new("Own", kind, domain).data.foreach_set(field, values)
+        stage.above()
+
+    return build
+
+
+_note(
+    "Textures and nodes",
+    "Float attribute of vertices",
+    _numbered("FLOAT", "POINT", "value", [0.1 * k for k in range(9)]),
+)
+_note(
+    "Textures and nodes",
+    "Float attribute of faces",
+    _numbered("FLOAT", "FACE", "value", [0.2, 0.7, 0.5, 0.1]),
+)
+_note(
+    "Textures and nodes",
+    "Byte colours of corners",
+    _numbered("BYTE_COLOR", "CORNER", "color", [(0.05 * k) % 1.0 for k in range(64)]),
+)
+
+
+def _coloured_ball(make):
+    """Show a colour on a ball and on the floor below it, of its own. ``make(tree)``: the colour's output."""
+
+    def build(stage):
+        tree = stage.material()
+        stage.studio(tree.show(tree.add("BsdfDiffuse", Color=make(tree))))
+
+    return build
+
+
+def _other(tree):
+    """Return the coordinates of another object, which stands askew."""
+    item = bpy.data.objects.new("Other", None)
+    item.location, item.rotation_euler, item.scale = (0.4, 0.3, 1.0), (0.4, 0.2, 0.7), (0.5, 1, 1)
+    bpy.context.scene.collection.objects.link(item)
+    return tree.add("TexCoord", {"object": item}, out=tree_output("Object"))
+
+
+def _far_uv(tree):
+    """Return noise on a UV map that is stretched over three tiles."""
+    for item in bpy.data.meshes:
+        for layer in item.uv_layers:
+            uv = np.empty(2 * len(layer.data), np.float32)
+            layer.data.foreach_get("uv", uv)
+            layer.data.foreach_set("uv", 3.0 * uv)
+    return tree.add("TexNoise", Vector=_on("UV")(tree), Scale=2.0)
+
+
+for _key, _make in {
+    "Noise on a ball, object": _texture("TexNoise", where="Object", Scale=2.0),
+    "Checker on a ball, object": _texture("TexChecker", where="Object", Scale=3.1, **_COLOURS),
+    "Gradient on a ball, another object": lambda tree: tree.add("TexGradient", Vector=_other(tree)),
+    "Box projection on a ball, blended": lambda tree: tree.add(
+        "TexImage",
+        {"image": image(), "projection": "BOX", "projection_blend": 0.4},
+        Vector=_on("Object")(tree),
+    ),
+    "Tube projection on a ball": lambda tree: tree.add(
+        "TexImage", {"image": image(), "projection": "TUBE"}, Vector=_on("Generated")(tree)
+    ),
+    "Pointiness on a ball": lambda tree: tree.add("NewGeometry", out=7),
+    "Normal as colour on a ball": lambda tree: tree.add(
+        "VectorMath",
+        {"operation": "MULTIPLY_ADD"},
+        _0=_on("Normal")(tree),
+        _1=(0.4, 0.4, 0.4),
+        _2=(0.5, 0.5, 0.5),
+    ),
+    "Bevel": lambda tree: tree.add("Bevel"),
+}.items():
+    _note("Textures and nodes", _key, _coloured_ball(_make))
+
+
+@_feature("Textures and nodes", "Generated, bent by a modifier")
+def _bent(stage):
+    tree = stage.material()
+    shown = tree.add("TexNoise", Vector=_on("Generated")(tree), Scale=2.0)
+    item = stage.studio(tree.show(tree.add("BsdfDiffuse", Color=shown)))
+    bend = item.modifiers.new("Bend", "SIMPLE_DEFORM")
+    bend.deform_method, bend.deform_axis, bend.angle = "TAPER", "Z", 0.0
+    bend.factor = 0.8
+
+
+@_feature("Textures and nodes", "Glowing ball, object")
+def _glowing_by_object(stage):
+    tree = stage.material()
+    shown = tree.add("TexChecker", Vector=_on("Object")(tree), Scale=1.7, **_COLOURS)
+    stage.world((0.0, 0.0, 0.0))
+    stage.tile(stage.paint(), scale=(3.0, 3.0, 3.0))
+    stage.camera()
+    stage.ball(tree.show(tree.add("Emission", Color=shown, Strength=3.0)))
+
+
+@_feature("Textures and nodes", "Alpha and metal of an object's own")
+def _alpha_by_object(stage):
+    tree = stage.material()
+    where = tree.add("SeparateXYZ", out=2, Vector=_on("Generated")(tree))
+    metal = tree.add("TexNoise", Vector=_on("Object")(tree), Scale=2.0)
+    stage.studio(
+        tree.show(
+            tree.add("BsdfPrincipled", Base_Color=PAINT, Roughness=0.5, Metallic=metal, Alpha=where)
+        )
+    )
+
+
+@_feature("Textures and nodes", "Image, two tiles (UDIM)")
+def _tiles(stage):
+    stage.world()
+    folder = Path(tempfile.mkdtemp())
+    for number, tone in ((1001, 0.2), (1002, 0.7)):
+        made = image(f"Tile {number}")
+        made.pixels.foreach_set([tone, tone, tone, 1.0] * (len(made.pixels) // 4))
+        made.filepath_raw, made.file_format = str(folder / f"tile.{number}.exr"), "OPEN_EXR"
+        made.save()
+    tiled = bpy.data.images.load(str(folder / "tile.1001.exr"))
+    tiled.source, tiled.filepath = "TILED", str(folder / "tile.<UDIM>.exr")
+    tiled.reload()
+    tree = stage.material()
+    shown = tree.add("TexImage", {"image": tiled}, Vector=_on("UV")(tree))
+    item = stage.tile(tree.show(tree.add("BsdfDiffuse", Color=shown)))
+    item.data.uv_layers[0].data.foreach_set("uv", [0, 0, 2, 0, 2, 1, 0, 1])
+    stage.above()
+
+
+@_feature("Textures and nodes", "Noise on UV beyond its tile")
+def _beyond(stage):
+    stage.world()
+    tree = stage.material()
+    stage.tile(tree.owner)
+    tree.show(tree.add("BsdfDiffuse", Color=_far_uv(tree)))
+    stage.above()
+
+
+def _crowd(make):
+    """Show instances of a tile. ``make(tree)``: the colour's output."""
+
+    def build(stage):
+        stage.world()
+        tree = stage.material()
+        item = stage.tile(tree.show(tree.add("BsdfDiffuse", Color=make(tree))), scale=(0.3,) * 3)
+        group = bpy.data.collections.new("Group")
+        group.objects.link(item)
+        stage.scene.collection.objects.unlink(item)
+        for x, y in ((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)):
+            empty = stage.link("Empty", None, location=(x, y, 0.0))
+            empty.instance_type, empty.instance_collection = "COLLECTION", group
+            empty["tone"] = 0.5 + 0.4 * x
+        stage.above()
+
+    return build
+
+
+for _key, _make in {
+    "Random per instance": lambda tree: tree.add("ObjectInfo", out=5),
+    "Property of the instancer": lambda tree: tree.add(
+        "Attribute", {"attribute_type": "INSTANCER", "attribute_name": "tone"}
+    ),
+}.items():
+    _note("Textures and nodes", _key, _crowd(_make))
+
+
+@_feature("Textures and nodes", "Property of the object")
+def _property(stage):
+    stage.world()
+    tree = stage.material()
+    shown = tree.add("Attribute", {"attribute_type": "OBJECT", "attribute_name": "tone"})
+    stage.tile(tree.show(tree.add("BsdfDiffuse", Color=shown)))["tone"] = 0.35
     stage.above()
 
 

@@ -1,5 +1,7 @@
 """Evaluated objects of Blender as geometries of the engine."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ...engine.scene.mesh import Geometry
@@ -14,7 +16,12 @@ MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 """Object types that have a surface."""
 
 
-def read_geometry(source, geometry_id: str, change=None) -> Geometry | None:
+def read_geometry(
+    source,
+    geometry_id: str,
+    change: Callable[[Geometry, object], Geometry] | None = None,
+    look: Callable[[object, Geometry], None] | None = None,
+) -> Geometry | None:
     """Read the surface of one evaluated object, in the object's own frame and in Blender units.
 
     Parameters
@@ -22,6 +29,7 @@ def read_geometry(source, geometry_id: str, change=None) -> Geometry | None:
     source : bpy.types.Object    Evaluated; of an instance the object that the instance shows.
     geometry_id : str    Identity of the result.
     change : callable or None    From the geometry and the mesh that it was read from to what is used in its place.
+    look : callable or None    Given the mesh and what is used while the mesh is there, to read more of it.
 
     Returns
     -------
@@ -32,7 +40,11 @@ def read_geometry(source, geometry_id: str, change=None) -> Geometry | None:
         return None
     try:
         made = _convert(mesh, geometry_id, _hidden_maps(source, mesh))
-        return made if made is None or change is None else change(made, mesh)
+        if made is not None and change is not None:
+            made = change(made, mesh)
+        if made is not None and look is not None:
+            look(mesh, made)
+        return made
     finally:
         source.to_mesh_clear()
 
@@ -82,29 +94,29 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     if count == 0:
         return None
     # The triangles' own vertices, polygons and materials would be read one by one: attributes are copied whole.
-    corners = np.arange(3 * count, dtype=np.int32).reshape(count, 3)
-    if count != len(mesh.polygons):
-        corners = _read(mesh.loop_triangles, "loops", np.int32, (count, 3))
-    corner_vertex = _read(mesh.attributes[".corner_vert"].data, "value", np.int32, len(mesh.loops))
-    polygon = _read(mesh.loop_triangle_polygons, "value", np.int32, count)
+    corners = corners_of(mesh)
+    corner_vertex = read_values(
+        mesh.attributes[".corner_vert"].data, "value", np.int32, len(mesh.loops)
+    )
+    polygon = read_values(mesh.loop_triangle_polygons, "value", np.int32, count)
     material = mesh.attributes.get("material_index")
     if material is None:
         slot = np.zeros(count, np.int32)
     else:
-        slot = _read(material.data, "value", np.int32, len(mesh.polygons))[polygon]
+        slot = read_values(material.data, "value", np.int32, len(mesh.polygons))[polygon]
     normals = None
     if mesh.normals_domain != "FACE":
-        normals = _read(mesh.corner_normals, "vector", np.float32, (len(mesh.loops), 3))
+        normals = read_values(mesh.corner_normals, "vector", np.float32, (len(mesh.loops), 3))
     return Geometry(
         id=geometry_id,
-        vertices=_read(
+        vertices=read_values(
             mesh.attributes["position"].data, "vector", np.float32, (len(mesh.vertices), 3)
         ),
         triangles=corner_vertex[corners],
         material_index=np.maximum(slot, 0),
         corner_normals=None if normals is None else normals.take(corners, axis=0),
         uv_maps={
-            layer.name: _read(layer.uv, "vector", np.float32, (len(mesh.loops), 2)).take(
+            layer.name: read_values(layer.uv, "vector", np.float32, (len(mesh.loops), 2)).take(
                 corners, axis=0
             )
             for layer in sorted(mesh.uv_layers, key=lambda layer: not layer.active_render)
@@ -114,7 +126,16 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     )
 
 
-def _read(collection, attribute: str, dtype, shape) -> np.ndarray:
+def corners_of(mesh) -> np.ndarray:
+    """Return the corners of a mesh's polygons that its triangles have. (t, 3) int32"""
+    count = len(mesh.loop_triangles)
+    if count == len(mesh.polygons):
+        return np.arange(3 * count, dtype=np.int32).reshape(count, 3)
+    return read_values(mesh.loop_triangles, "loops", np.int32, (count, 3))
+
+
+def read_values(collection, attribute: str, dtype, shape) -> np.ndarray:
+    """Return a property of all members of a collection of Blender as an array."""
     values = np.empty(shape, dtype=dtype)
     collection.foreach_get(attribute, values.reshape(-1))
     return values

@@ -27,9 +27,12 @@ class Shown:
     digest : bytes    Of the item, if it is a light.
     matrix : bytes    World matrix that it was made with, in Blender units.
     data : int    Session uid of the object's data.
-    shading : frozenset of int    Node trees and images that a light reads.
-    is_mapped : bool    Whether lux maps can be laid over it, which are not over strands and points.
+    shading : frozenset of int    Node trees and images that a light reads, and objects that materials ask for.
+    is_mapped : bool    Whether lux maps and charts of pictures can be laid over it, which are not over strands and points.
     is_dark : bool    Whether it is a light that is hidden or emits nothing.
+    charts : frozenset of (int, bool)    Slots whose materials are made for its surface, and whether each is the last.
+    is_placed : bool    Whether it has materials that are made for it.
+    follows_scene : bool    Whether these ask for properties of the scene.
     is_far : bool    Whether it is an object that was left out because of where it is.
     is_anchored : bool    Whether it is an object whose shape depends on where it stands.
     towards_sun : (3,) array or None    Where it shines from, if it is a Sun light itself and no instance of one.
@@ -47,6 +50,9 @@ class Shown:
     shading: frozenset[int] = frozenset()
     is_mapped: bool = True
     is_dark: bool = False
+    charts: frozenset = frozenset()
+    is_placed: bool = False
+    follows_scene: bool = False
     is_far: bool = False
     is_anchored: bool = False
     towards_sun: np.ndarray | None = None

@@ -20,9 +20,13 @@ from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
 from .displacement import Displacement, displaces, follows_object
 from .hair import hair_systems, read_curves, read_hair, read_points
+from .instance_attributes import InstanceAttributes
 from .lights.lights import convert_light
 from .lights.portals import GEOMETRY, is_portal, portal_frame, portal_geometry
 from .nodes.dependencies import shading_dependencies
+from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
+from .nodes.placed import Subject
+from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
 from .tags import Tags
 from .visibility import (
@@ -69,6 +73,7 @@ class Walk:
         self.number = sent.walks = sent.walks + 1
         self._own_data: dict[int, int] = {}
         self._ordinals: dict[int, dict[int, int]] = {}
+        self._attributes = InstanceAttributes()
 
     def run(self) -> None:
         """Visit everything that the tags call for."""
@@ -88,13 +93,13 @@ class Walk:
         sent.materials.mark(tags.shading)
         if self.is_rerated or self.is_rescaled:
             sent.materials.mark_all()
-        # Before the objects, as meshes are displaced by them.
-        if tags.shading or self.is_rescaled:
-            sent.materials.refresh(self._used_materials(), self.depsgraph)
+        # Before the objects: materials displace meshes, and what they need of objects decides what there is of them.
+        self.is_replaced = sent.materials.renew(self._used_materials(), self.depsgraph)
         self._reshaping = sent.materials.take_reshaping()
-        if self._concerns_objects():
+        if self._concerns_objects() or self.is_replaced:
             self._visit_all()
             self._sweep()
+            sent.geometries.lay_out(self._charts())
         sent.materials.refresh(self._used_materials(), self.depsgraph)
         self._update_world()
 
@@ -154,7 +159,7 @@ class Walk:
         sent, tags = self.sent, self.tags
         sent.last_visit = self.number
         touched = tags.objects | tags.geometry | tags.shading
-        is_all = self.is_rescaled or self.is_rerated or self.is_refiltered
+        is_all = self.is_rescaled or self.is_rerated or self.is_refiltered or self.is_replaced
         shown_before, number, shows_hair = sent.shown, self.number, self.layer.use_strand
         matrices = _read_matrices(self.depsgraph.object_instances)
         if self.final:
@@ -193,13 +198,11 @@ class Walk:
                     or shown.data in touched
                     or (shown.shading and not shown.shading.isdisjoint(touched))
                     or self._is_reshaped(shown)
+                    or (shown.follows_scene and tags.scene)
                 ):
-                    if part:
-                        self._convert_hair(shown, instance, source, original)
-                    else:
-                        self._convert(shown, instance, source, original)
+                    self._convert_part(part, shown, instance, source, original)
                 elif matrix != shown.matrix and (shown.item is not None or shown.is_far):
-                    self._move(shown, instance, source, original)
+                    self._move(part, shown, instance, source, original)
                 shown.matrix = matrix
 
     def _is_reshaped(self, shown) -> bool:
@@ -213,12 +216,16 @@ class Walk:
             return False
         return self.visible is None or self.visible(instance)
 
-    def _move(self, shown, instance, source, original) -> None:
-        is_free = isinstance(shown.item, Placement) and not shown.is_anchored
-        if is_free and shown.item.geometry != GEOMETRY:
+    def _move(self, part, shown, instance, source, original) -> None:
+        is_plain = isinstance(shown.item, Placement) and not shown.is_placed
+        if is_plain and not shown.is_anchored and shown.item.geometry != GEOMETRY:
             self._place(shown, replace(shown.item, frame=self._frame(instance)))
         else:
-            self._convert(shown, instance, source, original)
+            self._convert_part(part, shown, instance, source, original)
+
+    def _convert_part(self, part, shown, instance, source, original) -> None:
+        convert = self._convert_hair if part else self._convert
+        convert(shown, instance, source, original)
 
     def _frame(self, instance) -> np.ndarray:
         frame = np.array(instance.matrix_world, dtype=np.float64)
@@ -319,14 +326,15 @@ class Walk:
         table = self.sent.materials
         materials = tuple(table.use(material, self.depsgraph) for material in slots)
         parent = instance.parent if instance.is_instance and not shown.is_own else None
+        placed = self._place_materials(shown, instance, source, geometry, slots)
         found = visibility_of(source, parent, layer)
         report = ConversionReport()
         tell_visibility(found, shown.name, report)
         tell_departures(source, shown.name, report, layer, parent)
         tell(OBJECT, original, shown.name, report)
-        if found.light and table.is_luminous(materials):
+        if found.light and table.is_luminous(slots):
             tell_linking(source, shown.name, report)
-        if not shown.is_mapped and table.has_pictures(materials):
+        if not shown.is_mapped and table.has_pictures(slots):
             report.error(
                 shown.name,
                 "the material varies over the surface, and strands and points have no UV maps here",
@@ -343,13 +351,54 @@ class Walk:
             name=shown.name,
             geometry=geometry,
             frame=self._frame(instance),
-            materials=materials,
+            materials=placed or materials,
             visible_to_camera=found.camera,
             index=source.pass_index,
             meets_light=found.light,
             is_holdout=is_holdout(source, parent, layer),
         )
         self._place(shown, placement)
+
+    def _place_materials(self, shown, instance, source, geometry, slots) -> tuple[str, ...]:
+        """Return the ids of an object's materials where some of them are made for it, () if none is."""
+        table, geometries = self.sent.materials, self.sent.geometries
+        asked = [table.needs(material) for material in slots]
+        parent = instance.parent if instance.is_instance and not shown.is_own else None
+        charts, keys, followed, is_placed = set(), [], set(), False
+        displacement = self._displacement(instance, slots)
+        for slot, (material, needed) in enumerate(zip(slots, asked, strict=True)):
+            keys.append(table.use(material, self.depsgraph))
+            has_surface = shown.is_mapped and wants_surface(needed, geometries.uv_bounds(geometry))
+            values = read_values(needed, instance, source, parent, self.depsgraph, self._attributes)
+            if not has_surface and not values and PLACE not in needed:
+                continue
+            is_placed = True
+            part = (slot, slot == len(slots) - 1)
+            place = Place(
+                place_key(
+                    keys[-1], needed, shown.key, geometry if has_surface else "", slot, values
+                ),
+                Subject(_matrix_for(instance, needed), values),
+                geometries.surface(geometry, source, displacement) if has_surface else None,
+                *part,
+                is_optional=SURFACE not in needed,
+            )
+            keys[-1] = table.place(material, place)
+            if has_surface:
+                charts.add(part)
+            followed |= needed
+        shown.charts, shown.is_placed = frozenset(charts), is_placed
+        shown.shading = frozenset(need[1] for need in followed if need[0] == FRAME)
+        shown.follows_scene = any(need[:2] == (ATTRIBUTE, "VIEW_LAYER") for need in followed)
+        return tuple(keys) if is_placed else ()
+
+    def _charts(self) -> dict[str, set]:
+        """Slots whose materials are made for a surface, by the geometries that are shown."""
+        found: dict[str, set] = {}
+        for shown in self.sent.shown.values():
+            if isinstance(shown.item, Placement):
+                found.setdefault(shown.item.geometry, set()).update(shown.charts)
+        return found
 
     def _convert_portal(self, shown, instance, source) -> None:
         shown.shading = frozenset()
@@ -379,8 +428,9 @@ class Walk:
         if kept is not None:
             return kept
         take, owner = self.sent.geometries.take, original.session_uid
-        if any(map(displaces, slots)):
-            take = self._displaced(instance, slots)
+        displacement = self._displacement(instance, slots)
+        if displacement is not None:
+            take = self._displaced(displacement, instance, slots)
         if original.type != "MESH" or (
             instance.is_instance and source.data.as_pointer() != self._data_of(original)
         ):
@@ -395,14 +445,20 @@ class Walk:
         owner = original.data.session_uid
         return take(f"geometry:data/{owner}", owner, source)
 
-    def _displaced(self, instance, slots):
-        """What takes the geometry of an object whose materials displace it."""
+    def _displacement(self, instance, slots) -> Displacement | None:
+        """What moves the vertices of an object; None: no material of its slots does."""
+        moving = tuple(each if displaces(each) else None for each in slots)
+        if not any(moving):
+            return None
         frame = np.array(instance.matrix_world, dtype=np.float64)
+        return Displacement(moving, frame, self.sent.images)
+
+    def _displaced(self, displacement: Displacement, instance, slots):
+        """What takes the geometry of an object whose materials displace it."""
         table, is_movable = self.sent.materials, all(map(follows_object, slots))
         known = [table.use(each, self.depsgraph) and table.version(each) for each in slots if each]
-        moving = tuple(each if displaces(each) else None for each in slots)
-        displacement = Displacement(moving, frame, self.sent.images)
-        place = b"" if is_movable else frame.tobytes()
+        place = b"" if is_movable else displacement.frame.tobytes()
+        moving = displacement.materials
         cause = (tuple(each and each.original.session_uid for each in moving), *known, place)
         name = f"{instance.object.original.session_uid}/{tuple(instance.persistent_id)}"
 
@@ -582,6 +638,11 @@ def _read_matrices(instances) -> bytes:
     values = np.empty(16 * len(instances), np.float32)
     instances.foreach_get("matrix_world", values)
     return values.tobytes()
+
+
+def _matrix_for(instance, needed) -> np.ndarray:
+    """Matrix to the world in Blender units, as far as a material asks where the object stands."""
+    return np.array(instance.matrix_world, np.float64) if PLACE in needed else np.eye(4)
 
 
 def _is_special(source) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 
 from ..scene.material import Material
-from ..scene.mesh import Mesh
+from ..scene.mesh import Mesh, find_uv_map
 from ..scene.texture import ImageTexture
 
 
@@ -47,8 +47,7 @@ def _find_pictures(value):
 
 def _count_pixels(mesh: Mesh, picture: ImageTexture, rows: np.ndarray) -> np.ndarray:
     """Pixels of a picture that triangles show. (n,)"""
-    name = picture.uv_map or next(iter(mesh.uv_maps), "")
-    uv = mesh.uv_maps.get(name)
+    uv = find_uv_map(mesh.uv_maps, picture.uv_map)
     if uv is None or isinstance(picture.pixels, str):
         return np.zeros(len(rows))
     corners = uv[rows].astype(np.float64) @ picture.transform[:2, :2].T

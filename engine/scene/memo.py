@@ -69,9 +69,10 @@ def _of(array: np.ndarray) -> dict:
     known = _known.get(key)
     if known is None or known[0]() is not array:
 
-        def forget(ref):
-            if key in _known and _known[key][0] is ref:
-                del _known[key]
+        def forget(ref, known=_known):
+            # At the end of the process the module's own names may be gone before the last array is.
+            if key in known and known[key][0] is ref:
+                del known[key]
 
         known = _known[key] = (weakref.ref(array, forget), {})
     return known[1]

@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+CHART_MAP = "texels of materials"
+"""UV map of pictures that were made for one surface alone; it is the default of nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
@@ -141,3 +144,10 @@ def _turn_normals(normals: np.ndarray, linear: np.ndarray) -> np.ndarray:
     turned = normals @ turn.astype(np.float32)
     length = np.sqrt(np.einsum("...i,...i", turned, turned))[..., None]
     return turned / np.maximum(length, np.float32(1e-12))
+
+
+def find_uv_map(uv_maps: dict[str, np.ndarray], name: str) -> np.ndarray | None:
+    """Return the UV map with a name, or else the default one; None if there is none."""
+    if name in uv_maps:
+        return uv_maps[name]
+    return next((uv for key, uv in uv_maps.items() if key != CHART_MAP), None)

@@ -315,6 +315,45 @@ def _change_shader(edits):
     tree.links.new(tree.nodes.new(f"ShaderNode{kind}").outputs[0], output.inputs["Surface"])
 
 
+def _lay_by_object(edits):
+    """Let a material ask the objects that show it."""
+    found = edits.pick(bpy.data.materials)
+    if found is None:
+        return
+    tree = found.node_tree
+    kind, output = edits.random.choice(
+        (
+            ("TexCoord", "Generated"),
+            ("TexCoord", "Object"),
+            ("NewGeometry", "Position"),
+            ("ObjectInfo", "Color"),
+            ("ObjectInfo", "Random"),
+            ("VertexColor", "Color"),
+        )
+    )
+    node, shader = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeBsdfDiffuse")
+    if output == "Object" and edits.random.random() < 0.5:
+        node.object = edits.pick_object()
+    tree.links.new(node.outputs[output], shader.inputs["Color"])
+    tree.links.new(shader.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+
+
+def _object_colour(edits):
+    found = edits.pick_object("MESH", "FONT")
+    if found:
+        found.color = (*edits.vector(0, 1), 1)
+
+
+def _vertex_colours(edits):
+    found = edits.pick_object("MESH")
+    if found and len(found.data.vertices):
+        layers = found.data.color_attributes
+        layer = layers.get("Tint") or layers.new("Tint", "FLOAT_COLOR", "POINT")
+        for each in layer.data:
+            each.color = (*edits.vector(0, 1), 1)
+        found.data.update()
+
+
 def _use_group(edits):
     found = edits.pick(bpy.data.materials)
     if found is None:
@@ -552,6 +591,9 @@ EDITS = {
     "move in outliner": (_move_in_outliner, 1),
     "material colour": (_paint, 3),
     "material type": (_change_shader, 2),
+    "material by object": (_lay_by_object, 2),
+    "object colour": (_object_colour, 1),
+    "vertex colours": (_vertex_colours, 1),
     "material group": (_use_group, 1),
     "group colour": (_edit_group, 2),
     "material override": (_override_material, 1),

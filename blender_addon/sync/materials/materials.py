@@ -54,6 +54,7 @@ def convert_material(
     images: ImageCache | None = None,
     is_patient: bool = True,
     metres: float = 1.0,
+    context: RayContext | None = None,
 ) -> Material:
     """Convert a Blender material.
 
@@ -66,6 +67,7 @@ def convert_material(
     images : ImageCache or None    What was read of images before.
     is_patient : bool    Whether to wait for a scattering file that is being read.
     metres : float    That a unit of Blender stands for. [m]
+    context : RayContext or None    In which its nodes are evaluated for light; None: as they are for all objects.
 
     Returns
     -------
@@ -78,13 +80,15 @@ def convert_material(
         return Material(material_id, material.name, surface, emission, material.pass_index)
     _report_working_space(report)
     tell(MATERIAL, material, material.name, report)
-    made = _convert_nodes(material, material_id, report, efficacy, images, metres)
+    context = context or material_context(material, report, images)
+    context.material_index, context.metres = float(material.pass_index), metres
+    made = _convert_nodes(material, material_id, context, efficacy)
     if not _tells_rays_apart(material):
         return made
     own = ConversionReport()
-    seen = _convert_nodes(
-        material, f"{material_id}/seen", own, efficacy, images, metres, is_camera=True
-    )
+    camera = context.branch(own)
+    camera.is_camera = True
+    seen = _convert_nodes(material, f"{material_id}/seen", camera, efficacy)
     if content_digest(seen) == content_digest(made):
         return made
     report.include_new(own)
@@ -123,19 +127,10 @@ def _mixes_holdout(surface) -> bool:
     return isinstance(surface, Holdout)
 
 
-def _convert_nodes(
-    material,
-    material_id: str,
-    report,
-    efficacy: float,
-    images,
-    metres: float,
-    is_camera: bool = False,
-) -> Material:
+def _convert_nodes(material, material_id: str, context: RayContext, efficacy: float) -> Material:
     """Convert what rays of light, or those of the camera, meet of a material."""
+    report = context.report
     try:
-        context = RayContext(material.name, report, images, is_camera)
-        context.metres = metres
         closure = _convert_tree(material, context)
         depth = 0 if closure.surface is None else closure.surface.depth
     except RecursionError:
@@ -178,6 +173,13 @@ def _report_working_space(report):
             f"The file's working space is {name}",
             "colours are read as linear Rec. 709",
         )
+
+
+def material_context(material, report, images=None) -> RayContext:
+    """Return the conversion of a material's nodes for all objects, which notes what it would need to know of one."""
+    context = RayContext(material.name, report, images)
+    context.is_material = True
+    return context
 
 
 def _convert_tree(material, context: RayContext) -> Closure:

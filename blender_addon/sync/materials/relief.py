@@ -101,6 +101,12 @@ def _mapped(at, below) -> Relief | None:
     if not _is_usable(at, colour) or strength == 0.0:
         return None if strength == 0.0 else below
     space = at.node.space
+    if space == "TANGENT" and at.context.has_texels and not colour.is_constant:
+        at.note(
+            "A normal map along a UV map, beside textures that lie on none, is not supported",
+            _OWN_NORMAL,
+        )
+        return below
     if space == "TANGENT" and not colour.is_constant and colour.layout.uv_map != at.node.uv_map:
         at.remark(
             f"The tangents of a normal map follow UV map {at.node.uv_map!r}",

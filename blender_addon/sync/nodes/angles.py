@@ -28,16 +28,6 @@ LAYOUT = Layout("angles", np.eye(3), name="angles")
 """Layout of what depends on the angle; it lies on no surface."""
 
 
-class AngleContext(Context):
-    """The conversion of a value by the side (rows: front, back) and the angle (columns: `blend_cosines`)."""
-
-    def take_output(self, at) -> Field | None:
-        """Return what a node gives from every angle; None: it gives the same as on a surface."""
-        if not _is_source(at.output):
-            return None
-        return _SOURCES[at.node.bl_idname](at)
-
-
 def over_angles(socket, context: Context, groups: tuple) -> np.ndarray | None:
     """Return a factor by side and angle, within 0 and 1, and report what it leaves out.
 
@@ -53,12 +43,12 @@ def over_angles(socket, context: Context, groups: tuple) -> np.ndarray | None:
     """
     if not _depends(socket, groups, set()):
         return None
-    report = ConversionReport()
-    angles = AngleContext(context.datablock, report, context.images)
+    angles = _from_all_angles(context)
     field = evaluate_field(socket, angles, groups)
     if field.layout is None or field.layout.uv_map != LAYOUT.uv_map:
         return None
-    context.report.include(report)
+    context.report.include(angles.report)
+    context.needs |= angles.needs
     values = np.broadcast_to(luminance(field.values), (2, BLEND_STEPS, 1))[..., 0]
     return np.clip(values, 0.0, 1.0).astype(np.float64)
 
@@ -86,8 +76,7 @@ def course_of(node, context: Context, groups: tuple) -> Course | None:
         return None
     fields = []
     for socket in sockets:
-        scratch = AngleContext(context.datablock, ConversionReport(), context.images)
-        field = evaluate_field(socket, scratch, groups)
+        field = evaluate_field(socket, _from_all_angles(context), groups)
         if field.layout is None or field.layout.uv_map != LAYOUT.uv_map:
             return None
         fields.append(field.values.reshape(2 * BLEND_STEPS, -1))
@@ -99,7 +88,7 @@ def course_of(node, context: Context, groups: tuple) -> Course | None:
     share = (points - points[first]) @ way / max(length, 1e-30)
     if np.abs(points - points[first] - share[:, None] * way).max() > STRAIGHT:
         return None
-    ends = tuple(_FixedContext(context, divmod(place, BLEND_STEPS)) for place in (first, last))
+    ends = tuple(_from_one_angle(context, divmod(place, BLEND_STEPS)) for place in (first, last))
     return Course(np.clip(share, 0.0, 1.0).reshape(2, BLEND_STEPS), ends)
 
 
@@ -122,18 +111,28 @@ def _is_at_most(node, name: str, largest: float) -> bool:
     return socket is None or (not socket.is_linked and socket.default_value <= largest)
 
 
-class _FixedContext(Context):
-    """The conversion as seen from one side and angle; ``place``: their numbers in the grid."""
+def _from_all_angles(context: Context) -> Context:
+    """Return a conversion by the side (rows: front, back) and the angle (columns: `blend_cosines`), to be tried."""
+    made = context.branch(ConversionReport())
+    made.needs, made.has_angles, made.take_angle = set(), True, _by_angle
+    return made
 
-    def __init__(self, context: Context, place: tuple[int, int]):
-        super().__init__(context.datablock, context.report, context.images)
-        self._place = place
 
-    def take_output(self, at) -> Field | None:
-        """Return what a node gives from there; None: it gives the same as on a surface."""
-        if not _is_source(at.output):
-            return None
-        return Field(_SOURCES[at.node.bl_idname](at).values[self._place])
+def _from_one_angle(context: Context, place: tuple[int, int]) -> Context:
+    """Return a conversion as seen from one side and angle; ``place``: their numbers in the grid."""
+
+    def take_angle(at) -> Field | None:
+        field = _by_angle(at)
+        return None if field is None else Field(field.values[place])
+
+    made = context.branch()
+    made.take_angle = take_angle
+    return made
+
+
+def _by_angle(at) -> Field | None:
+    """Return what a node gives from every angle; None: it gives the same as on a surface."""
+    return _SOURCES[at.node.bl_idname](at) if _is_source(at.output) else None
 
 
 def _depends(socket, groups, seen: set) -> bool:

@@ -1,5 +1,6 @@
 """Evaluation of colour and value sub-graphs of a shader tree."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -7,8 +8,8 @@ import numpy as np
 from ....engine.scene.memo import recall_latest
 from ...foundation.report import ConversionReport, Severity
 from ..images.cache import SMALL, ImageCache
-from . import colour_nodes, coordinate_nodes, procedural_nodes, stand_ins, texture_nodes
-from .fields import Field, constant, luminance, map_fields, rgb
+from . import colour_nodes, coordinate_nodes, needs, procedural_nodes, stand_ins, texture_nodes
+from .fields import OTHER_PLACES, TWO_MAPS, Field, constant, luminance, map_fields, rgb
 from .graph import find_socket, node_key, settings_of, trace
 
 _FUNCTIONS = (
@@ -36,21 +37,42 @@ class Context:
     metres : float    That a unit of Blender stands for. [m]
     relief : scene.relief.Relief or None    Of a displacement, which all normals start from.
     lies_on_maps : bool    Whether coordinates that are a UV map are known as one, and textures drawn on it.
+    is_camera : bool    Whether rays of the camera are asked for, and not those that carry light.
+    is_material : bool    Whether an object shows it, whose own values a conversion of its own can take.
+    material_index : float or None    The material's own number, if it is one.
+    has_texels : bool    Whether nodes are evaluated at texels of an object's surface, not on tiles of UV maps.
+    has_angles : bool    Whether they are evaluated by the side and the angle as well, so that pictures count by their means.
+    take_angle : callable or None    Returns what a node (`Inputs`) gives by these, None if it does not depend on them.
+    needs : set of tuple    What was asked for of the object that shows it, as `needs` has them.
     """
 
-    is_camera = False
-    """Whether rays of the camera are asked for, and not those that carry light."""
     metres = 1.0
     relief = None
     lies_on_maps = True
+    is_camera = is_material = has_texels = has_angles = False
+    material_index: float | None = None
+    take_angle = None
 
     def __init__(self, datablock: str, report: ConversionReport, images: ImageCache | None = None):
         self.datablock = datablock
+        self.needs: set[tuple] = set()
         self.report = report
         self.images = ImageCache() if images is None else images
         self.readings: dict = {}
         self.known: dict = {}
         self.active: set = set()
+
+    def branch(self, report: ConversionReport | None = None) -> "Context":
+        """Return the same conversion to be done once more; what it asks of the object counts for both.
+
+        Parameters
+        ----------
+        report : ConversionReport or None    Where departures go; None: as before.
+        """
+        made = copy(self)
+        made.report = self.report if report is None else report
+        made.readings, made.known, made.active = {}, {}, set()
+        return made
 
     def add(self, severity, node, message, remedy, is_missing=False):
         """Note one departure of a node."""
@@ -58,6 +80,9 @@ class Context:
 
     def take_output(self, at) -> "Field | None":
         """Return what a node gives here in place of what it gives on a surface; None: the same."""
+        if self.material_index is not None and at.output.identifier == "Material Index":
+            return constant(self.material_index)
+        self.needs |= needs.needs_of_node(at.node, at.output)
         return None
 
     def settle(self, field: "Field") -> "Field":
@@ -66,7 +91,7 @@ class Context:
 
     def coordinates(self) -> "Field | None":
         """Return what textures go by where nothing is linked; None: coordinates of the object, which are not known."""
-        return None
+        self.needs.add(needs.SURFACE)
 
     def take_profile(self, node) -> float | None:
         """Return the number that an IES texture stands for; None: it cannot be taken over here."""
@@ -137,6 +162,8 @@ class Inputs:
 
     def note(self, message, remedy):
         """Note something that changes the result."""
+        if message in {TWO_MAPS, OTHER_PLACES} and not self.context.has_angles:
+            self.context.needs.add(needs.SURFACE)
         self.context.add(Severity.WARNING, self.node.name, message, remedy)
 
     def fail(self, message, remedy):
@@ -198,7 +225,9 @@ def _evaluate_output(output, context, groups):
         return constant(0.0)
     context.active.add(key)
     try:
-        field = context.take_output(inputs)
+        field = None if context.take_angle is None else context.take_angle(inputs)
+        if field is None:
+            field = context.take_output(inputs)
         if field is None:
             field = context.settle(_FUNCTIONS.get(node.bl_idname, stand_ins.replace)(inputs))
     finally:

@@ -18,6 +18,12 @@ LARGEST_TILE = 2048
 
 _EQUAL = 1e-6
 
+TWO_MAPS = "Two UV maps meet in one colour"
+"""What is noted where places on one map say nothing of those on the other."""
+
+OTHER_PLACES = "Pictures with different placements are combined"
+"""What is noted where no tile holds whole numbers of several pictures."""
+
 SAMPLES = 256
 """Values that stand for one that nothing is known of but how it is spread."""
 
@@ -42,6 +48,10 @@ class Layout:
             and self.extension == other.extension
             and np.allclose(self.transform, other.transform, atol=_EQUAL)
         )
+
+    def picture(self, values: np.ndarray) -> np.ndarray:
+        """Return values as the pixels of the picture."""
+        return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +178,7 @@ def _map(function, fields, note) -> tuple[Field, bool]:
         kept = pictures[0].layout.uv_map
         if any(field.layout.uv_map != kept for field in pictures):
             note(
-                "Two UV maps meet in one colour",
+                TWO_MAPS,
                 f"the pictures on other maps than {kept or 'the default map'!r} become their mean",
             )
             fields = [_onto_map(field, kept) for field in fields]
@@ -228,7 +238,7 @@ def _common_layout(pictures, note):
     shape = tuple(int(side) for side in np.clip(np.ceil(wanted - 1e-3), 1, LARGEST_TILE))
     if not is_exact:
         note(
-            "Pictures with different placements are combined",
+            OTHER_PLACES,
             f"they are resampled on one UV tile of {shape[1]} x {shape[0]} pixels that repeats",
         )
     elif max(wanted) > LARGEST_TILE:
@@ -342,7 +352,7 @@ def as_scalar(field: Field) -> Scalar:
 def as_texture(field: Field) -> ImageTexture:
     """Return a field that is not constant as the engine's picture."""
     layout = field.layout
-    pixels = field.values
+    pixels = layout.picture(field.values)
     if pixels.dtype != np.float32 or not pixels.flags.c_contiguous:
         pixels = recall(pixels, "contiguous", lambda v: np.ascontiguousarray(v, np.float32))
     if pixels.flags.writeable:

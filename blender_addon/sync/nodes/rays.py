@@ -35,9 +35,9 @@ class RayContext(Context):
         self.is_camera = is_camera
 
     def take_output(self, at) -> Field | None:
-        """Return what a Light Path node gives for these rays; None: it is not known, or another node."""
+        """Return what a Light Path node gives for these rays; None: it is not known, or the same for all."""
         if at.node.bl_idname != "ShaderNodeLightPath":
-            return None
+            return super().take_output(at)
         name = at.output.identifier
         if name == CAMERA_RAYS:
             return constant(float(self.is_camera))

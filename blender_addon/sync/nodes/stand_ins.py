@@ -42,7 +42,11 @@ def replace(at):
     if kind in _ZERO:
         at.note(f"{at.output.name}: {_ZERO[kind]}", "0 is used")
         return _given(0.0)
-    if kind == "ShaderNodeObjectInfo" and output in {"Color", "Alpha"}:
+    if (
+        kind == "ShaderNodeObjectInfo"
+        and output in {"Color", "Alpha"}
+        and not at.context.is_material
+    ):
         at.note("The object's colour is not available to materials", "white is used")
         return _given(1.0)
     at.note(_reason(at), _EVEN)

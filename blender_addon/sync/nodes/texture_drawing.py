@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....engine.scene.memo import recall
-from . import fields
+from . import fields, needs
 from .fields import SAMPLES, Field, Layout, constant, rgb, spread
 from .mapping import legacy_matrix
 from .texture_nodes import placement_of
@@ -76,11 +76,21 @@ def draw_texture(at, draw, inputs, grain, has_places=True):
         places, matrix = _tile(at, inputs, grain, placement), placement.matrix
         inputs = [_no_finer(each, places) for each in inputs]
     places, *inputs = _of_one_kind(at, places, *inputs)
+    if at.context.has_texels:
+        _weigh(at, places, matrix, grain)
 
     def drawn(places, matrix, *values):
         return _by_pieces(draw, places, matrix.reshape(3, 4), values)
 
     return at.map(drawn, places, constant(*matrix[:3].ravel()), *inputs)
+
+
+def _weigh(at, places, matrix, grain):
+    """Tell the picture of an object how fine the texture is."""
+    if grain.is_endless:
+        at.context.want(_LARGEST)
+    waves = 0.0 if grain.is_endless else grain.waves * np.linalg.norm(matrix[:3, :3], 2)
+    at.context.weigh(at, places, waves, grain.work * (1 + grain.octaves))
 
 
 def _finite(at, field):
@@ -147,6 +157,7 @@ def _channels(values):
 def _tile(at, inputs, grain, placement):
     """Return the field of the coordinates (u, v, 0) on a unit tile."""
     at.remark("A procedural texture never repeats", "it is drawn for one UV tile and repeated")
+    at.context.needs.add(needs.tile(placement.uv_map))
     tile = at.context.images.tile(_side(at, inputs, grain, placement.matrix))
     interpolation = "closest" if grain.is_endless else "linear"
     return Field(tile, Layout(placement.uv_map, np.eye(3), interpolation, "repeat", at.node.name))
@@ -179,7 +190,7 @@ def _other_places(at):
     places = None
     if any(not link.is_muted for link in socket.links):
         places = at.field(socket)
-        if not places.is_stand_in:
+        if not places.is_stand_in or (at.context.has_texels and not places.is_spread):
             return places
     elif at.node.bl_idname in _AT_THEIR_OWN:
         return at.field(socket)
@@ -187,6 +198,7 @@ def _other_places(at):
         places = at.context.coordinates()
         if places is not None:
             return places
+    at.context.needs.add(needs.SURFACE)
     at.note("A procedural texture without a UV map", _PLACES)
     if places is not None and places.is_spread:
         return places

@@ -7,9 +7,11 @@ import numpy as np
 
 from ....engine.scene.memo import recall
 from ..images.pixels import MISSING
-from . import patterns
+from . import patterns, texel_textures
 from .fields import SAMPLES, Field, Layout, constant, mean_of_picture, spread
 from .mapping import Placement, legacy_matrix, resolve_placement
+from .needs import SURFACE, tile
+from .texel_textures import with_black_border
 
 _BRICK_TILE = 1024
 
@@ -57,34 +59,24 @@ def _laid(at, pixels):
     node = at.node
     if node.interpolation in {"Cubic", "Smart"}:
         at.remark(f"{node.interpolation} interpolation", "linear interpolation is used")
+    if at.context.has_texels:
+        return texel_textures.look_up_picture(at, pixels)
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
+        at.context.needs.add(SURFACE)
         return Field(mean_of_picture(pixels), None, True)
     placement = placement_of(at, is_uv_by_default=True)
     if placement is None:
         at.note("Texture coordinates other than a UV map", "the picture's mean is used")
+        at.context.needs.add(SURFACE)
         return Field(mean_of_picture(pixels), None, True)
     transform, extension = placement.transform, node.extension.lower()
     if extension == "clip":
-        pixels, transform = _with_black_border(pixels, transform)
+        pixels, transform = with_black_border(pixels, transform)
         extension = "extend"
     interpolation = "closest" if node.interpolation == "Closest" else "linear"
     layout = Layout(placement.uv_map, transform, interpolation, extension, node.image.name)
     return Field(pixels, layout)
-
-
-def _with_black_border(pixels, transform):
-    """Make "black outside" a picture whose edge pixels go on for ever."""
-    height, width = pixels.shape[:2]
-    shrink = np.array(
-        [
-            [width / (width + 2), 0, 1 / (width + 2)],
-            [0, height / (height + 2), 1 / (height + 2)],
-            [0, 0, 1],
-        ]
-    )
-    bordered = recall(pixels, "bordered", lambda p: np.pad(p, ((1, 1), (1, 1), (0, 0))))
-    return bordered, shrink @ transform
 
 
 def _colour_mapped(at, field):
@@ -111,6 +103,8 @@ def placement_of(at, is_uv_by_default: bool) -> Placement | None:
     """
     socket = at.node.inputs["Vector"]
     is_linked = any(not link.is_muted for link in socket.links)
+    if at.context.has_texels:
+        return None
     if is_linked:
         placement = resolve_placement(socket, at.groups, at.constant_of)
     else:
@@ -126,12 +120,15 @@ def _scaled_placement(at):
     placement = placement_of(at, is_uv_by_default=False)
     scale = at.plain("Scale")
     if placement is None:
+        at.context.needs.add(SURFACE)
         return None
     matrix = np.diag([scale, scale, scale, 1.0])
     return placement.after(matrix)
 
 
 def _checker(at):
+    if at.context.has_texels:
+        return _chequered(at, texel_textures.draw_checker(at))
     placement = _scaled_placement(at)
     if placement is None:
         at.note("A checker without a UV map", "the mean of its two colours is used")
@@ -142,6 +139,10 @@ def _checker(at):
         layout = Layout(placement.uv_map, transform, "closest", "repeat", at.node.name)
         level = np.floor(placement.matrix[2, 3] + 1e-6)
         share = Field(patterns.CHECKER if level % 2 == 0 else 1 - patterns.CHECKER, layout)
+    return _chequered(at, share)
+
+
+def _chequered(at, share):
     if at.output.identifier == "Fac":
         return share
     return at.map(lambda f, a, b: a * f + b * (1 - f), share, at("Color1"), at("Color2"))
@@ -156,6 +157,8 @@ def _brick(at):
     bonding = patterns.Bonding(
         *sizes, node.offset, node.offset_frequency, node.squash, node.squash_frequency
     )
+    if at.context.has_texels:
+        return _painted(at, *texel_textures.draw_bricks(at, bonding))
     placement = _scaled_placement(at)
     scale = at.plain("Scale")
     transform = np.eye(3) if placement is None else placement.transform
@@ -175,15 +178,20 @@ def _brick(at):
         fields = [spread(part[tuple(places)]) for part in (mortar, tint)]
     else:
         at.remark("A brick pattern never repeats", "it is drawn for one UV tile and repeated")
+        at.context.needs.add(tile(placement.uv_map))
         layout = Layout(placement.uv_map, np.eye(3), "linear", "repeat", node.name)
         fields = [Field(mortar, layout), Field(tint, layout)]
+    return _painted(at, *fields)
+
+
+def _painted(at, mortar, tint):
     if at.output.identifier == "Fac":
-        return fields[0]
+        return mortar
 
     def paint(mortar, tint, first, second, joint):
         return (first * (1 - tint) + second * tint) * (1 - mortar) + joint * mortar
 
-    return at.map(paint, *fields, at("Color1"), at("Color2"), at("Mortar"))
+    return at.map(paint, mortar, tint, at("Color1"), at("Color2"), at("Mortar"))
 
 
 def _ies(at):

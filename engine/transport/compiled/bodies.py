@@ -9,7 +9,7 @@ from ...arrays import pointer_id, upload
 from ...errors import SceneError
 from ...luminaires.emitters.portals import Portal, find_portals
 from ...scene.material import HOLDOUT, Material
-from ...scene.mesh import Geometry, Mesh
+from ...scene.mesh import Geometry, Mesh, find_uv_map
 from ..requirements import pictures
 from . import emission
 from .compiled_light import surface_emitter
@@ -220,9 +220,7 @@ def _make_part(mesh, slot, material: Material, triangles, origin, material_palet
     if triangles is not None:
         kept, faces = np.unique(used, return_inverse=True)
         positions, faces = positions[kept], faces.reshape(-1, 3)
-    uv = mesh.uv_maps.get(uv_map_of(material))
-    if uv is None and mesh.uv_maps:
-        uv = next(iter(mesh.uv_maps.values()))
+    uv = find_uv_map(mesh.uv_maps, uv_map_of(material))
     if uv is not None and triangles is not None:
         uv = uv[triangles]
     normals = mesh.corner_normals
