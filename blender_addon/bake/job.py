@@ -16,8 +16,8 @@ from ...engine.baking.files import find_shortfall
 from ...engine.baking.order import BakeOrder, BakeResult, LuxMap
 from ...engine.errors import Cancelled, LumenrayError, SceneError
 from ...engine.scene.scene import Scene
-from ..foundation.exposure import white_luminance
 from ..assumptions import refuse_media
+from ..foundation.exposure import white_luminance
 from ..foundation.report import ConversionReport
 from ..light_groups import find_groups
 from ..sync.meshes import MESH_TYPES

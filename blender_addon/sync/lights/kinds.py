@@ -18,7 +18,6 @@ from ....engine.scene.light import (
 )
 from .readings import Reading, read_area, read_line, read_point, read_spot, read_sun
 
-
 UNEVEN = 1.001
 """Ratio of a spot's scales from which on its cone is an ellipse."""
 

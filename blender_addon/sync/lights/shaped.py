@@ -15,15 +15,15 @@ from ....engine.scene.light import Luminaire, Output, Quantity
 from ...foundation.pose import pose_of
 from ...foundation.report import ConversionReport
 from ...luminaires.convert import own_opening, reflected
-from ..nodes.fields import LUMINANCE, Field, map_fields, rgb
 from ..nodes.evaluation import evaluate_field
+from ..nodes.fields import LUMINANCE, Field, map_fields, rgb
 from ..nodes.graph import find_socket
 from ..spectra import light_spectrum
 from .emission_node import find_emission, is_emission
 from .ies_nodes import physical_output
 from .kinds import Place, Spot, is_scaled_unevenly, kind_of
-from .readings import Reading
 from .light_directions import LAYOUT, LightContext, knows_directions
+from .readings import Reading
 
 ROWS, COLUMNS = 361, 720
 """Polar angles over what is lit, and azimuths, of the grid."""

@@ -18,7 +18,6 @@ from ....engine.scene.memo import recall
 from ....engine.scene.spectrum import Spectrum
 from ..nodes.fields import Field, as_colour, as_scalar, constant, from_colour
 
-
 MUCH = 1.001
 """Share of light that a sum sends out from which on it is worth a row that it is scaled down."""
 

@@ -23,8 +23,8 @@ from ...foundation.report import ConversionReport
 from ..departures import MATERIAL, tell
 from ..images.cache import ImageCache
 from ..nodes.dependencies import nodes_of
-from ..nodes.rays import SPLITTING, RayContext
 from ..nodes.fields import Field, as_colour, as_texture, constant, luminance
+from ..nodes.rays import SPLITTING, RayContext
 from ..spectra import light_spectrum
 from .closures import Closure
 from .overrides import convert_override

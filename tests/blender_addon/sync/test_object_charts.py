@@ -4,9 +4,9 @@ import bpy
 import numpy as np
 import pytest
 from kept_scenes import KeptScene
-from lumenray.engine.scene.mesh import CHART_MAP
 from lumenray.blender_addon.sync.nodes.fields import LUMINANCE
 from lumenray.blender_addon.sync.tables import materials
+from lumenray.engine.scene.mesh import CHART_MAP
 from material_trees import new_tree, output_of
 from seen_surfaces import see, see_by_cycles
 

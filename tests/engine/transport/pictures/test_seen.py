@@ -6,11 +6,25 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
-from lumenray.engine.scene.light import AreaLight, ImageWorld, SunLight, UniformWorld
-from lumenray.engine.scene.light import Output, PointLight, Quantity
+from lumenray.engine.scene.light import (
+    AreaLight,
+    ImageWorld,
+    Output,
+    PointLight,
+    Quantity,
+    SunLight,
+    UniformWorld,
+)
 from lumenray.engine.scene.light_groups import LightGroup
-from lumenray.engine.scene.material import Dielectric, Diffuse, Emission, Glossy, Holdout, Material
-from lumenray.engine.scene.material import Transparent
+from lumenray.engine.scene.material import (
+    Dielectric,
+    Diffuse,
+    Emission,
+    Glossy,
+    Holdout,
+    Material,
+    Transparent,
+)
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
