@@ -15,6 +15,9 @@ VIEW = look_in(32, 24)
 METHODS = ("cells", "corrected", "paths")
 """Corrected cells are unbiased ones."""
 
+SHARED = "shared"
+"""By cells, and pixels share their light."""
+
 
 def luminance_of(samples, method, seed):
     """Luminance and its errors. (h, w) each
@@ -25,8 +28,9 @@ def luminance_of(samples, method, seed):
     settings = ViewSettings(
         StopRule(samples=samples),
         seed,
-        method="cells" if is_corrected else method,
+        method=method if method == "paths" else "cells",
         unbiased=is_corrected,
+        shares=method == SHARED,
     )
     made = session_of(*ROOMS["matt"]).render(VIEW, settings)
     return made.tristimulus[..., 1].astype(float), made.luminance_error.astype(float)
@@ -69,7 +73,17 @@ def test_the_stated_error_of_samples_that_go_where_they_are_needed_is_the_true_o
     assert 0.85 < ratio_of(*pictures_of(method)) < 1.15
 
 
-@pytest.mark.parametrize("method", METHODS)
+def test_the_stated_error_holds_what_sharing_smooths_away():
+    """The part that is no noise is known of several tiles together, so the bounds are wider."""
+    values, errors = pictures_of(SHARED)
+    long, _ = luminance_of(LONG, "paths", 1000)
+    scale = np.maximum(long, long.mean())
+    true = by_tiles(((values - long) / scale) ** 2)
+    ratio = np.exp(0.5 * np.log(by_tiles((errors / scale) ** 2) / true).mean())
+    assert 0.75 < ratio < 1.35, ratio
+
+
+@pytest.mark.parametrize("method", [*METHODS, SHARED])
 def test_the_mean_of_many_pictures_has_no_bias(method):
     values, _ = pictures_of(method)
     long, long_errors = luminance_of(LONG, "paths", 1000)
@@ -77,5 +91,5 @@ def test_the_mean_of_many_pictures_has_no_bias(method):
     noise = np.hypot(noise, np.sqrt((long_errors**2).sum()) / long.size)
     bias = values.mean() - long.mean()
     # The rest is what cells may change by their size.
-    size = 0.002 * long.mean() if method == "cells" else 0.0
+    size = 0.002 * long.mean() if method in ("cells", SHARED) else 0.0
     assert abs(bias) < 4.0 * noise + size, f"{bias:.3g} +- {noise:.2g} cd/m2"
