@@ -74,7 +74,8 @@ def render_open_shutter(
     def moment(time, own, follow):
         depsgraph = go_to(time)
         edit = feed.update(depsgraph, is_moment=True)
-        sent = {} if edit is None else edit.stats.sent
+        # A texture that lies in the world stays there in Cycles, too.
+        sent = {} if edit is None else {**edit.stats.sent, "material": edit.stats.remade}
         moving.update(kind for kind in UNBLURRED if sent.get(kind))
         camera = feed.sync.camera(depsgraph, ConversionReport())
         return render(camera, own, follow)

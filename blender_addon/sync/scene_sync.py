@@ -114,6 +114,7 @@ class SceneSync:
         geometries_made = len(sent.geometries.changed)
         reshaped = sent.geometries.reshaped
         geometries, geometries_gone = sent.geometries.flush()
+        remade = sent.materials.remade
         materials, materials_gone = sent.materials.flush()
         pictures, pictures_gone = sent.pictures.flush()
         sent.images.sweep(walk.images())
@@ -137,7 +138,8 @@ class SceneSync:
             if is_new
             else _describe(walk.counts, reshaped, lights, materials, bool(walk.world_changed))
         )
-        stats = SyncStats(time.perf_counter() - start, walk.visited, counts, len(gone), told)
+        seconds = time.perf_counter() - start
+        stats = SyncStats(seconds, walk.visited, counts, len(gone), told, remade)
         return SyncStep(delta, self._report, stats)
 
 

@@ -26,6 +26,7 @@ class SyncStats:
     sent : dict of str to int    Number of items by kind: picture, geometry, object, material, light, world.
     removed : int    Number of items that are gone.
     changed : str    For people: what changed; empty if nothing did.
+    remade : int    Materials that are others, those aside whose pictures only follow where objects stand.
     """
 
     walk_seconds: float = 0.0
@@ -33,6 +34,7 @@ class SyncStats:
     sent: dict[str, int] = field(default_factory=dict)
     removed: int = 0
     changed: str = ""
+    remade: int = 0
 
 
 @dataclass(frozen=True)

@@ -70,6 +70,7 @@ class MaterialTable:
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
         self.changed: list[Material] = []
         self.removed: list[str] = []
+        self.remade = 0
         self._entries: dict[int, _Entry] = {}
         self._reshaping: set[str] = set()
         self._placed: dict[str, Placed] = {}
@@ -196,6 +197,7 @@ class MaterialTable:
             # A step of two along a side for every one of four in the share, so that few others change with one.
             steps = share.get(key, 1).bit_length() // 2
             made_of = (*placed.place.state(), version, steps)
+            self.remade += made_of[2:4] != placed.made_of[2:4]
             if made_of != placed.made_of and placed.owner in blocks:
                 self._update_placed(placed, blocks[placed.owner], 4**steps, depsgraph)
                 placed.made_of = made_of
@@ -223,7 +225,7 @@ class MaterialTable:
     def flush(self) -> tuple[list[Material], list[str]]:
         """Hand over what changed and what was removed since the last time."""
         made, gone = self.changed, self.removed
-        self.changed, self.removed = [], []
+        self.changed, self.removed, self.remade = [], [], 0
         return made, gone
 
     def tell(self, used: set[str]) -> tuple[list[ConversionReport], bool]:
@@ -308,6 +310,7 @@ class MaterialTable:
         digest = content_digest(made)
         if digest != entry.digest:
             entry.digest, entry.waiting = digest, made
+            self.remade += 1
 
 
 def _tell_crowd(entry: _Entry) -> ConversionReport:

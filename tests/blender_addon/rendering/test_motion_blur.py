@@ -146,12 +146,8 @@ def test_the_command_line_blurs_alike_and_leaves_the_frame(square, tmp_path, cap
 
 
 @pytest.mark.slow
-def test_lights_that_move_are_blurred_and_told(square):
-    square.animation_data_clear()
-    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
-    bpy.context.scene.collection.objects.link(lamp)
-    animate(lamp, "location", (0.0, 0.0, 1.0), (1.0, 0.0, 1.0))
-    bpy.context.scene.lumenray.render.samples = 16
+def kept_notes(monkeypatch):
+    """Return a list that gets the notes of pictures that are rendered."""
     notes = []
     deliver = LumenrayRenderEngine._write_beside
 
@@ -159,11 +155,18 @@ def test_lights_that_move_are_blurred_and_told(square):
         notes.extend(picture.provenance.notes)
         deliver(self, scene, picture, *rest)
 
-    LumenrayRenderEngine._write_beside = keep
-    try:
-        render()
-    finally:
-        LumenrayRenderEngine._write_beside = deliver
+    monkeypatch.setattr(LumenrayRenderEngine, "_write_beside", keep)
+    return notes
+
+
+def test_lights_that_move_are_blurred_and_told(square, monkeypatch):
+    square.animation_data_clear()
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    bpy.context.scene.collection.objects.link(lamp)
+    animate(lamp, "location", (0.0, 0.0, 1.0), (1.0, 0.0, 1.0))
+    bpy.context.scene.lumenray.render.samples = 16
+    notes = kept_notes(monkeypatch)
+    render()
     assert any("lights change while the shutter is open" in note for note in notes)
 
 
@@ -221,3 +224,38 @@ def test_the_shutter_is_open_as_the_scene_says():
     np.testing.assert_allclose(shutter_of(scene, layer).time(0.25), 7.0, atol=2e-3)
     layer.use_motion_blur = False
     assert shutter_of(scene, layer) is None
+
+
+@pytest.mark.slow
+def test_what_glows_by_its_place_in_the_world_is_blurred_where_it_glows(square, monkeypatch):
+    tree = square.active_material.node_tree
+    where = tree.nodes.new("ShaderNodeSeparateXYZ")
+    geometry, step = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeMath")
+    step.operation, step.inputs[1].default_value = "GREATER_THAN", -1.0
+    tree.links.new(geometry.outputs["Position"], where.inputs[0])
+    tree.links.new(where.outputs["X"], step.inputs[0])
+    tree.links.new(step.outputs[0], tree.nodes["Emission"].inputs["Strength"])
+    left = START - 0.5 * SPEED
+    middles = (np.arange(WIDTH) + 0.5) / WIDTH * SHOWN - 0.5 * SHOWN
+    expected = np.where(middles > -1.0, seen(left, left + SIDE, SPEED), 0.0)
+    notes = kept_notes(monkeypatch)
+    assert abs(render() - expected).max() < 0.08
+    # Cycles takes the place at the ray's time as well.
+    assert not any("materials change" in note for note in notes)
+    bpy.context.scene.render.engine = "CYCLES"
+    bpy.context.scene.cycles.samples, bpy.context.scene.cycles.filter_width = 256, 0.01
+    bpy.context.scene.view_settings.view_transform = "Raw"
+    away = abs(middles + 1.0) > 0.15
+    assert abs(render() - expected)[away].max() < 0.08
+
+
+@pytest.mark.slow
+def test_materials_that_change_are_told_even_where_objects_have_their_own(square, monkeypatch):
+    tree = square.active_material.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], tree.nodes["Emission"].inputs["Color"])
+    animate(noise.inputs["Scale"], "default_value", 1.0, 2.0)
+    bpy.context.scene.lumenray.render.samples = 16
+    notes = kept_notes(monkeypatch)
+    render()
+    assert any("materials change while the shutter is open" in note for note in notes)
