@@ -21,7 +21,7 @@ from ..paths.guides import trace_guides
 from .allocation import Allocation
 from .kept_cells import KeptCells
 from .pixel_light import CORRECTION, COSTS, FLOORS, STEERING, VIEW, PixelLight
-from .sharing import PixelSharing, Shared
+from .sharing import Shared, find_sharing
 
 METHODS = ("auto", "cells", "paths")
 
@@ -220,7 +220,7 @@ class _Passes:
         self.traced = None if traced is None else TracedLight(traced, shape)
         self._sharing = None
         if shares:
-            self._sharing = PixelSharing(
+            self._sharing = find_sharing(
                 light.scene, light.film, light.channels, light.cells is not None
             )
         # What sharing makes of the light, and what it smooths away, as `error`.

@@ -32,6 +32,9 @@ from ..paths.visibility import closest_hit
 from .allocation import TILE
 from .pixel_light import VIEW
 
+SHIFTS = (0, TILE // 2)
+"""Pixels by which tiles begin before the picture: every pixel lies in two, and not at the edge of both."""
+
 SURFACES = 3
 """Surfaces of a tile whose light is fitted; pixels that show more of others keep their own."""
 
@@ -66,17 +69,24 @@ AROUND = 2
 class Tiles:
     """Pixels by tile.
 
+    Parameters
+    ----------
+    width, height : int
+    shift : int    Pixels by which the tiles begin before the picture.
+
     Attributes
     ----------
     shape : (int, int)    Tiles up and across.
-    pixels : (t, `TILE`^2) int array    Numbers of a tile's pixels, -1 where the picture has ended.
+    pixels : (t, `TILE`^2) int array    Numbers of a tile's pixels, -1 where there is no picture.
     """
 
-    def __init__(self, width: int, height: int):
-        self.shape = -(-height // TILE), -(-width // TILE)
+    def __init__(self, width: int, height: int, shift: int = 0):
+        self.shape = -(-(height + shift) // TILE), -(-(width + shift) // TILE)
         up, across = self.shape
         numbers = np.full((up * TILE, across * TILE), -1, dtype=np.int64)
-        numbers[:height, :width] = np.arange(width * height).reshape(height, width)
+        numbers[shift : shift + height, shift : shift + width] = np.arange(width * height).reshape(
+            height, width
+        )
         numbers = numbers.reshape(up, TILE, across, TILE).swapaxes(1, 2)
         self.pixels = numbers.reshape(up * across, TILE * TILE)
 
@@ -150,31 +160,66 @@ def _orthonormal(feature: np.ndarray, before: list[np.ndarray]) -> np.ndarray:
     ].astype(np.float32)
 
 
+@dataclass(frozen=True, eq=False)
+class Tiling:
+    """Tiles of a picture and what they show.
+
+    Parameters
+    ----------
+    tiles : Tiles
+    of_matt, of_view : Parts    Of matt surfaces, for light that they get; of all that `VIEW` has the light of.
+    weight : (n,) float32 array    Of what pixels get by these tiles, beside others. [-]
+    """
+
+    tiles: Tiles
+    of_matt: Parts
+    of_view: Parts
+    weight: np.ndarray
+
+    def add_changes(self, means, variances, columns, change, left) -> None:
+        """Add what these tiles change of means to ``change`` and ``left``; all as of `PixelSharing.share`."""
+        for parts, kinds in (
+            (self.of_view, [kind for kind in means if kind == VIEW]),
+            (self.of_matt, [kind for kind in means if kind != VIEW]),
+        ):
+            if not kinds or not parts.is_fitted.any():
+                continue
+            ratios = {
+                kind: np.float32(self._ratio(parts, means[kind], variances[kind])) for kind in kinds
+            }
+            for begin in range(0, len(parts.amounts), CHUNK):
+                part = slice(begin, begin + CHUNK)
+                is_fitted = parts.is_fitted[part]
+                pixels = np.maximum(self.tiles.pixels[part], 0)
+                where, basis = pixels[is_fitted], parts.basis(part)
+                weight = self.weight[where]
+                for kind in kinds:
+                    own = means[kind][..., columns][:, pixels] * is_fitted[..., None]
+                    noise = ratios[kind] * variances[kind][:, pixels] * is_fitted
+                    changed, part_left = _shrink(basis, own, noise, is_fitted)
+                    changed = changed[:, is_fitted] * weight[:, None]
+                    change[:, where[:, None], columns] += changed
+                    left[kind][where] -= (1.0 - part_left[is_fitted]) * weight
+
+    def _ratio(self, parts: Parts, means: np.ndarray, variances: np.ndarray) -> float:
+        """Variance of the means as both halves differ over that by which single samples scatter. [-]"""
+        pixels = self.tiles.pixels[parts.is_fitted]
+        expected = float(variances[:, pixels].sum())
+        found = float(((means[0, pixels, 1] - means[1, pixels, 1]) ** 2).sum())
+        return float(np.clip(found / expected, LEAST_RATIO, 1.0)) if expected > 0.0 else 0.0
+
+
 class PixelSharing:
     """Shares light between pixels of a picture.
 
     Parameters
     ----------
-    scene : CompiledScene
-    film : Film
-    channels : Channels
-    is_apart : bool    Whether the light of matt surfaces is sampled by kinds of its own, and `VIEW` is all other light.
+    tilings : list of Tiling    Their weights add up to 1; the first one begins with the picture.
+    columns : list of int    Channels of light.
     """
 
-    def __init__(self, scene, film: Film, channels, is_apart: bool):
-        camera = film.camera
-        self._columns = channels.light_columns
-        self._tiles = Tiles(camera.width, camera.height)
-        looks = zip(*_look(scene, film, DiffuseTable(scene)), strict=True)
-        pixel, surface, amount, is_matt = (np.concatenate(each) for each in looks)
-        wanted = (is_matt, ~is_matt) if is_apart else (is_matt, np.ones(len(pixel), dtype=bool))
-        self._of_matt, self._of_view = (
-            _find_parts(self._tiles, pixel[some], surface[some], amount[some]) for some in wanted
-        )
-        if channels.transparent:
-            # What of it is the backdrop is told apart, and has to be a part of the same light.
-            behind = pixel[surface == scene.shape_count * FACINGS]
-            self._of_view.is_fitted[np.isin(self._tiles.pixels, behind)] = False
+    def __init__(self, tilings: list[Tiling], columns: list[int]):
+        self._tilings, self._columns = tilings, columns
 
     def share(self, means: dict[int, np.ndarray], variances: dict[int, np.ndarray]) -> Shared:
         """Share the light of all kinds, each for itself.
@@ -193,22 +238,8 @@ class PixelSharing:
         }
         least = LEAST * sum(errors.values())
         means = {kind: means[kind] for kind, error in errors.items() if error > least}
-        for parts, kinds in (
-            (self._of_view, [kind for kind in means if kind == VIEW]),
-            (self._of_matt, [kind for kind in means if kind != VIEW]),
-        ):
-            ratios = {kind: self._ratio(parts, means[kind], variances[kind]) for kind in kinds}
-            for begin in range(0, len(parts.amounts) if kinds else 0, CHUNK):
-                part = slice(begin, begin + CHUNK)
-                is_fitted = parts.is_fitted[part]
-                pixels = np.maximum(self._tiles.pixels[part], 0)
-                where, basis = pixels[is_fitted], parts.basis(part)
-                for kind in kinds:
-                    own = means[kind][..., self._columns][:, pixels] * is_fitted[..., None]
-                    noise = np.float32(ratios[kind]) * variances[kind][:, pixels] * is_fitted
-                    changed, part_left = _shrink(basis, own, noise, is_fitted)
-                    change[:, where[:, None], self._columns] += changed[:, is_fitted]
-                    left[kind][where] = part_left[is_fitted]
+        for tiling in self._tilings:
+            tiling.add_changes(means, variances, self._columns, change, left)
         return Shared(change, left)
 
     def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -217,7 +248,7 @@ class PixelSharing:
         ``change``: as of `Shared`. ``scale``: what errors of pixels are relative to, (n,).
         """
         product = change[0].astype(np.float64) * change[1] / scale[:, None] ** 2
-        tiles = self._tiles
+        tiles = self._tilings[0].tiles
         inside = tiles.pixels >= 0
         count = inside.sum(axis=1)[:, None]
         sums = (product[np.maximum(tiles.pixels, 0)] * inside[..., None]).sum(axis=1)
@@ -227,15 +258,6 @@ class PixelSharing:
         made = np.zeros(product.shape)
         made[tiles.pixels[inside]] = np.repeat(each, count[:, 0], axis=0)
         return made * scale[:, None] ** 2
-
-    # ---- private ----
-
-    def _ratio(self, parts: Parts, means: np.ndarray, variances: np.ndarray) -> float:
-        """Variance of the means as both halves differ over that by which single samples scatter. [-]"""
-        pixels = self._tiles.pixels[parts.is_fitted]
-        expected = float(variances[:, pixels].sum())
-        found = float(((means[0, pixels, 1] - means[1, pixels, 1]) ** 2).sum())
-        return float(np.clip(found / expected, LEAST_RATIO, 1.0)) if expected > 0.0 else 0.0
 
 
 def _shrink(basis, own, noise, is_fitted) -> tuple[np.ndarray, np.ndarray]:
@@ -260,6 +282,46 @@ def _shrink(basis, own, noise, is_fitted) -> tuple[np.ndarray, np.ndarray]:
     left = 1.0 - share.mean(axis=0)[:, None] * (1.0 - leverage)
     # A plane may fall below 0 beside an edge, light may not.
     return np.maximum(share[..., None, None] * residual, -own), left
+
+
+def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
+    """Find out which pixels of a picture show the same surfaces.
+
+    Parameters
+    ----------
+    scene : CompiledScene
+    film : Film
+    channels : Channels
+    is_apart : bool    Whether the light of matt surfaces is sampled by kinds of its own, and `VIEW` is all other light.
+    """
+    camera = film.camera
+    looks = zip(*_look(scene, film, DiffuseTable(scene)), strict=True)
+    pixel, surface, amount, is_matt = (np.concatenate(each) for each in looks)
+    wanted = (is_matt, ~is_matt) if is_apart else (is_matt, np.ones(len(pixel), dtype=bool))
+    # What of a transparent film is the backdrop is told apart, and has to be a part of the same light.
+    behind = pixel[surface == scene.shape_count * FACINGS] if channels.transparent else ()
+    tilings = []
+    for shift, weight in zip(SHIFTS, weigh_tilings(camera.width, camera.height), strict=True):
+        tiles = Tiles(camera.width, camera.height, shift)
+        of_matt, of_view = (
+            _find_parts(tiles, pixel[some], surface[some], amount[some]) for some in wanted
+        )
+        of_view.is_fitted[np.isin(tiles.pixels, behind)] = False
+        tilings.append(Tiling(tiles, of_matt, of_view, weight))
+    return PixelSharing(tilings, channels.light_columns)
+
+
+def weigh_tilings(width: int, height: int) -> np.ndarray:
+    """Weights of pixels in the tilings by `SHIFTS`: they fall to 0 at the edges of tiles, so that none is seen. (2, n)"""
+    weights = []
+    for shift in SHIFTS:
+        x, y = (
+            1.0 - np.abs((np.arange(size) + shift) % TILE + 0.5 - 0.5 * TILE) / (0.5 * TILE)
+            for size in (width, height)
+        )
+        weights.append((y[:, None] * x).ravel())
+    weights = np.stack(weights)
+    return (weights / weights.sum(axis=0)).astype(np.float32)
 
 
 def _find_parts(tiles: Tiles, pixel, surface, amount) -> Parts:
