@@ -192,11 +192,12 @@ class Tiling:
                 is_fitted = parts.is_fitted[part]
                 pixels = np.maximum(self.tiles.pixels[part], 0)
                 where, basis = pixels[is_fitted], parts.basis(part)
+                surface = parts.amounts[part].argmax(axis=2)
                 weight = self.weight[where]
                 for kind in kinds:
                     own = means[kind][..., columns][:, pixels] * is_fitted[..., None]
                     noise = ratios[kind] * variances[kind][:, pixels] * is_fitted
-                    changed, part_left = _shrink(basis, own, noise, is_fitted)
+                    changed, part_left = _shrink(basis, own, noise, is_fitted, surface)
                     changed = changed[:, is_fitted] * weight[:, None]
                     change[:, where[:, None], columns] += changed
                     left[kind][where] -= (1.0 - part_left[is_fitted]) * weight
@@ -260,8 +261,8 @@ class PixelSharing:
         return made * scale[:, None] ** 2
 
 
-def _shrink(basis, own, noise, is_fitted) -> tuple[np.ndarray, np.ndarray]:
-    """Draw the pixels of tiles towards what fits them, as far as what parts them is noise.
+def _shrink(basis, own, noise, is_fitted, surface) -> tuple[np.ndarray, np.ndarray]:
+    """Draw the pixels of tiles towards what fits them, as far as what parts those of a surface from it is noise.
 
     Parameters
     ----------
@@ -269,19 +270,25 @@ def _shrink(basis, own, noise, is_fitted) -> tuple[np.ndarray, np.ndarray]:
     own : (2, t, p, c) array    Means of the halves.
     noise : (2, t, p) array    Variances of their luminance.
     is_fitted : (t, p) bool array
+    surface : (t, p) array    Which one of the fitted surfaces pixels show most of.
 
     Returns
     -------
     (2, t, p, c) array, (t, p) array    What is added to the means, and what part of the variance is left. [-]
     """
-    leverage = (basis**2).sum(axis=2)
+    # Of a surface that one pixel shows the fit is exact but for rounding, which may be either way.
+    leverage = np.minimum((basis**2).sum(axis=2), 1.0)
     residual = (basis @ (basis.swapaxes(1, 2) @ own) - own) * is_fitted[..., None]
-    squares = (residual[..., 1] ** 2).sum(axis=2)
-    share = (noise * (1.0 - leverage)).sum(axis=2) / np.maximum(squares, 1e-300)
-    share = np.where(squares > 0.0, np.minimum(share, 1.0), 0.0)
-    left = 1.0 - share.mean(axis=0)[:, None] * (1.0 - leverage)
+    squares, expected = residual[..., 1] ** 2, noise * (1.0 - leverage)
+    share = np.zeros(squares.shape, dtype=np.float32)
+    for number in range(SURFACES):
+        mine = surface == number
+        found = (squares * mine).sum(axis=2)
+        part = (expected * mine).sum(axis=2) / np.maximum(found, 1e-30)
+        share += np.where(found > 0.0, np.minimum(part, 1.0), 0.0)[..., None] * mine
+    left = 1.0 - share.mean(axis=0) * (1.0 - leverage)
     # A plane may fall below 0 beside an edge, light may not.
-    return np.maximum(share[..., None, None] * residual, -own), left
+    return np.maximum(share[..., None] * residual, -own), left
 
 
 def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
@@ -296,19 +303,37 @@ def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
     """
     camera = film.camera
     looks = zip(*_look(scene, film, DiffuseTable(scene)), strict=True)
-    pixel, surface, amount, is_matt = (np.concatenate(each) for each in looks)
-    wanted = (is_matt, ~is_matt) if is_apart else (is_matt, np.ones(len(pixel), dtype=bool))
-    # What of a transparent film is the backdrop is told apart, and has to be a part of the same light.
-    behind = pixel[surface == scene.shape_count * FACINGS] if channels.transparent else ()
+    pixel, surface, amount, is_matt, is_pure = (np.concatenate(each) for each in looks)
+    # Light in view is mostly exact but at edges, where a pixel's own samples know best how much of it is seen.
+    is_inner = is_pure & _is_inner(pixel, np.where(is_pure, surface, -1), camera)[pixel]
+    wanted = is_matt, is_inner & ~is_matt if is_apart else is_inner
     tilings = []
     for shift, weight in zip(SHIFTS, weigh_tilings(camera.width, camera.height), strict=True):
         tiles = Tiles(camera.width, camera.height, shift)
         of_matt, of_view = (
             _find_parts(tiles, pixel[some], surface[some], amount[some]) for some in wanted
         )
-        of_view.is_fitted[np.isin(tiles.pixels, behind)] = False
         tilings.append(Tiling(tiles, of_matt, of_view, weight))
     return PixelSharing(tilings, channels.light_columns)
+
+
+def _is_inner(pixel, surface, camera) -> np.ndarray:
+    """Which pixels show the same surface as all pixels around them. (n,) bool
+
+    Few looks may miss a sliver of another one within the filter of a pixel; then a neighbour shows more of it.
+    ``pixel``, ``surface``: of looks, (m,) each; the latter -1 where the pixel shows more than one.
+    """
+    shape = camera.height, camera.width
+    shown = np.full(shape[0] * shape[1], -1, dtype=np.int64)
+    shown[pixel] = surface
+    shown = shown.reshape(shape)
+    padded = np.pad(shown, 1, "edge")
+    inner = shown >= 0
+    for down in range(3):
+        for across in range(3):
+            around = padded[down : down + shape[0], across : across + shape[1]]
+            inner &= around == shown
+    return inner.ravel()
 
 
 def weigh_tilings(width: int, height: int) -> np.ndarray:
@@ -349,7 +374,10 @@ def _find_parts(tiles: Tiles, pixel, surface, amount) -> Parts:
 
 
 def _look(scene, film: Film, matt):
-    """Yield pixels, surfaces, how much of these is seen, and whether they are matt, launch by launch: (m,) each."""
+    """Yield what pixels show, launch by launch: (m,) each.
+
+    Pixels, surfaces, how much of these is seen, whether they are matt, and whether the pixel shows nothing else.
+    """
     count = film.camera.width * film.camera.height
     each = max(LANES // LOOKS, 1)
     for first in range(0, count, each):
@@ -364,14 +392,15 @@ def _look(scene, film: Film, matt):
             for values in (surface, is_matt)
         )
         amount = np.concatenate([amount[same].sum(axis=1), amount[~same].ravel()])
+        is_pure = np.repeat([True, False], [same.sum(), LOOKS * (~same).sum()])
         seen = amount > 0.0
-        yield pixel[seen], surface[seen], amount[seen], is_matt[seen]
+        yield pixel[seen], surface[seen], amount[seen], is_matt[seen], is_pure[seen]
 
 
 def _launch(scene, film: Film, matt, first: int, many: int) -> tuple:
     """Surfaces that rays of pixels meet first, how much of these counts, and whether they are matt. (many, `LOOKS`) each
 
-    Of matt ones it is their reflectance, of others, and of what is behind everything, the place alone.
+    Of matt ones it is their reflectance, of others the place alone, and of what lets see something else nothing.
     """
     lane = dr.arange(mi.UInt32, many * LOOKS)
     pixel = dr.opaque(mi.UInt32, first) + lane // LOOKS
@@ -385,13 +414,17 @@ def _launch(scene, film: Film, matt, first: int, many: int) -> tuple:
         # Behind it anything may be seen, which is not taken for matt.
         seen &= ~dr.gather(mi.Bool, scene.hidden, number, seen)
     is_matt = seen & (matt.row(si.shape, seen) > 0)
-    reflectance = average(scene.bsdf(si, is_matt).eval_diffuse_reflectance(si, is_matt))
-    amount = dr.select(is_matt, reflectance, 1.0) / LOOKS
+    bsdf = scene.bsdf(si, seen)
+    reflectance = average(bsdf.eval_diffuse_reflectance(si, is_matt))
+    # What is seen in mirrors and behind glass has edges of its own.
+    flags = bsdf.flags()
+    shows_more = mi.has_flag(flags, mi.BSDFFlags.Null) | mi.has_flag(flags, mi.BSDFFlags.Delta)
+    amount = dr.select(is_matt, reflectance, dr.select(seen & ~shows_more, 1.0, 0.0)) / LOOKS
     normal = mi.Vector3f(si.sh_frame.n) * dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0)
     facing = mi.UInt32(0)
     for each in (normal.x, normal.y, normal.z):
         facing = 3 * facing + mi.UInt32(dr.round(each) + 1.0)
-    surface = dr.select(si.is_valid(), number * FACINGS + facing, scene.shape_count * FACINGS)
+    surface = number * FACINGS + facing
     amount += mi.Float(lane) * 0.0
     is_matt &= lane >= 0
     dr.eval(surface, amount, is_matt)

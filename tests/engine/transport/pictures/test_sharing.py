@@ -118,6 +118,21 @@ def test_means_of_blocks_are_kept_and_no_edge_of_a_tile_shows():
     assert steps[at_edges].mean() < 1.25 * steps[~at_edges].mean()
 
 
+def test_a_surface_that_few_pixels_show_keeps_its_light():
+    """Its fit is exact but for rounding, so nothing is known of how far it is off."""
+    true, reflectance, surface = lights()["slope"]
+    surface = surface.copy()
+    for count, (y, x) in enumerate([(3, 3), (20, 21), (44, 70), (90, 100)]):
+        surface[y, x : x + count + 1] = 1
+    before = np.inf
+    for noise in (0.2, 0.05):
+        error, _, _, shared = share(true, reflectance, surface, noise, 11)
+        assert error.mean() < before
+        assert error.mean() < 0.6 * noise**2 / 2.0
+        assert np.abs(shared - true.ravel()).max() < 6.0 * noise * true.max()
+        before = error.mean()
+
+
 def test_kinds_do_not_mix_and_what_shows_no_matt_surface_keeps_its_own():
     true, reflectance, surface = lights()["slope"]
     own = sharing_of(reflectance, surface)
