@@ -78,7 +78,7 @@ def test_unknown_features_are_refused():
 @pytest.mark.mitsuba
 @pytest.mark.slow
 def test_paints_agree_and_what_is_left_out_is_said():
-    result = content.run(["Diffuse", "Principled, metal 0.6", "Hair curves"])
-    assert result["over"] == ["Hair curves"]
+    result = content.run(["Diffuse", "Principled, metal 0.6", "Volume, scatter"])
+    assert result["over"] == ["Volume, scatter"]
     assert result["silent"] == []
-    assert result["scenes"]["Hair curves"]["block"] > 0.05
+    assert result["scenes"]["Volume, scatter"]["block"] > 0.05
