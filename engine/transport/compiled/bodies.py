@@ -200,7 +200,8 @@ def _surfaces_of(item, material: Material) -> list[tuple[Material, bool, bool]]:
     """What rays meet of a material of an object, and whether those of light and of the camera do."""
     seen = HOLDOUT if item.is_holdout else material.seen
     if seen is None or not item.visible_to_camera:
-        return [(material, item.meets_light, item.visible_to_camera)]
+        # Whether the camera sees the whole object may change without new shapes.
+        return [(material, item.meets_light, True)]
     lit = [(material, True, False)] if item.meets_light else []
     return [*lit, (seen, False, True)]
 

@@ -260,3 +260,12 @@ def test_layers_and_illuminance_are_those_of_what_the_camera_sees():
     assert made.depth == pytest.approx(1.0, rel=1e-4)
     assert made.illuminance.max() < 0.05 * 100.0 * np.pi
     assert luminance(made).max() < 0.05 * 50.0
+
+
+def test_an_object_shows_again_once_the_camera_may_see_it():
+    session = session_of(paint(0.5), floor(half=9.0, visible_to_camera=False), UniformWorld(10.0))
+    assert luminance(look(session)).mean() == pytest.approx(10.0, rel=1e-3)
+    session.apply(SceneDelta(changed=(floor(half=9.0),)))
+    assert luminance(look(session)).mean() == pytest.approx(5.0, rel=0.01)
+    session.apply(SceneDelta(changed=(floor(half=9.0, visible_to_camera=False),)))
+    assert luminance(look(session)).mean() == pytest.approx(10.0, rel=1e-3)
