@@ -25,6 +25,7 @@ from lumenray.engine.scene.material import (
     Material,
     Transparent,
 )
+from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
@@ -263,9 +264,14 @@ def test_layers_and_illuminance_are_those_of_what_the_camera_sees():
 
 
 def test_an_object_shows_again_once_the_camera_may_see_it():
-    session = session_of(paint(0.5), floor(half=9.0, visible_to_camera=False), UniformWorld(10.0))
+    """One that is placed, so that its shapes stay as they are."""
+    corners = np.array([[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]], np.float32)
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    shape = Geometry("shape", corners, faces, np.zeros(2, np.int32))
+    hidden = Placement("floor", "floor", "shape", np.eye(4), ("paint",), False)
+    session = session_of(paint(0.5), shape, hidden, UniformWorld(10.0))
     assert luminance(look(session)).mean() == pytest.approx(10.0, rel=1e-3)
-    session.apply(SceneDelta(changed=(floor(half=9.0),)))
+    session.apply(SceneDelta(changed=(replace(hidden, visible_to_camera=True),)))
     assert luminance(look(session)).mean() == pytest.approx(5.0, rel=0.01)
-    session.apply(SceneDelta(changed=(floor(half=9.0, visible_to_camera=False),)))
+    session.apply(SceneDelta(changed=(hidden,)))
     assert luminance(look(session)).mean() == pytest.approx(10.0, rel=1e-3)
