@@ -85,7 +85,8 @@ def rough_refraction_class():
             return scale if self.body is None else scale * self.body.passed(si, passes)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            bs, weight = self.nested.sample(ctx, si, sample1, sample2, active)
+            # Radiance in whichever way light goes, as all surfaces here.
+            bs, weight = self.nested.sample(mi.BSDFContext(), si, sample1, sample2, active)
             return bs, weight * self._scale(si, bs.wo)
 
         def eval_pdf(self, ctx, si, wo, active=True):

@@ -265,6 +265,7 @@ class _Passes:
         """Means and errors of the halves' sums of all light, (2, n, channels), once it is shared between pixels."""
         if self._sharing is None or self.allocation.samples < SHARED:
             return Estimate.from_groups(whole, self.samples)
+        # What is shared now goes by how samples scatter without.
         self._shared = None
         shared = self._shared = self._sharing.share(
             {kind: self._mean(kind) for kind in self.sums},

@@ -220,3 +220,41 @@ def test_strands_have_no_charts_beside_a_mesh_that_has():
     assert any("A procedural texture without a UV map" in row for row in rows)
     bpy.context.object.location.x = 2.0
     assert {"Material", "Pixels"}.isdisjoint(kept.sent()[0])
+
+
+def test_a_normal_map_along_a_uv_map_beside_textures_of_the_object_is_told():
+    """Its tangents are those of the UV map, which the charts are not."""
+    tree = new_tree()
+    picture = bpy.data.images.new("Slopes", 4, 4, float_buffer=True)
+    picture.pixels.foreach_set(np.tile([0.7, 0.5, 0.9, 1.0], 16).astype(np.float32))
+    picture.pixels[0] = 0.3
+    slopes = tree.add("TexImage", attributes={"image": picture})
+    picture.colorspace_settings.name = "Non-Color"
+    normal = tree.add("NormalMap", Color=slopes.outputs["Color"])
+    shader = tree.add("BsdfDiffuse", Color=noise(tree), Normal=normal.outputs[0])
+    item = add_box(tree.surface(shader))
+    (made,) = materials_of(KeptScene.started(), item)
+    assert made.surface.reflectance.uv_map == CHART_MAP
+    assert not made.surface.has_relief
+    rows = converted_scene().report.rows
+    assert any("beside textures that lie on none" in str(row) for row in rows)
+
+
+def test_textures_of_a_displaced_object_lie_on_its_displaced_surface():
+    tree = new_tree()
+    shader = tree.add("BsdfDiffuse", Color=noise(tree))
+    material = tree.surface(shader)
+    material.displacement_method = "DISPLACEMENT"
+    output = material.node_tree.get_output_node("CYCLES")
+    moved = tree.add("Displacement", Height=1.0, Midlevel=0.0, Scale=0.3)
+    material.node_tree.links.new(moved.outputs[0], output.inputs["Displacement"])
+    item = add_box(material)
+    kept = KeptScene.started()
+    (mesh,) = (mesh for mesh in kept.scene.meshes.values() if mesh.name == item.name)
+    assert CHART_MAP in mesh.uv_maps
+    (shape,) = (each for each in kept.scene.geometries.values() if CHART_MAP in each.uv_maps)
+    # Flat faces: corners of the cube move along the normal of the first face that names them, as in Cycles.
+    expected = np.tile([0.8, 0.8, 1.1], (8, 1))
+    np.testing.assert_allclose(np.sort(np.abs(shape.vertices), axis=1), expected, rtol=1e-4)
+    (made,) = materials_of(kept, item)
+    assert made.surface.reflectance.uv_map == CHART_MAP

@@ -122,6 +122,15 @@ def test_rough_boundaries_absorb_what_comes_from_inside():
     assert_near(value, error, 100.0 * INTERNAL, 5e-3)
 
 
+@pytest.mark.parametrize("roughness", [0.0, 0.15])
+def test_boundaries_that_only_refract_absorb_too(roughness):
+    """Nothing is reflected, so along the normal one way through the slab is all there is; rough ones make it little longer."""
+    surface = replace(GLASS.surface, reflects=False, roughness=roughness)
+    session = session_of(slab((-9, -9, 0), (9, 9, 0.1)), Material("glass", "glass", surface), WORLD)
+    value, error = luminance(session, look_down(), 256)
+    assert_near(value, error, 100.0 * passed(0.1), 1e-3 if roughness == 0.0 else 0.01)
+
+
 def test_each_wavelength_follows_its_own_law():
     steps = Tabulated(np.array([380.0, 579.9, 580.1, 780.0]), np.array([0.9, 0.9, 0.3, 0.3]))
     glass = replace(GLASS, surface=replace(GLASS.surface, ior=Cauchy(1.0001), internal=steps))

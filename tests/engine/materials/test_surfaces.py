@@ -272,6 +272,24 @@ def test_glass_with_a_tint_on_both_ways_loses_as_much_of_each(roughness):
     assert passing == pytest.approx(0.388 + 0.612 * 0.25, abs=5e-3)
 
 
+@pytest.mark.parametrize("reflects", [True, False])
+@pytest.mark.parametrize("roughness", [0.0, 0.4])
+def test_boundaries_answer_alike_whichever_way_light_is_followed(reflects, roughness):
+    """Light from lamps is traced with the radiance that eyes see; Mitsuba's own answers by the index in that case."""
+    bsdf = plugin(Dielectric(roughness=roughness, reflects=reflects))
+    import mitsuba as mi
+
+    si = interaction(towards(30.0), 256)
+    stream = mi.PCG32(256)
+    choice, where = stream.next_float32(), mi.Point2f(stream.next_float32(), stream.next_float32())
+    seen, sent = (
+        np.array(bsdf.sample(mi.BSDFContext(mode), si, choice, where)[1])
+        for mode in (mi.TransportMode.Radiance, mi.TransportMode.Importance)
+    )
+    assert seen.any()
+    np.testing.assert_allclose(sent, seen, rtol=1e-5)
+
+
 @pytest.mark.parametrize("roughness", [0.0, 0.3])
 def test_a_refraction_lets_all_light_pass_or_none(roughness):
     surface = Dielectric(roughness=roughness, reflects=False)

@@ -8,7 +8,7 @@ from lumenray.blender_addon.assumptions import refuse_media
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.materials import convert_material
 from lumenray.engine.errors import SceneError
-from lumenray.engine.scene.material import Dielectric, Material
+from lumenray.engine.scene.material import Dielectric, Material, Raised
 from material_trees import EFFICACY, new_tree
 
 pytestmark = pytest.mark.blender
@@ -39,6 +39,16 @@ def test_glass_absorbs_what_its_colour_lacks_by_density_and_depth(tree, convert)
     expected = np.exp(-(1.0 - np.array(COLOUR)) * DENSITY * 0.4)
     np.testing.assert_allclose(passed(result.surface, 0.4), expected, rtol=1e-5)
     assert isinstance(result.surface, Dielectric)
+    assert rows == []
+
+
+def test_glass_with_a_relief_absorbs_as_well(tree, convert):
+    normal = tree.add("NormalMap", Color=(0.7, 0.5, 0.9))
+    glass = tree.add("BsdfGlass", Normal=normal.outputs[0], **GLASS)
+    result, rows = convert(filled(tree, glass, absorption(tree)))
+    assert isinstance(result.surface, Raised)
+    expected = np.exp(-(1.0 - np.array(COLOUR)) * DENSITY * 0.4)
+    np.testing.assert_allclose(passed(result.surface.surface, 0.4), expected, rtol=1e-5)
     assert rows == []
 
 
