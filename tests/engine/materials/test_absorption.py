@@ -124,7 +124,7 @@ def test_rough_boundaries_absorb_what_comes_from_inside():
 
 @pytest.mark.parametrize("roughness", [0.0, 0.15])
 def test_boundaries_that_only_refract_absorb_too(roughness):
-    """Nothing is reflected, so along the normal one way through the slab is all there is; rough ones make it little longer."""
+    """Nothing is reflected, so along the normal one way through is all there is; rough ones make it little longer."""
     surface = replace(GLASS.surface, reflects=False, roughness=roughness)
     session = session_of(slab((-9, -9, 0), (9, 9, 0.1)), Material("glass", "glass", surface), WORLD)
     value, error = luminance(session, look_down(), 256)
