@@ -157,7 +157,7 @@ def render(
     if settings.guides:
         layers |= trace_guides(scene, film)
     light = PixelLight(scene, film, settings, cells if cells else None)
-    shares = uses_cells and settings.shares and not settings.unbiased
+    shares = settings.shares and settings.method != "paths" and not settings.unbiased
     return _Passes(
         light, camera, clock, settings, layers, shares, progress, cancelled, traced
     ).run()
@@ -233,10 +233,11 @@ class _Passes:
         added = self.allocation.begin()
         while True:
             self._pass(added)
-            whole = sum(self._mean(kind) for kind in self.sums)
+            means = {kind: self._mean(kind) for kind in self.sums}
+            whole = sum(means.values())
             if self.traced is not None:
                 whole += self.traced.add(whole, self.allocation.mean(added))
-            estimate = self._estimate(whole)
+            estimate = self._estimate(whole, means)
             self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
             is_believed = self.samples >= BELIEVED
             error = self.error if is_believed else float("inf")
@@ -261,14 +262,17 @@ class _Passes:
 
     # ---- private ----
 
-    def _estimate(self, whole: np.ndarray) -> Estimate:
-        """Means and errors of the halves' sums of all light, (2, n, channels), once it is shared between pixels."""
+    def _estimate(self, whole: np.ndarray, means: dict[int, np.ndarray]) -> Estimate:
+        """Means and errors of all light once it is shared between pixels.
+
+        ``whole``: of the halves, (2, n, channels). ``means``: by kind, without what is traced.
+        """
         if self._sharing is None or self.allocation.samples < SHARED:
             return Estimate.from_groups(whole, self.samples)
         # What is shared now goes by how samples scatter without.
         self._shared = None
         shared = self._shared = self._sharing.share(
-            {kind: self._mean(kind) for kind in self.sums},
+            means,
             {kind: self._scatter(kind, 0) * GROUPS for kind in self.sums},
         )
         estimate = Estimate.from_groups(whole + shared.change, self.samples)
@@ -394,6 +398,8 @@ class _Passes:
                     rows = part.lumel[begins]
                     sums = np.add.reduceat(sums, begins, axis=0)
                     values, squares = np.split(sums, [-len(STEERING)], axis=1)
+                    if len(rows) == rows[-1] - rows[0] + 1:
+                        rows = slice(rows[0], rows[-1] + 1)
                     self.sums[kind][half][rows] += values
                     self.squares[kind][:, half, rows] += squares.T
                     done += len(part.lumel) * part.samples

@@ -16,7 +16,10 @@ expected value of both D differs from that of the noise by b, the product of the
 pixel, without any supposition on the light, and is stated as the error (see `theory.md`, pictures).
 """
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 
 import drjit as dr
 import mitsuba as mi
@@ -83,12 +86,28 @@ class Tiles:
     def __init__(self, width: int, height: int, shift: int = 0):
         self.shape = -(-(height + shift) // TILE), -(-(width + shift) // TILE)
         up, across = self.shape
-        numbers = np.full((up * TILE, across * TILE), -1, dtype=np.int64)
-        numbers[shift : shift + height, shift : shift + width] = np.arange(width * height).reshape(
-            height, width
-        )
-        numbers = numbers.reshape(up, TILE, across, TILE).swapaxes(1, 2)
-        self.pixels = numbers.reshape(up * across, TILE * TILE)
+        self._size, self._shift = (height, width), shift
+        numbers = self.lay_out(np.arange(1, width * height + 1)[None, :, None])
+        self.pixels = numbers[0, ..., 0] - 1
+
+    def lay_out(self, values: np.ndarray) -> np.ndarray:
+        """Values of pixels by tile, 0 where there is no picture. (h, n, c) to (h, t, `TILE`^2, c)"""
+        up, across = self.shape
+        (height, width), shift = self._size, self._shift
+        laid = np.zeros((len(values), up * TILE, across * TILE, values.shape[2]), values.dtype)
+        inside = laid[:, shift : shift + height, shift : shift + width]
+        inside[:] = values.reshape(inside.shape)
+        laid = laid.reshape(len(values), up, TILE, across, TILE, -1).swapaxes(2, 3)
+        return laid.reshape(len(values), up * across, TILE * TILE, -1)
+
+    def lay_back(self, laid: np.ndarray) -> np.ndarray:
+        """What `lay_out` has laid out."""
+        up, across = self.shape
+        (height, width), shift = self._size, self._shift
+        laid = laid.reshape(len(laid), up, across, TILE, TILE, -1).swapaxes(2, 3)
+        laid = laid.reshape(len(laid), up * TILE, across * TILE, -1)
+        inside = laid[:, shift : shift + height, shift : shift + width]
+        return inside.reshape(len(laid), height * width, -1)
 
     def average_around(self, values: np.ndarray) -> np.ndarray:
         """Mean over the tiles around each. (t, c) to (t, c)"""
@@ -134,6 +153,11 @@ class Parts:
     amounts: np.ndarray
     is_fitted: np.ndarray
 
+    @cached_property
+    def largest(self) -> np.ndarray:
+        """Which of the surfaces pixels show most of. (t, p)"""
+        return self.amounts.argmax(axis=2)
+
     def basis(self, part: slice) -> np.ndarray:
         """Orthonormal functions over the pixels of some tiles that span the planes of their surfaces. (t, p, k)"""
         side = ((np.arange(TILE) - 0.5 * (TILE - 1)) / TILE).astype(np.float32)
@@ -176,38 +200,55 @@ class Tiling:
     of_view: Parts
     weight: np.ndarray
 
-    def add_changes(self, means, variances, columns, change, left) -> None:
-        """Add what these tiles change of means to ``change`` and ``left``; all as of `PixelSharing.share`."""
+    def find_changes(self, means, variances) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+        """What these tiles change of means, and what part of the variance they take away.
+
+        ``means``: by kind, of the light alone; all as of `PixelSharing.share`. (2, n, c), and by kind (n,)
+        """
+        tiles = self.tiles
+        weight = tiles.lay_out(self.weight[None, :, None])
+        change = np.zeros((*weight.shape[1:3], next(iter(means.values())).shape[2]), np.float32)
+        change = np.stack([change, change])
+        gone = {}
         for parts, kinds in (
             (self.of_view, [kind for kind in means if kind == VIEW]),
             (self.of_matt, [kind for kind in means if kind != VIEW]),
         ):
-            if not kinds or not parts.is_fitted.any():
+            if not parts.is_fitted.any():
                 continue
-            ratios = {
-                kind: np.float32(self._ratio(parts, means[kind], variances[kind])) for kind in kinds
-            }
-            for begin in range(0, len(parts.amounts), CHUNK):
-                part = slice(begin, begin + CHUNK)
-                is_fitted = parts.is_fitted[part]
-                pixels = np.maximum(self.tiles.pixels[part], 0)
-                where, basis = pixels[is_fitted], parts.basis(part)
-                surface = parts.amounts[part].argmax(axis=2)
-                weight = self.weight[where]
-                for kind in kinds:
-                    own = means[kind][..., columns][:, pixels] * is_fitted[..., None]
-                    noise = ratios[kind] * variances[kind][:, pixels] * is_fitted
-                    changed, part_left = _shrink(basis, own, noise, is_fitted, surface)
-                    changed = changed[:, is_fitted] * weight[:, None]
-                    change[:, where[:, None], columns] += changed
-                    left[kind][where] -= (1.0 - part_left[is_fitted]) * weight
+            fitted = parts.is_fitted[..., None]
+            for kind in kinds:
+                own = tiles.lay_out(means[kind]) * fitted
+                noise = tiles.lay_out(variances[kind][..., None])[..., 0] * parts.is_fitted
+                noise *= _find_ratio(own, noise)
+                taken = np.zeros(weight.shape, np.float32)
 
-    def _ratio(self, parts: Parts, means: np.ndarray, variances: np.ndarray) -> float:
-        """Variance of the means as both halves differ over that by which single samples scatter. [-]"""
-        pixels = self.tiles.pixels[parts.is_fitted]
-        expected = float(variances[:, pixels].sum())
-        found = float(((means[0, pixels, 1] - means[1, pixels, 1]) ** 2).sum())
-        return float(np.clip(found / expected, LEAST_RATIO, 1.0)) if expected > 0.0 else 0.0
+                def shrink(begin, parts=parts, own=own, noise=noise, taken=taken):
+                    part = slice(begin, begin + CHUNK)
+                    changed, left = _shrink(
+                        parts.basis(part),
+                        own[:, part],
+                        noise[:, part],
+                        parts.is_fitted[part],
+                        parts.largest[part],
+                    )
+                    change[:, part] += changed * (parts.is_fitted[part][..., None] * weight[:, part])
+                    taken[0, part, :, 0] = (1.0 - left) * parts.is_fitted[part] * weight[0, part, :, 0]
+
+                with ThreadPoolExecutor(os.cpu_count()) as pool:
+                    list(pool.map(shrink, range(0, len(own[0]), CHUNK)))
+                gone[kind] = tiles.lay_back(taken)[0, :, 0]
+        return tiles.lay_back(change), gone
+
+
+def _find_ratio(own: np.ndarray, noise: np.ndarray) -> np.float32:
+    """Variance of means as both halves differ over that by which single samples scatter. [-]
+
+    ``own``, ``noise``: of pixels that are fitted, 0 elsewhere; as of `_shrink`.
+    """
+    expected = float(noise.sum(dtype=np.float64))
+    found = float(((own[0, ..., 1] - own[1, ..., 1]) ** 2).sum(dtype=np.float64))
+    return np.float32(np.clip(found / expected, LEAST_RATIO, 1.0) if expected > 0.0 else 0.0)
 
 
 class PixelSharing:
@@ -238,9 +279,12 @@ class PixelSharing:
             kind: float(np.sqrt(each).sum(dtype=np.float64)) for kind, each in variances.items()
         }
         least = LEAST * sum(errors.values())
-        means = {kind: means[kind] for kind, error in errors.items() if error > least}
+        light = {kind: means[kind][..., self._columns] for kind, error in errors.items() if error > least}
         for tiling in self._tilings:
-            tiling.add_changes(means, variances, self._columns, change, left)
+            changed, gone = tiling.find_changes(light, variances)
+            change[..., self._columns] += changed
+            for kind, part in gone.items():
+                left[kind] -= part
         return Shared(change, left)
 
     def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -250,14 +294,12 @@ class PixelSharing:
         """
         product = change[0].astype(np.float64) * change[1] / scale[:, None] ** 2
         tiles = self._tilings[0].tiles
-        inside = tiles.pixels >= 0
-        count = inside.sum(axis=1)[:, None]
-        sums = (product[np.maximum(tiles.pixels, 0)] * inside[..., None]).sum(axis=1)
+        count = (tiles.pixels >= 0).sum(axis=1)[:, None]
+        sums = tiles.lay_out(product[None])[0].sum(axis=1)
         each = np.maximum(tiles.average_around(sums / count), 0.0)
         # Chance makes it negative here and there, which must not be counted on the other side only.
         each *= np.maximum(sums.sum(axis=0), 0.0) / np.maximum((each * count).sum(axis=0), 1e-300)
-        made = np.zeros(product.shape)
-        made[tiles.pixels[inside]] = np.repeat(each, count[:, 0], axis=0)
+        made = tiles.lay_back(np.repeat(each[None, :, None], TILE * TILE, axis=2))[0]
         return made * scale[:, None] ** 2
 
 
