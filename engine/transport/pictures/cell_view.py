@@ -18,8 +18,9 @@ from ..paths.film import GROUPS, learn_lights, look
 from ..paths.live_view import CALM, PILOT_LANES, LiveView
 from .allocation import Allocation
 from .kept_cells import KeptCells
-from .picture import EVEN, GROWTH, LEAST, LEAST_MEAN, SWEEP_SHARE, choose_method
+from .picture import EVEN, GROWTH, LEAST, LEAST_MEAN, SHARED, SWEEP_SHARE, choose_method
 from .pixel_light import COSTS, FLOORS, STEERING, PixelLight
+from .sharing import finding_sharing
 
 PIXELS_SHARE = 0.25
 """Pixels by which cells are counted, relative to those of the view: fewer cells than in a picture are ready sooner. [-]"""
@@ -36,6 +37,9 @@ FINDING_SHARE = 0.85
 
 SOON = 20.0
 """Time within which all samples are taken by paths, where cells are not worth finding their light. [s]"""
+
+LOOKING_LANES = 1 << 18
+"""Rays of a step that tells what pixels show."""
 
 WORDS = "by cells, their bias not measured"
 """What a frame says whose light beyond the first bounce was read from cells."""
@@ -111,7 +115,8 @@ class CellView(LiveView):
         if joined is None or joined.means is None:
             return super().luminance_error()
         halves = self._joined()[..., 1]
-        error = 0.5 * np.abs(halves[0] - halves[1])
+        smoothed = (1.0 - self._weight) ** 2 * joined.smoothed
+        error = np.sqrt(0.25 * (halves[0] - halves[1]) ** 2 + smoothed)
         return error.reshape(self._camera.height, self._camera.width).astype(np.float32)
 
     # ---- private ----
@@ -216,17 +221,17 @@ class CellView(LiveView):
         mean = halves.mean(axis=0)
         if self._by_paths is not None:
             own, other = (
-                relative_error(mean, 0.5 * np.abs(each[0] - each[1])) ** 2
-                for each in (halves, self._by_paths[..., 1])
+                relative_error(mean, np.sqrt(0.25 * (each[0] - each[1]) ** 2 + smoothed)) ** 2
+                for each, smoothed in (
+                    (halves, self._passes_by_kind.smoothed),
+                    (self._by_paths[..., 1], 0.0),
+                )
             )
             self._weight = own / (own + other) if own + other > 0.0 else 0.5
         joined = self._joined()
         self._image[:] = joined.mean(axis=0)
         self.changes += 1
-        luminance = joined[..., 1]
-        self.error = relative_error(
-            luminance.mean(axis=0), 0.5 * np.abs(luminance[0] - luminance[1])
-        )
+        self.error = relative_error(joined[..., 1].mean(axis=0), self.luminance_error().ravel())
 
 
 class _KindPasses:
@@ -240,7 +245,8 @@ class _KindPasses:
 
     Attributes
     ----------
-    means : (2, n, channels) array or None    After the last pass that was finished.
+    means : (2, n, channels) array or None    After the last pass that was finished, as pixels share what is even.
+    smoothed : (n,) array or float    Square of the error of the luminance that sharing makes.
     """
 
     def __init__(self, light: PixelLight, camera, lanes):
@@ -253,6 +259,8 @@ class _KindPasses:
         squares = (len(STEERING), GROUPS, self._pixels)
         self._squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
         self.means: np.ndarray | None = None
+        self.smoothed: np.ndarray | float = 0.0
+        self._sharing = self._shared = None
 
     def make(self, left: float):
         """Make one pass; a generator that pauses after every slice and gives the pixels that have got all kinds, or None.
@@ -284,13 +292,37 @@ class _KindPasses:
                 yield rows
                 first = int(rows[-1]) + 1
         allocation.extend(added)
-        self.means = sum(self._mean(kind) for kind in self._sums).astype(np.float64)
+        yield from self._share()
 
     def mean_of(self, rows: np.ndarray) -> np.ndarray:
         """Sum over all kinds at some pixels in the first pass, mean of both halves. (k, channels)"""
         return sum(each[:, rows].mean(axis=0) for each in self._sums.values())
 
     # ---- private ----
+
+    def _share(self):
+        """Find the means of all light, and share between pixels what is even; a generator that pauses after every step."""
+        means = {kind: self._mean(kind) for kind in self._sums}
+        whole = sum(means.values())
+        if self.allocation.samples >= SHARED:
+            light = self.light
+            if self._sharing is None:
+                steps = finding_sharing(
+                    light.scene, light.film, light.channels, True, LOOKING_LANES
+                )
+                for self._sharing in steps:
+                    yield None
+            # What is shared now goes by how samples scatter without.
+            self._shared = None
+            variances = {kind: self._variances(kind, 0) * GROUPS for kind in self._sums}
+            steps = self._sharing.sharing(means, variances)
+            for self._shared in steps:
+                yield None
+            whole = whole + self._shared.change
+            mean = whole[..., 1].mean(axis=0)
+            scale = np.maximum(mean, max(float(mean.mean()), 1e-30))
+            self.smoothed = self._sharing.smoothed_away(self._shared.change, scale)[:, 1]
+        self.means = whole.astype(np.float64)
 
     def _choose(self, left: float) -> dict[int, np.ndarray]:
         """Samples of the next pass by kind and tile."""
@@ -313,10 +345,15 @@ class _KindPasses:
         return self._sums[kind] / count[:, None]
 
     def _scatter(self, kind: int, number: int) -> np.ndarray:
-        """Variance of the mean of a kind's samples, as single samples scatter. (n,)"""
+        """Variance of the mean of a kind's samples, as single samples scatter and once it is shared. (n,)"""
+        scatter = self._variances(kind, number).mean(axis=0)
+        return scatter if self._shared is None else scatter * self._shared.left[kind]
+
+    def _variances(self, kind: int, number: int) -> np.ndarray:
+        """Variance of the mean of a kind's samples, as those of each half scatter. (2, n)"""
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind)[..., STEERING[number]]
-        around = np.maximum(self._squares[kind][number] / count - mean**2, 0.0).mean(axis=0)
+        around = np.maximum(self._squares[kind][number] / count - mean**2, 0.0)
         return around / (GROUPS * np.maximum(count - 1, 1))
 
     def _cut(self, units: Units):

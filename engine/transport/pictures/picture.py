@@ -25,7 +25,7 @@ from .sharing import Shared, find_sharing
 
 METHODS = ("auto", "cells", "paths")
 
-FEWEST_PIXELS, FEWEST_PATHS = 1 << 14, 1 << 20
+FEWEST_PIXELS, FEWEST_PATHS = 1 << 14, 1 << 19
 """Pixels, and paths, below which finding the light of cells takes longer than full paths."""
 
 FEWEST_SECONDS = 30.0

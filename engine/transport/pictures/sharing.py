@@ -85,7 +85,6 @@ class Tiles:
 
     def __init__(self, width: int, height: int, shift: int = 0):
         self.shape = -(-(height + shift) // TILE), -(-(width + shift) // TILE)
-        up, across = self.shape
         self._size, self._shift = (height, width), shift
         numbers = self.lay_out(np.arange(1, width * height + 1)[None, :, None])
         self.pixels = numbers[0, ..., 0] - 1
@@ -200,8 +199,8 @@ class Tiling:
     of_view: Parts
     weight: np.ndarray
 
-    def find_changes(self, means, variances) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """What these tiles change of means, and what part of the variance they take away.
+    def finding_changes(self, means, variances):
+        """What these tiles change of means, and what part of the variance they take away; in steps.
 
         ``means``: by kind, of the light alone; all as of `PixelSharing.share`. (2, n, c), and by kind (n,)
         """
@@ -232,12 +231,17 @@ class Tiling:
                         parts.is_fitted[part],
                         parts.largest[part],
                     )
-                    change[:, part] += changed * (parts.is_fitted[part][..., None] * weight[:, part])
-                    taken[0, part, :, 0] = (1.0 - left) * parts.is_fitted[part] * weight[0, part, :, 0]
+                    change[:, part] += changed * (
+                        parts.is_fitted[part][..., None] * weight[:, part]
+                    )
+                    taken[0, part, :, 0] = (
+                        (1.0 - left) * parts.is_fitted[part] * weight[0, part, :, 0]
+                    )
 
                 with ThreadPoolExecutor(os.cpu_count()) as pool:
                     list(pool.map(shrink, range(0, len(own[0]), CHUNK)))
                 gone[kind] = tiles.lay_back(taken)[0, :, 0]
+                yield None
         return tiles.lay_back(change), gone
 
 
@@ -268,6 +272,15 @@ class PixelSharing:
 
         Parameters
         ----------
+        means, variances : dict    As of `sharing`.
+        """
+        return last_of(self.sharing(means, variances))
+
+    def sharing(self, means: dict[int, np.ndarray], variances: dict[int, np.ndarray]):
+        """Share the light of all kinds in steps; a generator, in the end of a `Shared`.
+
+        Parameters
+        ----------
         means : dict    By kind: (2, n, c), the luminance as channel 1.
         variances : dict    By kind: of the means of the luminance, as single samples scatter. (2, n)
         """
@@ -279,13 +292,15 @@ class PixelSharing:
             kind: float(np.sqrt(each).sum(dtype=np.float64)) for kind, each in variances.items()
         }
         least = LEAST * sum(errors.values())
-        light = {kind: means[kind][..., self._columns] for kind, error in errors.items() if error > least}
+        light = {
+            kind: means[kind][..., self._columns] for kind, error in errors.items() if error > least
+        }
         for tiling in self._tilings:
-            changed, gone = tiling.find_changes(light, variances)
+            changed, gone = yield from tiling.finding_changes(light, variances)
             change[..., self._columns] += changed
             for kind, part in gone.items():
                 left[kind] -= part
-        return Shared(change, left)
+        yield Shared(change, left)
 
     def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
         """Squares of what was no noise, as far as it is known of tiles and their neighbours. (n, c)
@@ -333,8 +348,20 @@ def _shrink(basis, own, noise, is_fitted, surface) -> tuple[np.ndarray, np.ndarr
     return np.maximum(share[..., None] * residual, -own), left
 
 
+def last_of(steps):
+    """What a generator gives in the end."""
+    for each in steps:  # noqa: B007
+        pass
+    return each
+
+
 def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
-    """Find out which pixels of a picture show the same surfaces.
+    """Find out which pixels of a picture show the same surfaces; as `finding_sharing`."""
+    return last_of(finding_sharing(scene, film, channels, is_apart))
+
+
+def finding_sharing(scene, film: Film, channels, is_apart: bool, lanes: int = LANES):
+    """Find out which pixels of a picture show the same surfaces, in steps; a generator, in the end of a `PixelSharing`.
 
     Parameters
     ----------
@@ -342,9 +369,14 @@ def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
     film : Film
     channels : Channels
     is_apart : bool    Whether the light of matt surfaces is sampled by kinds of its own, and `VIEW` is all other light.
+    lanes : int    Rays of a step.
     """
     camera = film.camera
-    looks = zip(*_look(scene, film, DiffuseTable(scene)), strict=True)
+    looks = []
+    for each in _look(scene, film, DiffuseTable(scene), lanes):
+        looks.append(each)
+        yield None
+    looks = zip(*looks, strict=True)
     pixel, surface, amount, is_matt, is_pure = (np.concatenate(each) for each in looks)
     # Light in view is mostly exact but at edges, where a pixel's own samples know best how much of it is seen.
     is_inner = is_pure & _is_inner(pixel, np.where(is_pure, surface, -1), camera)[pixel]
@@ -356,7 +388,8 @@ def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
             _find_parts(tiles, pixel[some], surface[some], amount[some]) for some in wanted
         )
         tilings.append(Tiling(tiles, of_matt, of_view, weight))
-    return PixelSharing(tilings, channels.light_columns)
+        yield None
+    yield PixelSharing(tilings, channels.light_columns)
 
 
 def _is_inner(pixel, surface, camera) -> np.ndarray:
@@ -415,13 +448,13 @@ def _find_parts(tiles: Tiles, pixel, surface, amount) -> Parts:
     return Parts(parts, is_fitted)
 
 
-def _look(scene, film: Film, matt):
+def _look(scene, film: Film, matt, lanes: int):
     """Yield what pixels show, launch by launch: (m,) each.
 
     Pixels, surfaces, how much of these is seen, whether they are matt, and whether the pixel shows nothing else.
     """
     count = film.camera.width * film.camera.height
-    each = max(LANES // LOOKS, 1)
+    each = max(lanes // LOOKS, 1)
     for first in range(0, count, each):
         many = min(each, count - first)
         surface, amount, is_matt = _launch(scene, film, matt, first, many)

@@ -6,6 +6,7 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.transport.pictures import cell_view
 from lumenray.engine.transport.pictures.kept_cells import KeptCells
+from lumenray.engine.transport.pictures.picture import SHARED
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
 from small_pictures import ROOMS, blocks_of, lamp, look_in, picture_of
 from small_scenes import session_of
@@ -21,7 +22,8 @@ VIEW = look_in(48, 32)
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    """Cells are found without waiting, and paths wait for them."""
+    """Cells are found without waiting, paths wait for them, and pixels, which share nothing, err independently."""
+    monkeypatch.setattr(cell_view, "SHARED", np.inf)
     monkeypatch.setattr(cell_view, "CALM", 0.0)
     monkeypatch.setattr(cell_view, "FINDING_SHARE", 1.0)
 
@@ -66,6 +68,31 @@ def test_a_view_with_cells_shows_what_paths_show_with_less_noise(room):
         np.sqrt(((view[1] / np.maximum(view[0], view[0].mean())) ** 2).mean()), rel=1e-3
     )
     assert (view[1] ** 2).mean() < 0.5 * (as_many[1] ** 2).mean()
+
+
+@pytest.mark.slow
+def test_pixels_of_a_view_share_even_light_and_state_how_far_it_is_off(monkeypatch):
+    """Below the lamp, whose edges few samples miss or hit, with sharing and without."""
+    matt = ROOMS["matt"]
+    truths = [
+        luminance_of(picture_of(matt, 512, "cells", seed, VIEW, transport="mono"))[0][:26]
+        for seed in (11, 12)
+    ]
+    scale = np.maximum(truths[0], truths[0].mean())
+
+    def errors_of(seeds):
+        views = [finish(session_of(*matt), 16, seed=seed, transport="mono") for seed in seeds]
+        true = [(view[0][:26] - truths[0]) * (view[0][:26] - truths[1]) for view in views]
+        return [
+            np.mean(each, axis=0) / scale**2
+            for each in (true, [view[1][:26] ** 2 for view in views])
+        ]
+
+    alone, _ = errors_of(range(3))
+    monkeypatch.setattr(cell_view, "SHARED", SHARED)
+    shared, stated = errors_of(range(6))
+    assert np.median(shared) < 0.3 * np.median(alone)
+    assert 0.7 < stated.mean() / shared.mean() < 1.5
 
 
 @pytest.mark.slow
