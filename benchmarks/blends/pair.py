@@ -13,13 +13,13 @@ from ...engine.errors import LumenrayError
 from ...engine.photometry.colour import REC709_LUMINANCE
 from ..common.both_renders import CYCLES, OURS, render
 
-WIDTH, HEIGHT = 240, 160
+WIDTH, HEIGHT = 192, 128
 """Most that a picture may have. [pixel]"""
 
 BLOCK = 8
 """Side of the squares that are compared. [pixel]"""
 
-SAMPLES = {OURS: 128, CYCLES: 256}
+SAMPLES = {OURS: 48, CYCLES: 96}
 """Samples per pixel of each of two pictures."""
 
 

@@ -1,4 +1,4 @@
-"""Edit materials, worlds and lights beside their previews in a real Blender window: ``--python previews.py -- previews FOLDER``.
+"""Edit materials, worlds and lights beside their previews in a real window: ``--python previews.py -- previews FOLDER``.
 
 What the previews show, how long they take after an edit, that Blender's main thread goes on meanwhile, and that the
 rendered view beside them learns nothing of them. Pictures of the screen and ``previews.json`` are written to FOLDER. Blender
@@ -29,8 +29,8 @@ STRENGTH = 0.5
 FEWEST = 400
 """Pixels of a colour by which a preview is known."""
 
-LONGEST_GAP = 1.0
-"""Longest time for which the main thread may be held up. [s]"""
+LONGEST_GAP = 5.0
+"""Longest time for which the main thread may be held up, drawing without a graphics card included. [s]"""
 
 COLD = 180.0
 """How long a preview may take whose kernels have to be compiled. [s]"""
@@ -46,13 +46,7 @@ def properties():
 
 def set_up():
     """Build the scene, show it rendered, and open the preview beside it."""
-    for name in PANELS:
-        kind = getattr(bpy.types, name)
-        bpy.utils.unregister_class(kind)
-        kind.bl_options = set()
-        # Above all others, so that it is in view.
-        kind.bl_order = -1
-        bpy.utils.register_class(kind)
+    leave_previews_alone()
     window.prepare_window()
     stage.build()
     # What the view looks like is not what is tested here.
@@ -68,6 +62,20 @@ def set_up():
     bpy.app.timers.register(tick, persistent=True)
 
 
+def leave_previews_alone():
+    """Take other panels of these tabs away, so that previews are in view, and open them."""
+    for kind in list(bpy.types.Panel.__subclasses__()):
+        tab = getattr(kind, "bl_context", "")
+        if tab not in {"material", "world", "data"} or "context" in kind.__name__:
+            continue
+        if kind.is_registered and not getattr(kind, "bl_parent_id", ""):
+            bpy.utils.unregister_class(kind)
+    for name in PANELS:
+        kind = next(each for each in bpy.types.Panel.__subclasses__() if each.__name__ == name)
+        kind.bl_options = set()
+        bpy.utils.register_class(kind)
+
+
 def tick():
     """Note that the main thread is free."""
     ticks.append(time.monotonic())
@@ -75,7 +83,9 @@ def tick():
 
 
 def show(context):
-    """Show a tab of the properties editor."""
+    """Show a tab of the properties editor; which there are is known after drawing."""
+    properties().tag_redraw()
+    yield 1.0
     properties().spaces.active.context = context
     properties().tag_redraw()
     yield 1.0

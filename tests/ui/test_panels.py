@@ -186,8 +186,8 @@ def test_film_says_what_becomes_white():
 
 
 def test_the_world_has_a_preview_as_materials_and_lights_have():
-    bpy.context.scene.world = bpy.data.worlds.new("World")
-    assert "preview" in draw("LUMENRAY_PT_world_preview", context())
+    world = bpy.data.worlds.new("World")
+    assert "preview" in draw("LUMENRAY_PT_world_preview", context(world=world))
 
 
 def test_blenders_own_panels_take_our_engine_and_let_it_go():

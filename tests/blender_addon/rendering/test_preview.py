@@ -137,7 +137,8 @@ class Abandoned:
 
 
 def test_an_unwanted_preview_ends_at_once_and_leaves_the_engine_as_it_is(monkeypatch):
-    monkeypatch.setattr(preview, "SAMPLES", 1 << 20)
+    for name in ("SAMPLES", "UNFILTERED_SAMPLES"):
+        monkeypatch.setattr(preview, name, 1 << 20)
     bpy.ops.mesh.primitive_plane_add()
     bpy.ops.object.light_add(type="POINT", location=(0, 0, 2))
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -154,7 +155,8 @@ def test_an_unwanted_preview_ends_at_once_and_leaves_the_engine_as_it_is(monkeyp
     assert engine.ends == [True]
     assert engine_process.is_running()
     # The next one does not wait for what is left of it.
-    monkeypatch.setattr(preview, "SAMPLES", 4)
+    for name in ("SAMPLES", "UNFILTERED_SAMPLES"):
+        monkeypatch.setattr(preview, name, 4)
     engine = Abandoned(1000.0)
     preview.render_preview(engine, graph)
     assert engine.ends == [False]
