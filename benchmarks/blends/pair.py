@@ -72,11 +72,13 @@ def compare(path: Path, folder: Path) -> Pair:
 def judge(theirs, ours, efficacy: float, has_camera: bool, said) -> Pair:
     """Compare two pictures of each program. (2, h, w, 3) each; ``efficacy``: luminance of 1. [cd/m2]"""
     (cycles, cycles_noise), (own, own_noise) = _blocks(theirs), _blocks(ours)
-    scale, noise = max(float(cycles.mean()), 1e-9), cycles_noise + own_noise
+    noise = cycles_noise + own_noise
+    # What is black in both is alike.
+    scale = float(cycles.mean()) or float(own.mean()) or 1.0
     square = float(((own - cycles) ** 2).mean()) - noise
     return Pair(
         (efficacy * float(cycles.mean()), efficacy * float(own.mean())),
-        float(own.mean()) / scale - 1.0,
+        float(own.mean() - cycles.mean()) / scale,
         math.sqrt(noise / own.size) / scale,
         math.sqrt(max(square, 0.0)) / scale,
         has_camera,

@@ -40,7 +40,7 @@ def draw_sheet(rows: dict, pictures: dict, path: Path) -> None:
         sheet.write(x, y + 9, f"{name}: mean {row['mean']:+.1%}, blocks {row['block']:.1%}", "lm")
         for place, (picture, luminance) in enumerate(zip(pair, row["means"], strict=True)):
             left = x + place * (WIDTH + GAP)
-            sheet.write(left, y + 24, f"{luminance:.4g} cd/m²", "lm")
+            sheet.write(left, y + 24, f"{luminance:.4g} cd/m2", "lm")
             sheet.paste(_shown(picture, scale), left, y + TITLE)
     sheet.save(path)
 

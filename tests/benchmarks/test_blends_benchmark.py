@@ -57,6 +57,13 @@ def test_noise_is_no_difference_and_a_shift_is_one():
     assert made.block == pytest.approx(0.2 / 2**0.5, rel=0.1)
 
 
+def test_two_black_pictures_are_alike_and_one_is_not():
+    black, lit = np.zeros((2, 16, 16, 3)), np.ones((2, 16, 16, 3))
+    assert blends.agrees(pair.judge(black, black, 1.0, True, ()))
+    assert pair.judge(black, lit, 1.0, True, ()).mean == 1.0
+    assert pair.judge(lit, black, 1.0, True, ()).mean == -1.0
+
+
 def test_the_page_tells_reasons_and_what_lacks_one(tmp_path, monkeypatch):
     def row(mean, agrees, said=()):
         return {
