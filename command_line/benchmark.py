@@ -80,7 +80,19 @@ def add_command(commands) -> None:
         metavar="A;B",
         help="only these, by their names with semicolons between them (default: all)",
     )
+    blends = _add(
+        kinds,
+        "blends",
+        _run_blends,
+        "a folder of .blend files as they are, beside Cycles: a sheet of pictures and their differences",
+        "of a part",
+    )
+    blends.add_argument("folder", type=Path, metavar="FOLDER", help="folder with .blend files")
+    blends.add_argument(
+        "--files", type=words, metavar="A,B", help="only these, by their names (default: all)"
+    )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
+    _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     _add_with_peers(kinds)
     _add_pictures(kinds)
 
@@ -291,6 +303,26 @@ def _run_content(options, say) -> int:
     return 0
 
 
+def _run_blends(options, say) -> int:
+    start_blender()
+    from ..benchmarks.blends import run as blends
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.common.output import write_numbers
+
+    with quiet():
+        result, pictures = blends.run(
+            options.folder,
+            options.files,
+            say=say,
+            keep=lambda made, _: write_numbers(made, options.json),
+        )
+    tell(tell_bars(blends.check_bars(result)))
+    folder = options.output or (PARTS if options.files else DOCUMENTS)
+    blends.write_results(result, pictures, folder, options.json)
+    tell(f"written to {folder / options.kind}.md")
+    return 0
+
+
 def _run_kernels(options, say) -> int:
     from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.kernels import run as kernels
@@ -298,6 +330,17 @@ def _run_kernels(options, say) -> int:
     result = kernels.run(say=say)
     tell(tell_bars(kernels.check_bars(result)))
     _write(kernels, result, options)
+    return 0
+
+
+def _run_nodes(options, say) -> int:
+    start_blender()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.nodes import run as nodes
+
+    result = nodes.run(say=say)
+    tell(tell_bars(nodes.check_bars(result)))
+    _write(nodes, result, options)
     return 0
 
 

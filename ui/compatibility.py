@@ -7,7 +7,6 @@ ENGINE = "LUMENRAY"
 LEFT_OUT = {
     # ours stand in their place
     "DATA_PT_light",
-    "DATA_PT_preview",
     "DATA_PT_spot",
     "NODE_DATA_PT_light",
     "NODE_DATA_PT_spot",
@@ -35,6 +34,7 @@ TAKEN_TOO = {
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
+    "MATERIAL_PT_preview",
 }
 """Panels for which Blender names only its own engines although they hold for any."""
 

@@ -26,6 +26,16 @@ class BackgroundPanel(WorldPanel):
         return super().poll(context) and context.world.lumenray.source == "NODES"
 
 
+class LUMENRAY_PT_world_preview(WorldPanel, bpy.types.Panel):
+    """What the world looks like, which Blender has no panel of its own for."""
+
+    bl_label = "Preview"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.template_preview(context.world)
+
+
 class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
     """Choice between nodes and a sky of the CIE, and the latter's settings."""
 
@@ -90,4 +100,9 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
             layout.prop(context.scene.lumenray, "efficacy", text="lm per Watt")
 
 
-CLASSES = (LUMENRAY_PT_world_sky, LUMENRAY_PT_world_surface, LUMENRAY_PT_world_unit)
+CLASSES = (
+    LUMENRAY_PT_world_preview,
+    LUMENRAY_PT_world_sky,
+    LUMENRAY_PT_world_surface,
+    LUMENRAY_PT_world_unit,
+)

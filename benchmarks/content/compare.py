@@ -8,6 +8,7 @@ import numpy as np
 
 from ...blender_addon.sync.scene import convert_scene
 from ...engine.photometry.colour import REC709_LUMINANCE
+from ..common.both_renders import CYCLES, OURS, render
 from .stage import SIDE
 
 BLOCK = 8
@@ -15,8 +16,6 @@ BLOCK = 8
 
 WHITE = 1.0
 """Ground that pictures are laid over."""
-
-OURS, CYCLES = "LUMENRAY", "CYCLES"
 
 SAMPLES = {OURS: 256, CYCLES: 512}
 """Samples per pixel of each of two pictures."""
@@ -75,40 +74,5 @@ def _blocks(pair: np.ndarray) -> tuple[np.ndarray, float]:
 
 def _pair(engine: str, folder: Path) -> np.ndarray:
     """Two pictures of other seeds. (2, SIDE, SIDE, 3)"""
-    return np.stack([_render(engine, seed, folder) for seed in (1, 2)])
-
-
-def _render(engine: str, seed: int, folder: Path) -> np.ndarray:
-    scene = bpy.context.scene
-    render = scene.render
-    render.engine = engine
-    if hasattr(render.image_settings, "media_type"):
-        render.image_settings.media_type = "IMAGE"
-    render.image_settings.file_format = "OPEN_EXR"
-    render.image_settings.color_depth, render.image_settings.color_mode = "32", "RGBA"
-    render.filepath = str(folder / f"{engine}.exr")
-    if engine == CYCLES:
-        _be_exact(scene.cycles, seed)
-    else:
-        scene.lumenray.render.samples, scene.lumenray.seed = SAMPLES[OURS], seed
-        scene.lumenray.white_luminance = scene.lumenray.efficacy
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(render.filepath, check_existing=False)
-    width, height = image.size
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    bpy.data.images.remove(image)
-    pixels = pixels.reshape(height, width, -1).astype(np.float64)
-    # Colours are multiplied by alpha already.
-    return pixels[..., :3] + (1.0 - pixels[..., 3:4]) * WHITE
-
-
-def _be_exact(settings, seed: int) -> None:
-    """Take away what Cycles does for speed."""
-    settings.samples, settings.seed, settings.device = SAMPLES[CYCLES], seed, "CPU"
-    settings.use_denoising = settings.use_adaptive_sampling = False
-    settings.sample_clamp_direct = settings.sample_clamp_indirect = settings.blur_glossy = 0.0
-    settings.light_sampling_threshold = 0.0
-    settings.caustics_reflective = settings.caustics_refractive = True
-    for name in ("max", "diffuse", "glossy", "transmission", "volume", "transparent_max"):
-        setattr(settings, f"{name}_bounces", 128)
+    pictures = np.stack([render(engine, SAMPLES[engine], seed, folder) for seed in (1, 2)])
+    return pictures[..., :3] + (1.0 - pictures[..., 3:4]) * WHITE

@@ -7,6 +7,7 @@ original's UUID along) is told from its original, and an undo step from before t
 
 import threading
 import uuid
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
@@ -44,6 +45,34 @@ class _Memory:
 
 
 _memory = _Memory()
+_here = threading.local()
+
+
+@contextmanager
+def apart():
+    """Tell data-blocks apart that are not the file's, such as those of previews, on this thread while it lasts.
+
+    They are copies that Blender makes anew every time: one that carries an identity keeps it, others have it from their
+    name. Nothing is remembered or written, and none counts as a copy of the file's.
+    """
+    _here.is_apart = True
+    try:
+        yield
+    finally:
+        _here.is_apart = False
+
+
+def _is_apart() -> bool:
+    return getattr(_here, "is_apart", False)
+
+
+def members(name: str, depsgraph):
+    """Return the data-blocks of a collection of ``bpy.data``; those of the graph where they are not the file's (`apart`)."""
+    collection = getattr(bpy.data, name)
+    if not _is_apart():
+        return collection
+    kind = next(cls for cls, of in _TYPES.items() if of == name)
+    return [block.original for block in depsgraph.ids if isinstance(block, kind)]
 
 
 def identity_of(block) -> str:
@@ -52,6 +81,9 @@ def identity_of(block) -> str:
     Local data-blocks get one when they are new to us. It is written into the file as soon as Blender allows.
     """
     block = block.original
+    if _is_apart():
+        words = f"apart\n{block.id_type}\n{block.name}"
+        return block.lumenray.uid or uuid.uuid5(_NAMESPACE, words).hex
     if block.library is not None or block.override_library is not None:
         return _derived(block)
     return _memory.uids.get(block.session_uid) or _claim(block)
@@ -68,7 +100,7 @@ def engine_id(block) -> str:
 
 def copies_since(count: int) -> list[tuple[str, str]]:
     """Return engine ids (copy, original) of the copies found since the first ``count`` ones of this file."""
-    return _memory.copies[count:]
+    return [] if _is_apart() else _memory.copies[count:]
 
 
 def ensure_ids(updates=None) -> None:

@@ -32,15 +32,16 @@ class SceneFeed:
     ----------
     session : Session or RemoteSession    With an empty scene.
     final : bool    Whether objects that are hidden in renders are left out.
+    texels : int or None    As of `SceneSync`.
 
     Attributes
     ----------
     frames : FrameTimes    Of the animation whose frames it is for.
     """
 
-    def __init__(self, session, final: bool = False):
+    def __init__(self, session, final: bool = False, texels: int | None = None):
         self.session = session
-        self.sync = SceneSync(final)
+        self.sync = SceneSync(final, texels)
         self.report = ConversionReport()
         self.frames = FrameTimes()
         self.last: Edit | None = None

@@ -22,7 +22,7 @@ from ..foundation.exposure import white_luminance
 from ..foundation.handlers import leave, listen
 from ..foundation.report import ConversionReport
 from ..sync.camera import region
-from . import light_mix, view_drawing
+from . import light_mix, preview, view_drawing
 from .animation import Frames
 from .feed import SceneFeed
 from .shutter import render_open_shutter, shutter_of, split_time
@@ -133,7 +133,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
 
     bl_idname = "LUMENRAY"
     bl_label = "Lumenray"
-    bl_use_preview = False
+    bl_use_preview = True
     bl_use_postprocess = True
     bl_use_shading_nodes_custom = False
     bl_use_eevee_viewport = True  # of material preview
@@ -152,14 +152,17 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def render(self, depsgraph):
         """Render the current frame; faults become one sentence in Blender's report."""
         try:
-            self._render(depsgraph)
+            if self.is_preview:
+                preview.render_preview(self, depsgraph)
+            else:
+                self._render(depsgraph)
         except Cancelled:
             self.update_stats("", "Cancelled")
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             self.error_set(str(error))
         finally:
-            if not self.is_animation:
+            if not self.is_animation and not self.is_preview:
                 close_final_feed()
 
     def _render(self, depsgraph):
@@ -425,6 +428,7 @@ def detach():
     """Listen no longer."""
     leave(_HANDLERS)
     close_final_feed()
+    preview.close()
 
 
 CLASSES = (LumenrayRenderEngine,)

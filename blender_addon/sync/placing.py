@@ -3,9 +3,9 @@
 import hashlib
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
+from ..foundation.identity import members
 from .instance_attributes import InstanceAttributes
 from .nodes import needs
 from .nodes.placed import Subject
@@ -187,7 +187,8 @@ def _numbers(value) -> tuple | None:
 
 
 def _matrix_from_world(session_uid: int, depsgraph) -> tuple | None:
-    block = next((each for each in bpy.data.objects if each.session_uid == session_uid), None)
+    blocks = members("objects", depsgraph)
+    block = next((each for each in blocks if each.session_uid == session_uid), None)
     if block is None:
         return None
     matrix = np.array(block.evaluated_get(depsgraph).matrix_world, np.float64)

@@ -26,14 +26,16 @@ class SceneSync:
     Parameters
     ----------
     final : bool    Leave out what is hidden in renders; else the dependency graph alone decides.
+    texels : int or None    Of all pictures that are made for single objects; None: as many as usual.
 
     Attributes
     ----------
     is_blurred : bool    Whether all moments of the shutter will be walked, so that motion blur is no departure.
     """
 
-    def __init__(self, final: bool = False):
+    def __init__(self, final: bool = False, texels: int | None = None):
         self.final, self.is_blurred = final, False
+        self._texels = texels
         self._is_new = True
         self.start_over()
         live.keep(self)
@@ -45,7 +47,7 @@ class SceneSync:
         """
         self._left: set[str] = set() if self._is_new else self._sent.ids() | self._left
         self._tags = Tags(scene=True)
-        self._sent = Sent(self.final)
+        self._sent = Sent(self.final, self._texels)
         self._copies = 0
         self._report = ConversionReport()
         self._is_new = True

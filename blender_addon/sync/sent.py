@@ -83,7 +83,7 @@ class Sent:
 
     Parameters
     ----------
-    final : bool    As of `SceneSync`.
+    final, texels    As of `SceneSync`.
 
     Attributes
     ----------
@@ -94,11 +94,11 @@ class Sent:
     walks, last_visit : int    Walks so far, and the number of the last one that looked at the instances.
     """
 
-    def __init__(self, final: bool):
+    def __init__(self, final: bool, texels: int | None = None):
         self.shown: dict[object, Shown] = {}
         self.geometries = GeometryTable()
         self.images, self.pictures = ImageCache(), PictureTable()
-        self.materials = MaterialTable(self.images, self.pictures, final)
+        self.materials = MaterialTable(self.images, self.pictures, final, texels)
         self.world = SentWorld()
         self.scale = self.efficacy = 0.0
         self.filters: tuple[bool, int, bytes] | None = None

@@ -90,6 +90,7 @@ class RemoteSession:
         progress: Callable | None = None,
         preview_interval: float | None = PREVIEW_INTERVAL,
         idle: Callable[[], None] | None = None,
+        patience: float | None = None,
     ) -> Picture:
         """Render a view.
 
@@ -101,6 +102,8 @@ class RemoteSession:
             the picture so far as (h, w, 3) X, Y, Z. [cd/m2]
         preview_interval : float or None    Shortest time between two such pictures; None: none are made. [s]
         idle : callable or None    Called on this thread at least ten times a second.
+        patience : float or None
+            How long the engine may take to obey a cancel before it is ended; None: the worker's own. [s]
 
         Raises
         ------
@@ -109,7 +112,9 @@ class RemoteSession:
         LumenrayError    The scene or the machine does not allow it; the text says what to do.
         """
         interval = None if progress is None else preview_interval
-        return self._wait("render", (camera, settings), {}, progress, idle, interval)
+        return self._wait(
+            "render", (camera, settings), {}, progress, idle, interval, patience=patience
+        )
 
     def write_spectral(self, path: str, picture: Picture) -> None:
         """Write the bands of a picture, as `Session.write_spectral`. Raises as `render`."""
@@ -203,10 +208,19 @@ class RemoteSession:
         if self._is_closed:
             raise EngineLost(f"the session '{self.name}' was closed; ask the worker for a new one")
 
-    def _wait(self, kind: str, arguments: tuple, options: dict, progress, idle, interval=None):
+    def _wait(
+        self,
+        kind: str,
+        arguments: tuple,
+        options: dict,
+        progress,
+        idle,
+        interval=None,
+        patience=None,
+    ):
         self._check()
         body = (arguments, options)
-        call = self._link.call(kind, self.name, body, preview_interval=interval)
+        call = self._link.call(kind, self.name, body, patience=patience, preview_interval=interval)
         return self._link.wait(call, progress, idle)
 
 

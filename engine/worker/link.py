@@ -42,12 +42,16 @@ JOB_NAMES = {
 
 @dataclass(eq=False)
 class Call:
-    """A job that somebody waits for, or has given up. ``news``: progress that the caller has not seen."""
+    """A job that somebody waits for, or has given up.
+
+    ``news``: progress that the caller has not seen; ``patience``: how long it may take to obey a cancel. [s]
+    """
 
     number: int
     kind: str
     session: str
     start: float
+    patience: float
     done: float = 0.0
     news: tuple | None = None
     value: object = None
@@ -190,8 +194,10 @@ class Link:
             self._channel.send({"kind": kind, "number": number, "session": session}, body)
         return number
 
-    def call(self, kind: str, session: str, body=None, **more) -> Call:
-        """Send an order that is answered.
+    def call(
+        self, kind: str, session: str, body=None, patience: float | None = None, **more
+    ) -> Call:
+        """Send an order that is answered. ``patience``: how long it may take to obey a cancel; None: as all jobs. [s]
 
         Raises
         ------
@@ -200,7 +206,8 @@ class Link:
         """
         with self._lock:
             self.check()
-            call = Call(next(self._numbers), kind, session, time.monotonic())
+            patience = self._cancel_patience if patience is None else patience
+            call = Call(next(self._numbers), kind, session, time.monotonic(), patience)
             head = {"kind": kind, "number": call.number, "session": session, **more}
             self._channel.send(head, body)
             self._calls[call.number] = call
@@ -451,9 +458,9 @@ class Link:
             for call in self._calls.values():
                 if call.cancel_age is not None:
                     call.cancel_age += passed
-                    if call.cancel_age > self._cancel_patience:
+                    if call.cancel_age > call.patience:
                         self.lose(
-                            f"the {JOB_NAMES[call.kind]} did not stop within {self._cancel_patience:.0f} s "
+                            f"the {JOB_NAMES[call.kind]} did not stop within {call.patience:.0f} s "
                             f"of being cancelled, so the engine was ended; {faults.AGAIN}"
                         )
 

@@ -52,6 +52,10 @@ class Layout:
         self.seen.append(idname)
         return types.SimpleNamespace()
 
+    def template_preview(self, block):
+        assert isinstance(block, bpy.types.Material | bpy.types.World | bpy.types.Light)
+        self.seen.append("preview")
+
     def template_icon(self, icon_value, scale=1.0):
         assert icon_value > 0
         assert scale > 0.0

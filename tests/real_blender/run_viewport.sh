@@ -2,7 +2,8 @@
 # Installs the extension into a real Blender and uses the rendered view of its window there: what is seen, faults, memory,
 # closing. Pictures of the screen and results come to LUMENRAY_OUT/viewport.
 #
-#   run_viewport.sh [PART...]   look, faults, memory, close (default: all), some_memory, office (times of the view, no checks)
+#   run_viewport.sh [PART...]   look, faults, memory, close (default: all), some_memory, previews (of materials,
+#                               worlds and lights), office (times of the view, no checks)
 #   VENV, LUMENRAY_OUT          as for run_smoke.sh
 #   LUMENRAY_INSTALLED=1        the extension is there already, in LUMENRAY_PROFILE
 set -euo pipefail

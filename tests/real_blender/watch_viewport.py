@@ -171,6 +171,7 @@ PARTS = {
     "memory": lambda folder: use(folder, "memory", 600),
     "some_memory": lambda folder: use(folder, "memory", 200, "0.1"),
     "close": close,
+    "previews": lambda folder: use(folder, "previews", 900, part="previews.py", size=LARGE),
     "office": lambda folder: use(folder, "office", 1800, part="office_view.py", size=LARGE),
 }
 
@@ -180,7 +181,7 @@ def main():
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     parts = sys.argv[2:] or ("look", "faults", "memory", "close")
-    width, height = LARGE if "office" in parts else (WIDTH, HEIGHT)
+    width, height = LARGE if {"office", "previews"} & set(parts) else (WIDTH, HEIGHT)
     screen = subprocess.Popen(
         ["Xvfb", ":77", "-screen", "0", f"{width}x{height}x24"],
         stdout=subprocess.DEVNULL,

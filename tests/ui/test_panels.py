@@ -185,12 +185,19 @@ def test_film_says_what_becomes_white():
         assert "exposure" in draw("LUMENRAY_PT_film", context())
 
 
+def test_the_world_has_a_preview_as_materials_and_lights_have():
+    world = bpy.data.worlds.new("World")
+    assert "preview" in draw("LUMENRAY_PT_world_preview", context(world=world))
+
+
 def test_blenders_own_panels_take_our_engine_and_let_it_go():
     for name in (
         "DATA_PT_lens",
         "WORLD_PT_context_world",
         "RENDER_PT_format",
         "VIEWLAYER_PT_layer",
+        "DATA_PT_preview",
+        "MATERIAL_PT_preview",
     ):
         assert "LUMENRAY" in getattr(bpy.types, name).COMPAT_ENGINES
     assert "LUMENRAY" not in bpy.types.DATA_PT_light.COMPAT_ENGINES

@@ -9,6 +9,7 @@ import numpy as np
 from ....engine.scene.checks import DEEPEST_MIX
 from ....engine.scene.material import (
     Black,
+    Coated,
     Diffuse,
     Emission,
     Holdout,
@@ -34,16 +35,18 @@ from .volumes import with_volume
 
 _logger = logging.getLogger(__name__)
 
-DEFAULT_REFLECTANCE = 0.8
-"""Diffuse reflectance that Blender gives to a mesh without a material. [-]"""
+DEFAULT_REFLECTANCE, DEFAULT_COAT = 0.8, (1.5, 0.5)
+"""Diffuse reflectance that Blender gives to a mesh without a material, and index and roughness of its coat. [-]"""
 
 LARGEST_RADIANCE = 1e20
 """Radiance from which on an emission is a slip: no sum of light could be told beside it. [W/(m2 sr)]"""
 
 
 def default_material(material_id: str) -> Material:
-    """Return what a mesh without a material gets."""
-    return Material(material_id, "Default", Diffuse(Constant(DEFAULT_REFLECTANCE)))
+    """Return what a mesh without a material gets: grey that is coated as Cycles has it from Blender 5 on, matt before."""
+    grey = Constant(DEFAULT_REFLECTANCE)
+    surface = Diffuse(grey) if bpy.app.version < (5, 0, 0) else Coated(grey, *DEFAULT_COAT)
+    return Material(material_id, "Default", surface)
 
 
 def convert_material(

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass, field
 
-import bpy
-
 from ....engine.scene.material import Material
 from ....engine.scene.scene import content_digest
 from ....engine.scene.spectrum import Rgb
-from ...foundation.identity import engine_id
+from ...foundation.identity import engine_id, members
 from ...foundation.report import ConversionReport
 from ..coloured_light import colour_of_light, paints_of
 from ..displacement import displaces
@@ -59,15 +57,23 @@ class MaterialTable:
     images : ImageCache    What was read of images before.
     pictures : PictureTable    What the engine has of them.
     is_patient : bool    Whether to wait for scattering files that are being read.
+    texels : int or None    Of all pictures that are made for single objects; None: as many as usual.
 
     Attributes
     ----------
     efficacy, metres : float    As of `convert_material`.
     """
 
-    def __init__(self, images: ImageCache, pictures: PictureTable, is_patient: bool = True):
+    def __init__(
+        self,
+        images: ImageCache,
+        pictures: PictureTable,
+        is_patient: bool = True,
+        texels: int | None = None,
+    ):
         self.efficacy, self.metres = 0.0, 1.0
         self._images, self._pictures, self._is_patient = images, pictures, is_patient
+        self._texels = texels or (TEXELS if is_patient else LIVE_TEXELS)
         self.changed: list[Material] = []
         self.removed: list[str] = []
         self.remade = 0
@@ -95,9 +101,17 @@ class MaterialTable:
         session_uid = original.session_uid
         entry = self._entries.get(session_uid)
         if entry is None:
-            entry = self._entries[session_uid] = _Entry(engine_id(original))
+            entry = self._entries[session_uid] = self._successor(engine_id(original))
             self._update(original, entry, depsgraph)
         return entry.key
+
+    def _successor(self, key: str) -> _Entry:
+        """Begin with a material; one that had its id before, as the last copy that a preview showed, gives it up."""
+        number = next((n for n, entry in self._entries.items() if entry.key == key), None)
+        if number is None:
+            return _Entry(key)
+        before = self._entries.pop(number)
+        return _Entry(key, digest=before.digest, is_sent=before.is_sent, version=before.version)
 
     def version(self, material) -> int:
         """Return how often a material in use has been converted."""
@@ -123,7 +137,7 @@ class MaterialTable:
                 self._entries[owner].is_crowded = True
                 return self._entries[owner].key
             known = self._placed[place.key] = Placed(place, owner)
-        known.place = place
+        known.place, known.owner = place, owner
         return place.key
 
     def use_portal(self) -> str:
@@ -145,7 +159,7 @@ class MaterialTable:
         stale = [
             key for key, entry in self._entries.items() if entry.is_stale and entry.key in used
         ]
-        blocks = {block.session_uid: block for block in bpy.data.materials} if stale else {}
+        blocks = _blocks(depsgraph) if stale else {}
         is_other = False
         for session_uid in stale:
             if session_uid in blocks:
@@ -173,7 +187,7 @@ class MaterialTable:
         ]
         if not unused:
             return
-        blocks = {block.session_uid: block for block in bpy.data.materials}
+        blocks = _blocks(depsgraph)
         for session_uid in unused:
             if session_uid not in blocks or not blocks[session_uid].users:
                 entry = self._entries.pop(session_uid)
@@ -189,9 +203,8 @@ class MaterialTable:
                 self.removed.append(key)
         if not self._placed:
             return
-        blocks = {block.session_uid: block for block in bpy.data.materials}
-        room = TEXELS if self._is_patient else LIVE_TEXELS
-        share = shares(room, {key: placed.place for key, placed in self._placed.items()})
+        blocks = _blocks(depsgraph)
+        share = shares(self._texels, {key: placed.place for key, placed in self._placed.items()})
         for key, placed in self._placed.items():
             version = self._entries[placed.owner].version
             # A step of two along a side for every one of four in the share, so that few others change with one.
@@ -311,6 +324,11 @@ class MaterialTable:
         if digest != entry.digest:
             entry.digest, entry.waiting = digest, made
             self.remade += 1
+
+
+def _blocks(depsgraph) -> dict:
+    """Materials of Blender by session uid."""
+    return {block.session_uid: block for block in members("materials", depsgraph)}
 
 
 def _tell_crowd(entry: _Entry) -> ConversionReport:

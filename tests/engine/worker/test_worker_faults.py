@@ -222,6 +222,21 @@ def test_a_job_that_does_not_heed_a_cancel_is_ended():
             measure(resync(worker), 100_000, idle=lambda: worker.session("main").cancel())
 
 
+def test_a_picture_may_be_given_more_time_to_heed_a_cancel():
+    with nothing_left(), fake_worker(cancel_patience=0.3) as worker:
+        session = resync(worker)
+        with pytest.raises(Cancelled):
+            # Deaf for a second and a half once it has begun; nobody waits for it any longer.
+            session.render(camera(), view(300, "deaf"), stop_waiting, patience=60.0)
+        time.sleep(1.0)
+        assert worker.is_alive
+        assert len(measure(session, 2).illuminance) == 5
+
+
+def stop_waiting(*_):
+    raise Cancelled("cancelled")
+
+
 def test_a_worker_that_is_closed_lets_nobody_wait():
     with nothing_left(), fake_worker() as worker, ThreadPoolExecutor(2) as pool:
         session = resync(worker)
