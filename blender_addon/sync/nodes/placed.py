@@ -145,7 +145,7 @@ class PlacedContext(RayContext):
     def layout(self, interpolation: str = "linear") -> TexelLayout:
         """Return how values at texels lie."""
         return TexelLayout(
-            CHART_MAP, np.eye(3), interpolation, "extend", self.datablock, self.texels
+            CHART_MAP, np.eye(3), interpolation, "extend", self.datablock, texels=self.texels
         )
 
     def uv(self, name: str = "") -> Field:

@@ -62,7 +62,11 @@ class Bitmaps:
                 texels = _numbers if np.isinf(largest) else _texels
                 self.table.put(name, texels(_values(picture.pixels, largest, power)))
             row = self.table.lay(
-                name, picture.transform, picture.interpolation == "closest", picture.extension
+                name,
+                picture.transform,
+                picture.interpolation == "closest",
+                picture.extension,
+                picture.tiles,
             )
             self._rows[key] = _Laid(picture.pixels, row)
         return self._rows[key].row
@@ -76,7 +80,7 @@ class Bitmaps:
 def key_of(picture: ImageTexture, largest: float = 1.0, power: float | None = None) -> tuple:
     """Name a picture laid in a way: same key, same row, while the array lives."""
     transform = np.asarray(picture.transform, dtype=np.float64).tobytes()
-    how = (picture.interpolation, picture.extension, transform)
+    how = (picture.interpolation, picture.extension, transform, picture.tiles)
     return ((id(picture.pixels), float(largest), power), *how)
 
 
