@@ -73,6 +73,10 @@ class ImageTexture:
     name: str = ""
     tiles: tuple[Tile, ...] = ()
 
+    def __post_init__(self):
+        # What comes from another process is made of plain tuples.
+        object.__setattr__(self, "tiles", tuple(Tile(*tile) for tile in self.tiles))
+
     def mean(self) -> np.ndarray:
         """Return the mean of the pixels; what stands where no tile is does not count. (c,)"""
         pixels = self.pixels[:, :-1] if self.tiles else self.pixels

@@ -120,7 +120,6 @@ def _read_tile(image, number: int, is_straight: bool, note) -> np.ndarray | None
             if not path.is_file():
                 return None
             made = data.images.load(str(path))
-        made.name = image.name
         made.colorspace_settings.name = image.colorspace_settings.name
         made.alpha_mode = image.alpha_mode
         width, height = made.size
