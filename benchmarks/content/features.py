@@ -622,9 +622,13 @@ def _on_tiles(make, corners=((0, 0), (2, 2)), numbers=(1001, 1002, 1011, 1012), 
         stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
         tree = stage.material()
         shown = tree.add("TexImage", {"image": _tiled_image(numbers, **how)}, Vector=_on("UV")(tree))
-        item = stage.tile(tree.show(make(tree, shown)))
+        # Cycles loads the tiles alone in which it finds corners of faces.
+        item = stage.grid(tree.show(make(tree, shown)), count=12)
+        layer = item.data.uv_layers[0]
+        uv = np.empty(2 * len(layer.data), np.float32)
+        layer.data.foreach_get("uv", uv)
         (u, v), (p, q) = corners
-        item.data.uv_layers[0].data.foreach_set("uv", [u, v, p, v, p, q, u, q])
+        layer.data.foreach_set("uv", (uv.reshape(-1, 2) * (p - u, q - v) + (u, v)).ravel())
         stage.above()
 
     return build
@@ -659,10 +663,14 @@ for _key, _build in {
     "Image, tiles that glow (UDIM)": _on_tiles(lambda tree, shown: tree.add("Emission", Color=shown)),
     "Image, tiles of normals (UDIM)": _on_tiles(_bent_tiles, is_normal=True),
     "Image, tiles beside noise of the object (UDIM)": _on_tiles(
-        lambda tree, shown: tree.add(
-            "BsdfPrincipled",
-            Base_Color=shown,
-            Roughness=tree.add("TexNoise", Vector=_on("Object")(tree), Scale=2.0),
+        lambda tree, shown: _matt_tiles(
+            tree,
+            tree.add(
+                "MixRGB",
+                Fac=tree.add("TexNoise", Vector=_on("Object")(tree), Scale=2.0),
+                Color1=shown,
+                Color2=PAINT,
+            ),
         )
     ),
 }.items():
