@@ -299,6 +299,35 @@ def _shiny(stage, tree, shader):
     stage.studio(tree.show(shader))
 
 
+def _beside_noise(place):
+    """Show a normal map on a UV map, on a matt surface whose colour lies by the object. ``place(stage, material)``."""
+
+    def build(stage):
+        tree = stage.material()
+        colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+        normal = tree.add("NormalMap", Color=colour, Strength=0.4)
+        shown = tree.add("TexNoise", Vector=tree.add("TexCoord", out=3), Scale=2.0, out=1)
+        shader = tree.add("BsdfDiffuse", Color=shown, Normal=normal)
+        place(stage, tree.show(shader))
+
+    return build
+
+
+def _turned_tile(stage, material):
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    stage.tile(material, rotation_euler=(0.2, -0.1, 0.6), scale=(1.0, 1.3, 1.0))
+    stage.above()
+
+
+_note("Relief", "Normal map beside noise of the object", _beside_noise(_turned_tile))
+_note(
+    "Relief",
+    "Normal map beside noise of a ball",
+    _beside_noise(lambda stage, material: stage.studio(material)),
+)
+
+
 @_feature("Relief", "Normal map on metal")
 def _metal_relief(stage):
     tree = stage.material()

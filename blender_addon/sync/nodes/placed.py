@@ -165,6 +165,12 @@ class PlacedContext(RayContext):
         """Return directions across the surface in the object's own frame, of unit length."""
         return self.at_texels("normal", lambda s: s.normals(), _unit)
 
+    def tangents(self, uv_map: str) -> Field | None:
+        """Return along which directions U grows in the object's own frame, and 1 or -1 by the side of V; None: no such map."""
+        if self.surface.uv_map(uv_map) is None:
+            return None
+        return self.at_texels(("tangents", uv_map), lambda s: s.tangents(uv_map))
+
     def moved(self, matrix: np.ndarray | None = None) -> Field:
         """Return places in the world, or as a matrix (4, 4) takes those of the world."""
         whole = self.subject.matrix if matrix is None else matrix @ self.subject.matrix
