@@ -482,6 +482,12 @@ for _key, _make in {
     _note("Textures and nodes", _key, _tile(_make))
 
 
+@_feature("Lights", "Light, slide in colour on grey")
+def _grey_slide(stage):
+    FEATURES["Light, slide in colour"].build(stage)
+    bpy.data.objects["Ball"].data.materials[0] = stage.paint((0.5, 0.5, 0.5))
+
+
 @_feature("Textures and nodes", "Colour attribute")
 def _attribute(stage):
     stage.world()

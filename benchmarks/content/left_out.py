@@ -2,6 +2,7 @@
 
 REASONS = {
     "Light, temperature": "light and paint are spectra; three numbers do not tell how much of one the other reflects",
+    "Light, slide in colour": "light and paint are spectra, as above; on grey surfaces the slide agrees",
     "Light, negative": "no light takes light away, and lux less than none are no answer",
     "Light, no bounces": "light that ends at the first surface breaks the balance of energy that every lux stands on",
     "Light, no shadow": "what shades a light shades it in every lux map; a light that passes walls has none",

@@ -12,6 +12,9 @@ from .nodes.fields import mean_of_picture
 LEAST, LEAST_BESIDE_WHITE = 0.01, 0.02
 """Relative differences of a reflection from which on it is told: where all light is coloured, and where some is not. [-]"""
 
+DARK = 0.1
+"""Share of the brightest colour of a slide up to which others are dark. [-]"""
+
 MOST = 8
 """Colours of lights, and of surfaces, that are compared: the most saturated ones."""
 
@@ -36,8 +39,20 @@ def colour_of_light(item) -> Rgb | None:
         given = item.spectrum if item.luminance > 0.0 else None
     else:
         output = getattr(item, "output", None)
+        slide = getattr(getattr(item, "distribution", None), "colours", None)
+        if slide is not None and output.value > 0.0:
+            return _most_coloured(slide)
         given = output.spectrum if output is not None and output.value > 0.0 else None
     return given if isinstance(given, Rgb) else None
+
+
+def _most_coloured(slide: np.ndarray) -> Rgb:
+    """The most saturated colour of a slide among those that are not dark. (a, p, 3)"""
+    values = np.asarray(slide, np.float64).reshape(-1, 3)
+    largest = values.max(axis=1)
+    values = values[largest > DARK * largest.max()]
+    share = values / values.max(axis=1, keepdims=True)
+    return Rgb(*share[np.argmin(share.min(axis=1))].tolist())
 
 
 def tell_coloured_light(lights, paints, has_white: bool, name: str, report) -> None:

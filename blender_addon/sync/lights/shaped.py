@@ -138,11 +138,22 @@ def convert_shaped_light(
     amounts = values @ LUMINANCE.astype(np.float64)
     if data.type == "SPOT":
         amounts = amounts * _within_cone(data, shape.azimuth, shape.polar, pose.lengths)
-    distribution = IntensityDistribution(shape.azimuth, shape.polar, amounts)
+    is_stated = data.lumenray.use_physical and data.lumenray.spectrum != "RGB"
+    colours = None
+    if not _is_even(values):
+        if is_stated:
+            report.warn(
+                name,
+                "the light's colour depends on the direction, and its spectrum is stated",
+                "its brightness depends on the direction, its spectrum does not",
+            )
+        else:
+            colours = values.astype(np.float32)
+    distribution = IntensityDistribution(shape.azimuth, shape.polar, amounts, colours=colours)
     whole = flux(distribution) if amounts.any() else 0.0
     if whole <= 0.0:
         return None
-    colour = _common_colour(values, name, report)
+    colour = np.ones(3) if colours is not None else _common_colour(values)
     if data.lumenray.use_physical:
         output = physical_output(data, distribution, colour, name, report, "shaped by its nodes")
     else:
@@ -186,16 +197,16 @@ def _within_cone(data, azimuth, polar, lengths) -> np.ndarray:
     return place * place * (3.0 - 2.0 * place)
 
 
-def _common_colour(values: np.ndarray, name: str, report) -> np.ndarray:
+def _common_colour(values: np.ndarray) -> np.ndarray:
     """Colour of the light of all directions, of luminance 1. (3,)"""
-    weights = LUMINANCE.astype(np.float64)
-    amounts = values @ weights
-    colour = values.reshape(-1, 3).sum(axis=0) / amounts.sum()
-    apart = np.abs(values - amounts[..., None] * colour).max()
-    if apart > SAME_COLOUR * values.max():
-        report.warn(
-            name,
-            "the light's colour depends on the direction",
-            "its brightness does so, in the mean colour",
-        )
-    return colour
+    amounts = values @ LUMINANCE.astype(np.float64)
+    return values.reshape(-1, 3).sum(axis=0) / amounts.sum()
+
+
+def _is_even(values: np.ndarray) -> bool:
+    """Whether all directions have the same colour."""
+    amounts = values @ LUMINANCE.astype(np.float64)
+    if amounts.sum() <= 0.0:
+        return True
+    apart = np.abs(values - amounts[..., None] * _common_colour(values)).max()
+    return bool(apart <= SAME_COLOUR * values.max())
