@@ -656,7 +656,9 @@ def _on_tiles(make, corners=((0, 0), (2, 2)), numbers=(1001, 1002, 1011, 1012), 
         stage.world((1.0, 1.0, 1.0), 0.3)
         stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
         tree = stage.material()
-        shown = tree.add("TexImage", {"image": _tiled_image(numbers, **how)}, Vector=_on("UV")(tree))
+        shown = tree.add(
+            "TexImage", {"image": _tiled_image(numbers, **how)}, Vector=_on("UV")(tree)
+        )
         # Cycles loads the tiles alone in which it finds corners of faces.
         item = stage.grid(tree.show(make(tree, shown)), count=12)
         layer = item.data.uv_layers[0]
@@ -695,7 +697,9 @@ for _key, _build in {
     "Image, tiles as roughness (UDIM)": _on_tiles(
         lambda tree, shown: tree.add("BsdfAnisotropic", Color=PAINT, Roughness=shown)
     ),
-    "Image, tiles that glow (UDIM)": _on_tiles(lambda tree, shown: tree.add("Emission", Color=shown)),
+    "Image, tiles that glow (UDIM)": _on_tiles(
+        lambda tree, shown: tree.add("Emission", Color=shown)
+    ),
     "Image, tiles of normals (UDIM)": _on_tiles(_bent_tiles, is_normal=True),
     "Image, tiles beside noise of the object (UDIM)": _on_tiles(
         lambda tree, shown: _matt_tiles(

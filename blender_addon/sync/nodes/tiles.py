@@ -81,7 +81,9 @@ def look_up(field, u, v, look_up_one) -> np.ndarray:
         # Minus nought is nought: just before the first tile is outside its edge.
         here = (column == tile.column) & (line == tile.line)
         if here.any():
-            pixels = field.values[0, start : start + size].reshape(tile.height, tile.width, channels)
+            pixels = field.values[0, start : start + size].reshape(
+                tile.height, tile.width, channels
+            )
             one = replace(field, values=pixels, layout=replace(layout, tiles=()))
             made[here] = look_up_one(one, u[here] - tile.column, v[here] - tile.line)
         start += size

@@ -130,9 +130,7 @@ class LuminairePalette:
         spectra: dict[bytes, int] = {}
         numbers = np.zeros((max(len(rows), 1), 4), dtype=np.int64)
         tables, tints = [], self.tints.commit(rows)
-        for line, row, distribution, tint in zip(
-            numbers, rows, distributions, tints, strict=False
-        ):
+        for line, row, distribution, tint in zip(numbers, rows, distributions, tints, strict=False):
             key = row.density.tobytes()
             if key not in spectra:
                 spectra[key] = len(spectra)

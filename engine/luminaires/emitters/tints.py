@@ -114,7 +114,10 @@ def _nodes_of(colours: np.ndarray, density: np.ndarray) -> np.ndarray:
     weights /= weights.sum()
     wavelengths = GRID[::STEP]
     shares = np.concatenate(
-        [_sigmoid(part, wavelengths) @ weights for part in np.array_split(found, len(found) // PIECE + 1)]
+        [
+            _sigmoid(part, wavelengths) @ weights
+            for part in np.array_split(found, len(found) // PIECE + 1)
+        ]
     )
     return np.concatenate([found, 1.0 / shares[:, None]], axis=1)[place.ravel()]
 

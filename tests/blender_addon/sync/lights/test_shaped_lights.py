@@ -7,6 +7,7 @@ from blender_objects import add_light
 from conversion import converted_light, error_messages, measure_light
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import Luminaire, PointLight, Quantity, SpotLight
+from lumenray.engine.scene.spectrum import Illuminant
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -166,17 +167,41 @@ def test_what_depends_on_more_than_the_direction_is_still_an_error():
     assert error_messages(rows)
 
 
-def test_colours_by_direction_are_told_and_count_by_their_luminance():
+def coloured_light():
     light = add_light("POINT", energy=10.0, shadow_soft_size=0.0)
     nodes = Nodes(light)
     shift = nodes.add("VectorMath", operation="ADD")
     shift.inputs[1].default_value = (1.0, 1.0, 1.0)
     nodes.link(nodes.add("TexCoord").outputs["Normal"], shift.inputs[0])
     nodes.drive(shift.outputs[0], "Color")
-    made, rows = converted_light(light)
-    assert [row.message for row in rows] == ["the light's colour depends on the direction"]
+    return light
+
+
+def test_colours_by_direction_are_kept_beside_their_luminance():
+    """1 + x, 1 + y, 1 + z in red, green and blue."""
+    made, rows = converted_light(coloured_light())
+    assert rows == []
     even = 10.0 * EFFICACY / (4.0 * np.pi)
     assert candelas(made, (0, 1, 0)) == pytest.approx(even * (1.0 + 0.7152), rel=5e-3)
+    shown = made.distribution
+    column = np.argmin(np.abs(shown.azimuth - 0.5 * np.pi))
+    row = np.argmin(np.abs(shown.polar - 0.5 * np.pi))
+    colour = shown.colours[column, row]
+    assert colour / colour[0] == pytest.approx([1.0, 2.0, 1.0], abs=0.02)
+    assert made.output.spectrum == Illuminant("D65")
+
+
+def test_a_light_that_states_its_spectrum_keeps_it_whatever_its_colours():
+    light = coloured_light()
+    settings = light.data.lumenray
+    settings.use_physical, settings.quantity, settings.value = True, "LUMINOUS_FLUX", 500.0
+    settings.spectrum, settings.illuminant = "ILLUMINANT", "A"
+    made, rows = converted_light(light)
+    assert made.distribution.colours is None
+    assert made.output.spectrum == Illuminant("A")
+    assert [row.message for row in rows] == [
+        "the light's colour depends on the direction, and its spectrum is stated"
+    ]
 
 
 @pytest.mark.parametrize(
