@@ -108,7 +108,7 @@ class Surface:
         return self.flat_normals() if smooth is None else smooth
 
     def tangents(self, uv_map: str) -> np.ndarray:
-        """Direction along which U of a UV map grows across each triangle, of length 1 or 0, and on which side V does: 1 or -1."""
+        """Where U of a UV map grows across each triangle, of length 1 or 0, and on which side V does: 1 or -1."""
         corners, uv = self.positions().astype(np.float64), self.uv_map(uv_map).astype(np.float64)
         (a, b), (p, q) = (
             (each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]) for each in (corners, uv)

@@ -292,9 +292,9 @@ class PictureTable:
                 offset, width, height, bits, places, active
             )
         for place, count in zip(places, (width, height), strict=True):
-            place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
-            below = dr.floor(place)
-            share = dr.select(is_nearest, 0.0, place - below)
+            texel = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
+            below = dr.floor(texel)
+            share = dr.select(is_nearest, 0.0, texel - below)
             first = mi.Int32(below)
             columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
             weights.append([1.0 - share, share])
@@ -339,7 +339,7 @@ class PictureTable:
 
 
 def _squares_of(row: _Row, offset: int, channels: int) -> np.ndarray:
-    """Where the texels of each square of a grid begin, their columns and lines; the last one is of what is outside. (n, 4)"""
+    """Where the texels of each square of a grid begin, their columns and lines; the last is of what is outside. (n, 4)"""
     columns, lines = row.grid
     count = sum(tile.width * tile.height for tile in row.tiles)
     made = np.zeros((columns * lines + 1, 4), np.uint32)

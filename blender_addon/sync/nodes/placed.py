@@ -166,7 +166,7 @@ class PlacedContext(RayContext):
         return self.at_texels("normal", lambda s: s.normals(), _unit)
 
     def tangents(self, uv_map: str) -> Field | None:
-        """Return along which directions U grows in the object's own frame, and 1 or -1 by the side of V; None: no such map."""
+        """Return where U grows in the object's own frame, and 1 or -1 by the side of V; None: there is no such map."""
         if self.surface.uv_map(uv_map) is None:
             return None
         return self.at_texels(("tangents", uv_map), lambda s: s.tangents(uv_map))

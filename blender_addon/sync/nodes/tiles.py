@@ -1,4 +1,4 @@
-"""Values that lie on several tiles side by side: (1, n, c), those of one tile after the other and one for what is outside."""
+"""Values on several tiles side by side: (1, n, c), those of one tile after the other and one for what is outside."""
 
 from dataclasses import replace
 

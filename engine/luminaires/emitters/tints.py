@@ -1,7 +1,7 @@
-"""Colours of luminaires by direction on the device, as of slides: what a direction's light has in place of the mean spectrum.
+"""Colours of luminaires by direction on the device, as of slides: what light of a direction has beside the lamp's spectrum.
 
-The colour at every node of a distribution's grid is upsampled to a spectrum t, and light there is the lamp's spectrum S times
-t over the luminous share of it,
+The colour at every node of a distribution's grid is upsampled to a spectrum t, and light there is the lamp's spectrum S
+times t over the luminous share of it,
 
     t / (int S t V / int S V),
 
