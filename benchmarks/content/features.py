@@ -583,6 +583,9 @@ for _key, _make in {
         _2=(0.5, 0.5, 0.5),
     ),
     "Bevel": lambda tree: tree.add("Bevel"),
+    "Ambient occlusion as a factor": lambda tree: tree.add(
+        "AmbientOcclusion", Color=PAINT, Distance=2.0
+    ),
 }.items():
     _note("Textures and nodes", _key, _coloured_ball(_make))
 
@@ -1216,6 +1219,15 @@ for _key, _build in {
     "Points": _points(),
 }.items():
     _note("Objects", _key, _build)
+
+
+@_feature("Objects", "Driven light, frame 10")
+def _driven(stage):
+    stage.studio()
+    stage.scene.frame_set(10)
+    data = next(each.data for each in stage.scene.objects if each.type == "LIGHT")
+    data.driver_add("energy").driver.expression = "20 * frame"
+    stage.scene.frame_set(10)
 
 
 @_feature("Objects", "Keyframed colour, frame 10")

@@ -11,7 +11,7 @@ REASONS = {
     "Light linking": "light falls on all that it reaches; a room that is lit for some objects alone has no lux",
     "Shadow linking": "what stands in the light shades it; a room that is shaded by some objects alone has no lux",
     "Point, soft falloff 0.5": "a disk that faces every point is no body; the ball has the same intensity",
-    "Ambient occlusion": "it darkens by what stands near by, which light itself does already where it is traced",
+    "Ambient occlusion as a factor": "it darkens by what stands near by, which light itself does already where it is traced",
     "Bevel": "it asks for the shape of edges by rays at every place; bevel the mesh",
     "World, not for diffuse rays": "a surface answers the sky with all of its model, by one measured reflectance",
     "Object, not for diffuse rays": "an object that some light meets and other does not has no balance of energy",

@@ -7,7 +7,6 @@ from ...engine.scene.light import UniformWorld
 from ...engine.scene.material import Material
 from ...engine.scene.spectrum import Rgb
 from ...engine.scene.texture import ImageTexture
-from .nodes.fields import mean_of_picture
 
 LEAST, LEAST_BESIDE_WHITE = 0.01, 0.02
 """Relative differences of a reflection from which on it is told: where all light is coloured, and where some is not. [-]"""
@@ -26,7 +25,7 @@ def paints_of(material: Material) -> tuple[Rgb, ...]:
         if isinstance(colour, Rgb):
             found.append(colour)
         elif isinstance(colour, ImageTexture) and colour.pixels.shape[2] == 3:
-            found.append(Rgb(*np.clip(mean_of_picture(colour.pixels), 0.0, 1.0).tolist()))
+            found.append(Rgb(*np.clip(colour.mean(), 0.0, 1.0).tolist()))
     return tuple(found)
 
 

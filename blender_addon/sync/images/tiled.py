@@ -108,30 +108,31 @@ def tile_state(image) -> tuple:
 def _read_tile(image, number: int, is_straight: bool, note) -> np.ndarray | None:
     """Return the pixels of one tile, (height, width, 4); None: it cannot be read."""
     packed = next((each for each in image.packed_files if each.tile_number == number), None)
-    # Images of a file of their own leave the user's data as they are.
+    if packed is None and not _path_of(image, number).is_file():
+        return None
+    # Images of data of their own leave the user's as they are; nothing may hold on to them when those go.
     with bpy.data.temp_data() as data:
-        if packed is not None:
-            content = bytes(packed.packed_file.data)
-            made = data.images.new(image.name, 1, 1)
-            made.pack(data=content, data_len=len(content))
-            made.source = "FILE"
-        else:
-            path = _path_of(image, number)
-            if not path.is_file():
-                return None
-            made = data.images.load(str(path))
-        made.colorspace_settings.name = image.colorspace_settings.name
-        made.alpha_mode = image.alpha_mode
-        width, height = made.size
-        if width * height > LARGEST:
-            note(
-                f"Tile {number} of image {image.name!r} has {width} x {height} pixels",
-                f"it is left out, as it is more than {LARGEST}",
-            )
-            return None
-        pixels = read_pixels(made, is_straight, note)
-        del made
-        return pixels
+        return _read_apart(image, number, packed, data, is_straight, note)
+
+
+def _read_apart(image, number: int, packed, data, is_straight: bool, note) -> np.ndarray | None:
+    if packed is None:
+        made = data.images.load(str(_path_of(image, number)))
+    else:
+        content = bytes(packed.packed_file.data)
+        made = data.images.new(image.name, 1, 1)
+        made.pack(data=content, data_len=len(content))
+        made.source = "FILE"
+    made.colorspace_settings.name = image.colorspace_settings.name
+    made.alpha_mode = image.alpha_mode
+    width, height = made.size
+    if width * height > LARGEST:
+        note(
+            f"Tile {number} of image {image.name!r} has {width} x {height} pixels",
+            f"it is left out, as it is more than {LARGEST}",
+        )
+        return None
+    return read_pixels(made, is_straight, note)
 
 
 def _path_of(image, number: int) -> Path:
