@@ -1,7 +1,5 @@
 """Conversion of shader nodes other than the Principled BSDF."""
 
-import numpy as np
-
 from ....engine.scene.material import (
     Black,
     Cauchy,
