@@ -698,7 +698,11 @@ for _key, _build in {
     "Image, packed tiles (UDIM)": _on_tiles(_matt_tiles, is_packed=True),
     "Image, tiles times a picture (UDIM)": _on_tiles(_mixed_tiles),
     "Image, tiles as roughness (UDIM)": _on_tiles(
-        lambda tree, shown: tree.add("BsdfAnisotropic", Color=PAINT, Roughness=shown)
+        lambda tree, shown: tree.add(
+            "BsdfAnisotropic",
+            Color=PAINT,
+            Roughness=tree.add("Math", {"operation": "MULTIPLY_ADD"}, _0=shown, _1=0.5, _2=0.5),
+        )
     ),
     "Image, tiles that glow (UDIM)": _on_tiles(
         lambda tree, shown: tree.add("Emission", Color=shown)
