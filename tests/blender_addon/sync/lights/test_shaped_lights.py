@@ -7,7 +7,13 @@ from blender_objects import add_light
 from conversion import converted_light, error_messages, measure_light
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import Luminaire, PointLight, Quantity, SpotLight
-from lumenray.engine.scene.spectrum import Illuminant
+from lumenray.engine.photometry.spectra import (
+    GRID,
+    evaluate_emission,
+    luminous_efficiency,
+    upsample,
+)
+from lumenray.engine.scene.spectrum import Illuminant, Rgb
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -191,17 +197,19 @@ def test_colours_by_direction_are_kept_beside_their_luminance():
     assert made.output.spectrum == Illuminant("D65")
 
 
-def test_a_light_that_states_its_spectrum_keeps_it_whatever_its_colours():
+def test_a_slide_filters_the_spectrum_that_a_light_states():
+    """By sums over the wavelengths at two directions: (1, 2, 1) and (2, 1, 1)."""
     light = coloured_light()
     settings = light.data.lumenray
     settings.use_physical, settings.quantity, settings.value = True, "LUMINOUS_FLUX", 500.0
     settings.spectrum, settings.illuminant = "ILLUMINANT", "A"
     made, rows = converted_light(light)
-    assert made.distribution.colours is None
-    assert made.output.spectrum == Illuminant("A")
-    assert [row.message for row in rows] == [
-        "the light's colour depends on the direction, and its spectrum is stated"
-    ]
+    assert rows == []
+    assert (made.output.value, made.output.spectrum) == (500.0, Illuminant("A"))
+    seen = evaluate_emission(Illuminant("A"), GRID) * luminous_efficiency()
+    green, red = (upsample(Rgb(*c), GRID) @ seen for c in ((0.5, 1.0, 0.5), (1.0, 0.5, 0.5)))
+    found = candelas(made, (0, 1, 0)) / candelas(made, (1, 0, 0))
+    assert found == pytest.approx(green / red, rel=0.01)
 
 
 @pytest.mark.parametrize(
