@@ -13,6 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
+from ...errors import SceneError
 from ...photometry.spectra import GRID, luminous_efficiency
 from ..distribution import TURN
 
@@ -34,13 +35,23 @@ class Tints:
         self.commit([])
 
     def commit(self, rows) -> list[int]:
-        """Hold the colours of these rows and return their numbers. ``rows``: of `palette.Row`."""
+        """Hold the colours of these rows and return their numbers. ``rows``: of `palette.Row`.
+
+        Raises
+        ------
+        SceneError    There is not one colour for each intensity.
+        """
         numbers, kept, header, ranges = [], {}, [], []
         for row in rows:
             distribution = row.distribution
             if distribution.colours is None or "spectral" not in mi.variant():
                 numbers.append(0)
                 continue
+            if distribution.colours.shape != (*distribution.intensity.shape, 3):
+                raise SceneError(
+                    f"a distribution of {distribution.intensity.shape} intensities has colours of the shape "
+                    f"{distribution.colours.shape}; expected three channels at each"
+                )
             key = (row.digest, row.density.tobytes())
             if key not in kept:
                 offset = sum(map(len, kept.values()))

@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.errors import SceneError
+from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.photometry.spectra import (
     GRID,
     illuminant,
@@ -9,8 +12,10 @@ from lumenray.engine.photometry.spectra import (
     upsample,
 )
 from lumenray.engine.scene.distribution import IntensityDistribution
-from lumenray.engine.scene.spectrum import Rgb
+from lumenray.engine.scene.light import Luminaire, Output, Quantity
+from lumenray.engine.scene.spectrum import Illuminant, Rgb
 from lumenray.engine.transport import backend
+from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -61,6 +66,35 @@ def test_light_of_a_direction_has_the_spectrum_of_its_colour_and_its_amount():
         wanted = 5.0 * np.interp(wavelengths, GRID, plain.density * tint / share)
         assert found == pytest.approx(wanted, rel=0.01)
         assert beside == pytest.approx(5.0 * np.interp(wavelengths, GRID, plain.density), rel=1e-3)
+
+
+def test_sensors_see_the_intensity_and_the_colour_of_their_direction():
+    """Red to one side and blue to the other: lux by the inverse-square law, colours of the Rec. 709 primaries."""
+    azimuth, polar = np.linspace(0.0, 2.0 * np.pi, 17), np.linspace(0.0, 1.2, 5)
+    colours = np.zeros((17, 5, 3), np.float32)
+    is_red = (azimuth > 0.5 * np.pi) & (azimuth < 1.5 * np.pi)
+    colours[is_red, :, 0] = colours[~is_red, :, 2] = 1.0
+    amounts = np.where(is_red, 3.0, 1.0)[:, None] * np.ones(5)
+    shown = IntensityDistribution(azimuth, polar, amounts, colours=colours)
+    light = Luminaire(
+        "l", "l", Output(Quantity.LUMINOUS_FLUX, 900.0, Illuminant("D65")), np.eye(4), shown
+    )
+    places, up = [[-1.0, 0.0, -2.0], [1.0, 0.0, -2.0]], [[0.0, 0.0, 1.0]] * 2
+    made = session_of(light).measure(places, up, StopRule(samples=4096), colour=True)
+    candelas = 900.0 / flux(shown) * np.array([3.0, 1.0])
+    expected = candelas * 2.0 / 5.0**1.5
+    assert made.illuminance == pytest.approx(expected, rel=0.02)
+    chromaticity = (made.tristimulus / made.tristimulus.sum(axis=1, keepdims=True))[:, :2]
+    assert chromaticity[0] == pytest.approx([0.64, 0.33], abs=0.02)
+    assert chromaticity[1] == pytest.approx([0.15, 0.06], abs=0.02)
+
+
+def test_colours_that_are_not_one_for_each_intensity_are_refused():
+    from lumenray.engine.luminaires.emitters.tints import Tints
+
+    backend.start(True)
+    with pytest.raises(SceneError, match="three channels"):
+        Tints().commit([row_of(np.ones((9, 3, 3), np.float32))])
 
 
 def test_photometric_light_and_grey_luminaires_have_no_colours():
