@@ -1,6 +1,7 @@
 """What is compared: a scene for each feature of Blender, by group."""
 
 import math
+import shutil
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -298,6 +299,35 @@ def _shiny(stage, tree, shader):
     stage.studio(tree.show(shader))
 
 
+def _beside_noise(place):
+    """Show a normal map on a UV map, on a matt surface whose colour lies by the object. ``place(stage, material)``."""
+
+    def build(stage):
+        tree = stage.material()
+        colour = tree.add("TexImage", {"image": image(is_float=True)}, Vector=tree.add("UVMap"))
+        normal = tree.add("NormalMap", Color=colour, Strength=0.4)
+        shown = tree.add("TexNoise", Vector=tree.add("TexCoord", out=3), Scale=2.0, out=1)
+        shader = tree.add("BsdfDiffuse", Color=shown, Normal=normal)
+        place(stage, tree.show(shader))
+
+    return build
+
+
+def _turned_tile(stage, material):
+    stage.world((1.0, 1.0, 1.0), 0.2)
+    stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+    stage.tile(material, rotation_euler=(0.2, -0.1, 0.6), scale=(1.0, 1.3, 1.0))
+    stage.above()
+
+
+_note("Relief", "Normal map beside noise of the object", _beside_noise(_turned_tile))
+_note(
+    "Relief",
+    "Normal map beside noise of a ball",
+    _beside_noise(lambda stage, material: stage.studio(material)),
+)
+
+
 @_feature("Relief", "Normal map on metal")
 def _metal_relief(stage):
     tree = stage.material()
@@ -452,6 +482,12 @@ for _key, _make in {
     _note("Textures and nodes", _key, _tile(_make))
 
 
+@_feature("Lights", "Light, slide in colour on grey")
+def _grey_slide(stage):
+    FEATURES["Light, slide in colour"].build(stage)
+    bpy.data.objects["Ball"].data.materials[0] = stage.paint((0.5, 0.5, 0.5))
+
+
 @_feature("Textures and nodes", "Colour attribute")
 def _attribute(stage):
     stage.world()
@@ -547,6 +583,9 @@ for _key, _make in {
         _2=(0.5, 0.5, 0.5),
     ),
     "Bevel": lambda tree: tree.add("Bevel"),
+    "Ambient occlusion as a factor": lambda tree: tree.add(
+        "AmbientOcclusion", Color=PAINT, Distance=2.0
+    ),
 }.items():
     _note("Textures and nodes", _key, _coloured_ball(_make))
 
@@ -583,23 +622,105 @@ def _alpha_by_object(stage):
     )
 
 
-@_feature("Textures and nodes", "Image, two tiles (UDIM)")
-def _tiles(stage):
-    stage.world()
+def _tiled_image(numbers, is_packed=False, is_normal=False):
+    """Return an image of tiles, each of a size, colours and a contrast of its own."""
     folder = Path(tempfile.mkdtemp())
-    for number, tone in ((1001, 0.2), (1002, 0.7)):
-        made = image(f"Tile {number}")
-        made.pixels.foreach_set([tone, tone, tone, 1.0] * (len(made.pixels) // 4))
+    for step, number in enumerate(numbers):
+        side = 8 << step % 2
+        made = image(f"Tile {number}", size=side)
+        pixels = np.empty(len(made.pixels), np.float32)
+        made.pixels.foreach_get(pixels)
+        pixels = pixels.reshape(side, side, 4)
+        tone = np.array([0.5 + 0.3 * np.cos(2.1 * step + k) for k in range(3)])
+        pixels[..., :3] = 0.4 * pixels[..., :3] + 0.5 * tone
+        if is_normal:
+            pixels[..., :3] = 0.35 * pixels[..., :3] + 0.65 * np.array([0.5, 0.5, 1.0])
+        made.pixels.foreach_set(pixels.ravel())
         made.filepath_raw, made.file_format = str(folder / f"tile.{number}.exr"), "OPEN_EXR"
         made.save()
-    tiled = bpy.data.images.load(str(folder / "tile.1001.exr"))
+    tiled = bpy.data.images.load(str(folder / f"tile.{numbers[0]}.exr"))
     tiled.source, tiled.filepath = "TILED", str(folder / "tile.<UDIM>.exr")
     tiled.reload()
-    tree = stage.material()
-    shown = tree.add("TexImage", {"image": tiled}, Vector=_on("UV")(tree))
-    item = stage.tile(tree.show(tree.add("BsdfDiffuse", Color=shown)))
-    item.data.uv_layers[0].data.foreach_set("uv", [0, 0, 2, 0, 2, 1, 0, 1])
-    stage.above()
+    for number in numbers:
+        if tiled.tiles.get(number) is None:
+            tiled.tiles.new(number)
+    if is_normal:
+        tiled.colorspace_settings.name = "Non-Color"
+    if is_packed:
+        tiled.pack()
+        shutil.rmtree(folder)
+    return tiled
+
+
+def _on_tiles(make, corners=((0, 0), (2, 2)), numbers=(1001, 1002, 1011, 1012), **how):
+    """Show a shader of an image of tiles over a tile. ``make(tree, shown)``: the shader."""
+
+    def build(stage):
+        stage.world((1.0, 1.0, 1.0), 0.3)
+        stage.light("SUN", energy=3.0, turn=(0.8, 0.0, 0.4))
+        tree = stage.material()
+        shown = tree.add(
+            "TexImage", {"image": _tiled_image(numbers, **how)}, Vector=_on("UV")(tree)
+        )
+        # Cycles loads the tiles alone in which it finds corners of faces.
+        item = stage.grid(tree.show(make(tree, shown)), count=12)
+        layer = item.data.uv_layers[0]
+        uv = np.empty(2 * len(layer.data), np.float32)
+        layer.data.foreach_get("uv", uv)
+        (u, v), (p, q) = corners
+        layer.data.foreach_set("uv", (uv.reshape(-1, 2) * (p - u, q - v) + (u, v)).ravel())
+        stage.above()
+
+    return build
+
+
+def _matt_tiles(tree, shown):
+    return tree.add("BsdfDiffuse", Color=shown)
+
+
+def _mixed_tiles(tree, shown):
+    other = tree.add("TexImage", {"image": image("Other")}, Vector=_on("UV")(tree))
+    return _matt_tiles(
+        tree, tree.add("MixRGB", {"blend_type": "MULTIPLY"}, Fac=0.8, Color1=shown, Color2=other)
+    )
+
+
+def _bent_tiles(tree, shown):
+    normal = tree.add("NormalMap", Color=shown)
+    return tree.add("BsdfDiffuse", Color=(0.7, 0.6, 0.5, 1.0), Normal=normal)
+
+
+for _key, _build in {
+    "Image, two tiles (UDIM)": _on_tiles(_matt_tiles, ((0, 0), (2, 1)), (1001, 1002)),
+    "Image, tiles and none (UDIM)": _on_tiles(
+        _matt_tiles, ((-1.5, -0.4), (2.5, 2.6)), (1001, 1002, 1012)
+    ),
+    "Image, packed tiles (UDIM)": _on_tiles(_matt_tiles, is_packed=True),
+    "Image, tiles times a picture (UDIM)": _on_tiles(_mixed_tiles),
+    "Image, tiles as roughness (UDIM)": _on_tiles(
+        lambda tree, shown: tree.add(
+            "BsdfAnisotropic",
+            Color=PAINT,
+            Roughness=tree.add("Math", {"operation": "MULTIPLY_ADD"}, _0=shown, _1=0.5, _2=0.5),
+        )
+    ),
+    "Image, tiles that glow (UDIM)": _on_tiles(
+        lambda tree, shown: tree.add("Emission", Color=shown)
+    ),
+    "Image, tiles of normals (UDIM)": _on_tiles(_bent_tiles, is_normal=True),
+    "Image, tiles beside noise of the object (UDIM)": _on_tiles(
+        lambda tree, shown: _matt_tiles(
+            tree,
+            tree.add(
+                "MixRGB",
+                Fac=tree.add("TexNoise", Vector=_on("Object")(tree), Scale=2.0),
+                Color1=shown,
+                Color2=PAINT,
+            ),
+        )
+    ),
+}.items():
+    _note("Textures and nodes", _key, _build)
 
 
 @_feature("Textures and nodes", "Noise on UV beyond its tile")
@@ -1102,6 +1223,15 @@ for _key, _build in {
     "Points": _points(),
 }.items():
     _note("Objects", _key, _build)
+
+
+@_feature("Objects", "Driven light, frame 10")
+def _driven(stage):
+    stage.studio()
+    stage.scene.frame_set(10)
+    data = next(each.data for each in stage.scene.objects if each.type == "LIGHT")
+    data.driver_add("energy").driver.expression = "20 * frame"
+    stage.scene.frame_set(10)
 
 
 @_feature("Objects", "Keyframed colour, frame 10")

@@ -2,6 +2,7 @@
 
 REASONS = {
     "Light, temperature": "light and paint are spectra; three numbers do not tell how much of one the other reflects",
+    "Light, slide in colour": "light and paint are spectra, as above; on grey surfaces the slide agrees",
     "Light, negative": "no light takes light away, and lux less than none are no answer",
     "Light, no bounces": "light that ends at the first surface breaks the balance of energy that every lux stands on",
     "Light, no shadow": "what shades a light shades it in every lux map; a light that passes walls has none",
@@ -10,6 +11,8 @@ REASONS = {
     "Light linking": "light falls on all that it reaches; a room that is lit for some objects alone has no lux",
     "Shadow linking": "what stands in the light shades it; a room that is shaded by some objects alone has no lux",
     "Point, soft falloff 0.5": "a disk that faces every point is no body; the ball has the same intensity",
+    "Ambient occlusion as a factor": "it darkens by what stands near by, which light itself does already where it is traced",
+    "Bevel": "it asks for the shape of edges by rays at every place; bevel the mesh",
     "World, not for diffuse rays": "a surface answers the sky with all of its model, by one measured reflectance",
     "Object, not for diffuse rays": "an object that some light meets and other does not has no balance of energy",
     "Object, not for glossy rays": "an object that some light meets and other does not has no balance of energy",

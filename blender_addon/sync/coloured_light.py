@@ -7,10 +7,12 @@ from ...engine.scene.light import UniformWorld
 from ...engine.scene.material import Material
 from ...engine.scene.spectrum import Rgb
 from ...engine.scene.texture import ImageTexture
-from .nodes.fields import mean_of_picture
 
 LEAST, LEAST_BESIDE_WHITE = 0.01, 0.02
 """Relative differences of a reflection from which on it is told: where all light is coloured, and where some is not. [-]"""
+
+DARK = 0.1
+"""Share of the brightest colour of a slide up to which others are dark. [-]"""
 
 MOST = 8
 """Colours of lights, and of surfaces, that are compared: the most saturated ones."""
@@ -23,7 +25,7 @@ def paints_of(material: Material) -> tuple[Rgb, ...]:
         if isinstance(colour, Rgb):
             found.append(colour)
         elif isinstance(colour, ImageTexture) and colour.pixels.shape[2] == 3:
-            found.append(Rgb(*np.clip(mean_of_picture(colour.pixels), 0.0, 1.0).tolist()))
+            found.append(Rgb(*np.clip(colour.mean(), 0.0, 1.0).tolist()))
     return tuple(found)
 
 
@@ -36,8 +38,20 @@ def colour_of_light(item) -> Rgb | None:
         given = item.spectrum if item.luminance > 0.0 else None
     else:
         output = getattr(item, "output", None)
+        slide = getattr(getattr(item, "distribution", None), "colours", None)
+        if slide is not None and output.value > 0.0:
+            return _most_coloured(slide)
         given = output.spectrum if output is not None and output.value > 0.0 else None
     return given if isinstance(given, Rgb) else None
+
+
+def _most_coloured(slide: np.ndarray) -> Rgb:
+    """The most saturated colour of a slide among those that are not dark. (a, p, 3)"""
+    values = np.asarray(slide, np.float64).reshape(-1, 3)
+    largest = values.max(axis=1)
+    values = values[largest > DARK * largest.max()]
+    share = values / values.max(axis=1, keepdims=True)
+    return Rgb(*share[np.argmin(share.min(axis=1))].tolist())
 
 
 def tell_coloured_light(lights, paints, has_white: bool, name: str, report) -> None:

@@ -107,6 +107,19 @@ class Surface:
         smooth = self.geometry.corner_normals
         return self.flat_normals() if smooth is None else smooth
 
+    def tangents(self, uv_map: str) -> np.ndarray:
+        """Where U of a UV map grows across each triangle, of length 1 or 0, and on which side V does: 1 or -1."""
+        corners, uv = self.positions().astype(np.float64), self.uv_map(uv_map).astype(np.float64)
+        (a, b), (p, q) = (
+            (each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]) for each in (corners, uv)
+        )
+        whole = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+        along = np.sign(whole)[:, None] * (a * q[:, 1:] - b * p[:, 1:])
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        side = np.where(whole < 0.0, -1.0, 1.0)[:, None]
+        made = np.concatenate([along, side], axis=1).astype(np.float32)
+        return np.repeat(made[:, None], 3, axis=1)
+
     def islands(self) -> np.ndarray:
         """A random number for every connected part."""
         triangles = self.geometry.triangles

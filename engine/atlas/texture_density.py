@@ -53,4 +53,7 @@ def _count_pixels(mesh: Mesh, picture: ImageTexture, rows: np.ndarray) -> np.nda
     corners = uv[rows].astype(np.float64) @ picture.transform[:2, :2].T
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     height, width = picture.pixels.shape[:2]
+    if picture.tiles:
+        # The finest of them counts for all.
+        width, height = (max(tile[k] for tile in picture.tiles) for k in (2, 3))
     return 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) * width * height

@@ -200,7 +200,7 @@ def _luminous(quantity) -> float:
 
 def _mean(picture: ImageTexture) -> np.ndarray:
     """Mean of a picture's channels, (1,) or (3,)."""
-    return picture.pixels.mean(axis=(0, 1), dtype=np.float64)
+    return picture.mean()
 
 
 def _face(ior: float) -> float:

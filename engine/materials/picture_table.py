@@ -4,6 +4,9 @@ Mitsuba's `bitmap` writes the size of a picture, its filter and its way to go on
 model of its own, which every packet of rays visits. Here a picture is a row of numbers, and a look-up reads its row. Values
 are those of `bitmap`: texels of colours are interpolated after their spectra are evaluated, not before.
 
+Pictures of several tiles lie side by side on unit squares. A row of such a picture names a grid of squares, and a look-up
+reads there where the texels of its square are. A scene without them compiles nothing of this.
+
 Texels are in single precision. They take no more memory than the scene's own copy of the picture on the host, and twice as
 much for the moment in which pictures come or go.
 """
@@ -17,6 +20,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..errors import SceneError
+from ..scene.texture import Tile
 
 WRAPS = ("repeat", "extend", "mirror")
 """What is outside 0..1, by the number in a row."""
@@ -24,8 +28,11 @@ WRAPS = ("repeat", "extend", "mirror")
 MOST_NUMBERS = 1 << 31
 """Of all texels together: longer arrays cannot be addressed."""
 
-_IS_NEAREST, _IS_COLOURED, _WRAP = 1, 2, 4
-"""Bits of the last number of a row; the wrap is in units of the last."""
+_IS_NEAREST, _IS_COLOURED, _WRAP, _IS_TILED = 1, 2, 4, 16
+"""Bits of the last number of a row; the wrap takes two from its own on."""
+
+MOST_SQUARES = 1 << 16
+"""Of the grid that the tiles of one picture lie on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +65,12 @@ class _Row:
     transform: np.ndarray
     is_nearest: bool
     wrap: int
+    tiles: tuple[Tile, ...] = ()
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Columns and lines of the squares that hold all tiles."""
+        return tuple(max((tile[k] + 1 for tile in self.tiles), default=0) for k in (0, 1))
 
 
 class PictureTable:
@@ -71,7 +84,7 @@ class PictureTable:
         self._staged: dict[object, Texels] = {}
         self._places: dict[object, tuple[int, Texels]] = {}
         self._has_changed = self._has_gaps = False
-        self._texels = self._numbers = self._transforms = None
+        self._texels = self._numbers = self._transforms = self._squares = None
 
     def __len__(self) -> int:
         """Count of rows in use."""
@@ -85,7 +98,7 @@ class PictureTable:
         """Take texels in under a name, for rows to come; they arrive with `commit`."""
         self._staged[name] = texels
 
-    def lay(self, name, transform, is_nearest: bool, extension: str) -> int:
+    def lay(self, name, transform, is_nearest: bool, extension: str, tiles=()) -> int:
         """Take a row for texels that are there, and return its number.
 
         Parameters
@@ -93,9 +106,16 @@ class PictureTable:
         transform : (3, 3) array    As of `ImageTexture`.
         is_nearest : bool    Whether texels are squares; if not, values are bilinear between their centres.
         extension : str    One of `WRAPS`.
+        tiles : tuple of Tile    As of `ImageTexture`.
+
+        Raises
+        ------
+        SceneError    Tiles lie at places of no grid, or do not have the texels that are there.
         """
         transform = np.asarray(transform, dtype=np.float64)
-        row = _Row(name, transform, is_nearest, WRAPS.index(extension))
+        row = _Row(name, transform, is_nearest, WRAPS.index(extension), tuple(tiles))
+        if row.tiles:
+            self._check_tiles(row)
         self._has_changed = True
         if None in self._rows:
             number = self._rows.index(None)
@@ -104,6 +124,20 @@ class PictureTable:
             number = len(self._rows)
             self._rows.append(row)
         return number
+
+    def _check_tiles(self, row: _Row) -> None:
+        columns, lines = row.grid
+        if min(min(tile) for tile in row.tiles) < 0 or columns * lines > MOST_SQUARES:
+            raise SceneError(
+                f"the tiles of a picture lie on {columns} x {lines} squares, and at most "
+                f"{MOST_SQUARES} from the first on are read"
+            )
+        texels = self._staged.get(row.name) or self._places[row.name][1]
+        count = sum(tile.width * tile.height for tile in row.tiles) + 1
+        if texels.width * texels.height < count:
+            raise SceneError(
+                f"the tiles of a picture have {count} pixels, and {texels.width * texels.height} are there"
+            )
 
     def drop(self, number: int) -> None:
         """Give a row back; texels go with the last row that shows them, and their memory at `commit`."""
@@ -128,13 +162,22 @@ class PictureTable:
         numbers = np.zeros((max(len(self._rows), 2), 4), dtype=np.uint32)
         # Two packets of four: what becomes u, and what becomes v.
         transforms = np.zeros((len(numbers), 2, 4))
+        squares = []
         for number, row in enumerate(self._rows):
             if row is None:
                 continue
             offset, texels = self._places[row.name]
             bits = _IS_NEAREST * row.is_nearest + _IS_COLOURED * (texels.channels == 3)
-            numbers[number] = (offset, texels.width, texels.height, bits + _WRAP * row.wrap)
+            bits += _WRAP * row.wrap
+            numbers[number] = (offset, texels.width, texels.height, bits)
             transforms[number, :, :3] = row.transform[:2]
+            if row.tiles:
+                numbers[number] = (sum(map(len, squares)), *row.grid, bits + _IS_TILED)
+                squares.append(_squares_of(row, offset, texels.channels))
+        self._squares = None
+        if squares:
+            self._squares = upload(mi.UInt32, np.concatenate(squares))
+            dr.eval(self._squares)
         self._numbers = upload(mi.UInt32, numbers)
         self._transforms = upload(mi.Float, transforms)
         dr.eval(self._numbers, self._transforms)
@@ -238,18 +281,50 @@ class PictureTable:
         offset, width, height, bits = dr.gather(mi.Vector4u, self._numbers, row, active)
         is_nearest = (bits & _IS_NEAREST) != 0
         wrap = bits // _WRAP
-        axes, columns, weights = [], [], []
-        for axis, count in enumerate((width, height)):
+        axes, columns, weights, places = [], [], [], []
+        for axis in (0, 1):
             a, b, c, _ = dr.gather(mi.Vector4f, self._transforms, 2 * row + axis, active)
-            place = dr.fma(b, uv.y, dr.fma(a, uv.x, c))
-            place = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
-            below = dr.floor(place)
-            share = dr.select(is_nearest, 0.0, place - below)
-            first = mi.Int32(below)
             axes.append((a, b))
+            places.append(dr.fma(b, uv.y, dr.fma(a, uv.x, c)))
+        if self._squares is not None:
+            wrap &= 3
+            offset, width, height, places = self._on_tile(
+                offset, width, height, bits, places, active
+            )
+        for place, count in zip(places, (width, height), strict=True):
+            texel = dr.fma(place, mi.Float(count), dr.select(is_nearest, 0.0, -0.5))
+            below = dr.floor(texel)
+            share = dr.select(is_nearest, 0.0, texel - below)
+            first = mi.Int32(below)
             columns.append([_wrap(first + k, mi.Int32(count), wrap) for k in (0, 1)])
             weights.append([1.0 - share, share])
         return offset, width, height, bits, axes, columns, weights
+
+    def _on_tile(self, offset, width, height, bits, places, active):
+        """Where the texels of the tile at a place begin, its width and height, and the place on it.
+
+        Squares are counted towards 0, as in Cycles: what is less than one before the first lies outside that one's edge.
+        """
+        is_tiled = (bits & _IS_TILED) != 0
+        whole = [dr.trunc(place) for place in places]
+        inside = (
+            (whole[0] >= 0.0)
+            & (whole[1] >= 0.0)
+            & (whole[0] < mi.Float(width))
+            & (whole[1] < mi.Float(height))
+        )
+        column, line = (mi.UInt32(dr.select(inside, each, 0.0)) for each in whole)
+        square = offset + dr.select(inside, line * width + column, width * height)
+        first, across, up, _ = dr.gather(mi.Vector4u, self._squares, square, active & is_tiled)
+        return (
+            dr.select(is_tiled, first, offset),
+            dr.select(is_tiled, across, width),
+            dr.select(is_tiled, up, height),
+            [
+                dr.select(is_tiled, place - each, place)
+                for place, each in zip(places, whole, strict=True)
+            ],
+        )
 
     def _read_plain(self, index, _is_coloured, active):
         """Number of a texel."""
@@ -261,6 +336,18 @@ class PictureTable:
         others = (dr.gather(mi.Float, self._texels, index + k, active) for k in (1, 2))
         colour = mi.srgb_model_eval(mi.Color3f(plain, *others), wavelengths)
         return dr.select(is_coloured, colour, plain)
+
+
+def _squares_of(row: _Row, offset: int, channels: int) -> np.ndarray:
+    """Where the texels of each square of a grid begin, their columns and lines; the last is of what is outside. (n, 4)"""
+    columns, lines = row.grid
+    count = sum(tile.width * tile.height for tile in row.tiles)
+    made = np.zeros((columns * lines + 1, 4), np.uint32)
+    made[:] = (offset + count * channels, 1, 1, 0)
+    for tile in row.tiles:
+        made[tile.line * columns + tile.column, :3] = (offset, tile.width, tile.height)
+        offset += tile.width * tile.height * channels
+    return made
 
 
 def _wrap(place, count, wrap):

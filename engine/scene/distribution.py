@@ -24,12 +24,16 @@ class IntensityDistribution:
     polar : (p,) float64 array    Ascending within 0..pi, at least two. [rad] Nothing is emitted outside.
     intensity : (a, p) float64 array    Not negative. [cd] Only proportions count where a light states its flux.
     frame : (3, 3) float64 array    Orthogonal; a determinant of -1 mirrors.
+    colours : (a, p, 3) float32 array or None
+        Linear Rec. 709 colours at the nodes, on the light's own spectrum, of which only proportions count: the intensity is
+        the amount. The grid is even then, and has two azimuths at least. None: all directions have the light's own spectrum.
     """
 
     azimuth: np.ndarray
     polar: np.ndarray
     intensity: np.ndarray
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+    colours: np.ndarray | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +31,21 @@ class Pixels:
             object.__setattr__(self, "values", values)
 
 
+class Tile(NamedTuple):
+    """One picture of several that lie side by side, each on a unit square of its own.
+
+    Parameters
+    ----------
+    column, line : int    Where its square begins in u and v.
+    width, height : int    [pixel]
+    """
+
+    column: int
+    line: int
+    width: int
+    height: int
+
+
 @dataclass(frozen=True, eq=False)
 class ImageTexture:
     """A picture laid over a surface by one of its UV maps.
@@ -44,6 +60,9 @@ class ImageTexture:
     interpolation : str    ``linear`` or ``closest``.
     extension : str    Outside 0..1: ``repeat``, ``extend`` (edge pixels go on) or ``mirror``.
     name : str    For reports.
+    tiles : tuple of Tile
+        Pictures side by side in place of one: ``pixels`` are then (1, n, c), those of one tile after the other row by row,
+        and a last one that stands where no tile is. Each tile goes on by the extension at its own edges.
     """
 
     pixels: np.ndarray | str
@@ -52,6 +71,16 @@ class ImageTexture:
     interpolation: str = "linear"
     extension: str = "repeat"
     name: str = ""
+    tiles: tuple[Tile, ...] = ()
+
+    def __post_init__(self):
+        # What comes from another process is made of plain tuples.
+        object.__setattr__(self, "tiles", tuple(Tile(*tile) for tile in self.tiles))
+
+    def mean(self) -> np.ndarray:
+        """Return the mean of the pixels; what stands where no tile is does not count. (c,)"""
+        pixels = self.pixels[:, :-1] if self.tiles else self.pixels
+        return pixels.mean(axis=(0, 1), dtype=np.float64)
 
     def is_same(self, other) -> bool:
         """Tell whether another picture shows the very same array, which cannot change, in the same way."""
@@ -60,8 +89,8 @@ class ImageTexture:
             and self.pixels is other.pixels
             and not self.pixels.flags.writeable
             and np.array_equal(self.transform, other.transform)
-            and (self.uv_map, self.interpolation, self.extension)
-            == (other.uv_map, other.interpolation, other.extension)
+            and (self.uv_map, self.interpolation, self.extension, self.tiles)
+            == (other.uv_map, other.interpolation, other.extension, other.tiles)
         )
 
 

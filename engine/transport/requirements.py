@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
-from ..scene.light import CieSky, ImageWorld, UniformWorld
+from ..scene.light import CieSky, ImageWorld, Luminaire, UniformWorld
 from ..scene.memo import recall
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant, Rgb
@@ -45,6 +45,8 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
         reasons.append("the lights have different spectra")
     if any(_is_pictured(world) and _is_coloured(world.image) for world in worlds(scene)):
         reasons.append("the picture of the surroundings has colours")
+    if any(map(_has_colours, scene.lights.values())):
+        reasons.append("a light has other colours in other directions")
     if dispersive:
         reasons.append("a glass disperses light")
     spectral = bool(reasons)
@@ -118,6 +120,14 @@ def _distinct_lamps(scene: Scene) -> int:
         for material in met_materials(scene)
     )
     return len(shapes) + sum(map(_is_pictured, worlds(scene))) + patterned
+
+
+def _has_colours(light) -> bool:
+    return (
+        isinstance(light, Luminaire)
+        and light.output.value > 0.0
+        and light.distribution.colours is not None
+    )
 
 
 def _is_pictured(world) -> bool:

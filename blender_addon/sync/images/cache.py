@@ -11,7 +11,9 @@ import bpy
 import numpy as np
 
 from ....engine.scene.memo import held_bytes
+from ....engine.scene.texture import Tile
 from .pixels import is_mixed_encoded, mixing_loss, read_pixels
+from .tiled import read_tiles, tile_state
 
 LARGEST = 1 << 30
 """Most bytes that are kept from one walk to the next, what was made of the pixels included. [byte]"""
@@ -32,8 +34,10 @@ class Reading:
     alpha : (height, width, 1) float32 array
     notes : tuple of (str, str)    What it had to say, message and remedy.
     state : tuple    Of the image.
-    is_own : bool    Whether Blender could not read it, and we could.
+    is_own : bool    Whether Blender has no pixels of its own of it, and we could read it.
     loss : float    What Cycles' mixing of encoded values takes from the mean of the colour. [-]
+    tiles : tuple of Tile    As of `ImageTexture`, whose arrays the colour and the alpha then are.
+    missing : tuple of str    Tiles that could not be read, as messages.
     """
 
     colour: np.ndarray
@@ -42,6 +46,8 @@ class Reading:
     state: tuple = ()
     is_own: bool = False
     loss: float = 0.0
+    tiles: tuple[Tile, ...] = ()
+    missing: tuple[str, ...] = ()
 
     @property
     def bytes(self) -> int:
@@ -53,7 +59,7 @@ class ImageCache:
     """Readings by the image's session uid and by what is wanted of its alpha, the latest used last."""
 
     def __init__(self):
-        self._readings: dict[tuple[int, bool], Reading] = {}
+        self._readings: dict[tuple, Reading] = {}
         self._tiles: dict[int, np.ndarray] = {}
 
     def tile(self, side: int) -> np.ndarray:
@@ -70,13 +76,22 @@ class ImageCache:
         """Read an image as `read_pixels` does; what is noted is noted again when it is read no more."""
         if image is None:
             return None
-        key = (image.session_uid, is_straight)
+        return self._read(image, is_straight, note, _read)
+
+    def read_tiles(self, image, is_straight: bool, note) -> Reading | None:
+        """Read an image with all its tiles, as `read`."""
+        if image is None or image.source != "TILED":
+            return self.read(image, is_straight, note)
+        return self._read(image, is_straight, note, _read_tiles)
+
+    def _read(self, image, is_straight, note, how) -> Reading | None:
+        key = (image.session_uid, is_straight, how)
         known = self._readings.pop(key, None)
         # Blender drops the buffer of an image that it reloads, and tags only what uses it. Asking for more loads it.
         is_loaded = image.has_data or (known is not None and known.is_own)
         state = _state_of(image)
         if known is None or not is_loaded or known.state != state:
-            known = _read(image, is_straight, note)
+            known = how(image, is_straight, note)
         if known is None:
             return None
         if image.source not in _MOVING and known.colour.nbytes >= SMALL:
@@ -126,6 +141,23 @@ def _read(image, is_straight: bool, note: Callable[[str, str], None]) -> Reading
     return Reading(colour, alpha, tuple(notes), _state_of(image), not image.has_data, loss)
 
 
+def _read_tiles(image, is_straight: bool, note) -> Reading:
+    notes: list[tuple[str, str]] = []
+    made = read_tiles(image, is_straight, lambda *words: notes.append(words))
+    for part in (made.colour, made.alpha):
+        part.flags.writeable = False
+    return Reading(
+        made.colour,
+        made.alpha,
+        tuple(dict.fromkeys(notes)),
+        _state_of(image),
+        True,
+        made.loss,
+        made.tiles,
+        made.missing,
+    )
+
+
 def _state_of(image) -> tuple:
     """Everything that the pixels and what is said about them depend on, as far as Blender tells."""
     return (
@@ -142,6 +174,7 @@ def _state_of(image) -> tuple:
         image.colorspace_settings.name,
         image.generated_type,
         tuple(image.generated_color),
+        tile_state(image) if image.source == "TILED" else (),
     )
 
 

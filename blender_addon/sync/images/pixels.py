@@ -75,6 +75,7 @@ def read_pixels(image, is_straight: bool, note: Callable[[str, str], None]):
     if image is None:
         return None
     if image.source in {"TILED", "SEQUENCE", "MOVIE"}:
+        # Surfaces read all tiles; worlds and lights have no coordinates beyond the first.
         part = "first tile" if image.source == "TILED" else "current frame"
         note(f"Image {image.name!r} has several pictures", f"only the {part} is used")
     try:

@@ -10,6 +10,7 @@ import numpy as np
 from ....engine.errors import SceneError
 from ....engine.luminaires.coordinates import directions
 from ....engine.luminaires.distribution import flux
+from ....engine.photometry.filtered_light import filtered_luminance
 from ....engine.scene.distribution import IntensityDistribution
 from ....engine.scene.light import Luminaire, Output, Quantity
 from ...foundation.pose import pose_of
@@ -18,7 +19,7 @@ from ...luminaires.convert import own_opening, reflected
 from ..nodes.evaluation import evaluate_field
 from ..nodes.fields import LUMINANCE, Field, map_fields, rgb
 from ..nodes.graph import find_socket
-from ..spectra import light_spectrum
+from ..spectra import convert_spectrum, light_spectrum
 from .emission_node import find_emission, is_emission
 from .ies_nodes import physical_output
 from .kinds import Place, Spot, is_scaled_unevenly, kind_of
@@ -136,13 +137,20 @@ def convert_shaped_light(
         report.error(name, "the light is negative in some directions", "no light is given there")
         values = np.maximum(values, 0.0)
     amounts = values @ LUMINANCE.astype(np.float64)
+    is_coloured = not _is_even(values)
+    if is_coloured and data.lumenray.use_physical and data.lumenray.spectrum != "RGB":
+        # The lamp's own spectrum takes the place of its colour, and the slide filters it.
+        values = np.maximum(shape.values, 0.0)
+        lamp = convert_spectrum(data.lumenray, colour, ConversionReport(), name)
+        amounts = filtered_luminance(values, lamp)
     if data.type == "SPOT":
         amounts = amounts * _within_cone(data, shape.azimuth, shape.polar, pose.lengths)
-    distribution = IntensityDistribution(shape.azimuth, shape.polar, amounts)
+    colours = values.astype(np.float32) if is_coloured else None
+    distribution = IntensityDistribution(shape.azimuth, shape.polar, amounts, colours=colours)
     whole = flux(distribution) if amounts.any() else 0.0
     if whole <= 0.0:
         return None
-    colour = _common_colour(values, name, report)
+    colour = np.ones(3) if is_coloured else _common_colour(values)
     if data.lumenray.use_physical:
         output = physical_output(data, distribution, colour, name, report, "shaped by its nodes")
     else:
@@ -186,16 +194,16 @@ def _within_cone(data, azimuth, polar, lengths) -> np.ndarray:
     return place * place * (3.0 - 2.0 * place)
 
 
-def _common_colour(values: np.ndarray, name: str, report) -> np.ndarray:
+def _common_colour(values: np.ndarray) -> np.ndarray:
     """Colour of the light of all directions, of luminance 1. (3,)"""
-    weights = LUMINANCE.astype(np.float64)
-    amounts = values @ weights
-    colour = values.reshape(-1, 3).sum(axis=0) / amounts.sum()
-    apart = np.abs(values - amounts[..., None] * colour).max()
-    if apart > SAME_COLOUR * values.max():
-        report.warn(
-            name,
-            "the light's colour depends on the direction",
-            "its brightness does so, in the mean colour",
-        )
-    return colour
+    amounts = values @ LUMINANCE.astype(np.float64)
+    return values.reshape(-1, 3).sum(axis=0) / amounts.sum()
+
+
+def _is_even(values: np.ndarray) -> bool:
+    """Whether all directions have the same colour."""
+    amounts = values @ LUMINANCE.astype(np.float64)
+    if amounts.sum() <= 0.0:
+        return True
+    apart = np.abs(values - amounts[..., None] * _common_colour(values)).max()
+    return bool(apart <= SAME_COLOUR * values.max())

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....engine.scene.memo import recall
+from ....engine.scene.mesh import CHART_MAP
 from ....engine.scene.relief import Axes, Heights, Normals, Relief
 from ....engine.scene.texture import ImageTexture
 from ..nodes.evaluation import Inputs
@@ -101,12 +102,8 @@ def _mapped(at, below) -> Relief | None:
     if not _is_usable(at, colour) or strength == 0.0:
         return None if strength == 0.0 else below
     space = at.node.space
-    if space == "TANGENT" and at.context.has_texels and not colour.is_constant:
-        at.note(
-            "A normal map along a UV map, beside textures that lie on none, is not supported",
-            _OWN_NORMAL,
-        )
-        return below
+    if space == "TANGENT" and at.context.has_texels:
+        return _on_object(at, colour, strength, below)
     if space == "TANGENT" and not colour.is_constant and colour.layout.uv_map != at.node.uv_map:
         at.remark(
             f"The tangents of a normal map follow UV map {at.node.uv_map!r}",
@@ -117,6 +114,29 @@ def _mapped(at, below) -> Relief | None:
         return None
     texture = _texture_of(vectors, at.node.uv_map)
     return Normals(texture, _AXES[space], 1.0 if space == "TANGENT" else strength)
+
+
+def _on_object(at, colour, strength: float, below) -> Relief | None:
+    """Relief of a tangent-space normal map whose material lies on the object's own charts: normals by the object's axes."""
+    tangents = at.context.tangents(at.node.uv_map)
+    if tangents is None:
+        at.note(f"A normal map follows UV map {at.node.uv_map!r}, which is not there", _OWN_NORMAL)
+        return below
+    vectors = at.map(lambda colour: _vectors_of(colour, "TANGENT", strength), colour)
+    if not _is_bent(vectors):
+        return None
+
+    def turn(vectors, tangents, normals):
+        # The second axis lies across the first one, on the side to which V grows.
+        along = tangents[..., :3] - normals * (tangents[..., :3] * normals).sum(-1, keepdims=True)
+        length = np.linalg.norm(along, axis=-1, keepdims=True)
+        along = along / np.maximum(length, 1e-30)
+        across = np.cross(normals, along) * tangents[..., 3:]
+        made = vectors[..., :1] * along + vectors[..., 1:2] * across + vectors[..., 2:] * normals
+        return np.where(length > 0.0, made, normals)
+
+    turned = at.map(turn, vectors, tangents, at.context.normals())
+    return Normals(_texture_of(turned, CHART_MAP), Axes.OBJECT)
 
 
 def _vectors_of(colour, space: str, strength: float) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Conversion of shader nodes other than the Principled BSDF."""
 
-import numpy as np
-
 from ....engine.scene.material import (
     Black,
     Cauchy,
@@ -200,7 +198,7 @@ def _by_fresnel(at, weight):
     ior = _index_of(weight)
     roughness = gloss.roughness
     if not isinstance(roughness, float):
-        roughness = float(np.mean(roughness.pixels))
+        roughness = float(roughness.mean().mean())
     roughness = min(max(roughness, 0.0), 1.0)
     surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
     at.remark(

@@ -8,7 +8,8 @@ import numpy as np
 from ....engine.scene.colour import Colour, Scalar
 from ....engine.scene.memo import recall
 from ....engine.scene.spectrum import Constant, Rgb
-from ....engine.scene.texture import ImageTexture
+from ....engine.scene.texture import ImageTexture, Tile
+from . import tiles
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Weights of linear Rec. 709 red, green and blue in the luminance. [-]"""
@@ -40,12 +41,14 @@ class Layout:
     interpolation: str = "linear"
     extension: str = "repeat"
     name: str = ""
+    tiles: tuple[Tile, ...] = ()
 
     def lies_as(self, other) -> bool:
         """Whether the same (u, v) shows the same place of both pictures."""
         return (
             self.uv_map == other.uv_map
             and self.extension == other.extension
+            and self.tiles == other.tiles
             and np.allclose(self.transform, other.transform, atol=_EQUAL)
         )
 
@@ -86,14 +89,18 @@ class Field:
 
     def mean(self) -> np.ndarray:
         """Return the mean over the picture, (1,) or (3,)."""
-        return self.values if self.is_constant else mean_of_picture(self.values)
+        if self.is_constant:
+            return self.values
+        if self.layout.tiles:
+            return recall(self.values, "mean of tiles", lambda v: _mean(v[:, :-1]))
+        return mean_of_picture(self.values)
 
     def key(self) -> tuple:
         """Return what the field is but for a picture's pixels, as values to compare."""
         if self.is_constant:
             return self.values.shape, self.values.tobytes()
         layout = self.layout
-        how = (layout.uv_map, layout.interpolation, layout.extension, layout.name)
+        how = (layout.uv_map, layout.interpolation, layout.extension, layout.name, layout.tiles)
         return self.values.shape, layout.transform.tobytes(), *how
 
     def limits(self) -> tuple[float, float]:
@@ -136,9 +143,11 @@ def luminance(values) -> np.ndarray:
 
 def mean_of_picture(pixels) -> np.ndarray:
     """Return the mean over a picture, (channels,)."""
-    return recall(
-        pixels, "mean", lambda v: v.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
-    )
+    return recall(pixels, "mean", _mean)
+
+
+def _mean(pixels) -> np.ndarray:
+    return pixels.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
 
 
 def rgb(values) -> np.ndarray:
@@ -226,9 +235,18 @@ def _onto_map(field, uv_map):
 def _common_layout(pictures, note):
     """Return a layout, a pixel grid and whether all pictures lie like that already."""
     first = pictures[0].layout
+    tiled = next((field.layout for field in pictures if field.layout.tiles), None)
     if all(field.layout.lies_as(first) for field in pictures):
         shape = np.max([field.values.shape[:2] for field in pictures], axis=0)
         return first, tuple(int(side) for side in shape), True
+    if tiled is not None:
+        sides = [pixels_on(field, tiled.transform) for field in pictures if not field.layout.tiles]
+        layout, is_whole = tiles.common_layout(
+            tiled, [field.layout for field in pictures], np.max([[1, 1], *sides], axis=0)
+        )
+        if not is_whole:
+            note("Pictures of tiles need a very large common picture", "they are resampled")
+        return layout, (1, tiles.count(layout.tiles)), False
     transform = _periodic_tile(pictures)
     is_exact = transform is not None
     if not is_exact:
@@ -268,6 +286,8 @@ def pixels_on(field, transform):
     """Return the (height, width) that keeps a picture's sharpness on a tile."""
     relative = field.layout.transform @ np.linalg.inv(transform)
     height, width = field.values.shape[:2]
+    if field.layout.tiles:
+        width, height = (max(tile[k] for tile in field.layout.tiles) for k in (2, 3))
     per_u = np.hypot(relative[0, 0] * width, relative[1, 0] * height)
     per_v = np.hypot(relative[0, 1] * width, relative[1, 1] * height)
     return np.array([per_v, per_u])
@@ -276,6 +296,9 @@ def pixels_on(field, transform):
 def _onto_grid(field, layout, shape, is_shared):
     if is_shared and field.values.shape[:2] == shape:
         return field.values
+    if layout.tiles:
+        relative = field.layout.transform @ np.linalg.pinv(layout.transform)
+        return look_up(field, *tiles.places_on(layout.tiles, relative))
     v, u = np.meshgrid(
         (np.arange(shape[0]) + 0.5) / shape[0],
         (np.arange(shape[1]) + 0.5) / shape[1],
@@ -302,6 +325,8 @@ def look_up(field, u, v) -> np.ndarray:
     -------
     array    Shape of `u` and then the channels.
     """
+    if field.layout.tiles:
+        return tiles.look_up(field, u, v, look_up)
     height, width = field.values.shape[:2]
     x, y = u * width - 0.5, v * height - 0.5
     extension = field.layout.extension
@@ -366,6 +391,7 @@ def as_texture(field: Field) -> ImageTexture:
         layout.interpolation,
         layout.extension,
         layout.name,
+        layout.tiles,
     )
 
 
@@ -378,6 +404,7 @@ def from_colour(colour: Colour) -> Field:
             colour.interpolation,
             colour.extension,
             colour.name,
+            colour.tiles,
         )
         return Field(colour.pixels, layout)
     if isinstance(colour, Rgb):

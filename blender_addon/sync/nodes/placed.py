@@ -145,7 +145,7 @@ class PlacedContext(RayContext):
     def layout(self, interpolation: str = "linear") -> TexelLayout:
         """Return how values at texels lie."""
         return TexelLayout(
-            CHART_MAP, np.eye(3), interpolation, "extend", self.datablock, self.texels
+            CHART_MAP, np.eye(3), interpolation, "extend", self.datablock, texels=self.texels
         )
 
     def uv(self, name: str = "") -> Field:
@@ -164,6 +164,12 @@ class PlacedContext(RayContext):
     def normals(self) -> Field:
         """Return directions across the surface in the object's own frame, of unit length."""
         return self.at_texels("normal", lambda s: s.normals(), _unit)
+
+    def tangents(self, uv_map: str) -> Field | None:
+        """Return where U grows in the object's own frame, and 1 or -1 by the side of V; None: there is no such map."""
+        if self.surface.uv_map(uv_map) is None:
+            return None
+        return self.at_texels(("tangents", uv_map), lambda s: s.tangents(uv_map))
 
     def moved(self, matrix: np.ndarray | None = None) -> Field:
         """Return places in the world, or as a matrix (4, 4) takes those of the world."""

@@ -72,25 +72,29 @@ def _largest(field: Field) -> float:
     return float(np.nan_to_num(np.max(np.abs(field.limits()))))
 
 
-def look_up_picture(at, pixels) -> Field:
+def look_up_picture(at, pixels, tiles=()) -> Field:
     """Return a picture's values by the projection that its node has.
 
     Parameters
     ----------
     at : Inputs
     pixels : (height, width, c) array
+    tiles : tuple of Tile    As of `ImageTexture`.
     """
     node, context = at.node, at.context
     places = places_of(at, node.projection == "FLAT")
     height, width = pixels.shape[:2]
+    if tiles:
+        width, height = (max(tile[k] for tile in tiles) for k in (2, 3))
     if height * width > 1:
         is_sharp = node.interpolation == "Closest"
         context.weigh(at, places, 0.25 * max(height, width), is_sharp=is_sharp)
-        pixels = _coarsened(pixels, context.step_of(places))
+        if not tiles:
+            pixels = _coarsened(pixels, context.step_of(places))
     inputs = [places]
     if node.projection == "BOX":
         inputs.append(context.normals())
-    shown = _Shown(pixels, node.interpolation == "Closest", node.extension.lower())
+    shown = _Shown(pixels, node.interpolation == "Closest", node.extension.lower(), tiles)
     blend = node.projection_blend
 
     def show(places, *normals):
@@ -108,7 +112,7 @@ def look_up_picture(at, pixels) -> Field:
         return made.values, made.layout
 
     place = (context.datablock, *node_key(node, at.groups), at.output.identifier, "shown")
-    how = (node.projection, node.interpolation, node.extension, blend)
+    how = (node.projection, node.interpolation, node.extension, blend, tiles)
     first, *others = (each.values for each in pictures)
     keys = (how, [each.key() for each in inputs])
     values, layout = recall_latest(first, place, [*others, pixels], keys, make)
@@ -154,13 +158,15 @@ def _coarsened(pixels, step: float):
 class _Shown:
     """A picture that is looked up at places of its own."""
 
-    def __init__(self, pixels, is_closest: bool, extension: str):
+    def __init__(self, pixels, is_closest: bool, extension: str, tiles=()):
         self._transform = np.eye(3)
-        if extension == "clip":
+        if extension == "clip" and tiles:
+            extension = "extend"
+        elif extension == "clip":
             pixels, self._transform = with_black_border(pixels, self._transform)
             extension = "extend"
         interpolation = "closest" if is_closest else "linear"
-        self._field = Field(pixels, Layout("", np.eye(3), interpolation, extension))
+        self._field = Field(pixels, Layout("", np.eye(3), interpolation, extension, tiles=tiles))
 
     def at(self, u, v) -> np.ndarray:
         """Values at (u, v)."""

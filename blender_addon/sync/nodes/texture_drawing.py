@@ -118,7 +118,7 @@ def _of_one_kind(at, *varying):
 def _no_finer(field, places):
     """Return a field as it is at the pixels of the tile that a texture is drawn on, if it is finer than those."""
     side = places.values.shape[0]
-    if field.is_constant or field.is_spread or _side_of(field) <= side:
+    if field.is_constant or field.is_spread or field.layout.tiles or _side_of(field) <= side:
         return field
     if field.layout.uv_map != places.layout.uv_map:
         return field

@@ -24,22 +24,24 @@ def _image(at):
     context, is_straight = at.context, node.outputs["Alpha"].is_linked
     key = (image.session_uid if image else 0, is_straight)
     if key not in context.readings:
-        context.readings[key] = context.images.read(image, is_straight, at.note)
+        context.readings[key] = context.images.read_tiles(image, is_straight, at.note)
     reading = context.readings[key]
+    for message in () if reading is None else reading.missing:
+        at.miss(message, "the magenta that Cycles shows is used")
     if reading is None:
         place = f" ({image.filepath})" if image and image.filepath else ""
         name = f"Image {image.name!r}{place} cannot be read" if image else "No image is chosen"
         (at.miss if image else at.fail)(name, f"grey {MISSING} is used")
         return _constant_instead(1.0 if at.output.identifier == "Alpha" else MISSING)
     if at.output.identifier == "Alpha":
-        return _laid(at, reading.alpha)
+        return _laid(at, reading.alpha, reading.tiles)
     if reading.loss > TOLD_LOSS and node.interpolation != "Closest":
         at.note(
             f"Blender mixes encoded values between the pixels of image {image.name!r}, "
             f"and shows it {100.0 * reading.loss:.2g} % darker",
             "light is mixed, so that the mean is that of the pixels",
         )
-    return _colour_mapped(at, _laid(at, _usable(at, reading.colour)))
+    return _colour_mapped(at, _laid(at, _usable(at, reading.colour), reading.tiles))
 
 
 def _usable(at, pixels):
@@ -55,12 +57,12 @@ def _constant_instead(value):
     return Field(constant(value).values, None, True)
 
 
-def _laid(at, pixels):
+def _laid(at, pixels, tiles):
     node = at.node
     if node.interpolation in {"Cubic", "Smart"}:
         at.remark(f"{node.interpolation} interpolation", "linear interpolation is used")
     if at.context.has_texels:
-        return texel_textures.look_up_picture(at, pixels)
+        return texel_textures.look_up_picture(at, pixels, tiles)
     if node.projection != "FLAT":
         at.note(f"{node.projection.capitalize()} projection", "the picture's mean is used")
         at.context.needs.add(SURFACE)
@@ -71,11 +73,14 @@ def _laid(at, pixels):
         at.context.needs.add(SURFACE)
         return Field(mean_of_picture(pixels), None, True)
     transform, extension = placement.transform, node.extension.lower()
-    if extension == "clip":
+    if extension == "clip" and tiles:
+        at.remark("Tiles that are black outside", "the pixels at their edges go on")
+        extension = "extend"
+    elif extension == "clip":
         pixels, transform = with_black_border(pixels, transform)
         extension = "extend"
     interpolation = "closest" if node.interpolation == "Closest" else "linear"
-    layout = Layout(placement.uv_map, transform, interpolation, extension, node.image.name)
+    layout = Layout(placement.uv_map, transform, interpolation, extension, node.image.name, tiles)
     return Field(pixels, layout)
 
 

@@ -29,6 +29,7 @@ from .opening_sampling import (
     projected_area,
 )
 from .tables import DistributionTables
+from .tints import Tints
 
 AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 """The luminaire's axes in the order of the opening's own, whose z is the normal or the cylinder's axis."""
@@ -107,7 +108,7 @@ class LuminairePalette:
     """The rows and their tables. The plug-in that stands for all of them holds it, see `luminaire_plugin`."""
 
     def __init__(self):
-        self.tables = DistributionTables()
+        self.tables, self.tints = DistributionTables(), Tints()
         self.commit([])
 
     def commit(self, rows: list[Row]) -> None:
@@ -128,13 +129,13 @@ class LuminairePalette:
         self._vectors = upload(mi.Float, vectors)
         spectra: dict[bytes, int] = {}
         numbers = np.zeros((max(len(rows), 1), 4), dtype=np.int64)
-        tables = []
-        for line, row, distribution in zip(numbers, rows, distributions, strict=False):
+        tables, tints = [], self.tints.commit(rows)
+        for line, row, distribution, tint in zip(numbers, rows, distributions, tints, strict=False):
             key = row.density.tobytes()
             if key not in spectra:
                 spectra[key] = len(spectra)
                 tables.append(row.density)
-            line[:] = row.kind, distribution, spectra[key], 0
+            line[:] = row.kind, distribution, spectra[key], tint
         self._numbers = upload(mi.UInt32, numbers)
         self._amounts = upload(mi.Float, [row.amount for row in rows] or [0.0])
         self._spectra = upload(mi.Float, np.concatenate(tables) if tables else np.zeros(4))
@@ -181,8 +182,16 @@ class LuminairePalette:
         x, y, z = (self._vector(row, first + k, active) for k in range(3))
         return x * v.x + y * v.y + z * v.z
 
-    def spectrum(self, row, wavelengths, active):
-        """Flux by wavelength [W/nm], or the flux itself in photometric variants [lm]."""
+    def spectrum(self, row, wavelengths, active, direction=None):
+        """Flux by wavelength [W/nm], or the flux itself in photometric variants [lm].
+
+        ``direction``: of the scene's frame, by whose colour it counts; None: that of the lamp.
+        """
+        if direction is not None and len(self.tints):
+            local = self._to_local(row, 0, direction, active)
+            number = self._number(row, 3, active)
+            tint = self.tints.eval(number, local, wavelengths, active)
+            return self.spectrum(row, wavelengths, active) * tint
         amount = dr.gather(mi.Float, self._amounts, row, active)
         if "spectral" not in mi.variant():
             return mi.Spectrum(amount)
@@ -226,7 +235,7 @@ class LuminairePalette:
             self._number(row, 0, active), self._vector(row, 6, active), local, self.kinds
         )
         value = self.density(row, direction, active) / area
-        return self.spectrum(row, wavelengths, active) * value
+        return self.spectrum(row, wavelengths, active, direction) * value
 
     def receive(self, row, it, sample, active):
         """Draw a point of a luminaire for a receiver.
@@ -274,7 +283,7 @@ class LuminairePalette:
                 is_near, own = self.near.receive(row, it, sample, ds, is_point)
                 alone = dr.select(is_near, own, alone)
             total = dr.select(is_point, alone, total)
-        value = self.spectrum(row, it.wavelengths, active) * total
+        value = self.spectrum(row, it.wavelengths, active, -ds.d) * total
         return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
     def _start_at_body(self, row, ds, active) -> None:

@@ -43,6 +43,8 @@ def distribution_digest(distribution: IntensityDistribution) -> bytes:
     for part in (distribution.azimuth, distribution.polar, distribution.intensity):
         digest.update(np.ascontiguousarray(part, dtype=np.float64).tobytes())
         digest.update(b"|")
+    if distribution.colours is not None:
+        digest.update(np.ascontiguousarray(distribution.colours, dtype=np.float32).tobytes())
     return digest.digest()
 
 

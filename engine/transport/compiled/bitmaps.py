@@ -60,9 +60,14 @@ class Bitmaps:
             name = key[0]
             if not self.table.holds(name):
                 texels = _numbers if np.isinf(largest) else _texels
-                self.table.put(name, texels(_values(picture.pixels, largest, power)))
+                values = _values(picture.pixels, largest, power)
+                self.table.put(name, texels(_in_lines(values) if picture.tiles else values))
             row = self.table.lay(
-                name, picture.transform, picture.interpolation == "closest", picture.extension
+                name,
+                picture.transform,
+                picture.interpolation == "closest",
+                picture.extension,
+                picture.tiles,
             )
             self._rows[key] = _Laid(picture.pixels, row)
         return self._rows[key].row
@@ -76,7 +81,7 @@ class Bitmaps:
 def key_of(picture: ImageTexture, largest: float = 1.0, power: float | None = None) -> tuple:
     """Name a picture laid in a way: same key, same row, while the array lives."""
     transform = np.asarray(picture.transform, dtype=np.float64).tobytes()
-    how = (picture.interpolation, picture.extension, transform)
+    how = (picture.interpolation, picture.extension, transform, picture.tiles)
     return ((id(picture.pixels), float(largest), power), *how)
 
 
@@ -89,6 +94,13 @@ def _values(pixels: np.ndarray, largest: float, power: float | None) -> np.ndarr
     if pixels.shape[2] == 3 and spread(pixels) <= 1e-6:
         pixels = pixels[:, :, :1]
     return pixels
+
+
+def _in_lines(values: np.ndarray) -> np.ndarray:
+    """Return numbers of one line (1, n, c) in two of at least two: Mitsuba repeats what is narrower. The last may repeat."""
+    width = max((values.shape[1] + 1) // 2, 2)
+    filled = np.pad(values[0], ((0, 2 * width - values.shape[1]), (0, 0)), mode="edge")
+    return filled.reshape(2, width, -1)
 
 
 def _numbers(values: np.ndarray) -> Texels:

@@ -52,7 +52,7 @@ def make_polarisation(size: int, parts, item, make):
 def _mean(colour, make) -> float:
     """Transmittance of a pane's body that stands for all wavelengths and places: it matters little here. [-]"""
     if isinstance(colour, ImageTexture):
-        return float(np.clip(colour.pixels.mean(), 0.0, 1.0))
+        return float(np.clip(colour.mean().mean(), 0.0, 1.0))
     return float(make.spectrum(colour, 16).mean())
 
 

@@ -227,7 +227,7 @@ class AllLights:
         palette = scene.lights.palette
         row = mi.UInt32(scene.lights.row(self._numbers(which)))
         start, direction, normal = palette.emit(row, lanes.pair(), lanes.pair(), mi.Bool(True))
-        power = palette.spectrum(row, lanes.wavelengths, mi.Bool(True))
+        power = palette.spectrum(row, lanes.wavelengths, mi.Bool(True), direction)
         lift = 2.0 * STEP * scene.extent
         return start + normal * lift, direction, power, lanes.response(), lanes.zero()
 

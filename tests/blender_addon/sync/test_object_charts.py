@@ -6,7 +6,9 @@ import pytest
 from kept_scenes import KeptScene
 from lumenray.blender_addon.sync.nodes.fields import LUMINANCE
 from lumenray.blender_addon.sync.tables import materials
+from lumenray.engine.scene.material import Raised
 from lumenray.engine.scene.mesh import CHART_MAP
+from lumenray.engine.scene.relief import Axes
 from material_trees import new_tree, output_of
 from seen_surfaces import see, see_by_cycles
 
@@ -265,6 +267,30 @@ def compare(tmp_path, share, tolerance=0.02, is_grey=False):
         f"{is_wrong.sum()} of {is_met.sum()} pixels differ, ours {ours[is_wrong][:3]}, "
         f"Cycles {theirs[is_wrong][:3]}"
     )
+
+
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_a_normal_map_beside_a_texture_of_the_object_leans_by_its_uv_map(is_mirrored):
+    """On a square in the object's own plane z = 0, U along x or against it and V along y."""
+    tree = new_tree()
+    normal = tree.add("NormalMap", Color=(0.7, 0.4, 0.9))
+    cloud = texture(tree, "TexNoise", coordinates(tree, "Object"), output=1)
+    bpy.ops.mesh.primitive_plane_add(size=2.0)
+    item = _placed(bpy.context.object)
+    shader = tree.add("BsdfDiffuse", Color=cloud, Normal=normal.outputs["Normal"])
+    item.data.materials.append(tree.surface(shader))
+    if is_mirrored:
+        uv = np.empty((4, 2), np.float32)
+        item.data.uv_layers[0].data.foreach_get("uv", uv.ravel())
+        item.data.uv_layers[0].data.foreach_set("uv", (uv * (-1.0, 1.0)).ravel())
+    kept = KeptScene.started()
+    found = [m.surface for m in kept.scene.materials.values() if isinstance(m.surface, Raised)]
+    relief = next(each.relief for each in found if each.relief.vectors.uv_map == CHART_MAP)
+    assert relief.axes is Axes.OBJECT
+    vectors = relief.vectors.pixels.reshape(-1, 3)
+    shown = vectors[np.abs(vectors).max(axis=1) > 0.0]
+    expected = [-0.4 if is_mirrored else 0.4, -0.2, 0.8]
+    assert np.abs(shown - expected).max() < 1e-5
 
 
 # ---- attributes ----

@@ -12,7 +12,7 @@ from lumenray.engine.atlas.packing import count_groups, pack
 from lumenray.engine.atlas.texture_density import texture_density
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.engine.scene.material import Diffuse, Emission, Material
-from lumenray.engine.scene.texture import ImageTexture
+from lumenray.engine.scene.texture import ImageTexture, Tile
 from small_scenes import box, quad
 
 
@@ -248,6 +248,12 @@ def test_the_density_of_pictures_is_their_pixels_per_metre():
     lamp = Material("m", "m", emission=Emission(pattern=tiled))
     assert texture_density(wall, {"m": lamp}) == pytest.approx(3.0 * np.sqrt(40_000 / 8.0))
     assert texture_density(wall, {"m": Material("m", "m")}) == 0.0
+    # Of tiles side by side the finest counts for all.
+    many = ImageTexture(
+        np.zeros((1, 40_026, 3), np.float32), tiles=(Tile(0, 0, 400, 100), Tile(1, 0, 5, 5))
+    )
+    shown = {"m": Material("m", "m", Diffuse(many))}
+    assert texture_density(wall, shown) == pytest.approx(np.sqrt(40_000 / 8.0))
 
 
 def page_of(sizes):

@@ -7,6 +7,13 @@ from blender_objects import add_light
 from conversion import converted_light, error_messages, measure_light
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import Luminaire, PointLight, Quantity, SpotLight
+from lumenray.engine.photometry.spectra import (
+    GRID,
+    evaluate_emission,
+    luminous_efficiency,
+    upsample,
+)
+from lumenray.engine.scene.spectrum import Illuminant, Rgb
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -166,17 +173,43 @@ def test_what_depends_on_more_than_the_direction_is_still_an_error():
     assert error_messages(rows)
 
 
-def test_colours_by_direction_are_told_and_count_by_their_luminance():
+def coloured_light():
     light = add_light("POINT", energy=10.0, shadow_soft_size=0.0)
     nodes = Nodes(light)
     shift = nodes.add("VectorMath", operation="ADD")
     shift.inputs[1].default_value = (1.0, 1.0, 1.0)
     nodes.link(nodes.add("TexCoord").outputs["Normal"], shift.inputs[0])
     nodes.drive(shift.outputs[0], "Color")
-    made, rows = converted_light(light)
-    assert [row.message for row in rows] == ["the light's colour depends on the direction"]
+    return light
+
+
+def test_colours_by_direction_are_kept_beside_their_luminance():
+    """1 + x, 1 + y, 1 + z in red, green and blue."""
+    made, rows = converted_light(coloured_light())
+    assert rows == []
     even = 10.0 * EFFICACY / (4.0 * np.pi)
     assert candelas(made, (0, 1, 0)) == pytest.approx(even * (1.0 + 0.7152), rel=5e-3)
+    shown = made.distribution
+    column = np.argmin(np.abs(shown.azimuth - 0.5 * np.pi))
+    row = np.argmin(np.abs(shown.polar - 0.5 * np.pi))
+    colour = shown.colours[column, row]
+    assert colour / colour[0] == pytest.approx([1.0, 2.0, 1.0], abs=0.02)
+    assert made.output.spectrum == Illuminant("D65")
+
+
+def test_a_slide_filters_the_spectrum_that_a_light_states():
+    """By sums over the wavelengths at two directions: (1, 2, 1) and (2, 1, 1)."""
+    light = coloured_light()
+    settings = light.data.lumenray
+    settings.use_physical, settings.quantity, settings.value = True, "LUMINOUS_FLUX", 500.0
+    settings.spectrum, settings.illuminant = "ILLUMINANT", "A"
+    made, rows = converted_light(light)
+    assert rows == []
+    assert (made.output.value, made.output.spectrum) == (500.0, Illuminant("A"))
+    seen = evaluate_emission(Illuminant("A"), GRID) * luminous_efficiency()
+    green, red = (upsample(Rgb(*c), GRID) @ seen for c in ((0.5, 1.0, 0.5), (1.0, 0.5, 0.5)))
+    found = candelas(made, (0, 1, 0)) / candelas(made, (1, 0, 0))
+    assert found == pytest.approx(green / red, rel=0.01)
 
 
 @pytest.mark.parametrize(
