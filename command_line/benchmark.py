@@ -80,6 +80,11 @@ def add_command(commands) -> None:
         metavar="A;B",
         help="only these, by their names with semicolons between them (default: all)",
     )
+    content.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --features are measured again",
+    )
     blends = _add(
         kinds,
         "blends",
@@ -226,6 +231,13 @@ def _write(module, result: dict, options, is_part: bool = False) -> None:
     tell(f"written to {folder / options.kind}.md")
 
 
+def _read_earlier(options, module) -> dict | None:
+    """Return what ``--resume`` goes on with."""
+    if options.resume and options.json is None:
+        raise LumenrayError("--resume needs --json: the file that is gone on with")
+    return module.read_results(options.json) if options.resume and options.json.exists() else None
+
+
 def _run_rooms(options, say) -> int:
     from ..benchmarks.rooms import run as rooms
 
@@ -295,11 +307,12 @@ def _run_content(options, say) -> int:
     from ..benchmarks.common.output import write_numbers
     from ..benchmarks.content import run as content
 
+    earlier = _read_earlier(options, content)
     result = content.run(
-        options.features, say=say, keep=lambda made: write_numbers(made, options.json)
+        options.features, say, lambda made: write_numbers(made, options.json), earlier
     )
     tell(tell_bars(content.check_bars(result)))
-    _write(content, result, options, bool(options.features))
+    _write(content, result, options, bool(options.features) and earlier is None)
     return 0
 
 
@@ -397,11 +410,7 @@ def _run_pictures(options, say) -> int:
     from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.pictures import run as pictures
 
-    if options.resume and options.json is None:
-        raise LumenrayError("--resume needs --json: the file that is gone on with")
-    earlier = None
-    if options.resume and options.json.exists():
-        earlier = pictures.read_results(options.json)
+    earlier = _read_earlier(options, pictures)
     _start_engine()
     from ..benchmarks.pictures.bars import check_bars
     from ..benchmarks.pictures.scenes import BUILDERS, SIZE

@@ -7,7 +7,7 @@ from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ..common.bars import Bar
 from ..common.document import make_table, tell_demands
-from ..common.output import write_numbers
+from ..common.output import read_numbers, write_numbers
 from .left_out import REASONS
 
 MEAN, BLOCK, LOOSE = 0.01, 0.03, 0.05
@@ -29,7 +29,7 @@ count. What is *left out* is so on purpose; why stands below the table.
 """
 
 
-def run(keys=None, say=None, keep=None) -> dict:
+def run(keys=None, say=None, keep=None, earlier: dict | None = None) -> dict:
     """Measure.
 
     Parameters
@@ -37,6 +37,7 @@ def run(keys=None, say=None, keep=None) -> dict:
     keys : iterable of str or None    Features; None: all.
     say : callable or None    Told in one line what was done.
     keep : callable or None    Given all results so far after every scene.
+    earlier : dict or None    Results that are gone on with: of the features that they have only ``keys`` are measured again.
 
     Returns
     -------
@@ -55,9 +56,10 @@ def run(keys=None, say=None, keep=None) -> dict:
     unknown = sorted(set(keys or ()) - set(FEATURES))
     if unknown:
         raise LumenrayError(f"there is no feature '{unknown[0]}'")
-    scenes = {}
+    scenes = {key: row for key, row in (earlier or {}).get("scenes", {}).items() if key in FEATURES}
+    wanted = keys or [key for key in FEATURES if key not in scenes]
     with tempfile.TemporaryDirectory() as folder:
-        for key in keys or FEATURES:
+        for key in wanted:
             feature = FEATURES[key]
             feature.build(Stage())
             made = compare(Path(folder))
@@ -81,6 +83,9 @@ def _sum_up(scenes: dict) -> dict:
     """Return what `run` returns."""
     import bpy
 
+    from .features import FEATURES
+
+    scenes = {key: scenes[key] for key in FEATURES if key in scenes}
     over = [key for key, row in scenes.items() if not (row["agrees"] or is_left_out(row))]
     return {
         "blender": ".".join(map(str, bpy.app.version)),
@@ -88,6 +93,11 @@ def _sum_up(scenes: dict) -> dict:
         "silent": [key for key in over if not scenes[key]["said"]],
         "over": over,
     }
+
+
+def read_results(path: Path) -> dict:
+    """Read the numbers of an earlier run; as `read_numbers`."""
+    return read_numbers(path, {"scenes", "silent", "over"})
 
 
 def is_left_out(row: dict) -> bool:

@@ -82,3 +82,35 @@ def test_paints_agree_and_what_is_left_out_is_said():
     assert result["over"] == ["Volume, scatter"]
     assert result["silent"] == []
     assert result["scenes"]["Volume, scatter"]["block"] > 0.05
+
+
+def test_earlier_results_are_gone_on_with_and_only_what_is_named_is_measured_again(
+    features, monkeypatch
+):
+    from types import SimpleNamespace
+
+    from lumenray.benchmarks.content import compare
+
+    measured = []
+
+    def made(_folder):
+        measured.append(len(measured))
+        return SimpleNamespace(mean=0.0, mean_error=0.0, block=0.0, said=())
+
+    monkeypatch.setattr(compare, "compare", made)
+    first, *others = features
+    earlier = {
+        "scenes": {key: row(0.2, 0.3) for key in others} | {"A feature of before": row(0.2, 0.3)},
+        "silent": [],
+        "over": [],
+    }
+    result = content.run(earlier=earlier)
+    assert len(measured) == 1
+    assert list(result["scenes"]) == list(features)
+    assert result["scenes"][first]["agrees"]
+    assert first not in result["silent"]
+    assert others[0] in result["silent"]
+    again = content.run(others[:1], earlier=result)
+    assert len(measured) == 2
+    assert again["scenes"][others[0]]["agrees"]
+    assert again["silent"] == others[1:]
