@@ -6,8 +6,8 @@ import numpy as np
 from ...libraries import scenes
 from ..common.both_renders import OURS
 
-COUNT = 40
-"""Materials that are painted anew."""
+COUNT = 39
+"""Materials that are painted anew: all that are not seen through."""
 
 PICTURE = 512
 """Sides of the pictures. [pixel]"""

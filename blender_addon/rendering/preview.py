@@ -22,8 +22,8 @@ from .feed import SceneFeed
 SAMPLES, UNFILTERED_SAMPLES = 16, 64
 """Paths per pixel where noise is filtered, and where Open Image Denoise is not installed."""
 
-TEXELS = 1 << 18
-"""Of pictures that are made for objects: a preview has fewer pixels than half of them."""
+TEXELS = 1 << 19
+"""Of pictures that are made for objects: a preview has fewer pixels than a quarter of them."""
 
 INTERVAL = 0.3
 """Shortest time between two pictures on the way. [s]"""
