@@ -88,6 +88,17 @@ for _key, _values in {
     "Principled, coat tint": {"Coat_Weight": 1.0, "Coat_Tint": (0.3, 0.6, 1.0, 1.0)},
     "Principled, sheen": {"Sheen_Weight": 1.0},
     "Principled, anisotropy": {"Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.8},
+    "Principled, anisotropic coat": {
+        "Roughness": 0.3,
+        "Anisotropic": 0.9,
+        "Base_Color": (0, 0, 0, 1),
+    },
+    "Principled, anisotropy turned": {
+        "Metallic": 1.0,
+        "Roughness": 0.5,
+        "Anisotropic": 1.0,
+        "Anisotropic_Rotation": 0.15,
+    },
     "Principled, diffuse roughness": {"Diffuse_Roughness": 1.0},
     "Principled, thin film": {"Thin_Film_Thickness": 400.0, "Metallic": 1.0, "Roughness": 0.2},
 }.items():
@@ -104,6 +115,16 @@ for _key, (_kind, _attributes, _values) in {
         "BsdfAnisotropic",
         {},
         {"Color": PAINT, "Roughness": 0.4, "Anisotropy": 0.8},
+    ),
+    "Glossy, anisotropic across": (
+        "BsdfAnisotropic",
+        {},
+        {"Color": PAINT, "Roughness": 0.4, "Anisotropy": -0.6, "Rotation": 0.1},
+    ),
+    "Metallic, anisotropic": (
+        "BsdfMetallic",
+        {},
+        {"Base_Color": PAINT, "Roughness": 0.4, "Anisotropy": 0.8, "Rotation": 0.3},
     ),
     "Metallic": ("BsdfMetallic", {}, {"Base_Color": PAINT, "Roughness": 0.3}),
     "Metallic, edge tint": (
@@ -139,6 +160,30 @@ def _two(tree):
         tree.add("BsdfDiffuse", Color=PAINT),
         tree.add("BsdfAnisotropic", Color=(0.9, 0.9, 0.9, 1.0), Roughness=0.2),
     )
+
+
+def _along(**settings):
+    def build(stage):
+        tree = stage.material()
+        tangent = tree.add("Tangent", settings)
+        stage.studio(
+            tree.show(
+                tree.add(
+                    "BsdfPrincipled",
+                    Base_Color=PAINT,
+                    Metallic=1.0,
+                    Roughness=0.4,
+                    Anisotropic=0.9,
+                    Tangent=tangent,
+                )
+            )
+        )
+
+    return build
+
+
+_note("Surfaces", "Anisotropy round X", _along(direction_type="RADIAL", axis="X"))
+_note("Surfaces", "Anisotropy along U", _along(direction_type="UV_MAP"))
 
 
 @_feature("Surfaces", "Mix Shader")

@@ -42,6 +42,29 @@ class IorTable:
 RefractiveIndex = Cauchy | IorTable
 
 
+@dataclass(frozen=True)
+class Grain:
+    """How facets lie along a direction of the surface.
+
+    Parameters
+    ----------
+    stretch : float    Width of their distribution along the direction over that without one; across it is the reverse. [-]
+    rotation : Scalar    Turns of the direction about the normal. [-]
+    axis : int or None    Axis of the object, 0 to 2, about which the direction goes round; None: it goes along U.
+    uv_map : str    The UV map that has U; empty: the default one.
+    """
+
+    stretch: float = 1.0
+    rotation: Scalar = 0.0
+    axis: int | None = None
+    uv_map: str = ""
+
+    @property
+    def largest_stretch(self) -> float:
+        """Larger width over that without a direction. [-]"""
+        return max(self.stretch, 1.0 / self.stretch)
+
+
 class Surface:
     """What becomes of light at a surface.
 
@@ -82,6 +105,9 @@ class Surface:
     has_grain = False
     """Whether it has a direction of its own, which follows U."""
 
+    grain: Grain | None = None
+    """How its facets lie along a direction; None: they have none."""
+
     is_absorbing = False
     """Whether it bounds a body that absorbs light on its way inside."""
 
@@ -100,8 +126,20 @@ class Surface:
     @property
     def pictures(self) -> tuple[ImageTexture, ...]:
         """All pictures, in a fixed order."""
-        values = (getattr(self, entry.name) for entry in fields(self))
+        values = [getattr(self, entry.name) for entry in fields(self)]
+        if self.grain is not None:
+            values.append(self.grain.rotation)
         return tuple(value for value in values if isinstance(value, ImageTexture))
+
+    @property
+    def grains(self) -> tuple[Grain, ...]:
+        """How all its facets lie that lie along a direction."""
+        return () if self.grain is None else (self.grain,)
+
+    @property
+    def grain_maps(self) -> tuple[str, ...]:
+        """UV maps whose U its facets lie along."""
+        return tuple(grain.uv_map for grain in self.grains if grain.axis is None)
 
     @property
     def largest(self) -> float:
@@ -151,7 +189,7 @@ class Coated(Surface):
 
     ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection, and ``tint``
     what it reflects along its normal. ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren
-    and Nayar's model).
+    and Nayar's model). ``grain``: of the coat's facets.
     """
 
     reflectance: Colour = Constant(0.5)
@@ -160,8 +198,13 @@ class Coated(Surface):
     specular: float = 1.0
     base_roughness: float = 0.0
     tint: Spectrum | None = None
+    grain: Grain | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def has_grain(self) -> bool:
+        return bool(self.grain_maps)
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -226,11 +269,14 @@ class Fabric(Surface):
 
 
 class _MirrorLike(Surface):
-    """An ideal mirror where it is smooth."""
+    """An ideal mirror where it is smooth, along the direction of its facets and across it."""
 
     @property
     def is_mirror(self) -> bool:
-        return not isinstance(self.roughness, ImageTexture) and self.roughness < SMOOTH_ROUGHNESS
+        if isinstance(self.roughness, ImageTexture):
+            return False
+        wider = 1.0 if self.grain is None else np.sqrt(self.grain.largest_stretch)
+        return self.roughness * wider < SMOOTH_ROUGHNESS
 
     is_bending = is_mirror
 
@@ -241,13 +287,19 @@ class Glossy(_MirrorLike):
 
     ``edge`` None: the reflectance is the same from all sides. Else it rises towards 1 at grazing angles by Schlick's
     formula, and is ``edge`` times what that gives at 82 degrees (Blender's F82 tint), unless it is an ideal mirror.
+    ``grain``: of its facets.
     """
 
     reflectance: Colour = Constant(0.8)
     roughness: Scalar = 0.5
     edge: Colour | None = None
+    grain: Grain | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def has_grain(self) -> bool:
+        return bool(self.grain_maps)
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -561,6 +613,10 @@ class Mix(Surface):
         return own + self.first.pictures + self.second.pictures
 
     @property
+    def grains(self) -> tuple[Grain, ...]:
+        return self.first.grains + self.second.grains
+
+    @property
     def largest(self) -> float:
         return max(self.first.largest, self.second.largest)
 
@@ -593,6 +649,7 @@ class Raised(Surface):
     has_own_colour = _of_inner("has_own_colour")
     has_grain = _of_inner("has_grain")
     is_absorbing = _of_inner("is_absorbing")
+    grains = _of_inner("grains")
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -716,6 +773,10 @@ class Blend(Surface):
         return self.first.pictures + self.second.pictures
 
     @property
+    def grains(self) -> tuple[Grain, ...]:
+        return self.first.grains + self.second.grains
+
+    @property
     def is_reciprocal(self) -> bool:
         """Whether its weights are the same for light and eye exchanged."""
         weights = np.asarray(self.weights)
@@ -778,6 +839,7 @@ class Varnish(Surface):
     has_grain = _of_base("has_grain")
     has_relief = _of_base("has_relief")
     has_own_colour = _of_base("has_own_colour")
+    grains = _of_base("grains")
     largest = _of_base("largest")
 
     @property

@@ -18,6 +18,7 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+from .grain import find_grain
 from .layers import varnished
 from .relief import find_relief
 
@@ -29,7 +30,6 @@ EVEN = 1e-5
 
 _LEFT_OUT = {
     "Sheen Weight": (0.0, "Sheen"),
-    "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
 }
 
@@ -63,7 +63,7 @@ def convert_principled(at) -> Closure:
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
         edge = as_colour(reflectance_of(at, at("Specular Tint")))
-        metal = Glossy(as_colour(base), as_scalar(roughness), edge)
+        metal = Glossy(as_colour(base), as_scalar(roughness), edge, _grain(at))
         surface = mix_surfaces(surface, metal, metallic)
     surface = raise_surface(surface, find_relief(at))
     surface, radiance = varnished(at, surface, _radiance(at))
@@ -83,7 +83,11 @@ def _coated(at, base):
     ior = (1 + amplitude) / (1 - amplitude)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
     sigma = aslant(at, "Diffuse Roughness")
-    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at))
+    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at), _grain(at))
+
+
+def _grain(at):
+    return find_grain(at, "Anisotropic", "Anisotropic Rotation")
 
 
 def _tint(at):

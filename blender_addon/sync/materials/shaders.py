@@ -22,6 +22,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
+from .grain import find_glossy_grain, find_grain
 from .principled import aslant, convert_principled, report_facets
 from .relief import find_relief
 
@@ -84,23 +85,22 @@ def _translucent(at):
 
 
 def _glossy(at):
-    if not at("Anisotropy").is_everywhere(0):
-        at.note("Anisotropy is not supported", "it is left out")
     report_facets(at)
-    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
+    grain = find_glossy_grain(at)
+    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness")), None, grain))
 
 
 def _metallic(at):
-    for name, subject in (("Anisotropy", "Anisotropy"), ("Thin Film Thickness", "The thin film")):
-        if not at(name).is_everywhere(0):
-            at.note(f"{subject} is not supported", "it is left out")
+    if not at("Thin Film Thickness").is_everywhere(0):
+        at.note("The thin film is not supported", "it is left out")
     if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
         at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
         colour, edge = at.map(_normal_reflectance, at("IOR"), at("Extinction")), None
     else:
         colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
     report_facets(at)
-    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
+    grain = find_grain(at, "Anisotropy", "Rotation")
+    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge, grain))
 
 
 def _normal_reflectance(n, k):
@@ -202,7 +202,7 @@ def _by_fresnel(at, weight):
     if not isinstance(roughness, float):
         roughness = float(np.mean(roughness.pixels))
     roughness = min(max(roughness, 0.0), 1.0)
-    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
+    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness, None, gloss.grain)
     at.remark(
         "A gloss is mixed over a matt shader by Fresnel",
         "a diffuse base under a clear coat is used",

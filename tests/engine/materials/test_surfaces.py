@@ -10,6 +10,7 @@ from lumenray.engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Grain,
     Mix,
     ThinGlass,
     Toon,
@@ -40,6 +41,8 @@ SMOOTH = {
     "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
     "varnished paint": Varnish(Coated(Rgb(0.9, 0.6, 0.3)), 0.7, 1.6, 0.3, Rgb(0.3, 0.6, 0.9)),
     "varnished metal": Varnish(Glossy(Rgb(0.9, 0.6, 0.3), 0.6), 1.0, 1.5, 0.2),
+    "brushed metal": Glossy(Rgb(0.9, 0.6, 0.3), 0.5, Constant(0.7), Grain(2.5, 0.15)),
+    "brushed paint": Coated(Rgb(0.6, 0.3, 0.2), 1.6, 0.5, 1.0, 0.0, None, Grain(0.5, 0.4)),
     "by facing": Blend(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), FACING),
     "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
     "toon": Toon(Rgb(0.7, 0.4, 0.2), 0.4, 0.3),
@@ -126,6 +129,7 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 RECIPROCAL = (
     *("tinted gloss", "matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
     *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal", "sum"),
+    *("brushed metal", "brushed paint"),
 )
 
 
