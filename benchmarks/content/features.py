@@ -87,6 +87,19 @@ for _key, _values in {
     "Principled, coat on glass": {"Coat_Weight": 1.0, "Transmission_Weight": 1.0, "Roughness": 0.0},
     "Principled, coat tint": {"Coat_Weight": 1.0, "Coat_Tint": (0.3, 0.6, 1.0, 1.0)},
     "Principled, sheen": {"Sheen_Weight": 1.0},
+    "Principled, coloured sheen": {
+        "Sheen_Weight": 0.8,
+        "Sheen_Roughness": 0.3,
+        "Sheen_Tint": (0.9, 0.3, 0.5, 1.0),
+        "Base_Color": (0.05, 0.05, 0.2, 1.0),
+    },
+    "Principled, sheen on metal": {
+        "Sheen_Weight": 1.0,
+        "Sheen_Roughness": 0.8,
+        "Metallic": 1.0,
+        "Roughness": 0.3,
+    },
+    "Principled, sheen on coat": {"Sheen_Weight": 1.0, "Coat_Weight": 1.0},
     "Principled, anisotropy": {"Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.8},
     "Principled, anisotropic coat": {
         "Roughness": 0.3,
@@ -146,6 +159,12 @@ for _key, (_kind, _attributes, _values) in {
     "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
     "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
     "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
+    "Sheen, rough": ("BsdfSheen", {}, {"Color": PAINT, "Roughness": 0.9}),
+    "Sheen, Ashikhmin": (
+        "BsdfSheen",
+        {"distribution": "ASHIKHMIN"},
+        {"Color": PAINT, "Roughness": 0.6},
+    ),
     "Toon": ("BsdfToon", {}, {"Color": PAINT}),
     "Toon, smooth": ("BsdfToon", {}, {"Color": PAINT, "Size": 0.4, "Smooth": 0.3}),
     "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),

@@ -690,7 +690,9 @@ def can_be_raised(surface: Surface) -> bool:
     """Tell whether a relief turns a surface of one kind: not what light passes straight, nor what was measured as it is."""
     return not (
         surface.passes_straight
-        or isinstance(surface, Black | Blend | Fabric | Holdout | Measured | Mix | Raised | Varnish)
+        or isinstance(
+            surface, Black | Blend | Fabric | Holdout | Measured | Mix | Raised | Sheen | Varnish
+        )
     )
 
 
@@ -701,7 +703,7 @@ def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | N
     if isinstance(surface, Mix | Blend):
         first, second = (raise_surface(s, relief) for s in (surface.first, surface.second))
         return replace(surface, first=first, second=second)
-    if isinstance(surface, Varnish):
+    if isinstance(surface, Varnish | Sheen):
         return replace(surface, base=raise_surface(surface.base, relief))
     return Raised(surface, relief) if can_be_raised(surface) else surface
 
@@ -853,6 +855,56 @@ class Varnish(Surface):
     def scaled(self, factor: float) -> Varnish | None:
         base = self.base.scaled(factor)
         return None if base is None else replace(self, base=base)
+
+
+@dataclass(frozen=True)
+class Sheen(Surface):
+    """Fibres over any other surface, on both sides of it, which shine at grazing angles.
+
+    Parameters
+    ----------
+    base : Surface    What lies below; black for fibres alone.
+    weight : Scalar    Share of the fibres that is there. [-]
+    tint : Colour    Their colour.
+    roughness : float    0 to 1. [-]
+    is_velvet : bool    Whether they are upright (Ashikhmin's model), and no microfibres.
+    """
+
+    base: Surface
+    weight: Scalar = 1.0
+    tint: Colour = Constant(1.0)
+    roughness: float = 0.5
+    is_velvet: bool = False
+
+    is_purely_specular = False
+
+    depth = _of_base("depth")
+    is_opaque = _of_base("is_opaque")
+    passes_straight = _of_base("passes_straight")
+    is_window = _of_base("is_window")
+    is_bending = _of_base("is_bending")
+    is_dispersive = _of_base("is_dispersive")
+    is_absorbing = _of_base("is_absorbing")
+    has_grain = _of_base("has_grain")
+    has_relief = _of_base("has_relief")
+    has_own_colour = _of_base("has_own_colour")
+    grains = _of_base("grains")
+
+    @property
+    def largest(self) -> float:
+        return max(self.base.largest, largest_of(self.tint))
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return (*self.base.colours, self.tint)
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return (*self.base.pictures, *super().pictures)
+
+    def scaled(self, factor: float) -> Sheen:
+        base = self.base.scaled(factor) or self.base
+        return replace(self, base=base, tint=scale(self.tint, factor))
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
 from .grain import find_grain
-from .layers import varnished
+from .layers import varnished, with_sheen
 from .relief import find_relief
 
 ROUGH = 0.1
@@ -29,7 +29,6 @@ EVEN = 1e-5
 """Diffuse roughness below which a surface is plainly matt, in Cycles too."""
 
 _LEFT_OUT = {
-    "Sheen Weight": (0.0, "Sheen"),
     "Thin Film Thickness": (0.0, "The thin film"),
 }
 
@@ -42,7 +41,7 @@ def convert_principled(at) -> Closure:
     """Return what a Principled BSDF stands for.
 
     A coated diffuse base, a metal by ``Metallic``, a solid dielectric by ``Transmission Weight``,
-    all below the ``Coat``, and seen through ``Alpha``.
+    all below the ``Coat`` and that below the ``Sheen``, and seen through ``Alpha``.
     """
     _report_unsupported(at)
     base = reflectance_of(at, at("Base Color"))
@@ -66,7 +65,7 @@ def convert_principled(at) -> Closure:
         metal = Glossy(as_colour(base), as_scalar(roughness), edge, _grain(at))
         surface = mix_surfaces(surface, metal, metallic)
     surface = raise_surface(surface, find_relief(at))
-    surface, radiance = varnished(at, surface, _radiance(at))
+    surface, radiance = with_sheen(at, *varnished(at, surface, _radiance(at)))
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
         radiance = scaled(at, radiance, alpha)

@@ -11,6 +11,7 @@ from ....engine.scene.material import (
     Glossy,
     Holdout,
     Raised,
+    Sheen,
     Toon,
     Transparent,
     raise_surface,
@@ -231,6 +232,13 @@ def _toon(at):
     return _raised(at, Toon(as_colour(_colour(at)), size, edge))
 
 
+def _sheen(at):
+    if find_relief(at) is not None:
+        at.note("A sheen with a bent normal is not supported", "it has the mesh's own normal")
+    is_velvet = at.node.distribution == "ASHIKHMIN"
+    return Closure(Sheen(Black(), 1.0, as_colour(_colour(at)), _roughness(at), is_velvet))
+
+
 def _as_diffuse(at):
     at.note(f"{at.node.bl_label} is not supported", "a diffuse surface of its colour is used")
     return _raised(at, Diffuse(as_colour(_colour(at, "Color", "Base Color"))))
@@ -256,6 +264,8 @@ _SHADERS = {
     "ShaderNodeBsdfRayPortal": _portal,
     "ShaderNodeHoldout": _holdout,
     "ShaderNodeBsdfToon": _toon,
+    "ShaderNodeBsdfSheen": _sheen,
+    "ShaderNodeBsdfVelvet": _sheen,
     "ShaderNodeEmission": _emission,
     "ShaderNodeAddShader": _add,
     "ShaderNodeMixShader": _mix,

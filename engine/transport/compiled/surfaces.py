@@ -22,6 +22,7 @@ from ...scene.material import (
     Measured,
     Mix,
     Raised,
+    Sheen,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -236,10 +237,30 @@ def _varnish(surface: Varnish, make: TextureMaker):
     return plugin
 
 
+def _sheen(surface: Sheen, make: TextureMaker):
+    import mitsuba as mi
+
+    properties = {
+        "type": "lumenray_sheen",
+        "base": bsdf(surface.base, make),
+        "weight": make.scalar(surface.weight),
+        "tint": make.reflectance(surface.tint),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    most, facets = min(largest_of(surface.tint), 1.0), _facets(surface.base)
+    plugin.set_fibres(surface.roughness, surface.is_velvet, most, facets)
+    return plugin
+
+
 def _facets(base: Surface) -> tuple | None:
     """Width, index and scale of the facets over an opaque base's diffuse light; None: light passes."""
     if not base.is_opaque:
         return None
+    if isinstance(base, Varnish) and not isinstance(base.weight, ImageTexture):
+        # What its coat mirrors goes where it comes from, unlike what lies below.
+        return _width(base.roughness), round(max(base.ior, 1.0001), 4), float(base.weight)
+    if isinstance(base, Varnish | Sheen):
+        return _facets(base.base)
     if isinstance(base, Glossy | Conductor):
         roughness = base.roughness
         if isinstance(roughness, ImageTexture):
@@ -373,6 +394,7 @@ MAKERS = {
     Measured: _measured,
     Mix: _mix,
     Varnish: _varnish,
+    Sheen: _sheen,
     Blend: _blend,
     Toon: _toon,
     Raised: _raised,
@@ -390,7 +412,7 @@ def approximations(surface: Surface) -> list[str]:
             return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
         case Toon():
             return ["it shines about its normal wherever light comes from, as in Blender"]
-        case Varnish():
+        case Varnish() | Sheen():
             return approximations(surface.base)
         case Raised():
             return approximations(surface.surface)

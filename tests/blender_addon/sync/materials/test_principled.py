@@ -113,7 +113,6 @@ def test_emission_strength_times_efficacy_is_luminance(tree, convert):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("Sheen_Weight", 0.5),
         ("Subsurface_Weight", 0.5),
     ],
 )

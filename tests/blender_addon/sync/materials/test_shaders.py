@@ -284,7 +284,7 @@ def test_light_of_the_back_alone_is_left_out_with_an_error(tree, convert):
     assert [row["severity"] for row in rows] == ["error"]
 
 
-@pytest.mark.parametrize("kind", ["BsdfSheen", "SubsurfaceScattering", "BsdfHair"])
+@pytest.mark.parametrize("kind", ["SubsurfaceScattering", "BsdfHair"])
 def test_unsupported_shader_is_diffuse_of_its_colour_with_a_row(tree, convert, kind):
     shader = tree.add(kind, Color=(0.5, 0.25, 0.125))
     result, rows = convert(tree.surface(shader))
