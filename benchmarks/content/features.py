@@ -166,6 +166,11 @@ for _key, (_kind, _attributes, _values) in {
         {"Color": PAINT, "Roughness": 0.6},
     ),
     "Toon": ("BsdfToon", {}, {"Color": PAINT}),
+    "Toon, glossy": (
+        "BsdfToon",
+        {"component": "GLOSSY"},
+        {"Color": PAINT, "Size": 0.3, "Smooth": 0.2},
+    ),
     "Toon, smooth": ("BsdfToon", {}, {"Color": PAINT, "Size": 0.4, "Smooth": 0.3}),
     "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),
     "Holdout": ("Holdout", {}, {}),

@@ -710,17 +710,19 @@ def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | N
 
 @dataclass(frozen=True)
 class Toon(Surface):
-    """Light goes evenly into a cone about the normal, as of Blender's diffuse Toon BSDF.
+    """Light goes evenly into a cone about the normal or the mirror direction, as of Blender's Toon BSDF.
 
     Parameters
     ----------
     reflectance : Colour    Of light that goes into the cone at its middle.
     size, edge : float    Half angle of the cone, and width of its edge, of right angles. [-]
+    is_glossy : bool    Whether the cone lies about the mirror direction.
     """
 
     reflectance: Colour = Constant(0.8)
     size: float = 0.5
     edge: float = 0.0
+    is_glossy: bool = False
 
     spectra = ("reflectance",)
 

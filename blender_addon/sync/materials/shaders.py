@@ -226,10 +226,9 @@ def _index_of(weight):
 
 
 def _toon(at):
-    if at.node.component == "GLOSSY":
-        at.note("A glossy toon is not supported", "the diffuse one of its colour is used")
     size, edge = at.plain("Size"), at.plain("Smooth")
-    return _raised(at, Toon(as_colour(_colour(at)), size, edge))
+    is_glossy = at.node.component == "GLOSSY"
+    return _raised(at, Toon(as_colour(_colour(at)), size, edge, is_glossy))
 
 
 def _sheen(at):

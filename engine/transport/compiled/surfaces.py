@@ -195,6 +195,7 @@ def _toon(surface: Toon, make: TextureMaker) -> dict:
         "reflectance": make.reflectance(surface.reflectance),
         "size": float(surface.size),
         "edge": float(surface.edge),
+        "is_glossy": surface.is_glossy,
     }
 
 
@@ -411,7 +412,9 @@ def approximations(surface: Surface) -> list[str]:
             notes = approximations(surface.first) + approximations(surface.second)
             return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
         case Toon():
-            return ["it shines about its normal wherever light comes from, as in Blender"]
+            about = "the mirror direction" if surface.is_glossy else "its normal"
+            where = "evenly" if surface.is_glossy else "wherever light comes from"
+            return [f"it shines about {about} {where}, as in Blender"]
         case Varnish() | Sheen():
             return approximations(surface.base)
         case Raised():

@@ -51,6 +51,7 @@ SMOOTH = {
     "by facing": Blend(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), FACING),
     "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
     "toon": Toon(Rgb(0.7, 0.4, 0.2), 0.4, 0.3),
+    "glossy toon": Toon(Rgb(0.7, 0.4, 0.2), 0.3, 0.3, True),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
