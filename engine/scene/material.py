@@ -62,7 +62,21 @@ class Grain:
     @property
     def largest_stretch(self) -> float:
         """Larger width over that without a direction. [-]"""
-        return max(self.stretch, 1.0 / self.stretch)
+        return max(self.stretch, 1.0 / max(self.stretch, 1e-9))
+
+    def check(self) -> None:
+        """Refuse what is no direction.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with it.
+        """
+        if not 1e-3 <= self.stretch <= 1e3:
+            raise SceneError(
+                f"facets along a direction are stretched {self.stretch:g} times, expected 0.001 to 1000"
+            )
+        if self.axis not in {None, 0, 1, 2}:
+            raise SceneError(f"facets lie round axis {self.axis}, expected 0, 1 or 2")
 
 
 class Surface:

@@ -110,6 +110,7 @@ def _coated(surface, make: TextureMaker):
 def _grain(grain: Grain, make: TextureMaker) -> GrainOfFacets:
     import mitsuba as mi
 
+    grain.check()
     rotation = make.scalar(grain.rotation)
     if isinstance(rotation, dict):
         rotation = mi.load_dict(rotation, optimize=False)

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.material import Coated, Glossy, Grain
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.spectrum import Constant
@@ -124,3 +125,12 @@ def test_directions_go_round_the_axes_of_an_object(axis):
     np.testing.assert_allclose(
         found / np.linalg.norm(found), expected / np.linalg.norm(expected), atol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    ("grain", "words"), [(Grain(0.0), "0 times"), (Grain(2.0, axis=3), "axis 3")]
+)
+def test_what_is_no_direction_is_refused(grain, words):
+    for surface in (Glossy(Constant(0.5), 0.5, None, grain), Coated(grain=grain)):
+        with pytest.raises(SceneError, match=words):
+            plugin(surface)
