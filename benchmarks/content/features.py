@@ -88,7 +88,31 @@ for _key, _values in {
     "Principled, coat on glass": {"Coat_Weight": 1.0, "Transmission_Weight": 1.0, "Roughness": 0.0},
     "Principled, coat tint": {"Coat_Weight": 1.0, "Coat_Tint": (0.3, 0.6, 1.0, 1.0)},
     "Principled, sheen": {"Sheen_Weight": 1.0},
+    "Principled, coloured sheen": {
+        "Sheen_Weight": 0.8,
+        "Sheen_Roughness": 0.3,
+        "Sheen_Tint": (0.9, 0.3, 0.5, 1.0),
+        "Base_Color": (0.05, 0.05, 0.2, 1.0),
+    },
+    "Principled, sheen on metal": {
+        "Sheen_Weight": 1.0,
+        "Sheen_Roughness": 0.8,
+        "Metallic": 1.0,
+        "Roughness": 0.3,
+    },
+    "Principled, sheen on coat": {"Sheen_Weight": 1.0, "Coat_Weight": 1.0},
     "Principled, anisotropy": {"Metallic": 1.0, "Roughness": 0.4, "Anisotropic": 0.8},
+    "Principled, anisotropic coat": {
+        "Roughness": 0.3,
+        "Anisotropic": 0.9,
+        "Base_Color": (0, 0, 0, 1),
+    },
+    "Principled, anisotropy turned": {
+        "Metallic": 1.0,
+        "Roughness": 0.5,
+        "Anisotropic": 1.0,
+        "Anisotropic_Rotation": 0.15,
+    },
     "Principled, diffuse roughness": {"Diffuse_Roughness": 1.0},
     "Principled, thin film": {"Thin_Film_Thickness": 400.0, "Metallic": 1.0, "Roughness": 0.2},
 }.items():
@@ -105,6 +129,16 @@ for _key, (_kind, _attributes, _values) in {
         "BsdfAnisotropic",
         {},
         {"Color": PAINT, "Roughness": 0.4, "Anisotropy": 0.8},
+    ),
+    "Glossy, anisotropic across": (
+        "BsdfAnisotropic",
+        {},
+        {"Color": PAINT, "Roughness": 0.4, "Anisotropy": -0.6, "Rotation": 0.1},
+    ),
+    "Metallic, anisotropic": (
+        "BsdfMetallic",
+        {},
+        {"Base_Color": PAINT, "Roughness": 0.4, "Anisotropy": 0.8, "Rotation": 0.3},
     ),
     "Metallic": ("BsdfMetallic", {}, {"Base_Color": PAINT, "Roughness": 0.3}),
     "Metallic, edge tint": (
@@ -126,7 +160,18 @@ for _key, (_kind, _attributes, _values) in {
     "Translucent": ("BsdfTranslucent", {}, {"Color": PAINT}),
     "Transparent": ("BsdfTransparent", {}, {"Color": PAINT}),
     "Sheen": ("BsdfSheen", {}, {"Color": PAINT}),
+    "Sheen, rough": ("BsdfSheen", {}, {"Color": PAINT, "Roughness": 0.9}),
+    "Sheen, Ashikhmin": (
+        "BsdfSheen",
+        {"distribution": "ASHIKHMIN"},
+        {"Color": PAINT, "Roughness": 0.6},
+    ),
     "Toon": ("BsdfToon", {}, {"Color": PAINT}),
+    "Toon, glossy": (
+        "BsdfToon",
+        {"component": "GLOSSY"},
+        {"Color": PAINT, "Size": 0.3, "Smooth": 0.2},
+    ),
     "Toon, smooth": ("BsdfToon", {}, {"Color": PAINT, "Size": 0.4, "Smooth": 0.3}),
     "Emission": ("Emission", {}, {"Color": PAINT, "Strength": 2.0}),
     "Holdout": ("Holdout", {}, {}),
@@ -140,6 +185,30 @@ def _two(tree):
         tree.add("BsdfDiffuse", Color=PAINT),
         tree.add("BsdfAnisotropic", Color=(0.9, 0.9, 0.9, 1.0), Roughness=0.2),
     )
+
+
+def _along(**settings):
+    def build(stage):
+        tree = stage.material()
+        tangent = tree.add("Tangent", settings)
+        stage.studio(
+            tree.show(
+                tree.add(
+                    "BsdfPrincipled",
+                    Base_Color=PAINT,
+                    Metallic=1.0,
+                    Roughness=0.4,
+                    Anisotropic=0.9,
+                    Tangent=tangent,
+                )
+            )
+        )
+
+    return build
+
+
+_note("Surfaces", "Anisotropy round X", _along(direction_type="RADIAL", axis="X"))
+_note("Surfaces", "Anisotropy along U", _along(direction_type="UV_MAP"))
 
 
 @_feature("Surfaces", "Mix Shader")

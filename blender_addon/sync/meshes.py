@@ -123,6 +123,7 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
             if layer.name not in hidden
         },
         polygon=polygon,
+        box=np.array([mesh.texspace_location, mesh.texspace_size], dtype=np.float64),
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import BackendError
+from ..materials.fibres import sent_on
 from ..photometry.colour import REC709_LUMINANCE, scene_linear
 from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, illuminant, observer
 from ..scattering.data.evaluation import total
@@ -26,6 +27,7 @@ from ..scene.material import (
     Measured,
     Mix,
     Raised,
+    Sheen,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -141,6 +143,16 @@ def _varnish(surface: Varnish):
     return reflected * left, passing * float(left @ REC709_LUMINANCE)
 
 
+def _sheen(surface: Sheen):
+    weight = surface.weight
+    weight = _mean(weight).mean() if isinstance(weight, ImageTexture) else float(weight)
+    sent = min(max(float(weight), 0.0), 1.0) * sent_on(surface.roughness, surface.is_velvet)[-1]
+    own = sent * _colour(surface.tint)
+    reflected, passing = _look(surface.base)
+    left = 1.0 - float(own.max())
+    return own + reflected * left, passing * left
+
+
 def _blend(surface: Blend):
     first, second = surface.weights[0, :, -1]
     (one, through), (other, beyond) = _look(surface.first), _look(surface.second)
@@ -166,6 +178,7 @@ LOOKS = {
     Measured: _measured,
     Mix: _mix,
     Varnish: _varnish,
+    Sheen: _sheen,
     Blend: _blend,
     Toon: _by_reflectance,
     Raised: _raised,

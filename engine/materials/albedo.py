@@ -13,6 +13,7 @@ from ..scene.material import (
     Fabric,
     Glossy,
     Mix,
+    Sheen,
     Surface,
     Toon,
     Transparent,
@@ -20,6 +21,7 @@ from ..scene.material import (
 )
 from ..scene.texture import ImageTexture
 from .facets import MINIMUM_ALPHA, cosines, directional_reflectance
+from .fibres import sent_on
 
 
 def most_sent_out(surface: Surface, of: Callable = largest_of) -> np.ndarray:
@@ -48,6 +50,15 @@ def most_sent_out(surface: Surface, of: Callable = largest_of) -> np.ndarray:
             share = own + (1.0 - own) * of(surface.reflectance)
         case Toon():
             share = of(surface.reflectance)
+        case Sheen():
+            is_even = not isinstance(surface.weight, ImageTexture)
+            weight = min(max(surface.weight, 0.0), 1.0) if is_even else 1.0
+            table = sent_on(round(float(surface.roughness), 4), surface.is_velvet)
+            sent = weight * np.interp(np.sqrt(cosine), np.sqrt(cosines()), table)
+            below = most_sent_out(surface.base, of)
+            # Where fewer fibres are, more of the base shows.
+            left = 1.0 - sent * min(largest_of(surface.tint), 1.0) if is_even else 1.0
+            share = sent * of(surface.tint) + left * below
         case Glossy() if surface.edge is None or surface.is_mirror:
             share = of(surface.reflectance)
         case Mix():

@@ -8,7 +8,8 @@ with the GGX distribution D, Smith's height-correlated G2, the dielectric Fresne
 coat's directional reflectance E and its hemispherical mean E_mean = 2 * integral of E cos. It is reciprocal, and a white
 base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
 is Lambert's law exactly. A tint t of the coat puts 1 - (1 - F) (1 - F_0 t) / (1 - F_0) for F, F_0 being that along the
-normal; E is then that of the largest t. Where a base is rough itself, 1 / pi has a factor more (see `rough_diffuse`).
+normal; E is then that of the largest t. Facets of a coat may lie along a direction, on which E depends too (see `grain`).
+Where a base is rough itself, 1 / pi has a factor more (see `rough_diffuse`).
 
 Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all such materials
 of a scene share one plug-in (a palette), which looks its parameters up by the shape that was hit, pictures included.
@@ -29,6 +30,7 @@ from .facets import (
     read_row,
     reflect_on_facet,
 )
+from .grain import grain_reflectance, mean_over_azimuths
 from .rough_diffuse import aslant
 
 
@@ -51,7 +53,7 @@ def coated_class():
                 mi.BSDFFlags.DiffuseReflection | sides,
             ]
             self.m_flags = self.m_components[0] | self.m_components[1]
-            self.rows = None
+            self.rows = self.grain = None
 
         def set_palette(
             self, alpha, eta, specular, sigma, tints, spectra, pictures=None, picture_table=None
@@ -84,6 +86,29 @@ def coated_class():
             dr.eval(self.alpha, self.eta, self.scale, self.table, self.mean, self.spectra)
             self.tints = upload(mi.Float, tints) if np.any(tints < 1.0) else None
             dr.eval(self.pictures, self.sigma, self.tints)
+
+        def set_grain(self, grain, alpha, eta, scale, tint, stretch):
+            """Lay the facets of a single row along a direction.
+
+            Parameters
+            ----------
+            grain : GrainOfFacets
+            alpha, eta, scale, tint, stretch : float    Of the coat; ``tint``: the largest of it. [-]
+            """
+            self.grain = grain
+            own = grain_reflectance(round(alpha, 6), round(stretch, 6), round(eta, 4))
+            if tint < 1.0:
+                whole = grain_reflectance(round(alpha, 6), round(stretch, 6))
+                own = whole - grazing(eta, tint) * (whole - own)
+            table = scale * own
+            self.table = upload(mi.Float, table)
+            self.mean = upload(mi.Float, [mean_over_azimuths(table, stretch)])
+            dr.eval(self.table, self.mean)
+
+        def set_ways(self, ways):
+            """Set the ways of the grain's directions, as `GrainOfFacets` has them."""
+            if self.grain is not None:
+                self.grain.set_ways(ways)
 
         def set_rows(self, rows):
             """Set the table from shape id to row."""
@@ -130,25 +155,36 @@ def coated_class():
                 value[k] = dr.lerp(low, high, place - mi.Float(below))
             return value
 
-        def _coat(self, row, cosine, active):
+        def _coat(self, facets, row, w, active):
             """Directional reflectance of the coat, its scale included."""
-            return read_row(self.table, row, cosine, active)
+            if self.grain is not None:
+                return facets.read(self.table, row, w, active)
+            return read_row(self.table, row, dr.abs(mi.Frame3f.cos_theta(w)), active)
+
+        def _facets(self, si, row, active):
+            """Width of the coat's facets, or how they lie."""
+            alpha = dr.gather(mi.Float, self.alpha, row, active)
+            return alpha if self.grain is None else self.grain.lay(si, alpha, active)
 
         def _prepare(self, si, active):
             row = self._row(si, active)
             cos_i = dr.abs(mi.Frame3f.cos_theta(si.wi))
             reflectance = self._reflectance(si, row, active)
-            coat = self._coat(row, cos_i, active)
+            facets = self._facets(si, row, active)
+            coat = self._coat(facets, row, si.wi, active)
             base = (1.0 - coat) * average(reflectance)
             share = dr.select(coat + base > 0.0, coat / dr.maximum(coat + base, 1e-8), 0.0)
-            return row, cos_i, reflectance, coat, share
+            return row, facets, cos_i, reflectance, coat, share
 
-        def _gloss(self, si, wo, row, active):
+        def _gloss(self, si, wo, prepared, active):
             """What the coat mirrors, and the density by which it is drawn."""
-            alpha = dr.gather(mi.Float, self.alpha, row, active)
+            row, facets, *_ = prepared
             eta = dr.gather(mi.Float, self.eta, row, active)
             scale = dr.gather(mi.Float, self.scale, row, active)
-            light, density, cosine = mirror_light(si.wi, wo, alpha)
+            if self.grain is None:
+                light, density, cosine = mirror_light(si.wi, wo, facets)
+            else:
+                light, density, cosine = facets.mirror_light(si.wi, wo)
             mirror = mi.fresnel(cosine, eta)[0]
             if self.tints is not None:
                 tint = self._spectrum(self.tints, si, row, active)
@@ -158,12 +194,14 @@ def coated_class():
 
         def _base(self, si, wo, prepared, active):
             """What the base sends on, and the density by which it is drawn."""
-            row, cos_i, reflectance, coat, _ = prepared
+            row, facets, cos_i, reflectance, coat, _ = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             mean = dr.gather(mi.Float, self.mean, row, active)
             lambert = cos_o * dr.inv_pi
             matte = (
-                (1.0 - coat) * (1.0 - self._coat(row, cos_o, active)) / dr.maximum(1.0 - mean, 1e-6)
+                (1.0 - coat)
+                * (1.0 - self._coat(facets, row, wo, active))
+                / dr.maximum(1.0 - mean, 1e-6)
             )
             if self.sigma is not None:
                 sigma = dr.gather(mi.Float, self.sigma, row, active)
@@ -171,9 +209,9 @@ def coated_class():
             return reflectance * matte * lambert, lambert
 
         def _evaluate(self, si, wo, prepared, active):
-            row, _, _, _, share = prepared
+            share = prepared[-1]
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
-            gloss, density = self._gloss(si, wo, row, active)
+            gloss, density = self._gloss(si, wo, prepared, active)
             base, lambert = self._base(si, wo, prepared, active)
             value = gloss + base
             pdf = share * density + (1.0 - share) * lambert
@@ -185,8 +223,8 @@ def coated_class():
             Where both are the same, their sums are what `eval_pdf` gives. (Spectrum, Float, Spectrum, Float)
             """
             prepared = self._prepare(si, active)
-            row, _, _, _, share = prepared
-            gloss, density = self._gloss(si, mirrored, row, active)
+            share = prepared[-1]
+            gloss, density = self._gloss(si, mirrored, prepared, active)
             base, lambert = self._base(si, spread, prepared, active)
             cos_i = mi.Frame3f.cos_theta(si.wi)
             shines, lies = (
@@ -201,15 +239,18 @@ def coated_class():
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             prepared = self._prepare(si, active)
-            row, _, _, _, share = prepared
+            _, facets, *_, share = prepared
             below = mi.Frame3f.cos_theta(si.wi) < 0.0
             wi = mi.Vector3f(si.wi)
             wi.z = dr.abs(wi.z)
-            alpha = dr.gather(mi.Float, self.alpha, row, active)
+            if self.grain is None:
+                mirrored = reflect_on_facet(wi, facets, sample2)
+            else:
+                mirrored = facets.reflect(wi, sample2)
             glossy = sample1 < share
             wo = dr.select(
                 glossy,
-                reflect_on_facet(wi, alpha, sample2),
+                mirrored,
                 mi.warp.square_to_cosine_hemisphere(sample2),
             )
             valid = active & (wo.z > 0.0) & (wi.z > 0.0)

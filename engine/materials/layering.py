@@ -66,7 +66,7 @@ def even_shares() -> np.ndarray:
 def passing(left: np.ndarray, shares: np.ndarray) -> np.ndarray:
     """The factor g of one way of light. (64,) [-]
 
-    ``left``: T (64,); ``shares``: as `spreading` has them.
+    ``left``: T (64,); ``shares``: as `spreading` has them, or these times what both ways have in common already.
     """
     factor = np.sqrt(np.maximum(left, 1e-9))
     for _ in range(ROUNDS):

@@ -20,6 +20,7 @@ from .rough_metal import rough_metal_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 from .toon import toon_class
+from .sheen import sheen_class
 from .varnish import varnish_class
 
 DISPERSED_COMPONENT = 16
@@ -70,6 +71,7 @@ def register() -> None:
         ("lumenray_transparent", _transparent_class),
         ("lumenray_mix", _mix_class),
         ("lumenray_varnish", varnish_class),
+        ("lumenray_sheen", sheen_class),
         ("lumenray_blend", blend_class),
         ("lumenray_toon", toon_class),
         ("lumenray_refraction", refraction_class),

@@ -8,7 +8,8 @@ The reflectance distribution is
 with the reflectance of facets F = F_c (R + s (1 - R) (1 - c)^5 - b c (1 - c)^6) at a cosine c, F_c being Fresnel's by a
 complex index; s is 0 for a reflectance that is the same from all sides, and b gives it the wanted tint at the cosine 1/7, 82
 degrees. E is what white facets reflect once; means are over the hemisphere, that of F_c where Schlick's formula has it. The
-model is reciprocal, and with F = 1 it reflects everything, whatever the roughness.
+model is reciprocal, and with F = 1 it reflects everything, whatever the roughness. Of facets that lie along a direction, E
+depends on the azimuth too (see `grain`).
 
 References
 ----------
@@ -28,6 +29,7 @@ from .facets import (
     read_row,
     reflect_on_facet,
 )
+from .grain import grain_reflectance, mean_over_azimuths
 
 ROUGHNESSES = 25
 """Rows of the tables, evenly over the root of the width."""
@@ -50,6 +52,18 @@ def tables() -> tuple[np.ndarray, np.ndarray]:
     return rows, np.array([mean_reflectance(row) for row in rows])
 
 
+@cache
+def tables_along(stretch: float, alpha: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """The same of facets that lie along a direction, by roughness, azimuth and cosine.
+
+    ``alpha``: their width; None: all. With one width there are two rows alike, of which a look-up takes the mean.
+    """
+    alphas = [alpha] if alpha is not None else np.linspace(0.0, 1.0, ROUGHNESSES) ** 2
+    rows = [grain_reflectance(round(float(each), 6), stretch) for each in alphas]
+    rows = rows * 2 if alpha is not None else rows
+    return np.stack(rows), np.array([mean_over_azimuths(row, stretch) for row in rows])
+
+
 def rough_metal_class():
     """Return the plug-in for the active Mitsuba variant."""
     import drjit as dr
@@ -60,7 +74,7 @@ def rough_metal_class():
     class RoughMetal(mi.BSDF):
         """``eta``, ``k``, ``specular_reflectance``, ``edge`` and ``alpha`` are textures, the last may be a number.
 
-        ``rise``: s.
+        ``rise``: s. `set_grain` lays its facets along a direction.
         """
 
         def __init__(self, props):
@@ -72,11 +86,26 @@ def rough_metal_class():
             self.texture = None if isinstance(width, int | float) else width
             self.alpha = mi.Float(width if self.texture is None else 0.0)
             self.table, self.means = (upload(mi.Float, each) for each in tables())
+            self.grain = None
             dr.make_opaque(self.alpha, self.rise)
             dr.eval(self.table, self.means)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [mi.BSDFFlags.GlossyReflection | sides]
             self.m_flags = self.m_components[0]
+
+        def set_grain(self, grain, stretch, alpha):
+            """Lay facets along a direction. ``grain``: `GrainOfFacets`; ``alpha``: their width, None if it varies."""
+            self.grain = grain
+            stretch, alpha = (None if each is None else round(each, 6) for each in (stretch, alpha))
+            self.table, self.means = (
+                upload(mi.Float, each) for each in tables_along(stretch, alpha)
+            )
+            dr.eval(self.table, self.means)
+
+        def set_ways(self, ways):
+            """Set the ways of the grain's directions, as `GrainOfFacets` has them."""
+            if self.grain is not None:
+                self.grain.set_ways(ways)
 
         def traverse(self, callback):
             callback.put("eta", self.eta, mi.ParamFlags.NonDifferentiable)
@@ -118,13 +147,18 @@ def rough_metal_class():
             return self._fresnel(si, mi.Float(MEAN_COSINE), active) * dr.maximum(seen, 0.0)
 
         def _prepare(self, si, active):
-            """Width, colours, rows of tables and the share of the second, E, its mean, M, how likely one facet reflects."""
+            """Facets, colours, rows of tables and the share of the second, E, its mean, M, how likely one facet reflects."""
             alpha = self._width(si, active)
-            place = dr.sqrt(alpha) * (ROUGHNESSES - 1)
-            row = dr.minimum(mi.UInt32(place), ROUGHNESSES - 2)
-            share = place - mi.Float(row)
+            if self.grain is None or self.texture is not None:
+                place = dr.sqrt(alpha) * (ROUGHNESSES - 1)
+                row = dr.minimum(mi.UInt32(place), ROUGHNESSES - 2)
+                share = place - mi.Float(row)
+            else:
+                row, share = mi.UInt32(0), mi.Float(0.0)
             rows = row, share
-            once = self._once(rows, dr.abs(mi.Frame3f.cos_theta(si.wi)), active)
+            if self.grain is not None:
+                alpha = self.grain.lay(si, alpha, active)
+            once = self._once(alpha, rows, si.wi, active)
             low, high = (dr.gather(mi.Float, self.means, each, active) for each in (row, row + 1))
             mean = dr.lerp(low, high, share)
             colours = self._colours(si, active)
@@ -134,19 +168,26 @@ def rough_metal_class():
             chance = dr.select(single + rest > 0.0, single / dr.maximum(single + rest, 1e-8), 1.0)
             return alpha, colours, rows, once, mean, often, chance
 
-        def _once(self, rows, cosine, active):
+        def _once(self, facets, rows, w, active):
             """What white facets reflect once of light from a direction."""
             row, share = rows
+            if self.grain is not None:
+                low, high = (facets.read(self.table, each, w, active) for each in (row, row + 1))
+                return dr.lerp(low, high, share)
+            cosine = dr.abs(mi.Frame3f.cos_theta(w))
             low, high = (read_row(self.table, each, cosine, active) for each in (row, row + 1))
             return dr.lerp(low, high, share)
 
         def _evaluate(self, si, wo, prepared, active):
-            alpha, colours, rows, once, mean, often, chance = prepared
+            facets, colours, rows, once, mean, often, chance = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
             valid = active & (mi.Frame3f.cos_theta(si.wi) * mi.Frame3f.cos_theta(wo) > 0.0)
-            light, density, cosine = mirror_light(si.wi, wo, alpha)
+            if self.grain is None:
+                light, density, cosine = mirror_light(si.wi, wo, facets)
+            else:
+                light, density, cosine = facets.mirror_light(si.wi, wo)
             lambert = cos_o * dr.inv_pi
-            lost = (1.0 - once) * (1.0 - self._once(rows, cos_o, active))
+            lost = (1.0 - once) * (1.0 - self._once(facets, rows, wo, active))
             rest = often * (lost / dr.maximum(1.0 - mean, 1e-6) * lambert)
             value = self._mirror(si, colours, cosine, active) * light + rest
             pdf = chance * density + (1.0 - chance) * lambert
@@ -157,9 +198,14 @@ def rough_metal_class():
             below = mi.Frame3f.cos_theta(si.wi) < 0.0
             wi = mi.Vector3f(si.wi)
             wi.z = dr.abs(wi.z)
+            facets = prepared[0]
+            if self.grain is None:
+                mirrored = reflect_on_facet(wi, facets, sample2)
+            else:
+                mirrored = facets.reflect(wi, sample2)
             wo = dr.select(
                 sample1 < prepared[-1],
-                reflect_on_facet(wi, prepared[0], sample2),
+                mirrored,
                 mi.warp.square_to_cosine_hemisphere(sample2),
             )
             valid = active & (wo.z > 0.0) & (wi.z > 0.0)

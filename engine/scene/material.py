@@ -42,6 +42,43 @@ class IorTable:
 RefractiveIndex = Cauchy | IorTable
 
 
+@dataclass(frozen=True)
+class Grain:
+    """How facets lie along a direction of the surface.
+
+    Parameters
+    ----------
+    stretch : float    Width of their distribution along the direction over that without one; across it is the reverse. [-]
+    rotation : Scalar    Turns of the direction about the normal. [-]
+    axis : int or None    Axis of the object, 0 to 2, about which the direction goes round; None: it goes along U.
+    uv_map : str    The UV map that has U; empty: the default one.
+    """
+
+    stretch: float = 1.0
+    rotation: Scalar = 0.0
+    axis: int | None = None
+    uv_map: str = ""
+
+    @property
+    def largest_stretch(self) -> float:
+        """Larger width over that without a direction. [-]"""
+        return max(self.stretch, 1.0 / max(self.stretch, 1e-9))
+
+    def check(self) -> None:
+        """Refuse what is no direction.
+
+        Raises
+        ------
+        SceneError    Says what is wrong with it.
+        """
+        if not 1e-3 <= self.stretch <= 1e3:
+            raise SceneError(
+                f"facets along a direction are stretched {self.stretch:g} times, expected 0.001 to 1000"
+            )
+        if self.axis not in {None, 0, 1, 2}:
+            raise SceneError(f"facets lie round axis {self.axis}, expected 0, 1 or 2")
+
+
 class Surface:
     """What becomes of light at a surface.
 
@@ -82,6 +119,9 @@ class Surface:
     has_grain = False
     """Whether it has a direction of its own, which follows U."""
 
+    grain: Grain | None = None
+    """How its facets lie along a direction; None: they have none."""
+
     is_absorbing = False
     """Whether it bounds a body that absorbs light on its way inside."""
 
@@ -100,8 +140,20 @@ class Surface:
     @property
     def pictures(self) -> tuple[ImageTexture, ...]:
         """All pictures, in a fixed order."""
-        values = (getattr(self, entry.name) for entry in fields(self))
+        values = [getattr(self, entry.name) for entry in fields(self)]
+        if self.grain is not None:
+            values.append(self.grain.rotation)
         return tuple(value for value in values if isinstance(value, ImageTexture))
+
+    @property
+    def grains(self) -> tuple[Grain, ...]:
+        """How all its facets lie that lie along a direction."""
+        return () if self.grain is None else (self.grain,)
+
+    @property
+    def grain_maps(self) -> tuple[str, ...]:
+        """UV maps whose U its facets lie along."""
+        return tuple(grain.uv_map for grain in self.grains if grain.axis is None)
 
     @property
     def largest(self) -> float:
@@ -151,7 +203,7 @@ class Coated(Surface):
 
     ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection, and ``tint``
     what it reflects along its normal. ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren
-    and Nayar's model).
+    and Nayar's model). ``grain``: of the coat's facets.
     """
 
     reflectance: Colour = Constant(0.5)
@@ -160,8 +212,13 @@ class Coated(Surface):
     specular: float = 1.0
     base_roughness: float = 0.0
     tint: Spectrum | None = None
+    grain: Grain | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def has_grain(self) -> bool:
+        return bool(self.grain_maps)
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -226,11 +283,14 @@ class Fabric(Surface):
 
 
 class _MirrorLike(Surface):
-    """An ideal mirror where it is smooth."""
+    """An ideal mirror where it is smooth, along the direction of its facets and across it."""
 
     @property
     def is_mirror(self) -> bool:
-        return not isinstance(self.roughness, ImageTexture) and self.roughness < SMOOTH_ROUGHNESS
+        if isinstance(self.roughness, ImageTexture):
+            return False
+        wider = 1.0 if self.grain is None else np.sqrt(self.grain.largest_stretch)
+        return self.roughness * wider < SMOOTH_ROUGHNESS
 
     is_bending = is_mirror
 
@@ -241,13 +301,19 @@ class Glossy(_MirrorLike):
 
     ``edge`` None: the reflectance is the same from all sides. Else it rises towards 1 at grazing angles by Schlick's
     formula, and is ``edge`` times what that gives at 82 degrees (Blender's F82 tint), unless it is an ideal mirror.
+    ``grain``: of its facets.
     """
 
     reflectance: Colour = Constant(0.8)
     roughness: Scalar = 0.5
     edge: Colour | None = None
+    grain: Grain | None = None
 
     spectra = ("reflectance",)
+
+    @property
+    def has_grain(self) -> bool:
+        return bool(self.grain_maps)
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -561,6 +627,10 @@ class Mix(Surface):
         return own + self.first.pictures + self.second.pictures
 
     @property
+    def grains(self) -> tuple[Grain, ...]:
+        return self.first.grains + self.second.grains
+
+    @property
     def largest(self) -> float:
         return max(self.first.largest, self.second.largest)
 
@@ -593,6 +663,7 @@ class Raised(Surface):
     has_own_colour = _of_inner("has_own_colour")
     has_grain = _of_inner("has_grain")
     is_absorbing = _of_inner("is_absorbing")
+    grains = _of_inner("grains")
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -633,7 +704,9 @@ def can_be_raised(surface: Surface) -> bool:
     """Tell whether a relief turns a surface of one kind: not what light passes straight, nor what was measured as it is."""
     return not (
         surface.passes_straight
-        or isinstance(surface, Black | Blend | Fabric | Holdout | Measured | Mix | Raised | Varnish)
+        or isinstance(
+            surface, Black | Blend | Fabric | Holdout | Measured | Mix | Raised | Sheen | Varnish
+        )
     )
 
 
@@ -644,24 +717,26 @@ def raise_surface(surface: Surface | None, relief: Relief | None) -> Surface | N
     if isinstance(surface, Mix | Blend):
         first, second = (raise_surface(s, relief) for s in (surface.first, surface.second))
         return replace(surface, first=first, second=second)
-    if isinstance(surface, Varnish):
+    if isinstance(surface, Varnish | Sheen):
         return replace(surface, base=raise_surface(surface.base, relief))
     return Raised(surface, relief) if can_be_raised(surface) else surface
 
 
 @dataclass(frozen=True)
 class Toon(Surface):
-    """Light goes evenly into a cone about the normal, as of Blender's diffuse Toon BSDF.
+    """Light goes evenly into a cone about the normal or the mirror direction, as of Blender's Toon BSDF.
 
     Parameters
     ----------
     reflectance : Colour    Of light that goes into the cone at its middle.
     size, edge : float    Half angle of the cone, and width of its edge, of right angles. [-]
+    is_glossy : bool    Whether the cone lies about the mirror direction.
     """
 
     reflectance: Colour = Constant(0.8)
     size: float = 0.5
     edge: float = 0.0
+    is_glossy: bool = False
 
     spectra = ("reflectance",)
 
@@ -714,6 +789,10 @@ class Blend(Surface):
     @property
     def pictures(self) -> tuple[ImageTexture, ...]:
         return self.first.pictures + self.second.pictures
+
+    @property
+    def grains(self) -> tuple[Grain, ...]:
+        return self.first.grains + self.second.grains
 
     @property
     def is_reciprocal(self) -> bool:
@@ -778,6 +857,7 @@ class Varnish(Surface):
     has_grain = _of_base("has_grain")
     has_relief = _of_base("has_relief")
     has_own_colour = _of_base("has_own_colour")
+    grains = _of_base("grains")
     largest = _of_base("largest")
 
     @property
@@ -791,6 +871,56 @@ class Varnish(Surface):
     def scaled(self, factor: float) -> Varnish | None:
         base = self.base.scaled(factor)
         return None if base is None else replace(self, base=base)
+
+
+@dataclass(frozen=True)
+class Sheen(Surface):
+    """Fibres over any other surface, on both sides of it, which shine at grazing angles.
+
+    Parameters
+    ----------
+    base : Surface    What lies below; black for fibres alone.
+    weight : Scalar    Share of the fibres that is there. [-]
+    tint : Colour    Their colour.
+    roughness : float    0 to 1. [-]
+    is_velvet : bool    Whether they are upright (Ashikhmin's model), and no microfibres.
+    """
+
+    base: Surface
+    weight: Scalar = 1.0
+    tint: Colour = Constant(1.0)
+    roughness: float = 0.5
+    is_velvet: bool = False
+
+    is_purely_specular = False
+
+    depth = _of_base("depth")
+    is_opaque = _of_base("is_opaque")
+    passes_straight = _of_base("passes_straight")
+    is_window = _of_base("is_window")
+    is_bending = _of_base("is_bending")
+    is_dispersive = _of_base("is_dispersive")
+    is_absorbing = _of_base("is_absorbing")
+    has_grain = _of_base("has_grain")
+    has_relief = _of_base("has_relief")
+    has_own_colour = _of_base("has_own_colour")
+    grains = _of_base("grains")
+
+    @property
+    def largest(self) -> float:
+        return max(self.base.largest, largest_of(self.tint))
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        return (*self.base.colours, self.tint)
+
+    @property
+    def pictures(self) -> tuple[ImageTexture, ...]:
+        return (*self.base.pictures, *super().pictures)
+
+    def scaled(self, factor: float) -> Sheen:
+        base = self.base.scaled(factor) or self.base
+        return replace(self, base=base, tint=scale(self.tint, factor))
 
 
 @dataclass(frozen=True)

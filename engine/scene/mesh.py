@@ -21,6 +21,8 @@ class Geometry:
     corner_normals : (t, 3, 3) float32 array or None    Shading normals per triangle corner; None: flat.
     uv_maps : dict of str to (t, 3, 2) float32 array    Texture coordinates per triangle corner; the first is the default.
     polygon : (t,) int32 array or None    Index of the polygon that each triangle came from (None: its own).
+    box : (2, 3) float64 array or None    Middle and halves of the sides of its box in the local frame, round which
+        directions of facets go (None: that of its vertices).
     """
 
     id: str
@@ -30,6 +32,7 @@ class Geometry:
     corner_normals: np.ndarray | None = None
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
     polygon: np.ndarray | None = None
+    box: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

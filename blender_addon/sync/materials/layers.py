@@ -6,10 +6,12 @@ import numpy as np
 
 from ....engine.materials.facets import directional_reflectance, mean_reflectance
 from ....engine.materials.layering import even_shares, slant
-from ....engine.scene.material import Black, Mix, Surface, Varnish
+from ....engine.materials.fibres import sent_on
+from ....engine.scene.material import Black, Mix, Sheen, Surface, Varnish
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import reflectance_of
+from .relief import find_relief
 
 
 def varnished(at, surface: Surface | None, radiance: Field | None):
@@ -37,12 +39,41 @@ def varnished(at, surface: Surface | None, radiance: Field | None):
     return _over(coat, surface), radiance
 
 
-def _over(coat: Varnish, surface: Surface | None) -> Surface:
-    """Put a coat over each part of a mixture, which is the same as over the whole."""
+def with_sheen(at, surface: Surface | None, radiance: Field | None):
+    """Put the sheen of a Principled BSDF over its other parts, coat included, and its light.
+
+    Returns
+    -------
+    (Surface or None, Field or None)    As they came where there is no sheen.
+    """
+    weight = at("Sheen Weight").clipped()
+    if weight.is_everywhere(0):
+        return surface, radiance
+    tint = at("Sheen Tint").settled()
+    if not tint.is_constant:
+        at.note("The tint of the sheen varies over the surface", "its mean is used")
+        tint = Field(tint.mean())
+    tint = reflectance_of(at, tint)
+    if find_relief(at) is not None:
+        at.note("A sheen with a bent normal is not supported", "it has the mesh's own normal")
+    roughness = min(max(at.plain("Sheen Roughness"), 0.0), 1.0)
+    sheen = Sheen(Black(), as_scalar(weight), as_colour(tint), roughness)
+    if radiance is not None:
+        at.remark(
+            "Blender's sheen dims the light of a surface by the viewing angle",
+            "it is dimmed by the mean over all angles",
+        )
+        most = mean_reflectance(sent_on(round(roughness, 4), False)) * tint.limits()[1]
+        radiance = at.map(lambda light, w: light * (1.0 - w * most), radiance, weight)
+    return _over(sheen, surface), radiance
+
+
+def _over(layer: Varnish | Sheen, surface: Surface | None) -> Surface:
+    """Put a layer over each part of a mixture, which is the same as over the whole."""
     if isinstance(surface, Mix):
-        first, second = _over(coat, surface.first), _over(coat, surface.second)
+        first, second = _over(layer, surface.first), _over(layer, surface.second)
         return replace(surface, first=first, second=second)
-    return replace(coat, base=surface or Black())
+    return replace(layer, base=surface or Black())
 
 
 def _dimmed(at, radiance, weight, tint, ior, roughness):

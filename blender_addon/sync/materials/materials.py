@@ -162,9 +162,24 @@ def _convert_nodes(material, material_id: str, context: RayContext, efficacy: fl
                 f"Its pictures and its relief lie on the UV maps {', '.join(map(repr, maps))}",
                 f"all are laid by {maps[0]!r}",
             )
+    if closure.surface is not None:
+        _tell_tangents(closure.surface, material.name, report)
     return Material(
         material_id, material.name, closure.surface or Black(), emission, material.pass_index
     )
+
+
+def _tell_tangents(surface, name: str, report) -> None:
+    """Note tangents that follow another UV map than that of the pictures."""
+    maps = list(dict.fromkeys(picture.uv_map for picture in surface.pictures))
+    used = maps[0] if maps else next(iter(surface.grain_maps), "")
+    for other in dict.fromkeys(surface.grain_maps):
+        if other != used:
+            report.warn(
+                name,
+                f"The tangent follows UV map {other!r}",
+                f"it follows {used or 'the default one'!r}",
+            )
 
 
 def _report_working_space(report):

@@ -18,7 +18,8 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
-from .layers import varnished
+from .grain import find_grain
+from .layers import varnished, with_sheen
 from .relief import find_relief
 
 ROUGH = 0.1
@@ -28,8 +29,6 @@ EVEN = 1e-5
 """Diffuse roughness below which a surface is plainly matt, in Cycles too."""
 
 _LEFT_OUT = {
-    "Sheen Weight": (0.0, "Sheen"),
-    "Anisotropic": (0.0, "Anisotropy"),
     "Thin Film Thickness": (0.0, "The thin film"),
 }
 
@@ -42,7 +41,7 @@ def convert_principled(at) -> Closure:
     """Return what a Principled BSDF stands for.
 
     A coated diffuse base, a metal by ``Metallic``, a solid dielectric by ``Transmission Weight``,
-    all below the ``Coat``, and seen through ``Alpha``.
+    all below the ``Coat`` and that below the ``Sheen``, and seen through ``Alpha``.
     """
     _report_unsupported(at)
     base = reflectance_of(at, at("Base Color"))
@@ -63,10 +62,10 @@ def convert_principled(at) -> Closure:
         surface = mix_surfaces(surface, pane(at, base), transmission)
     if not metallic.is_everywhere(0):
         edge = as_colour(reflectance_of(at, at("Specular Tint")))
-        metal = Glossy(as_colour(base), as_scalar(roughness), edge)
+        metal = Glossy(as_colour(base), as_scalar(roughness), edge, _grain(at))
         surface = mix_surfaces(surface, metal, metallic)
     surface = raise_surface(surface, find_relief(at))
-    surface, radiance = varnished(at, surface, _radiance(at))
+    surface, radiance = with_sheen(at, *varnished(at, surface, _radiance(at)))
     if not alpha.is_everywhere(1):
         surface = mix_surfaces(Transparent(), surface, alpha)
         radiance = scaled(at, radiance, alpha)
@@ -83,7 +82,11 @@ def _coated(at, base):
     ior = (1 + amplitude) / (1 - amplitude)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
     sigma = aslant(at, "Diffuse Roughness")
-    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at))
+    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at), _grain(at))
+
+
+def _grain(at):
+    return find_grain(at, "Anisotropic", "Anisotropic Rotation")
 
 
 def _tint(at):

@@ -9,6 +9,7 @@ from ....engine.scene.material import (
     Glossy,
     Holdout,
     Raised,
+    Sheen,
     Toon,
     Transparent,
     raise_surface,
@@ -20,6 +21,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
+from .grain import find_glossy_grain, find_grain
 from .principled import aslant, convert_principled, report_facets
 from .relief import find_relief
 
@@ -82,23 +84,22 @@ def _translucent(at):
 
 
 def _glossy(at):
-    if not at("Anisotropy").is_everywhere(0):
-        at.note("Anisotropy is not supported", "it is left out")
     report_facets(at)
-    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness"))))
+    grain = find_glossy_grain(at)
+    return _raised(at, Glossy(as_colour(_colour(at)), as_scalar(at("Roughness")), None, grain))
 
 
 def _metallic(at):
-    for name, subject in (("Anisotropy", "Anisotropy"), ("Thin Film Thickness", "The thin film")):
-        if not at(name).is_everywhere(0):
-            at.note(f"{subject} is not supported", "it is left out")
+    if not at("Thin Film Thickness").is_everywhere(0):
+        at.note("The thin film is not supported", "it is left out")
     if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
         at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
         colour, edge = at.map(_normal_reflectance, at("IOR"), at("Extinction")), None
     else:
         colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
     report_facets(at)
-    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge))
+    grain = find_grain(at, "Anisotropy", "Rotation")
+    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge, grain))
 
 
 def _normal_reflectance(n, k):
@@ -200,7 +201,7 @@ def _by_fresnel(at, weight):
     if not isinstance(roughness, float):
         roughness = float(roughness.mean().mean())
     roughness = min(max(roughness, 0.0), 1.0)
-    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness)
+    surface = Coated(base.reflectance, ior, roughness, 1.0, base.roughness, None, gloss.grain)
     at.remark(
         "A gloss is mixed over a matt shader by Fresnel",
         "a diffuse base under a clear coat is used",
@@ -223,10 +224,16 @@ def _index_of(weight):
 
 
 def _toon(at):
-    if at.node.component == "GLOSSY":
-        at.note("A glossy toon is not supported", "the diffuse one of its colour is used")
     size, edge = at.plain("Size"), at.plain("Smooth")
-    return _raised(at, Toon(as_colour(_colour(at)), size, edge))
+    is_glossy = at.node.component == "GLOSSY"
+    return _raised(at, Toon(as_colour(_colour(at)), size, edge, is_glossy))
+
+
+def _sheen(at):
+    if find_relief(at) is not None:
+        at.note("A sheen with a bent normal is not supported", "it has the mesh's own normal")
+    is_velvet = at.node.distribution == "ASHIKHMIN"
+    return Closure(Sheen(Black(), 1.0, as_colour(_colour(at)), _roughness(at), is_velvet))
 
 
 def _as_diffuse(at):
@@ -254,6 +261,8 @@ _SHADERS = {
     "ShaderNodeBsdfRayPortal": _portal,
     "ShaderNodeHoldout": _holdout,
     "ShaderNodeBsdfToon": _toon,
+    "ShaderNodeBsdfSheen": _sheen,
+    "ShaderNodeBsdfVelvet": _sheen,
     "ShaderNodeEmission": _emission,
     "ShaderNodeAddShader": _add,
     "ShaderNodeMixShader": _mix,

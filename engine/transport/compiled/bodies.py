@@ -325,7 +325,10 @@ def _make_shape(name: str, positions, faces, properties, uv=None):
 
 
 def uv_map_of(material: Material) -> str:
-    """Name of the UV map that a material's pictures use; the converter sees to it that there is one at most."""
+    """Name of the UV map that a material's pictures use, or else its facets lie along.
+
+    The converter sees to it that there is one at most.
+    """
     for picture in pictures(material):
         return picture.uv_map
-    return ""
+    return next(iter(material.surface.grain_maps), "")

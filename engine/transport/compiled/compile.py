@@ -27,6 +27,7 @@ from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
 from .enclosures import find_enclosed
+from .grain_ways import find_ways
 from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .layers import Layer
 from .lights import LightTable, Source
@@ -416,7 +417,9 @@ class CompiledScene:
         self._pool.has_grain = any(surface.has_grain for surface in surfaces)
         self._pool.has_relief = any(surface.has_relief for surface in surfaces)
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
-        self._material_palette.commit(columns["row"], self._axes(size, parts))
+        is_round = any(grain.axis is not None for surface in surfaces for grain in surface.grains)
+        ways = find_ways(size, parts, self.origin) if is_round else None
+        self._material_palette.commit(columns["row"], self._axes(size, parts), ways)
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
         self.hidden, self.holdouts, self.unlit = (

@@ -96,13 +96,19 @@ class MaterialPalette:
             for text in approximations(self._items[key].surface)
         ]
 
-    def commit(self, rows_by_shape: np.ndarray, frames: np.ndarray | None = None) -> None:
+    def commit(
+        self,
+        rows_by_shape: np.ndarray,
+        frames: np.ndarray | None = None,
+        ways: np.ndarray | None = None,
+    ) -> None:
         """Bring the palette up to date.
 
         Parameters
         ----------
         rows_by_shape : (n,) array    Row of the shape with each number.
         frames : (n, 3, 3) array or None    Axes of the objects of the shapes, where something has a relief.
+        ways : (n, 3, 4, 3) array or None    As `grain_ways` finds them, where facets lie round an axis.
         """
         if self._has_unused:
             self.make.bitmaps.keep(set().union(*self._pictures.values()))
@@ -116,9 +122,11 @@ class MaterialPalette:
             )
             self._changed = False
         self.palette.set_rows(rows_by_shape)
-        if frames is not None:
-            for plugin, _ in self._plugins.values():
-                _set_frames(plugin, frames)
+        for plugin, _ in self._plugins.values():
+            if frames is not None:
+                _give(plugin, "set_frames", frames)
+            if ways is not None:
+                _give(plugin, "set_ways", ways)
 
     def _columns_of(self, material: Material) -> dict[str, np.ndarray]:
         """Row of a plain material, and note the picture that it shows."""
@@ -155,13 +163,13 @@ class MaterialPalette:
         return len(self._columns) - 1
 
 
-def _set_frames(plugin, frames: np.ndarray) -> None:
-    """Give the parts of a surface model that have a relief the axes of objects."""
-    if hasattr(plugin, "set_frames"):
-        plugin.set_frames(frames)
-    for name in ("first", "second"):
+def _give(plugin, method: str, table: np.ndarray) -> None:
+    """Give all parts of a surface model that ask for it what is known of the objects by their shapes."""
+    if hasattr(plugin, method):
+        getattr(plugin, method)(table)
+    for name in ("first", "second", "base", "nested"):
         if hasattr(plugin, name):
-            _set_frames(getattr(plugin, name), frames)
+            _give(getattr(plugin, name), method, table)
 
 
 def _transplant(new, old) -> bool:

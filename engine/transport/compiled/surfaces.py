@@ -4,10 +4,11 @@ import numpy as np
 
 from ...materials.albedo import limits
 from ...materials.facets import MINIMUM_ALPHA
+from ...materials.grain import GrainOfFacets
 from ...photometry.spectra import GRID, evaluate_reflectance
 from ...scattering.data.surface import usable
+from ...scene.colour import largest_of
 from ...scene.material import (
-    SMOOTH_ROUGHNESS,
     Black,
     Blend,
     Coated,
@@ -16,10 +17,12 @@ from ...scene.material import (
     Diffuse,
     Fabric,
     Glossy,
+    Grain,
     Holdout,
     Measured,
     Mix,
     Raised,
+    Sheen,
     Surface,
     TabulatedPane,
     ThinGlass,
@@ -50,7 +53,8 @@ PALETTE_STEPS = 471
 
 def is_plain(surface: Surface) -> bool:
     """Tell whether a surface can join a palette: a diffuse base with or without a coat, or black."""
-    return _as_plain(surface) is not None
+    plain = _as_plain(surface)
+    return plain is not None and plain.grain is None
 
 
 def _as_plain(surface: Surface) -> Coated | None:
@@ -94,7 +98,23 @@ def _coated(surface, make: TextureMaker):
         properties["reflectance"] = make.picture(surface.reflectance)
     plugin = mi.load_dict(properties)
     plugin.set_palette(**palette([surface], make))
+    grain = _as_plain(surface).grain
+    if grain is not None:
+        tint = 1.0 if surface.tint is None else largest_of(surface.tint)
+        row = palette([surface], make)
+        numbers = (float(row[name][0]) for name in ("alpha", "eta", "specular"))
+        plugin.set_grain(_grain(grain, make), *numbers, min(tint, 1.0), float(grain.stretch))
     return plugin
+
+
+def _grain(grain: Grain, make: TextureMaker) -> GrainOfFacets:
+    import mitsuba as mi
+
+    grain.check()
+    rotation = make.scalar(grain.rotation)
+    if isinstance(rotation, dict):
+        rotation = mi.load_dict(rotation, optimize=False)
+    return GrainOfFacets(float(grain.stretch), rotation, grain.axis)
 
 
 def alpha(roughness: float) -> float:
@@ -134,7 +154,7 @@ def _black(_surface: Black, make: TextureMaker):
 def _glossy(surface: Glossy, make: TextureMaker) -> dict:
     colour = make.reflectance(surface.reflectance)
     properties = {**make.metal("none"), "specular_reflectance": colour}
-    return _mirror_like(properties, surface.roughness, make, surface.edge)
+    return _mirror_like(properties, surface, make)
 
 
 def _conductor(surface: Conductor, make: TextureMaker) -> dict:
@@ -143,7 +163,7 @@ def _conductor(surface: Conductor, make: TextureMaker) -> dict:
         **make.metal(surface.metal),
         "specular_reflectance": make.reflectance(Constant(1.0)),
     }
-    return _mirror_like(properties, surface.roughness, make)
+    return _mirror_like(properties, surface, make)
 
 
 def _thin_glass(surface: ThinGlass, make: TextureMaker) -> dict:
@@ -176,6 +196,7 @@ def _toon(surface: Toon, make: TextureMaker) -> dict:
         "reflectance": make.reflectance(surface.reflectance),
         "size": float(surface.size),
         "edge": float(surface.edge),
+        "is_glossy": surface.is_glossy,
     }
 
 
@@ -218,10 +239,30 @@ def _varnish(surface: Varnish, make: TextureMaker):
     return plugin
 
 
+def _sheen(surface: Sheen, make: TextureMaker):
+    import mitsuba as mi
+
+    properties = {
+        "type": "lumenray_sheen",
+        "base": bsdf(surface.base, make),
+        "weight": make.scalar(surface.weight),
+        "tint": make.reflectance(surface.tint),
+    }
+    plugin = mi.load_dict(properties, optimize=False)
+    most, facets = min(largest_of(surface.tint), 1.0), _facets(surface.base)
+    plugin.set_fibres(surface.roughness, surface.is_velvet, most, facets)
+    return plugin
+
+
 def _facets(base: Surface) -> tuple | None:
     """Width, index and scale of the facets over an opaque base's diffuse light; None: light passes."""
     if not base.is_opaque:
         return None
+    if isinstance(base, Varnish) and not isinstance(base.weight, ImageTexture):
+        # What its coat mirrors goes where it comes from, unlike what lies below.
+        return _width(base.roughness), round(max(base.ior, 1.0001), 4), float(base.weight)
+    if isinstance(base, Varnish | Sheen):
+        return _facets(base.base)
     if isinstance(base, Glossy | Conductor):
         roughness = base.roughness
         if isinstance(roughness, ImageTexture):
@@ -269,20 +310,26 @@ def _two_sided(made: dict) -> dict:
     return {"type": "twosided", "nested": made}
 
 
-def _mirror_like(properties: dict, roughness, make: TextureMaker, edge=None) -> dict:
-    if isinstance(roughness, ImageTexture):
-        width = make.scalar(roughness, power=2.0)
-    elif roughness < SMOOTH_ROUGHNESS:
+def _mirror_like(properties: dict, surface: Glossy | Conductor, make: TextureMaker):
+    roughness, edge = surface.roughness, getattr(surface, "edge", None)
+    if surface.is_mirror:
         return _two_sided({"type": "conductor", **properties})
-    else:
-        width = alpha(roughness)
-    return {
+    is_even = not isinstance(roughness, ImageTexture)
+    made = {
         "type": "lumenray_rough_metal",
-        "alpha": width,
+        "alpha": alpha(roughness) if is_even else make.scalar(roughness, power=2.0),
         "rise": 0.0 if edge is None else 1.0,
         "edge": make.reflectance(Constant(1.0) if edge is None else edge),
         **properties,
     }
+    if surface.grain is None:
+        return made
+    import mitsuba as mi
+
+    plugin = mi.load_dict(made, optimize=False)
+    width = float(np.clip(made["alpha"], MINIMUM_ALPHA, 1.0)) if is_even else None
+    plugin.set_grain(_grain(surface.grain, make), float(surface.grain.stretch), width)
+    return plugin
 
 
 def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
@@ -349,6 +396,7 @@ MAKERS = {
     Measured: _measured,
     Mix: _mix,
     Varnish: _varnish,
+    Sheen: _sheen,
     Blend: _blend,
     Toon: _toon,
     Raised: _raised,
@@ -365,8 +413,10 @@ def approximations(surface: Surface) -> list[str]:
             notes = approximations(surface.first) + approximations(surface.second)
             return notes if surface.is_reciprocal else [BY_ANGLE, *notes]
         case Toon():
-            return ["it shines about its normal wherever light comes from, as in Blender"]
-        case Varnish():
+            about = "the mirror direction" if surface.is_glossy else "its normal"
+            where = "evenly" if surface.is_glossy else "wherever light comes from"
+            return [f"it shines about {about} {where}, as in Blender"]
+        case Varnish() | Sheen():
             return approximations(surface.base)
         case Raised():
             return approximations(surface.surface)

@@ -10,7 +10,9 @@ from lumenray.engine.scene.material import (
     Dielectric,
     Diffuse,
     Glossy,
+    Grain,
     Mix,
+    Sheen,
     ThinGlass,
     Toon,
     Transparent,
@@ -40,9 +42,16 @@ SMOOTH = {
     "tinted edge": Glossy(Rgb(0.9, 0.6, 0.3), 0.4, Rgb(0.3, 0.5, 0.9)),
     "varnished paint": Varnish(Coated(Rgb(0.9, 0.6, 0.3)), 0.7, 1.6, 0.3, Rgb(0.3, 0.6, 0.9)),
     "varnished metal": Varnish(Glossy(Rgb(0.9, 0.6, 0.3), 0.6), 1.0, 1.5, 0.2),
+    "brushed metal": Glossy(Rgb(0.9, 0.6, 0.3), 0.5, Constant(0.7), Grain(2.5, 0.15)),
+    "brushed paint": Coated(Rgb(0.6, 0.3, 0.2), 1.6, 0.5, 1.0, 0.0, None, Grain(0.5, 0.4)),
+    "fibres": Sheen(Black(), 1.0, Rgb(0.9, 0.6, 0.3), 0.3),
+    "velvet": Sheen(Black(), 1.0, Rgb(0.9, 0.6, 0.3), 0.4, True),
+    "paint under fibres": Sheen(Coated(Rgb(0.6, 0.3, 0.2)), 0.8, Rgb(0.3, 0.6, 0.9), 0.6),
+    "fibres on varnish": Sheen(Varnish(Diffuse(Constant(0.5)), 1.0, 1.5, 0.3), 1.0),
     "by facing": Blend(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), FACING),
     "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
     "toon": Toon(Rgb(0.7, 0.4, 0.2), 0.4, 0.3),
+    "glossy toon": Toon(Rgb(0.7, 0.4, 0.2), 0.3, 0.3, True),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -126,6 +135,8 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 RECIPROCAL = (
     *("tinted gloss", "matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
     *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal", "sum"),
+    *("brushed metal", "brushed paint"),
+    *("fibres", "velvet", "paint under fibres", "fibres on varnish"),
 )
 
 
@@ -180,6 +191,15 @@ def flux(surface, angle, count):
 def test_a_white_base_under_a_coat_loses_at_most_what_single_scattering_loses(roughness, angle):
     # Single scattering of a rough coat loses a few percent at grazing angles; nothing may be gained.
     assert 0.93 < albedo(Coated(Constant(1.0), 1.5, roughness), angle) < 1.003
+
+
+@pytest.mark.parametrize("angle", [0, 45, 80, 110])
+@pytest.mark.parametrize(
+    "base", [Diffuse(Constant(1.0)), Glossy(Constant(1.0), 0.5), Transparent()]
+)
+def test_white_fibres_take_from_a_white_base_what_they_send_on(base, angle):
+    found = albedo(Sheen(base, 0.7, Constant(1.0), 0.6), angle, 1 << 17)
+    assert found == pytest.approx(1.0, abs=4e-3)
 
 
 @pytest.mark.parametrize("angle", [0, 45, 80, 110])

@@ -113,9 +113,7 @@ def test_emission_strength_times_efficacy_is_luminance(tree, convert):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("Sheen_Weight", 0.5),
         ("Subsurface_Weight", 0.5),
-        ("Anisotropic", 0.5),
     ],
 )
 def test_unsupported_part_of_principled_is_reported(tree, convert, name, value):
