@@ -110,8 +110,8 @@ class Engine:
         )
 
     def render(self, items: Sequence, camera, rule: StopRule, seed: int) -> Picture:
-        """Render a picture; its rule is the case's."""
-        return self.stage(items).render(camera, ViewSettings(rule, seed=seed))
+        """Render a picture by the case's rule; pixels share nothing, since cases sum up their errors as independent ones."""
+        return self.stage(items).render(camera, ViewSettings(rule, seed=seed, shares=False))
 
 
 @dataclass
