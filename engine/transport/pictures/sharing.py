@@ -295,7 +295,7 @@ class PixelSharing:
         light = {
             kind: means[kind][..., self._columns] for kind, error in errors.items() if error > least
         }
-        for tiling in self._tilings:
+        for tiling in self._tilings if light else ():
             changed, gone = yield from tiling.finding_changes(light, variances)
             change[..., self._columns] += changed
             for kind, part in gone.items():

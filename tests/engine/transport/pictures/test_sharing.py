@@ -70,6 +70,14 @@ def share(true, reflectance, surface, noise, seed):
     return error / scale, stated / scale, halves.mean(axis=0)[:, 1], shared.mean(axis=0)[:, 1]
 
 
+def test_light_without_noise_stays_as_it_is():
+    true, reflectance, surface = lights()["edge of a shadow"]
+    means = {GATHERED: np.tile(true.ravel()[None, :, None], (2, 1, 3)).astype(np.float32)}
+    made = sharing_of(reflectance, surface).share(means, {GATHERED: np.zeros((2, true.size))})
+    assert not made.change.any()
+    assert (made.left[GATHERED] == 1.0).all()
+
+
 @pytest.mark.parametrize("name", lights())
 @pytest.mark.parametrize("noise", [0.02, 0.1, 0.5])
 def test_the_stated_error_is_the_true_one_whatever_the_light(name, noise):
