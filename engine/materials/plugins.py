@@ -17,10 +17,10 @@ from .refraction import refraction_class, rough_refraction_class
 from .relief import relief_class
 from .rough_glass import rough_glass_class
 from .rough_metal import rough_metal_class
+from .sheen import sheen_class
 from .specular import pane_components, sample_pane, specular
 from .tabulated_pane import tabulated_pane_class
 from .toon import toon_class
-from .sheen import sheen_class
 from .varnish import varnish_class
 
 DISPERSED_COMPONENT = 16

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ....engine.materials.facets import directional_reflectance, mean_reflectance
-from ....engine.materials.layering import even_shares, slant
 from ....engine.materials.fibres import sent_on
+from ....engine.materials.layering import even_shares, slant
 from ....engine.scene.material import Black, Mix, Sheen, Surface, Varnish
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket

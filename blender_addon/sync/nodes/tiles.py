@@ -6,7 +6,6 @@ import numpy as np
 
 from ....engine.scene.texture import Tile
 
-
 MOST = 1 << 26
 """Values that resampling makes at most."""
 

@@ -6,13 +6,13 @@ import pytest
 from blender_objects import add_light
 from conversion import converted_light, error_messages, measure_light
 from lumenray.engine.luminaires.distribution import flux, intensity
-from lumenray.engine.scene.light import Luminaire, PointLight, Quantity, SpotLight
 from lumenray.engine.photometry.spectra import (
     GRID,
     evaluate_emission,
     luminous_efficiency,
     upsample,
 )
+from lumenray.engine.scene.light import Luminaire, PointLight, Quantity, SpotLight
 from lumenray.engine.scene.spectrum import Illuminant, Rgb
 
 pytestmark = pytest.mark.usefixtures("extension")
