@@ -5,7 +5,7 @@ Of a film of the index n and the thickness d on a base of the complex index m, i
     r = (r_1 + r_2 e^(i phi)) / (1 + r_1 r_2 e^(i phi)),    phi = 4 pi n d cos_n / lambda
 
 with Fresnel's amplitudes r_1 of air on film and r_2 of film on base at the cosine cos_n inside. Unpolarised light has the
-mean of |r|^2 over both polarisations. Light that passes into a clear base is the rest, whichever way it goes. Where the light
+mean of |r|^2 over both polarisations. Light that passes into a clear base is the rest, whichever way it goes. Where light
 of both faces is apart by more than `LONGEST`, colours that eyes and sensors see have forgotten phi, and its mean is taken.
 
 Kernels read tables: even in the root of the cosine and in the wave number, as fine as phi needs it.

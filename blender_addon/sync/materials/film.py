@@ -1,5 +1,7 @@
 """Thin films of shader nodes."""
 
+import numpy as np
+
 from ....engine.scene.film import Film
 from ....engine.scene.spectrum import Tabulated
 from ..nodes.fields import Field
@@ -36,7 +38,8 @@ def index_of_metal(at) -> Tabulated:
     if not field.is_constant:
         at.note("The refractive index varies over the surface", "its mean is used")
     red, green, blue = field.mean()
-    return Tabulated([*PRIMARIES], [max(float(n), 1e-3) for n in (blue, green, red)])
+    values = np.maximum([blue, green, red], 1e-3).astype(np.float64)
+    return Tabulated(np.array(PRIMARIES), values)
 
 
 def mean_below_film(at, colour: Field, film: Film | None) -> Field:
