@@ -49,3 +49,12 @@ def mean_below_film(at, colour: Field, film: Film | None) -> Field:
         return colour
     at.note("The colour of a metal below a thin film varies over the surface", "its mean is used")
     return Field(colour.mean())
+
+
+def tell_film_on_glass(at, film: Film | None) -> None:
+    """Say that light from inside meets another film in Blender."""
+    if film is not None:
+        at.remark(
+            "Blender takes a thin film for thinner when light meets it from inside the glass",
+            "it is the same film from both sides",
+        )

@@ -18,7 +18,7 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
-from .film import find_film, mean_below_film
+from .film import find_film, mean_below_film, tell_film_on_glass
 from .grain import find_grain
 from .layers import varnished, with_sheen
 from .relief import find_relief
@@ -76,6 +76,11 @@ def _coated(at, base, film):
     ior = at.plain("IOR")
     normal_reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * at.plain("Specular IOR Level")
     amplitude = math.sqrt(min(max(normal_reflectance, 0.0), 0.98))
+    if film is not None:
+        at.remark(
+            "Blender takes more light from what lies below a thin film than the film reflects",
+            "nothing is lost below it",
+        )
     if amplitude < 1e-4 and film is None:
         return Diffuse(as_colour(base), None, aslant(at, "Diffuse Roughness"))
     ior = (1 + amplitude) / (1 - amplitude)
@@ -126,6 +131,7 @@ def _pane(at, base, film):
 
 
 def _glass(at, base, film):
+    tell_film_on_glass(at, film)
     # Cycles takes the root because light crosses the boundary twice.
     tint = Field(recall(base.values, "root", np.sqrt), base.layout)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)

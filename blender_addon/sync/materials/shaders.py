@@ -23,7 +23,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
-from .film import find_film, index_of_metal, mean_below_film
+from .film import find_film, index_of_metal, mean_below_film, tell_film_on_glass
 from .grain import find_glossy_grain, find_grain
 from .principled import aslant, convert_principled, report_facets
 from .relief import find_relief
@@ -124,6 +124,7 @@ def _glass(at):
     mirror = None if colour.is_everywhere(1) else tint
     ior = Cauchy(at.plain("IOR"), 0.0)
     film = find_film(at)
+    tell_film_on_glass(at, film)
     return _raised(at, Dielectric(ior, _roughness(at), tint, mirror_tint=mirror, film=film))
 
 
