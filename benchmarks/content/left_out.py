@@ -18,9 +18,9 @@ REASONS = {
     "Object, not for glossy rays": "an object that some light meets and other does not has no balance of energy",
     "Object, no shadow": "light that passes an object and is reflected by it would be there twice",
     "Principled, film on paint": (
-        "in a white furnace white paint below this film keeps 0.953 of green light in Cycles, where 1 is due, and 0.9995 here"
+        "white paint below this film in a white furnace keeps 0.953 of green light in Cycles, 0.9995 here; 1 is due"
     ),
-    "Principled, film on glass": "Cycles' film is thinner from inside the glass, as of the Glass BSDF",
+    "Principled, film on glass": "a film in Cycles is thinner from inside the glass, as of the Glass BSDF",
     "Glass, thin film": (
         "at 30 degrees inside the glass 0.796 of green light passes in Cycles, 0.934 by Airy's formula and on the way back: "
         "from inside Cycles divides the film's index by that of the glass and keeps the thickness"

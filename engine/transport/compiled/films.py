@@ -74,7 +74,7 @@ def film_on_glass(surface: Dielectric, index: float, make: TextureMaker) -> Film
     return FilmOnGlass(_table(surface.film, table, make), width, index)
 
 
-def lay_film(made: dict, film) -> mi.BSDF:
+def lay_film(made: dict, film):
     """Return the plug-in of properties with a film on it."""
     plugin = mi.load_dict(made, optimize=False)
     plugin.set_film(film)
