@@ -115,6 +115,19 @@ for _key, _values in {
     },
     "Principled, diffuse roughness": {"Diffuse_Roughness": 1.0},
     "Principled, thin film": {"Thin_Film_Thickness": 400.0, "Metallic": 1.0, "Roughness": 0.2},
+    "Principled, film on paint": {"Thin_Film_Thickness": 300.0, "Thin_Film_IOR": 1.8},
+    "Principled, thick film": {
+        "Thin_Film_Thickness": 3000.0,
+        "Thin_Film_IOR": 1.6,
+        "Metallic": 1.0,
+        "Roughness": 0.3,
+    },
+    "Principled, film on glass": {
+        "Thin_Film_Thickness": 250.0,
+        "Thin_Film_IOR": 1.9,
+        "Transmission_Weight": 1.0,
+        "Roughness": 0.3,
+    },
 }.items():
     _note("Surfaces", _key, _principled(**_values))
 _note("Surfaces", "Principled, subsurface", _principled(Subsurface_Weight=1.0), True)
@@ -152,6 +165,27 @@ for _key, (_kind, _attributes, _values) in {
         {"Roughness": 0.3},
     ),
     "Glass": ("BsdfGlass", {}, {"Roughness": 0.0}),
+    "Glass, thin film": (
+        "BsdfGlass",
+        {},
+        {"Roughness": 0.0, "Thin_Film_Thickness": 300.0, "Thin_Film_IOR": 2.0},
+    ),
+    "Metallic, thin film": (
+        "BsdfMetallic",
+        {},
+        {
+            "Base_Color": PAINT,
+            "Edge_Tint": (0.5, 0.7, 0.9, 1.0),
+            "Roughness": 0.3,
+            "Thin_Film_Thickness": 250.0,
+            "Thin_Film_IOR": 1.5,
+        },
+    ),
+    "Metallic, film by index": (
+        "BsdfMetallic",
+        {"fresnel_type": "PHYSICAL_CONDUCTOR"},
+        {"Roughness": 0.3, "Thin_Film_Thickness": 350.0},
+    ),
     "Glass, rough": ("BsdfGlass", {}, {"Roughness": 0.4}),
     "Glass, coloured": ("BsdfGlass", {}, {"Roughness": 0.0, "Color": (0.6, 0.9, 0.7, 1.0)}),
     "Glass, coloured, rough": ("BsdfGlass", {}, {"Roughness": 0.3, "Color": (0.6, 0.9, 0.7, 1.0)}),

@@ -42,7 +42,7 @@ def most_sent_out(surface: Surface, of: Callable = largest_of) -> np.ndarray:
             share = 0.0
         case Diffuse() | Transparent() | Fabric():
             share = sum(map(of, surface.colours)) + getattr(surface, "openness", 0.0)
-        case Coated():
+        case Coated() if surface.film is None:
             width = max(min(surface.roughness, 1.0) ** 2, MINIMUM_ALPHA)
             table = directional_reflectance(round(width, 4), round(max(surface.ior, 1.0001), 4))
             own = np.interp(np.sqrt(cosine), np.sqrt(cosines()), table)
@@ -59,7 +59,7 @@ def most_sent_out(surface: Surface, of: Callable = largest_of) -> np.ndarray:
             # Where fewer fibres are, more of the base shows.
             left = 1.0 - sent * min(largest_of(surface.tint), 1.0) if is_even else 1.0
             share = sent * of(surface.tint) + left * below
-        case Glossy() if surface.edge is None or surface.is_mirror:
+        case Glossy() if surface.film is None and (surface.edge is None or surface.is_mirror):
             share = of(surface.reflectance)
         case Mix():
             first, second = most_sent_out(surface.first, of), most_sent_out(surface.second, of)

@@ -9,6 +9,8 @@ coat's directional reflectance E and its hemispherical mean E_mean = 2 * integra
 base (rho = 1) reflects all energy that the coat's single scattering does not lose, whatever the roughness. With s = 0 it
 is Lambert's law exactly. A tint t of the coat puts 1 - (1 - F) (1 - F_0 t) / (1 - F_0) for F, F_0 being that along the
 normal; E is then that of the largest t. Facets of a coat may lie along a direction, on which E depends too (see `grain`).
+Under a thin film F and E depend on the wavelength (see `film`); where such facets lie along a direction, E is that of the
+direction times the film's share of it where they lie along none.
 Where a base is rough itself, 1 / pi has a factor more (see `rough_diffuse`).
 
 Light transport in vectorised variants pays for every *kind* of surface that lanes of one packet meet, so all such materials
@@ -24,6 +26,7 @@ import numpy as np
 from .facets import (
     MINIMUM_ALPHA,
     coat_reflectance,
+    directional_reflectance,
     grazing,
     mean_reflectance,
     mirror_light,
@@ -53,7 +56,7 @@ def coated_class():
                 mi.BSDFFlags.DiffuseReflection | sides,
             ]
             self.m_flags = self.m_components[0] | self.m_components[1]
-            self.rows = self.grain = None
+            self.rows = self.grain = self.film = None
 
         def set_palette(
             self, alpha, eta, specular, sigma, tints, spectra, pictures=None, picture_table=None
@@ -103,6 +106,26 @@ def coated_class():
             table = scale * own
             self.table = upload(mi.Float, table)
             self.mean = upload(mi.Float, [mean_over_azimuths(table, stretch)])
+            dr.eval(self.table, self.mean)
+
+        def set_film(self, film, scale):
+            """Lay a film on the coat of a single row. ``film``: `FilmOnPaint`; ``scale``: on all that it reflects. [-]"""
+            self.film = film
+            self.scale = upload(mi.Float, [scale])
+            dr.eval(self.scale)
+
+        def set_grain_of_film(self, grain, alpha, index, stretch):
+            """Lay the facets of a film along a direction; parameters as of `set_grain`.
+
+            What they reflect once is the film's share times what the direction makes of that of a plain boundary.
+            """
+            self.grain = grain
+            own = grain_reflectance(round(alpha, 6), round(stretch, 6), round(index, 4))
+            even = directional_reflectance(round(alpha, 4), round(index, 4))
+            self.table = upload(mi.Float, own / np.maximum(even, 1e-6))
+            self.mean = upload(
+                mi.Float, [mean_over_azimuths(own, stretch) / mean_reflectance(even)]
+            )
             dr.eval(self.table, self.mean)
 
         def set_ways(self, ways):
@@ -155,11 +178,24 @@ def coated_class():
                 value[k] = dr.lerp(low, high, place - mi.Float(below))
             return value
 
-        def _coat(self, facets, row, w, active):
+        def _coat(self, si, facets, row, w, active):
             """Directional reflectance of the coat, its scale included."""
+            cosine = dr.abs(mi.Frame3f.cos_theta(w))
+            if self.film is not None:
+                once = self.film.once(si, cosine, active)
+                if self.grain is None:
+                    return once
+                return dr.minimum(once * facets.read(self.table, row, w, active), 1.0)
             if self.grain is not None:
                 return facets.read(self.table, row, w, active)
-            return read_row(self.table, row, dr.abs(mi.Frame3f.cos_theta(w)), active)
+            return read_row(self.table, row, cosine, active)
+
+        def _mean(self, si, row, active):
+            """Mean of the coat's reflectance over the hemisphere."""
+            if self.film is not None and self.grain is None:
+                return self.film.mean(si, active)
+            mean = dr.gather(mi.Float, self.mean, row, active)
+            return mean if self.film is None else mean * self.film.mean(si, active)
 
         def _facets(self, si, row, active):
             """Width of the coat's facets, or how they lie."""
@@ -171,9 +207,10 @@ def coated_class():
             cos_i = dr.abs(mi.Frame3f.cos_theta(si.wi))
             reflectance = self._reflectance(si, row, active)
             facets = self._facets(si, row, active)
-            coat = self._coat(facets, row, si.wi, active)
-            base = (1.0 - coat) * average(reflectance)
-            share = dr.select(coat + base > 0.0, coat / dr.maximum(coat + base, 1e-8), 0.0)
+            coat = self._coat(si, facets, row, si.wi, active)
+            own = coat if self.film is None else average(coat)
+            base = (1.0 - own) * average(reflectance)
+            share = dr.select(own + base > 0.0, own / dr.maximum(own + base, 1e-8), 0.0)
             return row, facets, cos_i, reflectance, coat, share
 
         def _gloss(self, si, wo, prepared, active):
@@ -185,6 +222,8 @@ def coated_class():
                 light, density, cosine = mirror_light(si.wi, wo, facets)
             else:
                 light, density, cosine = facets.mirror_light(si.wi, wo)
+            if self.film is not None:
+                return scale * self.film.mirror(si, cosine, active) * light, density
             mirror = mi.fresnel(cosine, eta)[0]
             if self.tints is not None:
                 tint = self._spectrum(self.tints, si, row, active)
@@ -196,11 +235,11 @@ def coated_class():
             """What the base sends on, and the density by which it is drawn."""
             row, facets, cos_i, reflectance, coat, _ = prepared
             cos_o = dr.abs(mi.Frame3f.cos_theta(wo))
-            mean = dr.gather(mi.Float, self.mean, row, active)
+            mean = self._mean(si, row, active)
             lambert = cos_o * dr.inv_pi
             matte = (
                 (1.0 - coat)
-                * (1.0 - self._coat(facets, row, wo, active))
+                * (1.0 - self._coat(si, facets, row, wo, active))
                 / dr.maximum(1.0 - mean, 1e-6)
             )
             if self.sigma is not None:

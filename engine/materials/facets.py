@@ -70,6 +70,16 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
     Quadrature over the distribution of visible normals. ``eta``: refractive index of facets of a dielectric; infinite: they
     reflect everything.
     """
+    dot, ratio = seen_facets(alpha)
+    mirror = 1.0 if np.isinf(eta) else fresnel(dot, eta)
+    return np.clip((mirror * ratio).mean(axis=1, dtype=np.float64), 0.0, 1.0)
+
+
+def seen_facets(alpha: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return cosines to facets that are seen from `cosines`, and how much of what they reflect no other facet stops.
+
+    (64, `POINTS`), (64, `POINTS`) [-]
+    """
     wi, normal = visible_normals(alpha)
     dot = (wi * normal).sum(axis=2)
     cos_o = 2.0 * dot * normal[..., 2] - wi[..., 2]
@@ -77,9 +87,7 @@ def directional_reflectance(alpha: float, eta: float = np.inf) -> np.ndarray:
     root_i, root_o = smith_root(cos_i, alpha), smith_root(cos_o, alpha)
     # G2 / G1 of the height-correlated Smith term.
     ratio = cos_o * (cos_i + root_i) / np.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
-    mirror = 1.0 if np.isinf(eta) else fresnel(np.clip(dot, 0.0, 1.0), eta)
-    weight = np.where(cos_o > 0.0, mirror * ratio, 0.0)
-    return np.clip(weight.mean(axis=1, dtype=np.float64), 0.0, 1.0)
+    return np.clip(dot, 0.0, 1.0), np.where(cos_o > 0.0, ratio, 0.0)
 
 
 def coat_reflectance(alpha: float, eta: float, scale: float, tint: float = 1.0) -> np.ndarray:
@@ -107,9 +115,19 @@ def kept_by_glass(alpha: float, eta: float) -> np.ndarray:
     By cosines as `directional_reflectance`. What would meet another facet is not in it. ``eta``: index of the other side
     over that of this one.
     """
+    dot, reflected, refracted = seen_of_glass(alpha, eta)
+    mirror = fresnel(dot, eta)
+    kept = mirror * reflected + (1.0 - mirror) * refracted
+    return kept.mean(axis=1, dtype=np.float64)
+
+
+def seen_of_glass(alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return cosines to facets that are seen from `cosines`, and how much of what each reflects and lets in no other stops.
+
+    (64, `POINTS`) each [-]. ``eta`` as in `kept_by_glass`.
+    """
     wi, normal = visible_normals(alpha)
     dot = np.clip((wi * normal).sum(axis=2), 0.0, 1.0)
-    mirror = fresnel(dot, eta)
     reflected = 2.0 * dot * normal[..., 2] - wi[..., 2]
     inner = np.sqrt(np.maximum(1.0 - (1.0 - dot**2) / eta**2, 0.0))
     refracted = (dot / eta - inner) * normal[..., 2] - wi[..., 2] / eta
@@ -119,8 +137,7 @@ def kept_by_glass(alpha: float, eta: float) -> np.ndarray:
         root = smith_root(cosine, alpha)
         return np.where(cosine > 0.0, 2.0 * cosine / np.maximum(cosine + root, 1e-12), 0.0)
 
-    kept = mirror * seen(reflected) + (1.0 - mirror) * seen(-refracted)
-    return kept.mean(axis=1, dtype=np.float64)
+    return dot, seen(reflected), seen(-refracted)
 
 
 def smith_root(cosine, alpha):

@@ -257,6 +257,7 @@ def _glass_class():
             self.body = body_of(props)
             # Where there is none, kernels do not look for it.
             self.mirror_tint = props["mirror_tint"] if "mirror_tint" in props else None
+            self.film = None
             self.refraction = DISPERSED_COMPONENT if props.get("disperses", False) else 1
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
             self.m_components = [
@@ -264,6 +265,10 @@ def _glass_class():
                 mi.BSDFFlags.DeltaTransmission | sides | mi.BSDFFlags.NonSymmetric,
             ]
             self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def set_film(self, film):
+            """Lay a film on the boundary. ``film``: `FilmOnGlass`."""
+            self.film = film
 
         def traverse(self, callback):
             callback.put("ior", self.ior, mi.ParamFlags.NonDifferentiable)
@@ -280,6 +285,10 @@ def _glass_class():
             for k in range(len(reflectance)):
                 reflectance[k] = mi.fresnel(cos_i, index[k])[0]
             hero_r, cos_t, eta_it, eta_ti = mi.fresnel(cos_i, index[0])
+            passing = 1.0 - hero_r
+            if self.film is not None:
+                reflectance = self.film.mirror(si, cos_i, (hero_r, cos_t), active)
+                hero_r, passing = average(reflectance), 1.0 - reflectance
             if self.mirror_tint is not None:
                 reflectance *= self.mirror_tint.eval(si, active)
             reflects = sample1 < hero_r
@@ -293,7 +302,7 @@ def _glass_class():
                 mi.UInt32(+mi.BSDFFlags.DeltaReflection),
                 mi.UInt32(+mi.BSDFFlags.DeltaTransmission),
             )
-            through = self.tint.eval(si, active) * (1.0 - hero_r) * dr.square(eta_ti)
+            through = self.tint.eval(si, active) * passing * dr.square(eta_ti)
             weight = dr.select(reflects, reflectance, through) / dr.maximum(bs.pdf, 1e-8)
             if self.body is not None:
                 weight *= self.body.passed(si, active)

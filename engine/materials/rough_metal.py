@@ -74,7 +74,7 @@ def rough_metal_class():
     class RoughMetal(mi.BSDF):
         """``eta``, ``k``, ``specular_reflectance``, ``edge`` and ``alpha`` are textures, the last may be a number.
 
-        ``rise``: s. `set_grain` lays its facets along a direction.
+        ``rise``: s. `set_grain` lays its facets along a direction, `set_film` a thin film on them.
         """
 
         def __init__(self, props):
@@ -86,7 +86,7 @@ def rough_metal_class():
             self.texture = None if isinstance(width, int | float) else width
             self.alpha = mi.Float(width if self.texture is None else 0.0)
             self.table, self.means = (upload(mi.Float, each) for each in tables())
-            self.grain = None
+            self.grain = self.film = None
             dr.make_opaque(self.alpha, self.rise)
             dr.eval(self.table, self.means)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -101,6 +101,10 @@ def rough_metal_class():
                 upload(mi.Float, each) for each in tables_along(stretch, alpha)
             )
             dr.eval(self.table, self.means)
+
+        def set_film(self, film):
+            """Lay a film on the facets. ``film``: `FilmOnMetal`, which says all that they reflect."""
+            self.film = film
 
         def set_ways(self, ways):
             """Set the ways of the grain's directions, as `GrainOfFacets` has them."""
@@ -134,6 +138,8 @@ def rough_metal_class():
 
         def _mirror(self, si, colours, cosine, active):
             """Reflectance of facets. ``cosine``: to their normal."""
+            if self.film is not None:
+                return self.film.mirror(si, cosine, active)
             colour, rise, edge = colours
             away = 1.0 - cosine
             fifth = dr.square(dr.square(away)) * away
@@ -142,6 +148,8 @@ def rough_metal_class():
 
         def _mean(self, si, colours, active):
             """Mean reflectance of facets over the hemisphere."""
+            if self.film is not None:
+                return self.film.mean(si, active)
             colour, rise, edge = colours
             seen = colour + rise * (1.0 / 21.0) - edge * (1.0 / 126.0)
             return self._fresnel(si, mi.Float(MEAN_COSINE), active) * dr.maximum(seen, 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import SceneError
 from .colour import Colour, Scalar, largest_of, scale
+from .film import Film
 from .relief import Relief, layers, picture_of
 from .scattering import Scatter
 from .spectrum import Constant, Spectrum
@@ -203,7 +204,7 @@ class Coated(Surface):
 
     ``roughness`` is Blender's: the microfacet alpha is its square. ``specular`` scales the coat's reflection, and ``tint``
     what it reflects along its normal. ``base_roughness``, from 0 to 1, is how much the facets of the base lie aslant (Oren
-    and Nayar's model). ``grain``: of the coat's facets.
+    and Nayar's model). ``grain``: of the coat's facets; ``film``: on them.
     """
 
     reflectance: Colour = Constant(0.5)
@@ -213,12 +214,17 @@ class Coated(Surface):
     base_roughness: float = 0.0
     tint: Spectrum | None = None
     grain: Grain | None = None
+    film: Film | None = None
 
     spectra = ("reflectance",)
 
     @property
     def has_grain(self) -> bool:
         return bool(self.grain_maps)
+
+    @property
+    def has_own_colour(self) -> bool:
+        return self.film is not None
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -287,7 +293,7 @@ class _MirrorLike(Surface):
 
     @property
     def is_mirror(self) -> bool:
-        if isinstance(self.roughness, ImageTexture):
+        if isinstance(self.roughness, ImageTexture) or getattr(self, "film", None) is not None:
             return False
         wider = 1.0 if self.grain is None else np.sqrt(self.grain.largest_stretch)
         return self.roughness * wider < SMOOTH_ROUGHNESS
@@ -301,19 +307,24 @@ class Glossy(_MirrorLike):
 
     ``edge`` None: the reflectance is the same from all sides. Else it rises towards 1 at grazing angles by Schlick's
     formula, and is ``edge`` times what that gives at 82 degrees (Blender's F82 tint), unless it is an ideal mirror.
-    ``grain``: of its facets.
+    ``grain``: of its facets; ``film``: on a metal that has these colours without it, of pictures the mean.
     """
 
     reflectance: Colour = Constant(0.8)
     roughness: Scalar = 0.5
     edge: Colour | None = None
     grain: Grain | None = None
+    film: Film | None = None
 
     spectra = ("reflectance",)
 
     @property
     def has_grain(self) -> bool:
         return bool(self.grain_maps)
+
+    @property
+    def has_own_colour(self) -> bool:
+        return self.film is not None
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -324,6 +335,9 @@ class Glossy(_MirrorLike):
     def largest(self) -> float:
         """As of `Surface`; whatever its edge is, it reflects no more than all."""
         return largest_of(self.reflectance)
+
+    def scaled(self, factor: float) -> Surface | None:
+        return super().scaled(factor) if self.film is None else None
 
 
 @dataclass(frozen=True)
@@ -349,6 +363,7 @@ class Dielectric(Surface):
     thickness : float    [m]
     reflects : bool    False: all light passes, as in Blender's Refraction BSDF, and none beyond the critical angle.
     mirror_tint : Colour or None    Multiplies what is reflected, as in Blender. [-]
+    film : Film or None    On the outside of its boundary, if that reflects.
     """
 
     ior: RefractiveIndex = Cauchy(1.5)
@@ -358,6 +373,7 @@ class Dielectric(Surface):
     thickness: float = 1.0
     reflects: bool = True
     mirror_tint: Colour | None = None
+    film: Film | None = None
 
     spectra = ("tint",)
 
@@ -392,6 +408,10 @@ class Dielectric(Surface):
             raise SceneError(
                 "internal transmittance has to be a spectrum of shares from 0 to 1, the same all over"
             )
+
+    @property
+    def has_own_colour(self) -> bool:
+        return self.film is not None
 
     @property
     def is_smooth(self) -> bool:

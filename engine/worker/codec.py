@@ -19,6 +19,7 @@ from ..errors import CodecError, LumenrayError
 from ..scene import (
     camera,
     distribution,
+    film,
     light,
     light_groups,
     material,
@@ -53,8 +54,8 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene, sensor,
-    spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
+    camera, distribution, film, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene,
+    sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
 )  # fmt: skip
 
 

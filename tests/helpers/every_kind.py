@@ -6,6 +6,7 @@ from glass_scenes import LUX, ball, slab, sun
 from lumenray.engine.scattering.data.patches import PatchBasis, PatchMatrix
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.distribution import Opening
+from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
@@ -58,6 +59,9 @@ SLOPES = ImageTexture(
     np.array([[[0.3, 0.0, 0.9], [0.0, 0.0, 0.0]], [[-0.9, 0.4, -0.2], [0.0, 1.0, 0.0]]], np.float32)
 )
 HEIGHTS = ImageTexture(np.array([[[0.0], [0.2]], [[1e3], [-0.1]]], np.float32))
+
+
+FILM = Film(420.0, 1.9)
 
 
 def _table():
@@ -121,6 +125,10 @@ SURFACES = {
     "raised": Raised(Coated(GREY), Normals(SLOPES)),
     "raised metal": Raised(Glossy(Constant(0.9), 0.3), Heights(HEIGHTS, below=Normals(SLOPES))),
     "raised mirror": Raised(Glossy(Constant(0.9), 0.0), Heights(HEIGHTS, in_object=True)),
+    "film on paint": Coated(CHECKS, 1.5, 0.3, film=FILM),
+    "film on metal": Glossy(GREY, 0.3, Constant(0.8), film=FILM),
+    "film on glass": Dielectric(Cauchy(1.5), film=FILM),
+    "film on rough glass": Dielectric(Cauchy(1.5), 0.3, film=FILM),
     "much mixed": Mix(Mix(Coated(GREY), Glossy(GREY, 0.0), 0.3), Diffuse(CHECKS), MASK),
 }
 

@@ -18,6 +18,7 @@ from ....engine.scene.memo import recall
 from ..nodes.fields import Field, as_colour, as_scalar
 from ..nodes.graph import find_socket
 from .closures import Closure, is_dark, mix_surfaces, reflectance_of, scaled
+from .film import find_film, mean_below_film, tell_film_on_glass
 from .grain import find_grain
 from .layers import varnished, with_sheen
 from .relief import find_relief
@@ -27,10 +28,6 @@ ROUGH = 0.1
 
 EVEN = 1e-5
 """Diffuse roughness below which a surface is plainly matt, in Cycles too."""
-
-_LEFT_OUT = {
-    "Thin Film Thickness": (0.0, "The thin film"),
-}
 
 _AS_DIFFUSE = {
     "Subsurface Weight": (0.0, "Subsurface scattering"),
@@ -52,17 +49,19 @@ def convert_principled(at) -> Closure:
 
     if not metallic.is_everywhere(0):
         report_facets(at)
+    film = find_film(at)
     surface = None
     if not metallic.is_everywhere(1) and not transmission.is_everywhere(1):
-        surface = _coated(at, base)
+        surface = _coated(at, base, film)
     if not transmission.is_everywhere(0) and not metallic.is_everywhere(1):
         if not at("Specular Tint").is_everywhere(1):
             at.note("The tint of the highlight is not supported for glass", "it is left out")
         pane = _pane if _is_thin_wall(at) else _glass
-        surface = mix_surfaces(surface, pane(at, base), transmission)
+        surface = mix_surfaces(surface, pane(at, base, film), transmission)
     if not metallic.is_everywhere(0):
-        edge = as_colour(reflectance_of(at, at("Specular Tint")))
-        metal = Glossy(as_colour(base), as_scalar(roughness), edge, _grain(at))
+        edge = as_colour(mean_below_film(at, reflectance_of(at, at("Specular Tint")), film))
+        colour = as_colour(mean_below_film(at, base, film))
+        metal = Glossy(colour, as_scalar(roughness), edge, _grain(at), film)
         surface = mix_surfaces(surface, metal, metallic)
     surface = raise_surface(surface, find_relief(at))
     surface, radiance = with_sheen(at, *varnished(at, surface, _radiance(at)))
@@ -72,17 +71,22 @@ def convert_principled(at) -> Closure:
     return Closure(surface, radiance)
 
 
-def _coated(at, base):
+def _coated(at, base, film):
     """Return the base; Cycles reads ``Specular IOR Level`` as a factor on F0, 0.5 being 1."""
     ior = at.plain("IOR")
     normal_reflectance = ((ior - 1) / (ior + 1)) ** 2 * 2 * at.plain("Specular IOR Level")
     amplitude = math.sqrt(min(max(normal_reflectance, 0.0), 0.98))
-    if amplitude < 1e-4:
+    if film is not None:
+        at.remark(
+            "Blender takes more light from what lies below a thin film than the film reflects",
+            "nothing is lost below it",
+        )
+    if amplitude < 1e-4 and film is None:
         return Diffuse(as_colour(base), None, aslant(at, "Diffuse Roughness"))
     ior = (1 + amplitude) / (1 - amplitude)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
     sigma = aslant(at, "Diffuse Roughness")
-    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at), _grain(at))
+    return Coated(as_colour(base), ior, roughness, 1.0, sigma, _tint(at), _grain(at), film)
 
 
 def _grain(at):
@@ -116,7 +120,9 @@ def _is_thin_wall(at) -> bool:
     return bool(getattr(at.node, "thin_wall", False))
 
 
-def _pane(at, base):
+def _pane(at, base, film):
+    if film is not None:
+        at.note("A thin film on a thin wall is not supported", "it is left out")
     if find_relief(at) is not None:
         at.note("A thin wall with a bent normal is not supported", "it is flat")
     if not at("Roughness").is_everywhere(0) and at.plain("Roughness") > ROUGH:
@@ -124,11 +130,12 @@ def _pane(at, base):
     return ThinGlass(max(at.plain("IOR"), 1.0), as_colour(base))
 
 
-def _glass(at, base):
+def _glass(at, base, film):
+    tell_film_on_glass(at, film)
     # Cycles takes the root because light crosses the boundary twice.
     tint = Field(recall(base.values, "root", np.sqrt), base.layout)
     roughness = min(max(at.plain("Roughness"), 0.0), 1.0)
-    return Dielectric(Cauchy(at.plain("IOR"), 0.0), roughness, as_colour(tint))
+    return Dielectric(Cauchy(at.plain("IOR"), 0.0), roughness, as_colour(tint), film=film)
 
 
 def _radiance(at):
@@ -140,11 +147,10 @@ def _radiance(at):
 
 
 def _report_unsupported(at):
-    for names, remedy in ((_LEFT_OUT, "it is left out"), (_AS_DIFFUSE, "plain diffuse is used")):
-        for name, (neutral, subject) in names.items():
-            socket = find_socket(at.node.inputs, name)
-            if socket is not None and not at.field(socket).is_everywhere(neutral):
-                at.note(f"{subject} is not supported", remedy)
+    for name, (neutral, subject) in _AS_DIFFUSE.items():
+        socket = find_socket(at.node.inputs, name)
+        if socket is not None and not at.field(socket).is_everywhere(neutral):
+            at.note(f"{subject} is not supported", "plain diffuse is used")
     if not at("Coat Weight").is_everywhere(0) and find_relief(at, "Coat Normal") is not None:
         at.note("A normal of the coat's own is not supported", "the coat is left out")
 

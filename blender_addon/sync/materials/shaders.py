@@ -1,5 +1,7 @@
 """Conversion of shader nodes other than the Principled BSDF."""
 
+from dataclasses import replace
+
 from ....engine.scene.material import (
     Black,
     Cauchy,
@@ -21,6 +23,7 @@ from ..nodes.evaluation import Inputs
 from ..nodes.fields import as_colour, as_scalar, constant
 from ..nodes.graph import find_socket, node_key, trace
 from .closures import Closure, add, blend, diffuse, emitting, mix, reflectance_of
+from .film import find_film, index_of_metal, mean_below_film, tell_film_on_glass
 from .grain import find_glossy_grain, find_grain
 from .principled import aslant, convert_principled, report_facets
 from .relief import find_relief
@@ -90,16 +93,23 @@ def _glossy(at):
 
 
 def _metallic(at):
-    if not at("Thin Film Thickness").is_everywhere(0):
-        at.note("The thin film is not supported", "it is left out")
+    film = find_film(at)
     if at.node.fresnel_type == "PHYSICAL_CONDUCTOR":
-        at.remark("A metal by its refractive index", "its reflectance at normal incidence is used")
+        if film is None:
+            at.remark(
+                "A metal by its refractive index", "its reflectance at normal incidence is used"
+            )
+        else:
+            film = replace(film, base=index_of_metal(at))
         colour, edge = at.map(_normal_reflectance, at("IOR"), at("Extinction")), None
     else:
-        colour, edge = _colour(at, "Base Color"), as_colour(_colour(at, "Edge Tint"))
+        colour = _colour(at, "Base Color")
+        edge = as_colour(mean_below_film(at, _colour(at, "Edge Tint"), film))
     report_facets(at)
     grain = find_grain(at, "Anisotropy", "Rotation")
-    return _raised(at, Glossy(as_colour(colour), as_scalar(at("Roughness")), edge, grain))
+    colour = mean_below_film(at, colour, film)
+    surface = Glossy(as_colour(colour), as_scalar(at("Roughness")), edge, grain, film)
+    return _raised(at, surface)
 
 
 def _normal_reflectance(n, k):
@@ -107,15 +117,15 @@ def _normal_reflectance(n, k):
 
 
 def _glass(at):
-    if not at("Thin Film Thickness").is_everywhere(0):
-        at.note("The thin film is not supported", "it is left out")
     colour = _colour(at)
     _report_beckmann(at)
     tint = as_colour(colour)
     # Blender tints what is reflected too.
     mirror = None if colour.is_everywhere(1) else tint
     ior = Cauchy(at.plain("IOR"), 0.0)
-    return _raised(at, Dielectric(ior, _roughness(at), tint, mirror_tint=mirror))
+    film = find_film(at)
+    tell_film_on_glass(at, film)
+    return _raised(at, Dielectric(ior, _roughness(at), tint, mirror_tint=mirror, film=film))
 
 
 def _report_beckmann(at):
@@ -195,6 +205,8 @@ def _by_fresnel(at, weight):
     if not isinstance(gloss, Glossy) or over.radiance is not None:
         return None
     if not isinstance(base, Diffuse) or base.transmittance is not None:
+        return None
+    if gloss.film is not None:
         return None
     ior = _index_of(weight)
     roughness = gloss.roughness

@@ -22,6 +22,7 @@ from ...scene.material import (
     Measured,
     Mix,
     Raised,
+    SMOOTH_ROUGHNESS,
     Sheen,
     Surface,
     TabulatedPane,
@@ -33,6 +34,7 @@ from ...scene.material import (
 from ...scene.relief import layers, picture_of
 from ...scene.spectrum import Constant, Tabulated
 from ...scene.texture import ImageTexture
+from .films import film_on_glass, film_on_metal, film_on_paint, lay_film
 from .textures import TextureMaker, is_spectral, number, refractive_index
 
 SODIUM_D = 589.3
@@ -47,6 +49,9 @@ BY_ANGLE = (
 )
 """What is said of a blend that is not reciprocal."""
 
+LEAST_INDEX = 1.05
+"""Refractive index from which on a boundary says how facets along a direction share its light out."""
+
 PALETTE_STEPS = 471
 """Wavelengths of a palette's spectra: every full nanometre from 360 to 830, as those of lights."""
 
@@ -54,7 +59,7 @@ PALETTE_STEPS = 471
 def is_plain(surface: Surface) -> bool:
     """Tell whether a surface can join a palette: a diffuse base with or without a coat, or black."""
     plain = _as_plain(surface)
-    return plain is not None and plain.grain is None
+    return plain is not None and plain.grain is None and plain.film is None
 
 
 def _as_plain(surface: Surface) -> Coated | None:
@@ -98,12 +103,19 @@ def _coated(surface, make: TextureMaker):
         properties["reflectance"] = make.picture(surface.reflectance)
     plugin = mi.load_dict(properties)
     plugin.set_palette(**palette([surface], make))
-    grain = _as_plain(surface).grain
-    if grain is not None:
-        tint = 1.0 if surface.tint is None else largest_of(surface.tint)
+    plain = _as_plain(surface)
+    grain, film = plain.grain, plain.film
+    if grain is not None and film is None:
         row = palette([surface], make)
+        tint = 1.0 if surface.tint is None else largest_of(surface.tint)
         numbers = (float(row[name][0]) for name in ("alpha", "eta", "specular"))
         plugin.set_grain(_grain(grain, make), *numbers, min(tint, 1.0), float(grain.stretch))
+    if film is not None:
+        plugin.set_film(film_on_paint(surface, make), float(np.clip(surface.specular, 0.0, 1.0)))
+        if grain is not None:
+            index = max(float(surface.ior), float(film.ior), LEAST_INDEX)
+            width = _width(surface.roughness)
+            plugin.set_grain_of_film(_grain(grain, make), width, index, float(grain.stretch))
     return plugin
 
 
@@ -322,11 +334,14 @@ def _mirror_like(properties: dict, surface: Glossy | Conductor, make: TextureMak
         "edge": make.reflectance(Constant(1.0) if edge is None else edge),
         **properties,
     }
+    film = getattr(surface, "film", None)
     if surface.grain is None:
-        return made
+        return made if film is None else lay_film(made, film_on_metal(surface, make))
     import mitsuba as mi
 
     plugin = mi.load_dict(made, optimize=False)
+    if film is not None:
+        plugin.set_film(film_on_metal(surface, make))
     width = float(np.clip(made["alpha"], MINIMUM_ALPHA, 1.0)) if is_even else None
     plugin.set_grain(_grain(surface.grain, make), float(surface.grain.stretch), width)
     return plugin
@@ -348,7 +363,9 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
         disperses = surface.is_dispersive and is_spectral()
         ior = make.refractive_index(surface.ior) if disperses else number(index)
         made = {"type": "lumenray_glass", "ior": ior, "tint": tint, "disperses": disperses, **body}
-        return made if mirror is None else {**made, "mirror_tint": mirror}
+        if mirror is not None:
+            made["mirror_tint"] = mirror
+        return _under_film(made, surface, index, make)
     width = alpha(surface.roughness)
     nested = {
         "type": "roughdielectric",
@@ -359,13 +376,20 @@ def _dielectric(surface: Dielectric, make: TextureMaker) -> dict:
     }
     if mirror is not None:
         nested["specular_reflectance"] = mirror
-    return {
+    made = {
         "type": "lumenray_rough_glass",
         "alpha": width,
         "index": index,
         "nested": nested,
         **body,
     }
+    return _under_film(made, surface, index, make)
+
+
+def _under_film(made: dict, surface: Dielectric, index: float, make: TextureMaker):
+    if surface.film is None:
+        return made
+    return lay_film(made, film_on_glass(surface, index, make))
 
 
 def _refraction(surface: Dielectric, index: float, tint, body: dict) -> dict:
@@ -424,6 +448,17 @@ def approximations(surface: Surface) -> list[str]:
             return ["its data send out more light than comes, and are scaled down where they do"]
         case Dielectric() if surface.is_dispersive and not surface.is_smooth:
             return ["rough glass is computed without dispersion, with its index at 589 nm"]
+        case Glossy() if surface.film is not None:
+            return _notes_of_film(surface)
         case Glossy() if surface.edge is not None and surface.is_mirror:
             return ["an ideal mirror reflects from all sides what it reflects along its normal"]
     return []
+
+
+def _notes_of_film(surface: Glossy) -> list[str]:
+    notes = []
+    if not isinstance(surface.roughness, ImageTexture) and surface.roughness < SMOOTH_ROUGHNESS:
+        notes.append(f"a mirror under a thin film has a roughness of {MINIMUM_ALPHA**0.5:.2g}")
+    if any(isinstance(colour, ImageTexture) for colour in surface.colours):
+        notes.append("a metal under a thin film has the mean of its colours")
+    return notes

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.material import (
     Black,
     Blend,
@@ -21,6 +22,7 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend
+from sampled_surfaces import albedo, flux, interaction, plugin
 from scattering_models import towards
 from scipy import stats
 
@@ -28,6 +30,8 @@ FACING = np.stack([np.stack([blend_cosines(), 1.0 - blend_cosines()])] * 2)
 """Weights of a blend whose second part shows at the edges."""
 
 SUM = np.ones_like(FACING)
+
+GREY, FILM = Constant(0.5), Film(420.0, 1.9)
 
 SMOOTH = {
     "matt": Diffuse(Constant(0.6)),
@@ -52,6 +56,11 @@ SMOOTH = {
     "sum": Blend(Diffuse(Rgb(0.7, 0.4, 0.2)), Glossy(Constant(0.9), 0.5), SUM),
     "toon": Toon(Rgb(0.7, 0.4, 0.2), 0.4, 0.3),
     "glossy toon": Toon(Rgb(0.7, 0.4, 0.2), 0.3, 0.3, True),
+    "paint under a film": Coated(Rgb(0.6, 0.3, 0.2), 1.5, 0.5, film=FILM),
+    "metal under a film": Glossy(Rgb(0.9, 0.6, 0.3), 0.5, Constant(0.7), film=FILM),
+    "brushed paint under a film": Coated(GREY, 1.5, 0.5, grain=Grain(2.0, 0.15), film=FILM),
+    "brushed metal under a film": Glossy(GREY, 0.5, Constant(0.7), Grain(2.0, 0.15), FILM),
+    "varnish over a film": Varnish(Coated(GREY, 1.5, 0.5, film=FILM), 0.8, 1.5, 0.3),
     "mixture": Mix(Diffuse(Constant(0.5)), Glossy(Constant(0.8), 0.5), 0.4),
 }
 
@@ -59,28 +68,6 @@ SMOOTH = {
 @pytest.fixture(autouse=True)
 def _spectral():
     backend.start(spectral=True)
-
-
-def plugin(surface):
-    import mitsuba as mi
-    from lumenray.engine.materials import plugins
-    from lumenray.engine.transport.compiled.surfaces import bsdf
-    from lumenray.engine.transport.compiled.textures import TextureMaker
-
-    plugins.register()
-    made = bsdf(surface, TextureMaker(np.ones(471)))
-    return mi.load_dict(made) if isinstance(made, dict) else made
-
-
-def interaction(direction, count):
-    import drjit as dr
-    import mitsuba as mi
-
-    si = dr.zeros(mi.SurfaceInteraction3f, count)
-    si.wi = mi.Vector3f(*map(float, direction))
-    si.n, si.sh_frame = mi.Normal3f(0, 0, 1), mi.Frame3f(mi.Normal3f(0, 0, 1))
-    si.wavelengths = mi.Spectrum(450.0, 550.0, 600.0, 650.0)
-    return si
 
 
 @pytest.mark.parametrize("angle", [10, 60, 130])
@@ -135,7 +122,8 @@ def test_sampled_directions_follow_the_stated_density(name, angle):
 RECIPROCAL = (
     *("tinted gloss", "matt", "rough matt", "gloss paint", "gloss over rough", "satin"),
     *("rough gloss", "rough metal", "tinted edge", "varnished paint", "varnished metal", "sum"),
-    *("brushed metal", "brushed paint"),
+    *("brushed metal", "brushed paint", "paint under a film", "metal under a film"),
+    *("brushed paint under a film", "brushed metal under a film", "varnish over a film"),
     *("fibres", "velvet", "paint under fibres", "fibres on varnish"),
 )
 
@@ -163,27 +151,6 @@ def test_reflection_is_reciprocal(name):
             / a[2]
         )
         assert np.allclose(there, back, rtol=1e-3)
-
-
-def albedo(surface, angle, count=1 << 16):
-    import mitsuba as mi
-
-    stream = mi.PCG32(size=count, initstate=9)
-    si = interaction(towards(angle), count)
-    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    _, weight = plugin(surface).sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
-    return float(np.array(weight).mean())
-
-
-def flux(surface, angle, count):
-    """Share of light that goes on; radiance grows with the square of the index that it passes to."""
-    import mitsuba as mi
-
-    stream = mi.PCG32(size=count, initstate=9)
-    si = interaction(towards(angle), count)
-    sample = mi.Point2f(stream.next_float32(), stream.next_float32())
-    bs, weight = plugin(surface).sample(mi.BSDFContext(), si, stream.next_float32(), sample, True)
-    return float((np.array(weight)[0] * np.array(bs.eta) ** 2).mean())
 
 
 @pytest.mark.parametrize("angle", [0, 45, 80])

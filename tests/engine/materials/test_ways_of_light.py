@@ -5,7 +5,8 @@ import pytest
 from baking_rooms import lamp
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
-from lumenray.engine.scene.material import Coated, Glossy, Grain, Material, Sheen
+from lumenray.engine.scene.film import Film
+from lumenray.engine.scene.material import Coated, Dielectric, Glossy, Grain, Material, Sheen
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
@@ -19,6 +20,9 @@ SURFACES = {
     "round": Glossy(Constant(0.8), 0.5, None, Grain(2.5, 0.0, 2)),
     "along U": Glossy(Constant(0.8), 0.5, None, Grain(0.4, 0.1)),
     "brushed paint": Coated(Constant(0.6), 1.8, 0.5, 1.0, 0.0, None, Grain(2.5, 0.1, 0)),
+    "paint under a film": Coated(Constant(0.6), 1.5, 0.5, film=Film(420.0, 1.9)),
+    "metal under a film": Glossy(Constant(0.7), 0.5, Constant(1.0), film=Film(300.0, 1.5)),
+    "glass under a film": Dielectric(roughness=0.5, film=Film(420.0, 1.9)),
     "fibres": Sheen(Coated(Constant(0.4)), 1.0, Constant(0.9), 0.7),
 }
 
