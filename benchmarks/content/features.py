@@ -567,7 +567,8 @@ for _key, _make in {
     "Object's colour": lambda tree: tree.add("ObjectInfo", out=1),
     "Camera distance": lambda tree: tree.add("CameraData", out=2),
     "Is Camera Ray": lambda tree: tree.add("LightPath"),
-    "Layer weight": lambda tree: tree.add("LayerWeight", out=1),
+    # Seen from above a tile faces the camera, where *Facing* is 0.
+    "Layer weight": lambda tree: tree.add("LayerWeight", Blend=0.8),
     "Colour ramp": lambda tree: tree.add("ValToRGB", Fac=_texture("TexGradient")(tree)),
     "Curves": lambda tree: tree.add("RGBCurve", Color=_picture()(tree)),
     "Hue and saturation": lambda tree: tree.add(

@@ -1,6 +1,14 @@
 """Features that are said and left out on purpose, each with the reason: their differences do not count."""
 
 REASONS = {
+    "Add Shader": "no surface sends out more light than comes",
+    "Blackbody": "the colour of light of 4000 K is none of a surface: its red is above 1",
+    "Image, sRGB bytes": "light is mixed between pixels and not the numbers that encode it",
+    "Image, noise in sRGB bytes": "light is mixed between pixels and not the numbers that encode it",
+    "Volume, absorption": "light below a surface is followed in solid glass alone; lux jobs refuse a scene with such a volume",
+    "Volume, scatter": "light between surfaces is not followed; lux jobs refuse a scene with such a volume",
+    "Volume, principled": "light between surfaces is not followed; lux jobs refuse a scene with such a volume",
+    "Camera distance": "a reflectance that depends on where the camera stands is none",
     "Light, temperature": "light and paint are spectra; three numbers do not tell how much of one the other reflects",
     "Light, slide in colour": "light and paint are spectra, as above; on grey surfaces the slide agrees",
     "Light, negative": "no light takes light away, and lux less than none are no answer",
