@@ -21,6 +21,7 @@ from lumenray.engine.reading.lines import read_lines
 from lumenray.engine.reading.printable import REPLACEMENT, printable
 from lumenray.engine.reading.text import decode_text, find_encoding
 from lumenray.engine.scattering.readers.reader import read_scattering
+from lumenray.engine.sky.weather_file import read_weather
 from lumenray.libraries import luminaires, materials
 from lumenray.libraries.luminaires.catalogue import LIST as LUMINAIRES
 from lumenray.libraries.materials.catalogue import LIST as MATERIALS
@@ -32,6 +33,7 @@ READERS = (
     read_spectrum,
     read_data_sheet,
     read_sensors,
+    read_weather,
     read_checkpoint,
 )
 
