@@ -1,9 +1,8 @@
 """Weather files: what their records mean, when their sun shines, and what is wrong with them."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from folders import WILD
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.sky.place import Place, to_local
 from lumenray.engine.sky.solar_position import find_sun
@@ -11,7 +10,7 @@ from lumenray.engine.sky.weather import find_hours
 from lumenray.engine.sky.weather_file import read_weather
 from weather_files import epw, epw_record, epw_year, wea
 
-REAL = Path("/work/shared/data/epw")
+REAL = WILD / "epw"
 
 NOON = {"dni": 700, "dhi": 90, "ghi": 500}
 
