@@ -6,7 +6,8 @@ R. Perez, R. Seals, J. Michalsky: All-weather model for sky luminance distributi
 doi:10.1016/0038-092X(93)90017-I, with its erratum, Solar Energy 51(5), 1993, 423
 R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart: Modeling daylight availability and irradiance components from
 direct and global irradiance, Solar Energy 44(5), 1990, 271-289, doi:10.1016/0038-092X(90)90055-H
-F. Kasten: A new table and approximation formula for the relative optical air mass, 1965
+F. Kasten: A new table and approximation formula for the relative optical air mass, Archiv für Meteorologie, Geophysik und
+Bioklimatologie B 14, 1965, 206-223, doi:10.1007/BF02248840
 """
 
 from dataclasses import dataclass
