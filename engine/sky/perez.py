@@ -129,7 +129,7 @@ def find_daylight(
     direct_normal, diffuse_horizontal : array    Irradiance by the sun of a plane that faces it, and of a horizontal plane by
         the sky. [W/m2]
     elevation : array    Of the sun, without refraction. [degree]
-    water : array    Precipitable water, as `precipitable_water` estimates it. [kg/m2]
+    water : array    Precipitable water, as `precipitable_water` estimates it; without it that of Radiance is taken. [kg/m2]
     distance : array    Of the sun. [astronomical unit]
 
     Returns
