@@ -36,11 +36,7 @@ def test_water_is_that_of_the_dew_point_or_of_radiance(day, tmp_path):
     without = find_daylight_hours(plain, hours)
     sun = hours.sun
     expected = find_daylight(600.0, 80.0, sun.elevation[0], 20.0, sun.distance[0])
-    assert (
-        without.direct_normal[0] == expected.direct_normal[0]
-        if expected.direct_normal.ndim
-        else (without.direct_normal[0] == float(expected.direct_normal))
-    )
+    assert without.direct_normal[0] == float(expected.direct_normal)
     assert weather.place.latitude == plain.place.latitude
 
 
