@@ -8,7 +8,17 @@ import numpy as np
 from ..errors import SceneError
 from .camera import Camera
 from .distribution import Opening
-from .light import CieSky, ImageWorld, Light, Luminaire, Output, PlacedLight, UniformWorld
+from .light import (
+    CieSky,
+    CloudySky,
+    ImageWorld,
+    Light,
+    Luminaire,
+    Output,
+    PerezSky,
+    PlacedLight,
+    UniformWorld,
+)
 from .material import Material, TabulatedPane
 from .mesh import Geometry, Mesh, Placement
 from .sensor import SensorSet
@@ -99,7 +109,7 @@ def _title(item) -> str:
             return f"material '{item.name}'"
         case SensorSet():
             return f"sensors '{item.name}'"
-        case UniformWorld() | ImageWorld() | CieSky():
+        case UniformWorld() | ImageWorld() | CieSky() | CloudySky() | PerezSky():
             return "the world"
         case Luminaire():
             return f"luminaire '{item.name}'"

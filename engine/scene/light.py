@@ -266,4 +266,48 @@ class CieSky:
     seen: "World | None" = None
 
 
-World = UniformWorld | ImageWorld | CieSky
+@dataclass(frozen=True, eq=False)
+class CloudySky:
+    """Sky without its sun between the clear and the overcast sky of the CIE (S 003).
+
+    Parameters
+    ----------
+    cloudiness : float    Part of the illuminance that the overcast sky gives: 0 clear, 1 overcast. [-]
+    towards_sun, illuminance, ground_reflectance, spectrum, seen    As of `CieSky`.
+    """
+
+    cloudiness: float
+    towards_sun: np.ndarray
+    illuminance: float
+    ground_reflectance: float = 0.0
+    spectrum: Spectrum = Constant(1.0)
+    id: str = "world"
+    seen: "World | None" = None
+
+
+@dataclass(frozen=True, eq=False)
+class PerezSky:
+    """Sky without its sun by the all-weather model of Perez (1993).
+
+    Parameters
+    ----------
+    clearness : float    The model's epsilon, at least 1. [-]
+    brightness : float    The model's Delta, above 0. [-]
+    towards_sun : (3,) float64 array    Not below the horizon.
+    illuminance, ground_reflectance, spectrum, seen    As of `CieSky`.
+    """
+
+    clearness: float
+    brightness: float
+    towards_sun: np.ndarray
+    illuminance: float
+    ground_reflectance: float = 0.0
+    spectrum: Spectrum = Constant(1.0)
+    id: str = "world"
+    seen: "World | None" = None
+
+
+FormulaSky = CieSky | CloudySky | PerezSky
+"""Skies whose luminance follows a formula."""
+
+World = UniformWorld | ImageWorld | FormulaSky

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import SceneError
 from .checks import check_item
-from .light import CieSky, ImageWorld, Light, UniformWorld, World
+from .light import CieSky, CloudySky, ImageWorld, Light, PerezSky, UniformWorld, World
 from .material import Material
 from .memo import recall
 from .mesh import Geometry, Mesh, Placement, place
@@ -230,7 +230,7 @@ class Scene:
                 self.meshes[item.id] = item
             case Material():
                 self.materials[item.id] = item
-            case UniformWorld() | ImageWorld() | CieSky():
+            case UniformWorld() | ImageWorld() | CieSky() | CloudySky() | PerezSky():
                 self.world = item
             case SensorSet():
                 self.sensors[item.id] = item

@@ -1,17 +1,18 @@
-"""Luminance distributions of the CIE: the fifteen standard general skies and the traditional overcast sky.
+"""Luminance distributions of the CIE: the fifteen standard general skies, the traditional overcast sky, and mixtures.
 
 References
 ----------
 CIE S 011/E:2003 (ISO 15469:2004), Spatial distribution of daylight - CIE standard general sky; type 16 here is its
 clause on the traditional overcast sky (P. Moon, D. E. Spencer, 1942).
+CIE S 003/E:1996 (ISO 15469:1997), Spatial distribution of daylight - CIE standard overcast sky and clear sky
 """
 
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
 from ..errors import SceneError
-from ..scene.light import CieSky
+from .pattern import FINEST, Pattern, evaluate, integrate, unit
 
 COEFFICIENTS = {
     1: (4.0, -0.70, 0.0, -1.0, 0.00),
@@ -35,27 +36,30 @@ COEFFICIENTS = {
 OVERCAST = 16
 """Number of the traditional overcast sky."""
 
+CLEAR = 12
+"""Number of the standard clear sky, which is that of CIE S 003 too."""
 
-def check_sky(sky: CieSky) -> None:
-    """Refuse a sky that is none.
+
+def check_type(kind: int) -> None:
+    """Refuse a number that no sky has.
 
     Raises
     ------
-    SceneError    Names what is wrong.
+    SceneError    Says which there are.
     """
-    if sky.type not in range(1, OVERCAST + 1):
-        raise SceneError(f"the sky's type is {sky.type}, expected 1 to 15, or 16 for overcast")
-    if not (np.isfinite(sky.illuminance) and sky.illuminance >= 0.0):
-        raise SceneError(
-            f"the sky's horizontal illuminance is {sky.illuminance} lx, expected a number of at least 0"
-        )
-    if not 0.0 <= sky.ground_reflectance <= 1.0:
-        raise SceneError(
-            f"the reflectance of the ground is {sky.ground_reflectance}, expected 0 to 1"
-        )
-    towards = np.asarray(sky.towards_sun, dtype=np.float64)
-    if towards.shape != (3,) or not np.isfinite(towards).all() or not np.linalg.norm(towards) > 0.0:
-        raise SceneError(f"the direction to the sun is not usable: {sky.towards_sun}")
+    if kind not in range(1, OVERCAST + 1):
+        raise SceneError(f"the sky's type is {kind}, expected 1 to 15, or 16 for overcast")
+
+
+def check_cloudiness(cloudiness: float) -> None:
+    """Refuse a cloudiness that is none.
+
+    Raises
+    ------
+    SceneError    It is beyond 0 to 1.
+    """
+    if not 0.0 <= cloudiness <= 1.0:
+        raise SceneError(f"the sky's cloudiness is {cloudiness}, expected 0 to 1")
 
 
 def sun_direction(elevation: float, azimuth: float) -> np.ndarray:
@@ -82,6 +86,41 @@ def indicatrix(kind: int, angle: np.ndarray) -> np.ndarray:
     return 1.0 + c * (np.exp(d * angle) - np.exp(0.5 * d * np.pi)) + e * np.cos(angle) ** 2
 
 
+def pattern_of_type(kind: int, towards_sun) -> Pattern:
+    """Return the luminance over that of the zenith, as a pattern. ``towards_sun``: (3,), any length above 0."""
+    sun = unit(towards_sun)
+    if kind == OVERCAST:
+        return Pattern(0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, FINEST, sun)
+    a, b, c, d, e = COEFFICIENTS[kind]
+    at_zenith = np.arccos(np.clip(sun[2], -1.0, 1.0))
+    level = float(1.0 / (gradation(kind, 1.0) * indicatrix(kind, at_zenith)))
+    edge = float(np.exp(0.5 * d * np.pi))
+    return Pattern(a, b, c, d, e, edge, level, 0.0, 0.0, FINEST, sun)
+
+
+def pattern_of_cloudiness(cloudiness: float, towards_sun) -> Pattern:
+    """Return the mixture of the clear and the overcast sky of CIE S 003, for a horizontal illuminance of 1 lx.
+
+    Parameters
+    ----------
+    cloudiness : float    Part of the horizontal illuminance that the overcast sky gives, 0 to 1. [-]
+    towards_sun : (3,) array    Any length above 0.
+
+    Returns
+    -------
+    Pattern    [cd/m2]
+    """
+    clear, overcast = (pattern_of_type(kind, towards_sun) for kind in (CLEAR, OVERCAST))
+    of_clear = (1.0 - cloudiness) / integrate(clear, weigh=True)
+    of_overcast = cloudiness / integrate(overcast, weigh=True)
+    return replace(
+        clear,
+        level=clear.level * of_clear,
+        base=overcast.base * of_overcast,
+        rise=overcast.rise * of_overcast,
+    )
+
+
 def relative_luminance(kind: int, directions, towards_sun) -> np.ndarray:
     """Luminance over that of the zenith.
 
@@ -95,75 +134,9 @@ def relative_luminance(kind: int, directions, towards_sun) -> np.ndarray:
     -------
     (...) float64 array    0 below the horizon. [-]
     """
-    directions = np.asarray(directions, dtype=np.float64)
-    sine = directions[..., 2]
-    if kind == OVERCAST:
-        return np.where(sine >= 0.0, (1.0 + 2.0 * sine) / 3.0, 0.0)
-    sun = np.asarray(towards_sun, dtype=np.float64)
-    sun = sun / np.linalg.norm(sun)
-    # By the chord: an arc cosine loses half of its digits next to the sun.
-    angle = 2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(directions - sun, axis=-1), 1.0))
-    zenith = gradation(kind, 1.0) * indicatrix(kind, np.arccos(np.clip(sun[2], -1.0, 1.0)))
-    value = gradation(kind, np.maximum(sine, 0.0)) * indicatrix(kind, angle) / zenith
-    return np.where(sine >= 0.0, value, 0.0)
+    return evaluate(pattern_of_type(kind, towards_sun), directions)
 
 
 def horizontal_ratio(kind: int, towards_sun) -> float:
     """Horizontal illuminance of the sky over its zenith luminance, to about 1e-7. [sr]"""
-    return _integral(kind, _key(towards_sun), True)
-
-
-def total_ratio(kind: int, towards_sun) -> float:
-    """Integral of the luminance over the sky's solid angle, over the zenith luminance. [sr]"""
-    return _integral(kind, _key(towards_sun), False)
-
-
-def zenith_luminance(sky: CieSky) -> float:
-    """Luminance of the zenith. [cd/m2]"""
-    return sky.illuminance / horizontal_ratio(sky.type, sky.towards_sun)
-
-
-def ground_luminance(sky: CieSky) -> float:
-    """Luminance of every direction below the horizon. [cd/m2]"""
-    return sky.ground_reflectance * sky.illuminance / np.pi
-
-
-def mean_luminance(sky: CieSky) -> float:
-    """Mean over all directions, ground included. [cd/m2]"""
-    above = zenith_luminance(sky) * total_ratio(sky.type, sky.towards_sun)
-    return (above + 2.0 * np.pi * ground_luminance(sky)) / (4.0 * np.pi)
-
-
-def _key(towards_sun) -> tuple[float, float]:
-    """All that an integral over the sky depends on: the sun's height, by sine and length of the vector's plan."""
-    sun = np.asarray(towards_sun, dtype=np.float64)
-    sun = sun / np.linalg.norm(sun)
-    return float(np.hypot(sun[0], sun[1])), float(sun[2])
-
-
-@lru_cache(maxsize=256)
-def _integral(kind: int, sun: tuple[float, float], weigh: bool) -> float:
-    """Gauss sums over zenith angle and azimuth, in panels that end at the sun, where the luminance has a cusp."""
-    nodes, weights = np.polynomial.legendre.leggauss(96)
-    height = float(np.arcsin(np.clip(sun[1], -1.0, 1.0)))
-    split = min(max(height, 0.0), 0.5 * np.pi)
-    # Graded towards the sun from both sides, and towards the horizon, where exp(b / sine) bends.
-    elevation, area = [], []
-    for low, high, end in ((0.0, split, 1), (split, 0.5 * np.pi, 0)):
-        if high - low < 1e-12:
-            continue
-        t = 0.5 * (nodes + 1.0)
-        share = 1.0 - (1.0 - t) ** 3 if end else t**3
-        slope = 3.0 * (1.0 - t) ** 2 if end else 3.0 * t**2
-        elevation.append(low + (high - low) * share)
-        area.append(0.5 * weights * (high - low) * slope)
-    elevation, area = np.concatenate(elevation), np.concatenate(area)
-    t = 0.5 * (nodes + 1.0)
-    azimuth, width = np.pi * t**3, 0.5 * weights * np.pi * 3.0 * t**2
-    sine, cosine = np.sin(elevation)[:, None], np.cos(elevation)[:, None]
-    directions = np.stack(
-        np.broadcast_arrays(cosine * np.cos(azimuth), cosine * np.sin(azimuth), sine), axis=-1
-    )
-    value = relative_luminance(kind, directions, (sun[0], 0.0, sun[1]))
-    value = value * cosine * (sine if weigh else 1.0)
-    return float(2.0 * area @ value @ width)
+    return integrate(pattern_of_type(kind, towards_sun), weigh=True)

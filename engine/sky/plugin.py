@@ -1,22 +1,14 @@
-"""The CIE sky as Mitsuba's emitter: evaluated by its formula, sampled by a table of cells."""
+"""Skies by formula as Mitsuba's emitter: evaluated by the pattern that all have, sampled by a table of cells."""
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from ..arrays import upload
-from ..scene.light import CieSky
+from ..scene.light import FormulaSky
 from . import picture_plugin
-from .cie import (
-    COEFFICIENTS,
-    OVERCAST,
-    gradation,
-    ground_luminance,
-    indicatrix,
-    relative_luminance,
-    zenith_luminance,
-)
 from .far_light import far_light_class
+from .skies import find_luminances, ground_luminance, luminance_scale, pattern_of
 
 ROWS, COLUMNS = 32, 64
 """Cells of the sky's sampling table: rows of equal height in the sine of the elevation, columns in azimuth."""
@@ -35,14 +27,14 @@ def register() -> None:
     mi.register_emitter("lumenray_sky", lambda props, made=made: made(props))
 
 
-def make_sky(sky: CieSky, radiance: dict) -> object:
+def make_sky(sky: FormulaSky, radiance: dict) -> object:
     """Return the emitter of a sky. ``radiance``: texture of a luminance of 1 cd/m2 with the sky's spectrum."""
     emitter = mi.load_dict({"type": "lumenray_sky", "radiance": radiance})
     emitter.set_sky(sky)
     return emitter
 
 
-def sampling_shares(sky: CieSky) -> np.ndarray:
+def sampling_shares(sky: FormulaSky) -> np.ndarray:
     """Probability of every cell: those of the sky row by row from the horizon up, then that of the ground. Sum 1."""
     sine = (np.arange(ROWS * POINTS) + 0.5) / (ROWS * POINTS)
     azimuth = 2.0 * np.pi * (np.arange(COLUMNS * POINTS) + 0.5) / (COLUMNS * POINTS)
@@ -50,7 +42,7 @@ def sampling_shares(sky: CieSky) -> np.ndarray:
     directions = np.stack(
         np.broadcast_arrays(plan * np.cos(azimuth), plan * np.sin(azimuth), sine[:, None]), axis=-1
     )
-    value = relative_luminance(sky.type, directions, sky.towards_sun) * zenith_luminance(sky)
+    value = find_luminances(sky, directions)
     value = value.reshape(ROWS, POINTS, COLUMNS, POINTS).mean(axis=(1, 3))
     # In units of a cell's solid angle, of which the ground has as many as the whole sky.
     cells = np.append(value.ravel(), ground_luminance(sky) * ROWS * COLUMNS)
@@ -62,21 +54,12 @@ def sampling_shares(sky: CieSky) -> np.ndarray:
 
 def _sky_class():
     class Sky(far_light_class()):
-        def set_sky(self, sky: CieSky) -> None:
+        def set_sky(self, sky: FormulaSky) -> None:
             """Take over pattern, level and the place of the sun."""
-            sun = np.asarray(sky.towards_sun, dtype=np.float64)
-            sun = sun / np.linalg.norm(sun)
-            if sky.type == OVERCAST:
-                # (1 + 2 sine) / 3 with a gradation and an indicatrix of 1.
-                a, b, c, d, e = 0.0, -1.0, 0.0, -1.0, 0.0
-                level, rise = 1.0 / 3.0, 2.0 / 3.0
-            else:
-                a, b, c, d, e = COEFFICIENTS[sky.type]
-                at_zenith = np.arccos(np.clip(sun[2], -1.0, 1.0))
-                level = 1.0 / (gradation(sky.type, 1.0) * indicatrix(sky.type, at_zenith))
-                rise = 0.0
-            zenith = zenith_luminance(sky)
-            numbers = [a, b, c, d, e, np.exp(0.5 * d * np.pi), level * zenith, rise * zenith]
+            pattern, scale = pattern_of(sky), luminance_scale(sky)
+            sun = np.array(pattern.sun)
+            a, b, c, d, e, edge, level, base, rise, floor = pattern.numbers
+            numbers = [a, b, c, d, e, edge, level * scale, base * scale, rise * scale, floor]
             self.numbers = [mi.Float(float(x)) for x in numbers]
             self.ground = mi.Float(ground_luminance(sky))
             self.sun = mi.Vector3f(*map(float, sun))
@@ -89,15 +72,15 @@ def _sky_class():
             dr.eval(self.shares, self.cdf, self.starts)
 
         def _luminance(self, direction):
-            a, b, c, d, e, edge, level, rise = self.numbers
+            a, b, c, d, e, edge, level, base, rise, floor = self.numbers
             sine = dr.maximum(direction.z, 0.0)
-            gradation = 1.0 + a * dr.exp(b / dr.maximum(sine, 1e-6))
+            gradation = 1.0 + a * dr.exp(b / dr.maximum(sine, floor))
             # By the chord: an arc cosine loses half of its digits next to the sun.
             half = dr.minimum(0.5 * dr.norm(direction - self.sun), 1.0)
             angle = 2.0 * dr.asin(half)
             cosine = 1.0 - 2.0 * dr.square(half)
-            indicatrix = 1.0 + c * (dr.exp(d * angle) - edge) + e * dr.square(cosine)
-            value = (level + rise * sine) * gradation * indicatrix
+            scattering = 1.0 + c * (dr.exp(d * angle) - edge) + e * dr.square(cosine)
+            value = level * gradation * scattering + base + rise * sine
             return dr.select(direction.z >= 0.0, dr.maximum(value, 0.0), self.ground)
 
         def eval(self, si, active=True):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
-from ..scene.light import CieSky, ImageWorld, Luminaire, UniformWorld
+from ..scene.light import FormulaSky, ImageWorld, Luminaire, UniformWorld
 from ..scene.memo import recall
 from ..scene.scene import Scene
 from ..scene.spectrum import Constant, Rgb
@@ -98,7 +98,7 @@ def emission_spectra(scene: Scene) -> list:
     for world in worlds(scene):
         if isinstance(world, UniformWorld) and world.luminance > 0.0:
             found.append(world.spectrum)
-        if isinstance(world, CieSky) and world.illuminance > 0.0:
+        if isinstance(world, FormulaSky) and world.illuminance > 0.0:
             found.append(world.spectrum)
     return found
 

@@ -31,7 +31,9 @@ GROUPS = (LightGroup("one", ("a",)), LightGroup("glow", ("glow",)))
 
 def rendered(session, samples=64, groups=(), **more):
     more = {"rule": StopRule(samples=samples)} | more
-    return session.render(CAMERA, ViewSettings(groups=groups, illuminance=True, **more))
+    return session.render(
+        CAMERA, ViewSettings(groups=groups, illuminance=True, shares=False, **more)
+    )
 
 
 def ratio(a, b, name, error):

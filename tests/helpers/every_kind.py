@@ -10,9 +10,11 @@ from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
+    CloudySky,
     ImageWorld,
     LineLight,
     Output,
+    PerezSky,
     PointLight,
     Quantity,
     SpotLight,
@@ -170,6 +172,8 @@ LIGHTS = {
     "sharp sun": sun((0.2, 0.1, -1.0), 0.0, LUX),
     "sky": CieSky(12, np.array([0.3, 0.2, 1.0]), 10_000.0, 0.2, Illuminant("D65")),
     "overcast": CieSky(16, np.array([0.0, 0.0, 1.0]), 10_000.0),
+    "cloudy": CloudySky(0.4, np.array([0.3, 0.2, 1.0]), 10_000.0, 0.2),
+    "all-weather sky": PerezSky(2.0, 0.25, np.array([0.3, 0.2, 1.0]), 10_000.0, 0.2),
     "even sky": UniformWorld(1000.0),
     "picture of a sky": ImageWorld(ImageTexture(_sky()), 2000.0),
 }

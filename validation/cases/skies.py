@@ -5,7 +5,8 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import CieSky
 from lumenray.engine.scene.sensor import SensorKind
-from lumenray.engine.sky.cie import sun_direction, zenith_luminance
+from lumenray.engine.sky.cie import sun_direction
+from lumenray.engine.sky.skies import zenith_luminance
 
 from ..bench import Bench, Finding, Findings
 from ..reference import Group

@@ -260,7 +260,7 @@ MUTATIONS = (
     Mutation(
         "ground",
         "no light comes from the ground before a window",
-        (Rewrite("sky.cie:ground_luminance", "sky.ground_reflectance", "0.0"),),
+        (Rewrite("sky.skies:ground_luminance", "sky.ground_reflectance", "0.0"),),
         ("C14.2x1.ceiling",),
     ),
     Mutation(

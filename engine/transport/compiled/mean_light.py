@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...photometry.spectra import GRID, illuminant
-from ...scene.light import CieSky, ImageWorld, UniformWorld
+from ...scene.light import FormulaSky, ImageWorld, UniformWorld
 from . import emission
 
 
@@ -47,7 +47,7 @@ def _spectrum_seen(world, seen) -> np.ndarray:
     total = np.zeros(len(GRID))
     for source in seen:
         total += source.density / max(source.density.sum(), 1e-300) * source.flux
-    if isinstance(world, UniformWorld | CieSky):
+    if isinstance(world, UniformWorld | FormulaSky):
         total += emission.luminous(1.0, world.spectrum).density
     elif isinstance(world, ImageWorld):
         total += illuminant(GRID, "D65")

@@ -9,11 +9,11 @@ from ...errors import SceneError
 from ...luminaires.emitters.portals import MAXIMUM_PORTALS, Portal, PortalSet, portal_order
 from ...photometry import units
 from ...photometry.spectra import GRID
-from ...scene.light import CieSky, ImageWorld, SunLight, UniformWorld
+from ...scene.light import FormulaSky, ImageWorld, SunLight, UniformWorld
 from ...scene.spectrum import Illuminant
-from ...sky.cie import check_sky, mean_luminance
 from ...sky.picture_plugin import WHITE, make_picture
 from ...sky.plugin import make_sky
+from ...sky.skies import check_sky, mean_luminance
 from . import emission
 from .lights import Source
 
@@ -37,7 +37,7 @@ def make_world(world, old=None, made: World | None = None) -> World | None:
 
     Parameters
     ----------
-    world : UniformWorld, ImageWorld, CieSky or None
+    world : UniformWorld, ImageWorld, FormulaSky or None
     old, made : World's description and emitter
         Of before; the emitter is changed in place if it shows the same picture, or another sky of the same spectrum.
     """
@@ -46,10 +46,10 @@ def make_world(world, old=None, made: World | None = None) -> World | None:
         return World(
             mi.load_dict({"type": "constant", "radiance": made.texture()}), world.luminance
         )
-    if isinstance(world, CieSky):
+    if isinstance(world, FormulaSky):
         check_sky(world)
         if world.illuminance > 0.0:
-            return _cie_sky(world, old, made)
+            return _formula_sky(world, old, made)
     if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
         if made is not None and isinstance(old, ImageWorld) and world.image.is_same(old.image):
             return _changed(world, old, made)
@@ -57,9 +57,9 @@ def make_world(world, old=None, made: World | None = None) -> World | None:
     return None
 
 
-def _cie_sky(world: CieSky, old, made: World | None) -> World:
+def _formula_sky(world: FormulaSky, old, made: World | None) -> World:
     mean = mean_luminance(world)
-    if made is not None and isinstance(old, CieSky) and world.spectrum == old.spectrum:
+    if made is not None and isinstance(old, FormulaSky) and world.spectrum == old.spectrum:
         made.emitter.set_sky(world)
         return World(made.emitter, mean)
     return World(make_sky(world, emission.luminous(1.0, world.spectrum).texture()), mean)

@@ -21,17 +21,21 @@ from lumenray.engine.reading.lines import read_lines
 from lumenray.engine.reading.printable import REPLACEMENT, printable
 from lumenray.engine.reading.text import decode_text, find_encoding
 from lumenray.engine.scattering.readers.reader import read_scattering
+from lumenray.engine.sky.measured import read_measured_sky
+from lumenray.engine.sky.weather_file import read_weather
 from lumenray.libraries import luminaires, materials
 from lumenray.libraries.luminaires.catalogue import LIST as LUMINAIRES
 from lumenray.libraries.materials.catalogue import LIST as MATERIALS
 
 READERS = (
     read_luminaire,
+    read_measured_sky,
     read_rayset,
     read_scattering,
     read_spectrum,
     read_data_sheet,
     read_sensors,
+    read_weather,
     read_checkpoint,
 )
 

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.mitsuba
 GROUPS = 6
 """Rooms over which all kinds are spread: a kernel of all of them takes minutes to compile."""
 
-WORLDS = ("sky", "overcast", "even sky", "picture of a sky")
+WORLDS = ("sky", "overcast", "even sky", "picture of a sky", "cloudy", "all-weather sky")
 PLACED = tuple(name for name in LIGHTS if name not in WORLDS)
 
 
