@@ -12,7 +12,7 @@ from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
 from ..engine.scene.light import Output, Quantity
 from ..engine.scene.spectrum import Rgb
-from ..engine.sky.cie import ground_luminance, zenith_luminance
+from ..engine.sky.skies import ground_luminance, zenith_luminance
 from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport

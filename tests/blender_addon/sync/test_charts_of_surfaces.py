@@ -222,8 +222,8 @@ def test_strands_have_no_charts_beside_a_mesh_that_has():
     assert {"Material", "Pixels"}.isdisjoint(kept.sent()[0])
 
 
-def test_a_normal_map_along_a_uv_map_beside_textures_of_the_object_is_told():
-    """Its tangents are those of the UV map, which the charts are not."""
+def test_a_normal_map_along_a_uv_map_counts_beside_textures_of_the_object():
+    """Its tangents are those of the UV map, and what it makes lies on the charts."""
     tree = new_tree()
     picture = bpy.data.images.new("Slopes", 4, 4, float_buffer=True)
     picture.pixels.foreach_set(np.tile([0.7, 0.5, 0.9, 1.0], 16).astype(np.float32))
@@ -234,10 +234,8 @@ def test_a_normal_map_along_a_uv_map_beside_textures_of_the_object_is_told():
     shader = tree.add("BsdfDiffuse", Color=noise(tree), Normal=normal.outputs[0])
     item = add_box(tree.surface(shader))
     (made,) = materials_of(KeptScene.started(), item)
-    assert made.surface.reflectance.uv_map == CHART_MAP
-    assert not made.surface.has_relief
-    rows = converted_scene().report.rows
-    assert any("beside textures that lie on none" in str(row) for row in rows)
+    assert made.surface.surface.reflectance.uv_map == CHART_MAP
+    assert made.surface.relief.vectors.uv_map == CHART_MAP
 
 
 def test_textures_of_a_displaced_object_lie_on_its_displaced_surface():
