@@ -9,6 +9,7 @@ from ...photometry.spectra import GRID, evaluate_reflectance
 from ...scattering.data.surface import usable
 from ...scene.colour import largest_of
 from ...scene.material import (
+    SMOOTH_ROUGHNESS,
     Black,
     Blend,
     Coated,
@@ -22,7 +23,6 @@ from ...scene.material import (
     Measured,
     Mix,
     Raised,
-    SMOOTH_ROUGHNESS,
     Sheen,
     Surface,
     TabulatedPane,
