@@ -56,7 +56,11 @@ def run(keys=None, say=None, keep=None, earlier: dict | None = None) -> dict:
     unknown = sorted(set(keys or ()) - set(FEATURES))
     if unknown:
         raise LumenrayError(f"there is no feature '{unknown[0]}'")
-    scenes = {key: row for key, row in (earlier or {}).get("scenes", {}).items() if key in FEATURES}
+    scenes = {
+        key: {**row, "left_out": REASONS.get(key, "")}
+        for key, row in (earlier or {}).get("scenes", {}).items()
+        if key in FEATURES
+    }
     wanted = keys or [key for key in FEATURES if key not in scenes]
     with tempfile.TemporaryDirectory() as folder:
         for key in wanted:
