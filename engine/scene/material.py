@@ -853,19 +853,8 @@ def _of_base(name: str) -> property:
     return property(lambda surface: getattr(surface.base, name))
 
 
-@dataclass(frozen=True)
-class Varnish(Surface):
-    """A clear or tinted dielectric coat over any other surface, on both sides of it.
-
-    ``weight`` is the share of the surface that it covers; ``roughness`` as in `Coated`; ``tint`` is what it lets through of
-    light on one way along the normal.
-    """
-
-    base: Surface
-    weight: Scalar = 1.0
-    ior: float = 1.5
-    roughness: float = 0.03
-    tint: Colour = Constant(1.0)
+class _Laid(Surface):
+    """What lies over another surface, ``base``, and has a ``tint`` of its own; light goes where the base lets it."""
 
     depth = _of_base("depth")
     is_opaque = _of_base("is_opaque")
@@ -878,7 +867,6 @@ class Varnish(Surface):
     has_relief = _of_base("has_relief")
     has_own_colour = _of_base("has_own_colour")
     grains = _of_base("grains")
-    largest = _of_base("largest")
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -888,13 +876,30 @@ class Varnish(Surface):
     def pictures(self) -> tuple[ImageTexture, ...]:
         return (*self.base.pictures, *super().pictures)
 
+
+@dataclass(frozen=True)
+class Varnish(_Laid):
+    """A clear or tinted dielectric coat over any other surface, on both sides of it.
+
+    ``weight`` is the share of the surface that it covers; ``roughness`` as in `Coated`; ``tint`` is what it lets through of
+    light on one way along the normal.
+    """
+
+    base: Surface
+    weight: Scalar = 1.0
+    ior: float = 1.5
+    roughness: float = 0.03
+    tint: Colour = Constant(1.0)
+
+    largest = _of_base("largest")
+
     def scaled(self, factor: float) -> Varnish | None:
         base = self.base.scaled(factor)
         return None if base is None else replace(self, base=base)
 
 
 @dataclass(frozen=True)
-class Sheen(Surface):
+class Sheen(_Laid):
     """Fibres over any other surface, on both sides of it, which shine at grazing angles.
 
     Parameters
@@ -912,31 +917,9 @@ class Sheen(Surface):
     roughness: float = 0.5
     is_velvet: bool = False
 
-    is_purely_specular = False
-
-    depth = _of_base("depth")
-    is_opaque = _of_base("is_opaque")
-    passes_straight = _of_base("passes_straight")
-    is_window = _of_base("is_window")
-    is_bending = _of_base("is_bending")
-    is_dispersive = _of_base("is_dispersive")
-    is_absorbing = _of_base("is_absorbing")
-    has_grain = _of_base("has_grain")
-    has_relief = _of_base("has_relief")
-    has_own_colour = _of_base("has_own_colour")
-    grains = _of_base("grains")
-
     @property
     def largest(self) -> float:
         return max(self.base.largest, largest_of(self.tint))
-
-    @property
-    def colours(self) -> tuple[Colour, ...]:
-        return (*self.base.colours, self.tint)
-
-    @property
-    def pictures(self) -> tuple[ImageTexture, ...]:
-        return (*self.base.pictures, *super().pictures)
 
     def scaled(self, factor: float) -> Sheen:
         base = self.base.scaled(factor) or self.base

@@ -17,6 +17,7 @@ pixel, without any supposition on the light, and is stated as the error (see `th
 """
 
 import os
+from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -350,9 +351,7 @@ def _shrink(basis, own, noise, is_fitted, surface) -> tuple[np.ndarray, np.ndarr
 
 def last_of(steps):
     """What a generator gives in the end."""
-    for each in steps:  # noqa: B007
-        pass
-    return each
+    return deque(steps, maxlen=1).pop()
 
 
 def find_sharing(scene, film: Film, channels, is_apart: bool) -> PixelSharing:
