@@ -18,6 +18,9 @@ PEERS = ("Radiance", "Cycles")
 GROWTH = 4
 """Work of a run over that of the run before."""
 
+FEWEST_AMOUNTS = 3
+"""Amounts of work of a program that are measured however slow the machine is: a slope takes so many."""
+
 LEAST_SAMPLES, MOST_SAMPLES = 16, 1 << 26
 """Per sensor; the least is one for each of the groups whose spread is the stated error."""
 
@@ -134,7 +137,7 @@ def measure_scene(
     scene : ExactScene
     programs : list of Program
     rounds : int    Each has every program in turn, so that what slows the machine down meets all alike.
-    longest : float    Runs that would compute longer are not made. [s]
+    longest : float    Runs that would compute longer are not made, but for the first few amounts. [s]
     say : callable
 
     Returns
@@ -190,7 +193,7 @@ def _climb(scene: ExactScene, program: Program, longest: float) -> tuple[list[in
             # What took long may have been a kernel that was compiled.
             run = program.run(scene, work, -1)
         shortest = min(shortest, run.seconds)
-        if GROWTH * (run.seconds - shortest) > longest:
+        if len(kept) >= FEWEST_AMOUNTS and GROWTH * (run.seconds - shortest) > longest:
             break
         work *= GROWTH
     return kept, first
