@@ -15,6 +15,7 @@ from . import (
     restart_engine,
     scattering_files,
     show_baked,
+    sun_lamp,
     try_devices,
 )
 
@@ -33,5 +34,6 @@ CLASSES = (
     *restart_engine.CLASSES,
     *scattering_files.CLASSES,
     *show_baked.CLASSES,
+    *sun_lamp.CLASSES,
     *try_devices.CLASSES,
 )

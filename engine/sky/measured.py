@@ -213,7 +213,11 @@ def read_measured_sky(path) -> np.ndarray | SkyGrid:
     ------
     FileFormatError    It is no such table; names the line.
     """
-    data = read_bytes(path, MAXIMUM_BYTES)
+    return parse_measured_sky(path, read_bytes(path, MAXIMUM_BYTES))
+
+
+def parse_measured_sky(path, data: bytes) -> np.ndarray | SkyGrid:
+    """Read the content of such a table; the parameters and errors are those of `read_measured_sky`."""
     expected = "a luminance, or elevation, azimuth and luminance"
     rows = parse_table(path, data, 1, expected).rows
     if not rows:

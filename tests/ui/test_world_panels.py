@@ -53,9 +53,11 @@ def test_a_portal_states_no_amount_of_light(world):
 
 
 def test_every_setting_has_a_tooltip(world):
-    for group in (world.lumenray, world.lumenray.sky):
+    own = world.lumenray
+    groups = ("sky", "place", "time", "sun", "arc")
+    for group in (own, *(getattr(own, name) for name in groups)):
         for entry in group.bl_rna.properties:
-            if entry.identifier in {"rna_type", "name", "sky"} or entry.is_hidden:
+            if entry.identifier in {"rna_type", "name", *groups} or entry.is_hidden:
                 continue
             assert entry.description, entry.identifier
             if entry.type == "ENUM":
