@@ -142,6 +142,10 @@ class LUMENRAY_PT_world_place(WorldPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(time, "is_second")
         column.prop(time, "use_refraction")
+        arc = world.lumenray.arc
+        column.prop(arc, "is_shown")
+        if arc.is_shown:
+            column.prop(arc, "radius")
         draw_description(layout.box(), context, describe_moment(world, context.scene))
 
 

@@ -75,7 +75,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         default=math.radians(52.52),
         min=math.radians(-90.0),
         max=math.radians(90.0),
-        precision=2,
+        precision=5,
         subtype="ANGLE",
         update=_follow,
     )
@@ -85,7 +85,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         default=math.radians(13.4),
         min=math.radians(-180.0),
         max=math.radians(180.0),
-        precision=2,
+        precision=5,
         subtype="ANGLE",
         update=_follow,
     )
@@ -121,6 +121,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         default=0.0,
         min=math.radians(-360.0),
         max=math.radians(360.0),
+        precision=4,
         subtype="ANGLE",
         update=_follow,
     )
