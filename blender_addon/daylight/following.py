@@ -102,6 +102,8 @@ def _prepare(lamp) -> None:
     lamp.rotation_mode = "XYZ"
     data = lamp.data
     data.angle = SUN_ANGLE
+    if hasattr(data, "normalize"):
+        data.normalize = True
     own = data.lumenray
     own.quantity, own.use_physical, own.spectrum = "ILLUMINANCE", True, "SUNLIGHT"
 
