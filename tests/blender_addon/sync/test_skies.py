@@ -110,6 +110,20 @@ def test_a_total_level_leaves_the_sky_what_the_sun_does_not_give(world):
     assert "the sun alone gives" in describe_sky(world, None, bpy.context.scene).problem
 
 
+def test_a_sun_that_goes_leaves_the_total_to_the_sky(world):
+    sky = world.lumenray.sky
+    sky.level, sky.total_illuminance = "TOTAL", 70000.0
+    lamp = following.add_lamp(bpy.context.scene, None)
+    kept = KeptScene.started()
+    before = kept.scene.world.illuminance
+    world.lumenray.sun.turbidity = 6.0
+    kept.sent()
+    assert before < kept.scene.world.illuminance < 70000.0
+    bpy.data.objects.remove(lamp)
+    kept.sent()
+    assert kept.scene.world.illuminance == 70000.0
+
+
 def test_sky_and_sun_together_give_the_total(world, session):
     sky = world.lumenray.sky
     sky.type, sky.use_place = "12", True
