@@ -17,6 +17,7 @@ from .bake import tables as baked_tables
 from .bake.settings import LumenrayBakeSettings, LumenrayLookSettings
 from .daylight import following
 from .daylight import settings as daylight_settings
+from .daylight.edits import follow_edit
 from .daylight.settings import (
     LumenrayArcSettings,
     LumenrayPlaceSettings,
@@ -38,7 +39,7 @@ from .rendering import settings as render_settings
 from .rendering.mix_settings import LumenrayLightMixSettings
 from .rendering.settings import LumenrayRenderSettings, LumenrayViewportSettings
 from .scattering.settings import LumenrayMeasuredSettings
-from .sky import SOURCES, LumenraySkySettings, follow_sky
+from .sky import SOURCES, LumenraySkySettings
 
 
 def _redraw_all(self, context):
@@ -73,7 +74,7 @@ class LumenrayWorldSettings(PropertyGroup):
         description="What the scene is surrounded by. Default World Nodes: as Blender shows it",
         items=SOURCES,
         default="NODES",
-        update=follow_sky,
+        update=follow_edit,
     )
     sky: PointerProperty(type=LumenraySkySettings)
     place: PointerProperty(type=LumenrayPlaceSettings)

@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .daylight import following
+from .daylight.edits import follow_edit
 from .foundation.settings import PATH_OPTIONS
 
 SOURCES = [
@@ -116,12 +116,6 @@ EVEN_AROUND = {1, 3, 5, 16}
 UPWARDS = np.array([0.0, 0.0, 1.0])
 
 
-def follow_sky(self, context):
-    """Tell the dependency graph, and let the Sun light of place and time follow: it may shine by the same file."""
-    self.id_data.update_tag()
-    following.follow_world(self.id_data)
-
-
 class LumenraySkySettings(PropertyGroup):
     """A sky; ignored unless the world's ``source`` is ``CIE``."""
 
@@ -130,7 +124,7 @@ class LumenraySkySettings(PropertyGroup):
         description="What tells how the sky's light is distributed. Default CIE Type: it needs no data",
         items=KINDS,
         default="CIE",
-        update=follow_sky,
+        update=follow_edit,
     )
     type: EnumProperty(
         name="Type",
@@ -140,7 +134,7 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=TYPES,
         default="16",
-        update=follow_sky,
+        update=follow_edit,
     )
     cloudiness: FloatProperty(
         name="Cloudiness",
@@ -152,14 +146,14 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=follow_sky,
+        update=follow_edit,
     )
     weather_file: StringProperty(
         name="Weather File",
         description="Weather of a year: EPW of EnergyPlus, or WEA of Daysim and Radiance",
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
-        update=follow_sky,
+        update=follow_edit,
     )
     weather_mean: EnumProperty(
         name="Hours",
@@ -168,7 +162,7 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=MEANS,
         default="HOUR",
-        update=follow_sky,
+        update=follow_edit,
     )
     measured_file: StringProperty(
         name="Measured Sky",
@@ -178,13 +172,13 @@ class LumenraySkySettings(PropertyGroup):
         ),
         subtype="FILE_PATH",
         options=PATH_OPTIONS,
-        update=follow_sky,
+        update=follow_edit,
     )
     measured_text: PointerProperty(
         name="Measured Sky",
         description="Text data-block that holds the table, in place of a file",
         type=bpy.types.Text,
-        update=follow_sky,
+        update=follow_edit,
     )
     use_file_level: BoolProperty(
         name="Level of the File",
@@ -192,7 +186,7 @@ class LumenraySkySettings(PropertyGroup):
             "Let the sky be as bright as the weather file or the measured table says. Default on: the file knows it"
         ),
         default=True,
-        update=follow_sky,
+        update=follow_edit,
     )
     level: EnumProperty(
         name="Level",
@@ -201,7 +195,7 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=LEVELS,
         default="ILLUMINANCE",
-        update=follow_sky,
+        update=follow_edit,
     )
     zenith_luminance: FloatProperty(
         name="Zenith Luminance",
@@ -212,7 +206,7 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=50000.0,
         step=10000,
         precision=0,
-        update=follow_sky,
+        update=follow_edit,
     )
     total_illuminance: FloatProperty(
         name="Total Horizontal Illuminance",
@@ -225,7 +219,7 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=150000.0,
         step=10000,
         precision=0,
-        update=follow_sky,
+        update=follow_edit,
     )
     use_place: BoolProperty(
         name="Place and Time",
@@ -234,7 +228,7 @@ class LumenraySkySettings(PropertyGroup):
             "Default off: Sun light or angles hold, as in older files"
         ),
         default=False,
-        update=follow_sky,
+        update=follow_edit,
     )
     illuminance: FloatProperty(
         name="Horizontal Illuminance",
@@ -248,7 +242,7 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=100000.0,
         step=10000,
         precision=0,
-        update=follow_sky,
+        update=follow_edit,
     )
     use_sun_lamp: BoolProperty(
         name="Scene's Sun",
@@ -258,7 +252,7 @@ class LumenraySkySettings(PropertyGroup):
             "hold if there is none. Default on: sky and sun agree"
         ),
         default=True,
-        update=follow_sky,
+        update=follow_edit,
     )
     elevation: FloatProperty(
         name="Elevation",
@@ -267,7 +261,7 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=math.radians(90.0),
         subtype="ANGLE",
-        update=follow_sky,
+        update=follow_edit,
     )
     azimuth: FloatProperty(
         name="Azimuth",
@@ -279,7 +273,7 @@ class LumenraySkySettings(PropertyGroup):
         min=math.radians(-360.0),
         max=math.radians(360.0),
         subtype="ANGLE",
-        update=follow_sky,
+        update=follow_edit,
     )
     ground_reflectance: FloatProperty(
         name="Ground Reflectance",
@@ -291,7 +285,7 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=follow_sky,
+        update=follow_edit,
     )
     colour_temperature: FloatProperty(
         name="Colour Temperature",
@@ -305,7 +299,7 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=12000.0,
         step=10000,
         precision=0,
-        update=follow_sky,
+        update=follow_edit,
     )
 
 

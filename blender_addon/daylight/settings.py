@@ -15,6 +15,7 @@ from bpy.types import PropertyGroup
 
 from ...engine.sky.place import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
 from . import following
+from .edits import follow_edit
 from .places import fill_in_city, search_cities, search_zones
 
 AMOUNTS = [
@@ -34,21 +35,15 @@ AMOUNTS = [
 ]
 
 
-def _follow(self, context):
-    """Let the Sun light and the dated note follow what was set, and the scene know of it."""
-    self.id_data.update_tag()
-    following.follow_world(self.id_data)
-
-
 def _switch_note(self, context):
     if not self.use_note:
         following.take_notes_away(self.id_data)
-    _follow(self, context)
+    follow_edit(self, context)
 
 
 def _fill_in(self, context):
     fill_in_city(self)
-    _follow(self, context)
+    follow_edit(self, context)
 
 
 def _is_sun(self, thing) -> bool:
@@ -77,7 +72,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         max=math.radians(90.0),
         precision=5,
         subtype="ANGLE",
-        update=_follow,
+        update=follow_edit,
     )
     longitude: FloatProperty(
         name="Longitude",
@@ -87,7 +82,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         max=math.radians(180.0),
         precision=5,
         subtype="ANGLE",
-        update=_follow,
+        update=follow_edit,
     )
     zone: StringProperty(
         name="Time Zone",
@@ -98,7 +93,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         default="Europe/Berlin",
         maxlen=63,
         search=search_zones,
-        update=_follow,
+        update=follow_edit,
     )
     elevation: FloatProperty(
         name="Height",
@@ -110,7 +105,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         max=HIGHEST,
         precision=0,
         step=1000,
-        update=_follow,
+        update=follow_edit,
     )
     north: FloatProperty(
         name="North Offset",
@@ -123,7 +118,7 @@ class LumenrayPlaceSettings(PropertyGroup):
         max=math.radians(360.0),
         precision=4,
         subtype="ANGLE",
-        update=_follow,
+        update=follow_edit,
     )
 
 
@@ -136,7 +131,7 @@ class LumenrayTimeSettings(PropertyGroup):
         default=2026,
         min=FIRST_YEAR,
         max=LAST_YEAR,
-        update=_follow,
+        update=follow_edit,
     )
     month: IntProperty(
         name="Month",
@@ -146,7 +141,7 @@ class LumenrayTimeSettings(PropertyGroup):
         default=3,
         min=1,
         max=12,
-        update=_follow,
+        update=follow_edit,
     )
     day: IntProperty(
         name="Day",
@@ -157,7 +152,7 @@ class LumenrayTimeSettings(PropertyGroup):
         default=21,
         min=1,
         max=31,
-        update=_follow,
+        update=follow_edit,
     )
     hour: FloatProperty(
         name="Clock",
@@ -170,7 +165,7 @@ class LumenrayTimeSettings(PropertyGroup):
         max=24.0,
         precision=2,
         step=25,
-        update=_follow,
+        update=follow_edit,
     )
     is_second: BoolProperty(
         name="Second Time",
@@ -178,7 +173,7 @@ class LumenrayTimeSettings(PropertyGroup):
             "Where clocks are put back they show an hour twice: take the second one. Default off: the first one is taken"
         ),
         default=False,
-        update=_follow,
+        update=follow_edit,
     )
     use_refraction: BoolProperty(
         name="Refraction",
@@ -187,7 +182,7 @@ class LumenrayTimeSettings(PropertyGroup):
             "less above, for standard air of the place's height. Default on: light comes from where the sun is seen"
         ),
         default=True,
-        update=_follow,
+        update=follow_edit,
     )
     follows_frames: BoolProperty(
         name="Follow Frames",
@@ -196,13 +191,13 @@ class LumenrayTimeSettings(PropertyGroup):
             "Default off: one moment for all frames"
         ),
         default=False,
-        update=_follow,
+        update=follow_edit,
     )
     first_frame: IntProperty(
         name="First Frame",
         description="Number of the frame at which the clock shows the time above. Default 1: where scenes begin",
         default=1,
-        update=_follow,
+        update=follow_edit,
     )
     minutes_per_frame: FloatProperty(
         name="Minutes per Frame",
@@ -217,7 +212,7 @@ class LumenrayTimeSettings(PropertyGroup):
         soft_max=60.0,
         precision=1,
         step=100,
-        update=_follow,
+        update=follow_edit,
     )
     use_note: BoolProperty(
         name="Date in Pictures",
@@ -241,14 +236,14 @@ class LumenraySunSettings(PropertyGroup):
         ),
         type=bpy.types.Object,
         poll=_is_sun,
-        update=_follow,
+        update=follow_edit,
     )
     amount: EnumProperty(
         name="Sunlight",
         description="How much light the sun gives. Default Clear Air: it needs no data",
         items=AMOUNTS,
         default="TURBIDITY",
-        update=_follow,
+        update=follow_edit,
     )
     turbidity: FloatProperty(
         name="Turbidity",
@@ -261,7 +256,7 @@ class LumenraySunSettings(PropertyGroup):
         max=20.0,
         soft_max=8.0,
         precision=1,
-        update=_follow,
+        update=follow_edit,
     )
     illuminance: FloatProperty(
         name="Direct Illuminance",
@@ -273,7 +268,7 @@ class LumenraySunSettings(PropertyGroup):
         max=150000.0,
         precision=0,
         step=100000,
-        update=_follow,
+        update=follow_edit,
     )
 
 

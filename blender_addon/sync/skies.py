@@ -281,12 +281,20 @@ def _of_picture(made: ImageWorld, world, moment, when):
             factor = _horizontal(world, moment, when) / illuminance
     if factor <= 0.0:
         return None
-    colour = light_colour(Daylight(settings.colour_temperature))
-    if colour.min() < 1.0 - WHITE:
-        colour = (colour / (REC709_LUMINANCE @ colour)).astype(np.float32)
-        image = replace(made.image, pixels=made.image.pixels * colour)
-        made = replace(made, image=image)
+    made = _coloured(made, settings.colour_temperature)
     return replace(made, luminance_per_unit=factor, rotation=_turned(world.lumenray.place.north))
+
+
+@lru_cache(maxsize=KEPT)
+def _coloured(made: ImageWorld, temperature: float) -> ImageWorld:
+    """Give a picture in grey the colour of daylight, and let its luminances be."""
+    colour = light_colour(Daylight(temperature))
+    if colour.min() > 1.0 - WHITE:
+        return made
+    colour = (colour / (REC709_LUMINANCE @ colour)).astype(np.float32)
+    pixels = made.image.pixels * colour
+    pixels.flags.writeable = False
+    return replace(made, image=replace(made.image, pixels=pixels))
 
 
 def _turned(north: float) -> np.ndarray:

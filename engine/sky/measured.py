@@ -191,8 +191,10 @@ def _world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) ->
         raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
     pixels = np.array(pixels, dtype=np.float32)
     pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
-    image = ImageTexture(np.repeat(pixels[..., None], 3, axis=-1), interpolation="closest")
-    return ImageWorld(image, 1.0)
+    pixels = np.repeat(pixels[..., None], 3, axis=-1)
+    # What follows from them is found once.
+    pixels.flags.writeable = False
+    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
 
 
 # ---- files ----
