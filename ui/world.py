@@ -163,9 +163,7 @@ class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
         if settings.lamp is None:
             layout.operator("lumenray.add_sun", icon="LIGHT_SUN")
             return
-        row = layout.row(align=True)
-        row.prop(settings, "lamp", text="Light")
-        row.operator("lumenray.release_sun", text="", icon="X")
+        layout.prop(settings, "lamp", text="Light")
         layout.prop(settings, "amount")
         if settings.amount == "GIVEN":
             draw_wide(layout, settings, "illuminance", "Facing the Sun [lx]")
@@ -188,7 +186,7 @@ class LUMENRAY_PT_world_study(WorldPanel, bpy.types.Panel):
         if time.follows_frames:
             column = layout.column()
             column.prop(time, "first_frame")
-            column.prop(time, "minutes_per_frame", text="Minutes per Frame")
+            column.prop(time, "minutes_per_frame", text="Per Frame [min]")
         layout.prop(time, "use_note")
 
 

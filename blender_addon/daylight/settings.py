@@ -232,7 +232,7 @@ class LumenraySunSettings(PropertyGroup):
         name="Sun Light",
         description=(
             "Sun light that is turned to where the sun stands and given its light, in Lumenray, Cycles and EEVEE alike; "
-            "its own rotation, strength and colour are overwritten"
+            "its own rotation, strength and colour are overwritten. Taken out of here it stays as it is"
         ),
         type=bpy.types.Object,
         poll=_is_sun,
