@@ -167,6 +167,8 @@ class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
         layout.prop(settings, "amount")
         if settings.amount == "GIVEN":
             draw_wide(layout, settings, "illuminance", "Facing the Sun [lx]")
+        elif settings.amount == "HORIZONTAL":
+            draw_wide(layout, settings, "horizontal_illuminance", "Horizontal [lx]")
         layout.prop(settings, "turbidity")
         draw_description(layout.box(), context, describe_sun(world, context.scene))
 
