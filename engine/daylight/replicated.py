@@ -20,7 +20,8 @@ the amount that it may change the illuminances by.
 References
 ----------
 P. J. McCarthy: Pseudo-replication: half samples, Review of the International Statistical Institute 37(3), 1969, 239-264
-J. N. K. Rao, J. Shao: Modified balanced repeated replication for complex survey data, Biometrika 86(2), 1999, 403-415
+J. Shao, C. F. J. Wu: Asymptotic properties of the balanced repeated replication method for sample quantiles, The Annals of
+Statistics 20(3), 1992, 1571-1593, doi:10.1214/aos/1176348785
 """
 
 import math

@@ -1,6 +1,6 @@
 """What the sky gives usually: horizontal illuminances of cloudless, intermediate and overcast skies by the sun's height.
 
-They stand in where nothing better is known: single skies are twice as bright or half as bright.
+They stand in where nothing better is known: single skies may well be twice as bright or half as bright.
 
 References
 ----------
