@@ -11,6 +11,7 @@ from .luminaire import commands as luminaire
 from .options import Parser
 from .output import complain
 from .rayset import commands as rayset
+from .sky import commands as sky
 from .spectrum import commands as spectrum
 
 EPILOG = """examples:
@@ -22,6 +23,7 @@ EPILOG = """examples:
   lumenray luminaire info downlight.ies
   lumenray rayset info led.ray
   lumenray brdf info paint.bsdf
+  lumenray sky info --place Berlin --time 2026-06-21T12:00
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -37,7 +39,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, explain, sensitivity, luminaire, rayset, brdf, spectrum, probe, validate, demo, benchmark,
+        render, bake, measure, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, probe, validate, demo,
+        benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

@@ -1,1 +1,1 @@
-"""The daylight of a year at sensors, from what they have of every part of the sky, and what standards make of it."""
+"""Daylight of a whole year: what its illuminances are judged by, with the error of each figure, and pictures of it."""
