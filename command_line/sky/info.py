@@ -71,12 +71,12 @@ def describe(options) -> dict:
 
 
 def _describe_moment(moment, place, turbidity: float) -> dict:
+    import numpy as np
+
     from ...engine.sky.availability import CONDITIONS, usual_illuminance
     from ...engine.sky.place import to_local
     from ...engine.sky.solar_position import Air, find_day, find_sun, refraction
     from ...engine.sky.sunlight import direct_illuminance
-
-    import numpy as np
 
     sun = find_sun(moment.seconds, place)
     elevation = float(sun.elevation)
@@ -127,12 +127,12 @@ CLASSES = ("overcast", *["intermediate"] * 6, "clear")
 
 
 def _describe_weather(weather, year, moment, path) -> dict:
+    import numpy as np
+
     from ...engine.daylight.sunlight import SUNSHINE
     from ...engine.sky.hour import find_daylight_hours
     from ...engine.sky.perez import find_class
     from ...engine.sky.weather import find_hours, find_middles
-
-    import numpy as np
 
     if year is None and not weather.year.all():
         has_leap_day = ((weather.month == 2) & (weather.day == 29)).any()

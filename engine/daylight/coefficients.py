@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..accuracy.estimate import Estimate
 from ..accuracy.stopping import StopRule
 from ..scene.provenance import Provenance
 
@@ -80,6 +81,11 @@ class DaylightCoefficients:
     def sensors(self) -> int:
         """Number of sensors."""
         return self.sky.shape[1]
+
+    def error_of_even_sky(self) -> float:
+        """Relative standard error of the light of an even sky, root mean square over sensors. [-]"""
+        light = self.sky[..., :-1].sum(axis=2, dtype=np.float64)
+        return Estimate.from_groups(light, self.samples).relative_error()
 
 
 def gather_suns(suns: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

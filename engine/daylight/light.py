@@ -1,14 +1,8 @@
 """Illuminances of a year: coefficients times weather, with all that is not known of them as so many other years.
 
-Groups of paths, points of the sun's disk and doubts are causes of error that have nothing to do with each other. Instead of
-one number beside every illuminance there are sixteen more matrices: each has every cause once, with a sign from one row of a
-Hadamard matrix. For whatever is linear in the illuminances the mean square of what it changes over the sixteen is exactly
-the square of its standard error; for all else (hours above a threshold, medians) the sixteen show how it answers to errors
-of the size that there are (balanced repeated replication).
-
-References
-----------
-P. J. McCarthy: Pseudo-replication: half samples, Review of the International Statistical Institute 37(3), 1969, 239-264
+Groups of paths, what is seen of the sun's disk and doubts are causes of error that have nothing to do with each other. Each
+says by how much it may change every illuminance, all sensors and hours together, and figures of the year get their errors
+from years in which all causes are there at once with balanced signs (`replicated`).
 """
 
 from collections.abc import Iterator
@@ -18,30 +12,67 @@ import numpy as np
 
 from ..errors import SceneError
 from .coefficients import DaylightCoefficients
+from .lm83 import SunlitAreas, close_blinds
+from .replicated import balanced_signs
 from .year import Year
 
 BLOCK_BYTES = 400 << 20
 """Memory for the illuminances of a block of sensors."""
 
+MOST_CAUSES = 32
+"""That may change illuminances, with as many balanced versions."""
+
 UNKNOWN_PLACE = 0.5
 """By how much the light of a sun over surfaces may be off as others stand for it, relative to how these differ. [-]"""
 
 
-def make_signs(causes: int) -> np.ndarray:
-    """Return columns of a Hadamard matrix: signs of every cause in every replicate. (replicates, causes) of -1 and 1"""
-    made = np.ones((1, 1))
-    while len(made) < causes:
-        made = np.block([[made, made], [made, -made]])
-    return made[:, :causes]
+class Light:
+    """Illuminances of sensors at the lit hours of a year, block by block of sensors.
+
+    Kinds of it give ``year``, ``sensors``, ``freedom``: degrees of freedom of the errors, ``opened``: the light with all
+    blinds open, and `parts`.
+    """
+
+    year: Year
+    sensors: int
+    freedom: float
+    opened: "YearLight"
+
+    def parts(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Illuminances of some sensors at the lit hours and by how much every cause changes them. (b, h), (c, b, h) [lx]"""
+        raise NotImplementedError
+
+    def blocks(self, bytes_each: int = BLOCK_BYTES) -> Iterator[slice]:
+        """Yield ranges of sensors whose illuminances, and how causes change them, fit into memory."""
+        each = 4 * max(len(self.year.lit), 1) * (MOST_CAUSES + 6)
+        size = max(bytes_each // each, 1)
+        for first in range(0, self.sensors, size):
+            yield slice(first, min(first + size, self.sensors))
+
+    def versions(self, part: slice) -> Iterator[np.ndarray]:
+        """Yield illuminances of some sensors, and what is balanced about them (`replicated`), one by one. (b, h) [lx]"""
+        mean, causes = self.parts(part)
+        yield mean
+        for signs in balanced_signs(len(causes)).astype(np.float32):
+            yield mean + np.tensordot(signs, causes, axes=1)
+
+    def illuminance(self) -> tuple[np.ndarray, np.ndarray]:
+        """Illuminances at the lit hours and their standard errors. (n, h), (n, h) float32 [lx]"""
+        shape = (self.sensors, len(self.year.lit))
+        made, error = (np.zeros(shape, dtype=np.float32) for _ in range(2))
+        for part in self.blocks():
+            made[part], causes = self.parts(part)
+            error[part] = np.sqrt((causes**2).sum(axis=0))
+        return made, error
 
 
 @dataclass(frozen=True, eq=False)
-class YearLight:
-    """Illuminances of all sensors and lit hours, block by block of sensors.
+class YearLight(Light):
+    """Light of a year's weather.
 
     Parameters
     ----------
-    coefficients : DaylightCoefficients
+    coefficients : DaylightCoefficients    The suns of the year come first.
     year : Year
 
     Raises
@@ -55,34 +86,25 @@ class YearLight:
     def __post_init__(self):
         """Refuse what was made for other skies or suns."""
         own, year = self.coefficients, self.year
-        if own.steps != year.steps or own.direct.shape[1] != len(year.suns):
+        if own.steps != year.steps or own.direct.shape[1] < len(year.suns):
             raise SceneError(
                 "the daylight coefficients were found for other suns than the weather has"
             )
 
     @property
-    def replicates(self) -> int:
-        """Matrices beside the mean."""
-        return len(self._signs)
+    def opened(self) -> "YearLight":
+        """Itself: there are no blinds."""
+        return self
 
     @property
-    def _signs(self) -> np.ndarray:
-        own = self.coefficients
-        return make_signs(len(own.sky) + len(own.doubts) + 3)
+    def sensors(self) -> int:
+        """Number of sensors."""
+        return self.coefficients.sensors
 
-    def blocks(self) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-        """Yield which sensors, their illuminances (b, h) and the replicates (r, b, h) at the lit hours. [lx]"""
-        hours, sensors = len(self.year.lit), self.coefficients.sensors
-        bytes_each = 4 * max(hours, 1) * (self.replicates + len(self.coefficients.sky) + 4)
-        size = max(BLOCK_BYTES // bytes_each, 1)
-        for first in range(0, sensors, size):
-            part = slice(first, min(first + size, sensors))
-            mean, causes = self.parts(part)
-            signs = self._signs.astype(np.float32)
-            flat = causes.reshape(len(causes), -1)
-            replicates = (signs @ flat).reshape(len(signs), *mean.shape)
-            replicates += mean
-            yield part, mean, replicates
+    @property
+    def freedom(self) -> float:
+        """Of the groups of paths."""
+        return len(self.coefficients.sky) - 1.0
 
     def parts(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
         """Illuminances of some sensors at the lit hours and by how much every cause changes them. (b, h), (c, b, h) [lx]"""
@@ -120,20 +142,75 @@ class YearLight:
 
     def direct_sun(self, part: slice = slice(None)) -> np.ndarray:
         """Illuminances by the sun straight at the lit hours. (b, h) float32 [lx]"""
-        own, year = self.coefficients, self.year
+        return self._by_sun(self.coefficients.direct[part])
+
+    def direct_sun_error(self, part: slice = slice(None)) -> np.ndarray:
+        """Standard errors of `direct_sun`. (b, h) float32 [lx]"""
+        return self._by_sun(self.coefficients.direct_error[part])
+
+    def _by_sun(self, seen: np.ndarray) -> np.ndarray:
+        """From shares of the suns' light to illuminances. (b, k) -> (b, h) [lx]"""
+        year = self.year
         has_sun = year.sun >= 0
-        made = np.zeros((own.direct[part].shape[0], len(year.lit)), dtype=np.float32)
-        seen = own.direct[part][:, year.sun[has_sun]]
-        made[:, has_sun] = seen * year.direct_normal[has_sun].astype(np.float32)
+        made = np.zeros((len(seen), len(year.lit)), dtype=np.float32)
+        beam = year.direct_normal[has_sun].astype(np.float32)
+        made[:, has_sun] = seen[:, year.sun[has_sun]] * beam
         return made
 
-    def illuminance(self) -> tuple[np.ndarray, np.ndarray]:
-        """Illuminances at the lit hours and their standard errors. (n, h), (n, h) float32 [lx]"""
-        sensors, hours = self.coefficients.sensors, len(self.year.lit)
-        made, error = (np.zeros((sensors, hours), dtype=np.float32) for _ in range(2))
-        size = max(BLOCK_BYTES // (4 * max(hours, 1) * (len(self._signs) + 2)), 1)
-        for first in range(0, sensors, size):
-            part = slice(first, min(first + size, sensors))
-            made[part], causes = self.parts(part)
-            error[part] = np.sqrt((causes**2).sum(axis=0))
-        return made, error
+
+@dataclass(frozen=True, eq=False)
+class ShadedLight(Light):
+    """Light of a year in which blinds are closed and opened.
+
+    What each group of windows changes when its blinds are closed adds up.
+
+    Parameters
+    ----------
+    opened : YearLight    All blinds open.
+    closed : tuple of YearLight    The blinds of one group closed, by group.
+    is_closed : (groups, h) bool array
+    """
+
+    opened: YearLight
+    closed: tuple[YearLight, ...]
+    is_closed: np.ndarray
+
+    @property
+    def year(self) -> Year:
+        """Of all."""
+        return self.opened.year
+
+    @property
+    def sensors(self) -> int:
+        """Number of sensors."""
+        return self.opened.sensors
+
+    @property
+    def freedom(self) -> float:
+        """Of the groups of paths."""
+        return self.opened.freedom
+
+    def parts(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """As of `Light`."""
+        mean, causes = self.opened.parts(part)
+        total, changes = mean.copy(), causes.copy()
+        for light, hours in zip(self.closed, self.is_closed, strict=True):
+            own, own_causes = light.parts(part)
+            total[:, hours] += (own - mean)[:, hours]
+            changes[..., hours] += (own_causes - causes)[..., hours]
+        return total, changes
+
+
+def find_closed(opened: YearLight, closed: tuple[YearLight, ...], areas=None) -> np.ndarray:
+    """Return when the blinds of each group of windows are closed by the rule of LM-83. (groups, h) bool
+
+    ``areas``: that sensors stand for, (n,); None: all alike. [m2]
+    """
+    hours = len(opened.year.lit)
+    sunlit = SunlitAreas(len(closed), hours)
+    areas = np.ones(opened.sensors) if areas is None else np.asarray(areas)
+    for part in opened.blocks():
+        whole = opened.direct_sun(part)
+        through = [np.maximum(whole - each.direct_sun(part), 0.0) for each in closed]
+        sunlit.add(np.stack(through), areas[part])
+    return close_blinds(sunlit.shares)

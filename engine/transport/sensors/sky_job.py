@@ -24,8 +24,8 @@ from ..pictures.view_cells import Division
 from .sky_paths import UNIT, SkyTable, trace_sensors
 from .sun_rays import SunRays
 
-GROUPS = 12
-"""Independent groups of paths: with what else is not known they fill the sixteen combinations of `daylight.year`."""
+GROUPS = 11
+"""Independent groups of paths: with what else is not known these are the sixteen causes of error of `daylight.light`."""
 
 LOOKS = 1 << 14
 """Rays that find which surfaces matter."""
