@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...engine.errors import SceneError
 from ..options import real
+from ..output import complain
 
 MOST_NAMED = 5
 """Cities that a refusal names."""
@@ -33,6 +34,14 @@ def add_place(parser) -> None:
     place = parser.add_argument_group("place and time")
     place.add_argument(
         "--place", metavar="CITY", help="city of the library, such as 'Berlin' or 'San Jose, Costa'"
+    )
+    place.add_argument(
+        "--cities",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="LIST.csv",
+        help="more cities for --place: columns name, country, latitude, longitude, elevation_m, zone (may be repeated)",
     )
     place.add_argument("--latitude", type=real(-90.0, 90.0), metavar="DEG", help="positive north")
     place.add_argument("--longitude", type=real(-180.0, 180.0), metavar="DEG", help="positive east")
@@ -85,7 +94,7 @@ def find_place(options, weather=None):
     if weather is not None:
         found = weather.place
     elif options.place is not None:
-        found = _find_city(options.place)
+        found = _find_city(options.place, options.cities)
     elif has_numbers:
         if options.latitude is None or options.longitude is None:
             raise SceneError("a place needs both --latitude and --longitude")
@@ -100,11 +109,18 @@ def find_place(options, weather=None):
     return found
 
 
-def _find_city(query: str):
+def _find_city(query: str, lists):
     from ...engine.sky.place import Place
-    from ...libraries.cities.catalogue import find_cities, fold, shipped_cities
+    from ...libraries.cities.catalogue import all_cities, find_cities, fold, read_cities
 
-    cities = find_cities(query, shipped_cities(), 1000)
+    for path in lists:
+        own, problems = read_cities(path)
+        if problems and not own:
+            raise SceneError(str(problems[0]))
+        for problem in problems:
+            complain(problem)
+    known, _ = all_cities(lists)
+    cities = find_cities(query, known, 1000)
     wanted = fold(query.partition(",")[0])
     exact = [city for city in cities if wanted in map(fold, (city.name, *city.other_names))]
     cities = exact or cities

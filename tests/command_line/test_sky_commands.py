@@ -214,6 +214,22 @@ def test_cities_are_found_by_their_own_names_and_countries(capsys):
     )
 
 
+def test_own_cities_are_found_beside_those_of_the_library(capsys, tmp_path):
+    path = tmp_path / "own.csv"
+    heading = "name,country,latitude,longitude,zone"
+    path.write_text(f"{heading}\nSmallville,Kansas,38.9,-97.6,America/Chicago\nBad,X,99,0,UTC\n")
+    code, out, err = run(capsys, "info", "--json", "--cities", path, "--place", "Smallville", *NOON)
+    assert code == 0
+    assert json.loads(out)["place"]["latitude_deg"] == 38.9
+    assert err.count("\n") == 1
+    assert "line 3 has '99' as latitude" in err
+    _, out, _ = run(capsys, "info", "--cities", path, *BERLIN, *NOON)
+    assert "Berlin, Germany" in out
+    path.write_text("no list\n")
+    err = refusal(capsys, "info", "--cities", path, *BERLIN, *NOON)
+    assert "line 1 has no column 'name'" in err
+
+
 # ---- plot ----
 
 
