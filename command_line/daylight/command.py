@@ -40,7 +40,7 @@ def add_command(commands) -> None:
         "--weather", required=True, type=Path, metavar="W.epw", help="weather file, EPW or WEA"
     )
     _add_places(daylight.add_argument_group("sensors (one of --sensors and --floor)"))
-    _add_building(daylight.add_argument_group("building"))
+    _add_building(daylight.add_argument_group("building and year"))
     _add_question(daylight.add_argument_group("what is asked"))
     words = "folder for tables (CSV, JSON) and pictures"
     add_output(daylight, "DIR", words)
@@ -88,6 +88,12 @@ def _add_places(group) -> None:
 
 
 def _add_building(group) -> None:
+    group.add_argument(
+        "--year",
+        type=whole(1900, 2100),
+        metavar="N",
+        help="that the records are taken in (default: each in its own; needed where a file has none)",
+    )
     group.add_argument(
         "--north",
         type=real(-360.0, 360.0),
@@ -173,7 +179,7 @@ def run(options) -> int:
     if not options.resume:
         check_free(options, *(options.output / name for name in names))
     weather = read_weather(options.weather)
-    year = make_year(weather, options.north, options.ground, options.rows)
+    year = make_year(weather, options.north, options.ground, options.rows, options.year)
     if not len(year.lit):
         raise SceneError(f"{options.weather}: no hour has any daylight")
     question, notes = _ask(options, weather)
