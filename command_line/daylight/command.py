@@ -210,7 +210,7 @@ def run(options) -> int:
 def _ask(options, weather):
     """What is asked of the year, and what is assumed for it."""
     from ...engine.daylight.en17037 import check_date
-    from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS, Schedule
+    from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS, Schedule, occupied_hours
     from ...engine.daylight.study import Question
     from ...engine.daylight.sunlight import make_day
 
@@ -233,10 +233,12 @@ def _ask(options, weather):
             f"there is no day {options.sun_day[0]:02d}-{options.sun_day[1]:02d}"
         ) from None
     check_date(day)
-    start, end = options.hours
+    schedule = Schedule(*options.hours, WORKDAYS if options.workdays else EVERY_DAY)
+    # A schedule that is none is refused before anything is computed.
+    occupied_hours([0.0], place.zone, schedule)
     return Question(
         options.zone,
-        Schedule(start, end, WORKDAYS if options.workdays else EVERY_DAY),
+        schedule,
         options.target,
         is_from_above=options.roof,
         ground_reflectance=options.ground,
