@@ -19,7 +19,7 @@ def _groups():
     )
     from .bake import results as baked_results
     from .bake import running as running_bake
-    from .daylight import edits, following
+    from .daylight import following, ready
     from .foundation import engine_process, identity, running_trials
     from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
@@ -37,7 +37,7 @@ def _groups():
         first_steps,
         identity,
         following,
-        edits,
+        ready,
         baked_results,
         live,
         ray_files,

@@ -30,6 +30,12 @@ def redraw_arc(self, context) -> None:
     redraw("VIEW_3D")
 
 
+def follow_edit(self, context) -> None:
+    """Tell the dependency graph of an edit of a world's settings, and let all that follows them follow."""
+    self.id_data.update_tag()
+    follow_world(self.id_data)
+
+
 def follow_world(world) -> None:
     """Let all that follows a world follow it in the scenes that have it."""
     for scene in bpy.data.scenes:

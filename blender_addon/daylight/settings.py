@@ -15,7 +15,7 @@ from bpy.types import PropertyGroup
 
 from ...engine.sky.place import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
 from . import following
-from .edits import follow_edit
+from .following import follow_edit
 from .places import fill_in_city, search_cities, search_zones
 
 AMOUNTS = [

@@ -47,6 +47,9 @@ from .visibility import (
 from .skies import SkyTime, tell_sun
 from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
+NO_LIGHT = "the scene has no light"
+"""Message of the row about that."""
+
 UNSUPPORTED = {"VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
 
@@ -130,7 +133,7 @@ class Walk:
         self._tell_colours(whole)
         self._tell_sun(whole)
         if not is_lit and not sent.world.gives_light:
-            whole.warn(self.scene.name, "the scene has no light", "everything is black")
+            whole.warn(self.scene.name, NO_LIGHT, "everything is black")
         return whole
 
     def _tell_sun(self, whole: ConversionReport) -> None:
