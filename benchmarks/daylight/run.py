@@ -10,7 +10,7 @@ from ...engine.sky.weather_file import read_weather
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import read_numbers, write_numbers
 from .document import check_bars, describe
-from .ours import YearEngine
+from .ours import Lumenray, YearEngine
 from .room import make_room
 from .scale import measure_scale
 from .skies import largest_difference, measure_skies
@@ -20,9 +20,6 @@ from .weather_year import make_year, write_epw
 from .year import measure_year
 
 PARTS = ("sun", "skies", "year", "speed", "scale")
-
-OF_THE_YEAR = ("year", "scale")
-"""Parts that nothing can be told of without our engine of the year."""
 
 __all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
 
@@ -41,7 +38,7 @@ def run(
     ----------
     parts : iterable of str or None    Which of `PARTS`; None: all, or those that the earlier results lack.
     weather : Path or None    A weather file for skies, year, speed and scale; None: built-in hours, and a made-up year.
-    engine : YearEngine or None    None: what needs it is left out.
+    engine : YearEngine or None    None: ours.
     say : callable    Told of every step.
     keep : callable or None    Given all results so far after every part, and within long ones.
     earlier : dict or None    Results that are gone on with; named parts are measured again, but for the runs of a part
@@ -65,11 +62,12 @@ def run(
     result = {"parts": {}, "other_load": {}, "unfinished": {}, **(earlier or {})}
     result |= {"machine": describe_machine(), "weather": weather.name if weather else "made up"}
     wanted = parts or [name for name in PARTS if name not in result["parts"]]
+    engine = engine or Lumenray()
     with tempfile.TemporaryDirectory() as folder:
         given = read_weather(weather) if weather else None
         year = given or write_epw(make_year(), Path(folder) / "year.epw")
         for name in PARTS:
-            if name not in wanted or (name in OF_THE_YEAR and engine is None):
+            if name not in wanted:
                 continue
             load = OtherLoad()
 

@@ -50,7 +50,7 @@ TRUE_SAMPLES = 1 << 13
 
 
 def measure_speed(
-    engine: YearEngine | None,
+    engine: YearEngine,
     room: Room,
     weather: Weather,
     say=lambda text: None,
@@ -62,7 +62,7 @@ def measure_speed(
 
     Parameters
     ----------
-    engine : YearEngine or None    None: Radiance alone.
+    engine : YearEngine
     room : Room
     weather : Weather
     say : callable    Told of every run.
@@ -101,17 +101,18 @@ def measure_speed(
     if "sun_seconds" not in made:
         made["sun_seconds"] = run_suns(room, weather).total
         done()
-    if engine is not None:
+    amounts = sizes.get("samples", SAMPLES)
+    if amounts:
         # What is compiled only once does not count.
-        engine.run(room, weather, min(sizes.get("samples", SAMPLES)), seed=50)
-        for samples in sizes.get("samples", SAMPLES):
+        engine.run(room, weather, min(amounts), seed=50)
+    for samples in amounts:
 
-            def run(number: int, samples=samples):
-                made = engine.run(room, weather, samples, seed=60 + number)
-                return made.illuminance, made.seconds, {}
+        def run(number: int, samples=samples):
+            made = engine.run(room, weather, samples, seed=60 + number)
+            return made.illuminance, made.seconds, {}
 
-            _add(made, OURS, f"{samples} paths", run, say)
-            done()
+        _add(made, OURS, f"{samples} paths", run, say)
+        done()
     return made
 
 

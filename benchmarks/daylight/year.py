@@ -11,6 +11,8 @@ hold the truth as often as it says.
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
+from ...engine.accuracy.student import t_quantile
+from ...engine.daylight.replicated import MetricEstimate
 from ...engine.sky.weather import Weather
 from ..common.statistics import seconds_to
 from .hours import SingleHours, choose_hours
@@ -28,8 +30,8 @@ SEEDS = 20
 FEW_SAMPLES, MANY_SAMPLES = 1 << 9, 1 << 15
 """Paths of every sensor whose metrics are judged, and of what they are judged by."""
 
-REACH = 1.96
-"""Standard errors on both sides of a value within which the truth is with a probability of 95 %."""
+PROBABILITY = 0.95
+"""Of the intervals that are judged."""
 
 COST_SAMPLES = (1 << 8, 1 << 10, 1 << 12)
 """Paths of every sensor for which a year and an hour are timed."""
@@ -141,25 +143,31 @@ def judge_errors(
     Returns
     -------
     dict    ``seeds``, and in ``metrics`` by name the ``cover``: share of seeds (and sensors) whose interval of 95 % holds
-        the truth, and ``count``: of values that it is of. ``cover`` of all metrics is their mean. [-]
+        the truth, and ``count``: of values that it is of. ``cover`` of all metrics is their mean. Metrics that no chance is
+        in are left out. [-]
     """
-    truth = engine.run(room, weather, many_samples, seed=1000)
-    runs = [engine.run(room, weather, few_samples, seed=2000 + k) for k in range(seeds)]
+    truth = engine.run(room, weather, many_samples, 1000, has_metrics=True).metrics
+    runs = [
+        engine.run(room, weather, few_samples, 2000 + k, has_metrics=True).metrics
+        for k in range(seeds)
+    ]
     metrics = {}
-    for name, (true, true_errors) in truth.metrics.items():
-        found = [run.metrics[name] for run in runs]
-        hits = [is_held(values, errors, true, true_errors) for values, errors in found]
+    for name, true in truth.items():
+        if not np.isfinite(true.freedom):
+            continue
+        hits = [is_held(run[name], true) for run in runs]
         metrics[name] = {"cover": float(np.mean(hits)), "count": int(np.size(hits))}
         say(f"year: {name}: {100 * metrics[name]['cover']:.1f} % of intervals hold")
     cover = float(np.mean([row["cover"] for row in metrics.values()])) if metrics else None
     return {"seeds": seeds, "metrics": metrics, "cover": cover}
 
 
-def is_held(values, errors, true, true_errors) -> np.ndarray:
-    """Whether intervals of 95 % hold what is true, whose own error is joined. (k,) bool"""
-    reach = REACH * np.hypot(errors, true_errors)
+def is_held(found: MetricEstimate, true: MetricEstimate) -> np.ndarray:
+    """Whether intervals of 95 % hold what is true, whose own error is joined. Array of bool"""
+    joint = np.hypot(found.standard_error, true.standard_error)
+    reach = t_quantile(0.5 * (1.0 + PROBABILITY), found.freedom) * joint
     # Rounding of single precision, where nothing is random.
-    return np.abs(np.asarray(values) - true) <= reach + 1e-6 * np.abs(true)
+    return np.abs(found.value - true.value) <= reach + 1e-6 * np.abs(true.value)
 
 
 def compare_cost(engine: YearEngine, singles: SingleHours, weather: Weather, samples, say) -> dict:

@@ -14,6 +14,7 @@ from lumenray.benchmarks.daylight.sun import measure_sun
 from lumenray.benchmarks.daylight.two_phase import Settings, run_suns, run_two_phase
 from lumenray.benchmarks.daylight.weather_year import clear_sky, make_year, write_epw, write_wea
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.daylight.replicated import MetricEstimate
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.sky.hour import find_daylight_hours
 from lumenray.engine.sky.perez import find_class
@@ -192,9 +193,10 @@ def test_errors_that_are_right_hold_as_often_as_they_say():
     rng = np.random.default_rng(3)
     true = rng.uniform(1.0, 2.0, 20_000)
     values = true + 0.1 * rng.standard_normal(true.size)
-    held = year.is_held(values, np.full(true.size, 0.1), true, np.zeros(true.size))
+    exact = MetricEstimate.exact(true)
+    held = year.is_held(MetricEstimate(values, np.full(true.size, 0.1), np.inf), exact)
     assert held.mean() == pytest.approx(0.95, abs=0.006)
-    small = year.is_held(values, np.full(true.size, 0.05), true, np.zeros(true.size))
+    small = year.is_held(MetricEstimate(values, np.full(true.size, 0.05), np.inf), exact)
     assert small.mean() < 0.7
 
 
@@ -243,21 +245,23 @@ def test_chains_are_compared_by_their_whole_error_or_else_by_noise():
 class Even:
     """Engine whose rooms are lit by 100 lx in 10 hours, with errors of 1 % at 1024 paths."""
 
-    def run(self, room, weather, samples, seed):
+    def run(self, room, weather, samples, seed, has_metrics=False):
         rng = np.random.default_rng(seed)
         error = (1024.0 / samples) ** 0.5
         values = np.zeros((len(room.positions), len(weather)))
         values[:, :10] = 100.0 + error * rng.standard_normal((len(room.positions), 1))
         means = values[:, :10].mean(axis=1)
         errors = np.where(values > 0.0, error, 0.0)
-        metric = means, np.full(len(means), error)
-        return OurYear(values, errors, samples / 1024.0, {"mean": metric})
+        metric = MetricEstimate(means, np.full(len(means), error), 1e6)
+        told = {"mean": metric, "exact": MetricEstimate.exact(np.ones(3))} if has_metrics else {}
+        return OurYear(values, errors, samples / 1024.0, told)
 
 
 def test_errors_of_metrics_are_judged_by_many_seeds(weather):
     made = year.judge_errors(Even(), make_room(), weather, 20, 256, 1 << 20, lambda _line: None)
     assert made["cover"] == pytest.approx(0.95, abs=0.02)
     assert made["metrics"]["mean"]["count"] == 20 * 200
+    assert "exact" not in made["metrics"]
 
 
 def test_races_go_on_where_they_broke_off(weather, monkeypatch):
@@ -275,13 +279,14 @@ def test_races_go_on_where_they_broke_off(weather, monkeypatch):
     truth = {"hours": [0, 1], "values": np.ones((2, 200, 2)).tolist()}
     kept = []
     first = speed.measure_speed(
-        None,
+        Even(),
         make_room(),
         weather,
         keep=kept.append,
         earlier={"truth": truth},
         divisions=(100,),
         chains=("MF 1",),
+        samples=(),
     )
     assert len(asked) == 2 and kept
     more = json.loads(json.dumps(first))
