@@ -94,6 +94,12 @@ def make_suns(disks, factor: float, world_id: str, name: str, report) -> tuple[S
         key = f"{world_id}/sun {number}/{WORLD}"
         output = Output(Quantity.ILLUMINANCE, amount, light_spectrum(disk.irradiance))
         made.append(SunLight(key, f"sun of {name}", output, -disk.towards, disk.angle))
+    if made:
+        report.info(
+            name,
+            "the disk of its sun is darker towards the limb in Blender",
+            "it is even here, and surfaces get the same light",
+        )
     return tuple(made)
 
 
@@ -116,14 +122,12 @@ def _spread(towards, angle: float) -> tuple[np.ndarray, np.ndarray]:
     across /= np.linalg.norm(across)
     beside = np.cross(towards, across)
     round_it = np.cos(azimuth)[:, None] * across + np.sin(azimuth)[:, None] * beside
-    made = (
-        np.cos(polar)[:, None, None] * towards + np.sin(polar)[:, None, None] * round_it[None, :]
-    )
+    made = np.cos(polar)[:, None, None] * towards + np.sin(polar)[:, None, None] * round_it[None, :]
     return made, solid[:, None]
 
 
 def _radiance(surface, grid, shown, name, images, is_camera) -> np.ndarray:
-    """Return a world's radiance in directions, float64, black where nothing shines. ``shown``: the sun whose disk is there."""
+    """Return a world's radiance in directions, float64, black where nothing shines. ``shown``: the sun that has its disk."""
     context = DirectionContext(name, ConversionReport(), images, grid, is_camera, shown)
     radiance = world_radiance(surface, context)
     values = np.zeros(1) if radiance is None else rgb(radiance.settled().values)

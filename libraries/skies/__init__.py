@@ -1,9 +1,9 @@
 """Tables of sky models that ship: the coefficients of Hosek and Wilkie, and a clear atmosphere by wavelength.
 
-``hosek_wilkie_xyz.csv`` has the numbers that Lukas Hosek and Alexander Wilkie published with their model (version 1.4a of 2013,
-its fit of X, Y and Z) under the licence in ``hosek_wilkie_licence.txt``. ``atmosphere.csv`` has the irradiance by the sun
-outside the atmosphere [W/(m2 nm)] and the coefficients of scattering by air and of absorption by ozone at sea level and in the
-ozone layer's middle [1/m] with which Blender computes its sky (copyright 2011-2020 Blender Authors, Apache-2.0).
+``hosek_wilkie_xyz.csv`` has the numbers that Lukas Hosek and Alexander Wilkie published with their model (version 1.4a of
+2013, its fit of X, Y and Z) under the licence in ``hosek_wilkie_licence.txt``. ``atmosphere.csv`` has the irradiance by the
+sun outside the atmosphere [W/(m2 nm)] and the coefficients of scattering by air at sea level and of absorption by ozone in
+the middle of its layer [1/m], with which Blender computes its sky (copyright 2011-2020 Blender Authors, Apache-2.0).
 """
 
 import csv
@@ -30,7 +30,7 @@ def hosek_wilkie() -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache
 def atmosphere() -> np.ndarray:
-    """Return wavelength [nm], solar irradiance [W/(m2 nm)], scattering by air [1/m] and absorption by ozone [1/m]. (21, 4)"""
+    """Return wavelengths [nm], solar irradiance [W/(m2 nm)], scattering by air and absorption by ozone [1/m]. (21, 4)"""
     with (FOLDER / "atmosphere.csv").open(newline="") as file:
         table = np.array(list(csv.reader(file))[1:], dtype=np.float64)
     table.flags.writeable = False

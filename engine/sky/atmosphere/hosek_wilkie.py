@@ -1,4 +1,4 @@
-"""The sky of Hosek and Wilkie: a formula fitted to simulated atmospheres, by turbidity, the ground's albedo and the sun's height.
+"""The sky of Hosek and Wilkie: a formula fitted to simulated skies, by turbidity, the ground's albedo and the sun's height.
 
 References
 ----------

@@ -145,7 +145,11 @@ def _row(height, azimuth, start, elevation, amounts, passed) -> np.ndarray:
     arriving, often = _find_arriving(passed, radius, to_sun.astype(np.float32))
     light = [
         np.einsum("snw,sw->nw", each, (weights * amount).astype(np.float32))
-        for each, amount in ((arriving, by_air), (arriving, by_aerosols), (often, by_air + by_aerosols))
+        for each, amount in (
+            (arriving, by_air),
+            (arriving, by_aerosols),
+            (often, by_air + by_aerosols),
+        )
     ]
     air_phase = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
     spread = 1.0 + FORWARD**2 - 2.0 * FORWARD * cosine

@@ -2,7 +2,8 @@
 
 References
 ----------
-A. J. Preetham, P. Shirley, B. Smits: A Practical Analytic Model for Daylight, SIGGRAPH 1999, 91-100, doi:10.1145/311535.311545
+A. J. Preetham, P. Shirley, B. Smits: A Practical Analytic Model for Daylight, SIGGRAPH 1999, 91-100,
+doi:10.1145/311535.311545
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 
 References
 ----------
-T. Nishita, T. Sirai, K. Tadamura, E. Nakamae: Display of the Earth Taking into Account Atmospheric Scattering, SIGGRAPH 1993,
-175-182, doi:10.1145/166117.166140
+T. Nishita, T. Sirai, K. Tadamura, E. Nakamae: Display of the Earth Taking into Account Atmospheric Scattering,
+SIGGRAPH 1993, 175-182, doi:10.1145/166117.166140
 """
 
 from functools import lru_cache
@@ -97,11 +97,11 @@ def _row(latitude, longitude, start, sun, amounts) -> np.ndarray:
     is_lit = (sun[2] >= 0.0) | (climb**2 < radius**2 - EARTH**2)
     depths = [
         total + amount * onwards
-        for total, amount, onwards in zip(
-            before, amounts, depth_to_sun(radius, climb), strict=True
-        )
+        for total, amount, onwards in zip(before, amounts, depth_to_sun(radius, climb), strict=True)
     ]
-    passed = np.exp(-sum(depth[..., None] * each for depth, each in zip(depths, extinction(), strict=True)))
+    passed = np.exp(
+        -sum(depth[..., None] * each for depth, each in zip(depths, extinction(), strict=True))
+    )
     passed *= is_lit[..., None]
     air = np.einsum("nsw,s->nw", passed, density[0]) * rayleigh
     dust = np.einsum("nsw,s->nw", passed, density[1]) * DUST

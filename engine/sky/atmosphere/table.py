@@ -1,7 +1,7 @@
 """The table of a sky that is computed by scattering: what its cells hold, and how it is looked up.
 
 Columns go round from the direction opposite to the sun, rows from the lowest point up, crowded at the horizon: half-way
-between the middle and an edge of the table the elevation is a quarter of a right angle. One half is the other's mirror image.
+between the middle and an edge of the table the elevation is a quarter of a right angle. Halves are mirror images.
 """
 
 import numpy as np

@@ -263,7 +263,7 @@ def test_shaders_that_are_none_of_a_world_are_told():
 
 def test_what_is_known_by_samples_only_counts_by_its_mean_and_is_an_error():
     world = World()
-    world.show(world.background(world.add("TexSky")))
+    world.show(world.background(world.add("LayerWeight").node.outputs["Facing"]))
     made, messages = converted()
     assert isinstance(made, UniformWorld)
     assert "The world's light depends on what cannot be taken over" in messages
