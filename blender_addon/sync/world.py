@@ -22,6 +22,7 @@ from .nodes.directions import DirectionContext
 from .nodes.evaluation import Context, evaluate_field
 from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
+from .nodes.mapping import legacy_matrix
 from .spectra import light_spectrum
 from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
@@ -328,6 +329,8 @@ def _plain_background(origin, name, report, images) -> _Shown | None:
     texture = colour.socket.node
     rotation = _rotation(find_socket(texture.inputs, "Vector"), colour.groups)
     if texture.projection != "EQUIRECTANGULAR" or rotation is None:
+        return None
+    if legacy_matrix(texture) is not None:
         return None
     strength = trace(find_socket(node.inputs, "Strength"), groups)
     context = Context(name, ConversionReport(), images)

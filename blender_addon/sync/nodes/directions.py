@@ -102,7 +102,7 @@ def _environment(at, context) -> Field:
     node, socket = at.node, at.node.inputs["Vector"]
     is_linked = trace(socket, at.groups).is_output
     vector = at.field(socket) if is_linked else context.coordinates()
-    before = legacy_matrix(node.texture_mapping)
+    before = legacy_matrix(node)
     reading = context.images.read(node.image, True, at.note)
     if reading is None:
         file = f" ({node.image.filepath})" if node.image and node.image.filepath else ""

@@ -31,7 +31,7 @@ def show_sky(at, context) -> Field:
     node, socket = at.node, find_socket(at.node.inputs, "Vector")
     sky = _read_sky(node)
     has_disk = sky is not None and sky.sun_size > 0.0
-    before = legacy_matrix(node.texture_mapping)
+    before = legacy_matrix(node)
     if has_disk and before is not None:
         at.fail("the texture mapping of the node moves the sun's disk", "the sun is left out")
         has_disk = False

@@ -131,7 +131,15 @@ def clouds(world):
     return world.add("AddShader", _0=first, _1=second)
 
 
+def turned_as_of_old(world):
+    """By the mapping that textures had themselves before Blender 2.81."""
+    colour = world.environment(world.direction())
+    colour.node.texture_mapping.rotation = (0.2, 0.1, 0.8)
+    return world.background(colour)
+
+
 GRAPHS = (
+    turned_as_of_old,
     clouds,
     scaled,
     mirror_ball,
