@@ -2,7 +2,7 @@
 
 References
 ----------
-F. García Liñán: A practical spectral sky model, 2024, https://fgarlin.com/posts/2024-12-06-spectral_sky/
+F. García Liñán: article on skies by four wavelengths, 2024, https://fgarlin.com/posts/2024-12-06-spectral_sky/
 S. Hillaire: Physically Based Sky, Atmosphere and Cloud Rendering in Frostbite, SIGGRAPH 2016 course
 """
 
