@@ -143,13 +143,10 @@ def _row(height, azimuth, start, elevation, amounts, passed) -> np.ndarray:
     cosine = -plan * np.cos(azimuth) * np.cos(elevation) + rise * np.sin(elevation)
     to_sun = (start * np.sin(elevation) + along[:, None] * cosine) / radius[:, None]
     arriving, often = _find_arriving(passed, radius, to_sun.astype(np.float32))
+    by_both = by_air + by_aerosols
     light = [
-        np.einsum("snw,sw->nw", each, (weights * amount).astype(np.float32))
-        for each, amount in (
-            (arriving, by_air),
-            (arriving, by_aerosols),
-            (often, by_air + by_aerosols),
-        )
+        np.einsum("wsn,sw->nw", each, (weights * amount).astype(np.float32))
+        for each, amount in ((arriving, by_air), (arriving, by_aerosols), (often, by_both))
     ]
     air_phase = 3.0 / (16.0 * np.pi) * (1.0 + cosine**2)
     spread = 1.0 + FORWARD**2 - 2.0 * FORWARD * cosine
@@ -180,27 +177,36 @@ def _find_arriving(passed, radius, cosine) -> tuple[np.ndarray, np.ndarray]:
 
     Returns
     -------
-    (s, n, 4) float32 array    [-]
-    (s, n, 4) float32 array    [1/sr]
+    (4, s, n) float32 array    [-]
+    (4, s, n) float32 array    [1/sr]
     """
     level = np.clip((radius - EARTH) / THICKNESS, 0.0, 1.0) * (HEIGHTS - 1)
     low = np.minimum(level.astype(int), HEIGHTS - 2)
-    rest = (level - low)[:, None, None]
-    lines = (passed[low] * (1.0 - rest) + passed[low + 1] * rest).astype(np.float32)
+    rest = (level - low).astype(np.float32)[:, None, None]
+    lines = passed[low] + rest * (passed[low + 1] - passed[low])
     x = np.clip(0.5 * cosine + 0.5, 0.0, 1.0) * np.float32(COSINES - 1)
     left = np.minimum(x.astype(int), COSINES - 2)
-    rest = (x - left)[..., None]
-    steps = np.arange(len(radius))[:, None]
-    from_sun, at_ground = (
-        first + rest * (second - first)
-        for first, second in (
-            (lines[steps, left], lines[steps, left + 1]),
-            (passed[0][left], passed[0][left + 1]),
-        )
-    )
+    rest = x - left.astype(np.float32)
+    own = left + COSINES * np.arange(len(radius))[:, None]
+    from_sun = _between(np.moveaxis(lines, -1, 0), own, rest)
+    at_ground = _between(passed[0].T, left, rest)
     seen = 2.0 * np.pi * (1.0 - np.sqrt(np.maximum(1.0 - (EARTH / radius) ** 2, 0.0)))
     from_ground = seen[:, None] * passed[0, -1] / lines[:, -1]
     share = (ALBEDO / (4.0 * np.pi**2) * from_ground).astype(np.float32)
-    fit = np.float32(1.0) / (1.0 + 5.0 * np.exp(-17.92 * cosine))
-    often = MANY_TIMES.astype(np.float32) * fit[..., None]
-    return from_sun, often + share[:, None] * at_ground * cosine[..., None]
+    fit = np.float32(1.0) / (1.0 + 5.0 * np.exp(np.float32(-17.92) * cosine))
+    often = share.T[:, :, None] * (at_ground * cosine)
+    often += MANY_TIMES.astype(np.float32)[:, None, None] * fit
+    return from_sun, often
+
+
+def _between(lines, left, rest) -> np.ndarray:
+    """Interpolate in lines that follow each other. (4, ...), (s, n) number of a value, (s, n) -> (4, s, n)"""
+    made = np.empty((len(lines), *left.shape), np.float32)
+    for line, out in zip(lines, made, strict=True):
+        line = np.ascontiguousarray(line).ravel()
+        first = line.take(left)
+        out[...] = line.take(left + 1)
+        out -= first
+        out *= rest
+        out += first
+    return made

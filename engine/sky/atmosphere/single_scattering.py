@@ -43,8 +43,11 @@ ROWS = 128
 GROUND_DEPTH = 0.4
 """Sine of the depth below the horizon at which its light has faded out."""
 
-_LAST, _NODES = 25.0, 8
-"""Gauss-Laguerre rule along a ray to the sun: where on its own scale the ray ends, and its points."""
+_LAST = 25.0
+"""Where a ray to the sun ends on the own scale of a Gauss-Laguerre rule."""
+
+_PLACES, _WEIGHTS = np.polynomial.laguerre.laggauss(8)
+"""Of that rule, which leaves out the factor exp(-x)."""
 
 
 @lru_cache(maxsize=8)
@@ -95,13 +98,9 @@ def _row(latitude, longitude, start, sun, amounts) -> np.ndarray:
     cosine = plan * np.cos(longitude) * sun[0] + rise * sun[2]
     climb = start * sun[2] + along * cosine[:, None]
     is_lit = (sun[2] >= 0.0) | (climb**2 < radius**2 - EARTH**2)
-    depths = [
-        total + amount * onwards
-        for total, amount, onwards in zip(before, amounts, depth_to_sun(radius, climb), strict=True)
-    ]
-    passed = np.exp(
-        -sum(depth[..., None] * each for depth, each in zip(depths, extinction(), strict=True))
-    )
+    onwards = np.array(amounts)[:, None, None] * depth_to_sun(radius, climb)
+    depths = (before[:, None] + onwards).astype(np.float32)
+    passed = np.exp(-np.tensordot(depths, np.stack(extinction()).astype(np.float32), axes=(0, 0)))
     passed *= is_lit[..., None]
     air = np.einsum("nsw,s->nw", passed, density[0]) * rayleigh
     dust = np.einsum("nsw,s->nw", passed, density[1]) * DUST
@@ -157,12 +156,11 @@ def depth_to_sun(radius, climb) -> np.ndarray:
     (3, ...) array    Of air, dust and ozone. [m]
     """
     length = _way_out(radius, climb)
-    nodes, weights = np.polynomial.laguerre.laggauss(_NODES)
     total = np.zeros((3, *np.broadcast(radius, climb).shape))
-    for node, weight in zip(nodes / _LAST, weights * np.exp(nodes) / _LAST, strict=True):
-        way = node * length
+    for place, weight in zip(_PLACES, _WEIGHTS * np.exp(_PLACES), strict=True):
+        way = place / _LAST * length
         height = np.sqrt(radius**2 + 2.0 * way * climb + way**2) - EARTH
-        total += weight * np.stack(densities(height))
+        total += weight / _LAST * np.stack(densities(height))
     return total * length
 
 
