@@ -201,12 +201,11 @@ def _find_arriving(passed, radius, cosine) -> tuple[np.ndarray, np.ndarray]:
 
 def _between(lines, left, rest) -> np.ndarray:
     """Interpolate in lines that follow each other. (4, ...), (s, n) number of a value, (s, n) -> (4, s, n)"""
-    made = np.empty((len(lines), *left.shape), np.float32)
-    for line, out in zip(lines, made, strict=True):
-        line = np.ascontiguousarray(line).ravel()
+    made = []
+    for line in map(np.ascontiguousarray, lines):
         first = line.take(left)
-        out[...] = line.take(left + 1)
-        out -= first
-        out *= rest
-        out += first
-    return made
+        rise = line.take(left + 1)
+        rise -= first
+        rise *= rest
+        made.append(np.add(first, rise, out=first))
+    return np.stack(made)
