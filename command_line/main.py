@@ -5,12 +5,24 @@ import sys
 
 from ..engine import VERSION
 from ..engine.errors import LumenrayError
-from . import bake, benchmark, demo, explain, measure, probe, render, sensitivity, validate
+from . import (
+    bake,
+    benchmark,
+    demo,
+    explain,
+    measure,
+    probe,
+    render,
+    sensitivity,
+    validate,
+)
 from .brdf import commands as brdf
+from .daylight import command as daylight
 from .luminaire import commands as luminaire
 from .options import Parser
 from .output import complain
 from .rayset import commands as rayset
+from .sky import commands as sky
 from .spectrum import commands as spectrum
 
 EPILOG = """examples:
@@ -18,10 +30,12 @@ EPILOG = """examples:
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --lumels-per-m 20 --error 1%
   lumenray bake office.blend -o lux --error-lx 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.5%
+  lumenray daylight office.blend --weather town.epw --floor Floor -o daylight
   lumenray explain office.blend
   lumenray luminaire info downlight.ies
   lumenray rayset info led.ray
   lumenray brdf info paint.bsdf
+  lumenray sky info --place Berlin --time 2026-06-21T12:00
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -37,7 +51,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, explain, sensitivity, luminaire, rayset, brdf, spectrum, probe, validate, demo, benchmark,
+        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, probe, validate, demo,
+        benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

@@ -18,17 +18,20 @@ from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
 from .baking.order import BakeOrder, BakeResult
+from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import SceneError
 from .grouped_picture import Rendered, render_groups
 from .live import WatchedView
 from .measurements import Measurement, SurfaceProbe
 from .scene.camera import Camera
 from .scene.checks import check_item
-from .scene.light_groups import share_out
+from .scene.light import UniformWorld
+from .scene.light_groups import WORLD, share_out
 from .scene.material import Surface
 from .scene.provenance import Provenance
 from .scene.scene import Scene, SceneDelta
 from .scene.sensor import SensorKind
+from .scene.spectrum import Illuminant
 from .views import Commit, Display, DisplayMode, Frame, LiveSettings, Picture, ViewSettings
 
 _ONE_AT_A_TIME = threading.RLock()
@@ -45,6 +48,10 @@ def _garbage_left_alone():
     finally:
         if was_enabled:
             gc.enable()
+
+
+EVEN_SKY = UniformWorld(1.0, Illuminant("D65"))
+"""World by which daylight is found: of its spectrum is the light of all skies and of the sun."""
 
 
 class Session:
@@ -242,6 +249,51 @@ class Session:
             kind=sensors.kind,
             method=method,
         )
+
+    def find_daylight(
+        self,
+        positions,
+        normals,
+        order: DaylightOrder,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+    ) -> DaylightCoefficients:
+        """Find what points have of every part of the sky and of the sun at every place, lamps and world left out.
+
+        Parameters
+        ----------
+        positions, normals : (n, 3) array    World space. [m]
+        order : DaylightOrder
+        progress : callable or None    Gets a `Progress`.
+
+        Raises
+        ------
+        SceneError    A position or normal is not usable.
+        Cancelled    After `cancel`.
+        """
+        own = self.scene.world
+        self.apply(SceneDelta(changed=(EVEN_SKY,)))
+        try:
+            with self._engine(transport) as compiled:
+                from .transport.sensors.sky_job import find_coefficients
+
+                start = time.perf_counter()
+                compiled.shine(frozenset({WORLD}))
+                try:
+                    made = find_coefficients(
+                        compiled, positions, normals, order, progress, self._cancelled
+                    )
+                finally:
+                    compiled.shine()
+                paths = made.fields["samples"] * max(len(positions), 1)
+                notes = (*made.notes, *tell_lost({"samples": (made.fields["lost"], paths)}))
+                provenance = self._provenance(
+                    compiled, order.seed, made.fields["samples"], start, notes
+                )
+        finally:
+            back = {"changed": (own,)} if own is not None else {"removed": (EVEN_SKY.id,)}
+            self.apply(SceneDelta(**back))
+        return DaylightCoefficients(**made.fields, provenance=provenance)
 
     def probe(
         self,

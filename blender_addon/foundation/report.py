@@ -85,6 +85,10 @@ class ConversionReport:
         is_missing = not isinstance(error, SceneError)
         self.add(Severity.ERROR, datablock, node, str(error), remedy, is_missing)
 
+    def forget(self, message: str):
+        """Leave out what does not matter to those who use the scene in another way."""
+        self._counts = {row: n for row, n in self._counts.items() if row.message != message}
+
     @property
     def rows(self) -> list[tuple[Row, int]]:
         """All rows with their counts."""

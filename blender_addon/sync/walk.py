@@ -44,6 +44,9 @@ from .visibility import (
 )
 from .world import convert_world, follows_sun_lamp, world_of
 
+NO_LIGHT = "the scene has no light"
+"""Message of the row about that."""
+
 UNSUPPORTED = {"VOLUME", "GREASEPENCIL", "GPENCIL"}
 """Object types that are reported and left out. Text, curves, surfaces and metaballs also come as meshes."""
 
@@ -126,7 +129,7 @@ class Walk:
         tell_passes(self.layer, whole)
         self._tell_colours(whole)
         if not is_lit and not sent.world.gives_light:
-            whole.warn(self.scene.name, "the scene has no light", "everything is black")
+            whole.warn(self.scene.name, NO_LIGHT, "everything is black")
         return whole
 
     def _tell_colours(self, whole: ConversionReport) -> None:

@@ -8,6 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ..errors import FileFormatError
 from ..reading.whole_file import write_whole
+from .letters import plain_letters
 
 SCALE = 3
 """The picture is drawn so many times larger, for smooth lines."""
@@ -155,7 +156,7 @@ class Canvas:
 
     def measure(self, text: str, size: float) -> float:
         """Width of a text."""
-        return self._font(size).getlength(text) / SCALE
+        return self._font(size).getlength(plain_letters(text)) / SCALE
 
     def write(
         self, at, text, size, anchor, colour=None, is_caption=False, has_halo=False, room=None
@@ -164,6 +165,7 @@ class Canvas:
 
         ``has_halo`` keeps lines off it.
         """
+        text = plain_letters(text)
         if room is not None:
             size *= min(1.0, room / max(self.measure(text, size), 1e-9))
         font = self._font(size)

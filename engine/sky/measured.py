@@ -163,6 +163,34 @@ def make_grid_world(grid: SkyGrid, ground_reflectance: float = 0.0) -> ImageWorl
     return _world(pixels, illuminance, ground_reflectance)
 
 
+def find_luminances(measured, directions) -> np.ndarray:
+    """Return the luminance that a measured sky has in directions, over a black ground.
+
+    Parameters
+    ----------
+    measured : (145,) array or SkyGrid    As `read_measured_sky` gives it.
+    directions : (..., 3) array    Unit vectors, +z up, +y north.
+
+    Returns
+    -------
+    (...) float64 array    That of the patch, or of the cell of half a degree. [cd/m2]
+
+    Raises
+    ------
+    SceneError    As `make_patch_world` and `make_grid_world`.
+    """
+    directions = np.asarray(directions, dtype=np.float64)
+    if not isinstance(measured, SkyGrid):
+        patch = find_patches(directions)
+        return np.where(patch >= 0, _checked(measured, (PATCHES,))[patch], 0.0)
+    pixels = make_grid_world(measured).image.pixels[..., 0]
+    rows, columns = pixels.shape
+    polar = np.arccos(np.clip(-directions[..., 2], -1.0, 1.0))
+    turn = np.arctan2(directions[..., 0], directions[..., 1]) / (2.0 * np.pi) + 0.25
+    row = np.minimum((polar / np.pi * rows).astype(np.int64), rows - 1)
+    return pixels[row, np.floor(turn * columns).astype(np.int64) % columns].astype(np.float64)
+
+
 def _checked(luminances, shape) -> np.ndarray:
     luminances = np.asarray(luminances, dtype=np.float64)
     if luminances.shape != shape:

@@ -119,7 +119,7 @@ def find_hours(weather: Weather, year: int | None = None) -> WeatherHours:
     """
     if not weather.has_irradiance:
         raise SceneError("the weather has no direct and diffuse irradiance")
-    middle = _middles(weather, year)
+    middle = find_middles(weather, year)
     half = 0.5 * weather.interval * 3600.0
     ends = find_sun(middle[:, None] + [-half, 0.0, half], weather.place).elevation
     times = middle.copy()
@@ -172,7 +172,13 @@ def find_hours(weather: Weather, year: int | None = None) -> WeatherHours:
     return WeatherHours(times, sun, direct, diffuse, tuple(remarks))
 
 
-def _middles(weather: Weather, year: int | None) -> np.ndarray:
+def find_middles(weather: Weather, year: int | None = None) -> np.ndarray:
+    """Return the middles of the records' intervals, universal time since 1970; ``year`` as of `find_hours`. (n,) [s]
+
+    Raises
+    ------
+    SceneError    No year is known, or a record's day is not in the year.
+    """
     years = weather.year if year is None else np.full(len(weather), year)
     if (years == 0).any():
         raise SceneError("the weather file has no years, expected a year to take it in")

@@ -26,6 +26,7 @@ COMMANDS = [
     ("brdf process none.csv a.lumbsdf --report a.png", "a.lumbsdf a.png"),
     ("brdf library none --sheet a.png", "a.png"),
     ("spectrum plot none.spdx -o a.png", "a.png"),
+    ("sky plot --weather none.epw --time 2026-06-21T12:00 -o a.png", "a.png"),
     ("benchmark luminaires --files none -o docs --json a.json", "docs/luminaires.md a.json"),
     ("validate --family none -o docs", "docs/validation.json"),
 ]

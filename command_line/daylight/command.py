@@ -1,0 +1,243 @@
+"""The command ``lumenray daylight``: the daylight of a year at sensors, and what standards make of it."""
+
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+
+from ...blender_addon import assumptions
+from ...engine.errors import SceneError
+from ..blend_file import open_session
+from ..options import add_rule, add_scene, real, rule_of, seed_of, share, transport_of, whole
+from ..output import add_output, check_free, say
+from .answers import MATRIX, make_sheet, write
+from .places import find_places
+from .states import trace
+
+SAMPLES = 8192
+"""Paths of a sensor where nothing is asked for."""
+
+SUN_ANGLE = np.radians(0.533)
+"""Diameter of the sun's disk. [rad]"""
+
+SUNLIGHT_STEP = 300.0
+"""Between moments of the day whose sunlight is judged. [s]"""
+
+TABLES = ("sensors.csv", "hours.csv", "summary.json")
+PICTURES = ("hours.png", "autonomy.png", "factor.png", "sunlight.png")
+
+
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
+    daylight = commands.add_parser(
+        "daylight",
+        help="daylight of a whole year at sensors: daylight factors, autonomy, LM-83, EN 17037",
+        epilog=assumptions.CODES,
+    )
+    add_scene(daylight)
+    daylight.add_argument(
+        "--weather", required=True, type=Path, metavar="W.epw", help="weather file, EPW or WEA"
+    )
+    _add_places(daylight.add_argument_group("sensors (one of --sensors and --floor)"))
+    _add_building(daylight.add_argument_group("building"))
+    _add_question(daylight.add_argument_group("what is asked"))
+    words = "folder for tables (CSV, JSON) and pictures"
+    add_output(daylight, "DIR", words)
+    daylight.add_argument(
+        "--hourly", action="store_true", help=f"also write {MATRIX}: every sensor at every hour"
+    )
+    daylight.add_argument(
+        "--resume",
+        action="store_true",
+        help="use what an earlier run in DIR has traced of the same scene, weather and settings",
+    )
+    add_rule(daylight, "sensor")
+    daylight.add_argument(
+        "--rows",
+        type=whole(6, 45),
+        default=15,
+        metavar="N",
+        help="rows of the sky from the horizon to the zenith (default: 15, 600 nodes)",
+    )
+    assumptions.add_option(daylight)
+    daylight.set_defaults(run=run)
+
+
+def _add_places(group) -> None:
+    chosen = group.add_mutually_exclusive_group(required=True)
+    chosen.add_argument("--sensors", type=Path, metavar="IN.csv", help="x,y,z,nx,ny,nz in metres")
+    chosen.add_argument(
+        "--floor",
+        metavar="OBJECTS",
+        help="a grid above these objects, by name, with commas between",
+    )
+    group.add_argument(
+        "--spacing", type=real(), default=0.5, metavar="M", help="of the grid (default: 0.5)"
+    )
+    group.add_argument(
+        "--height", type=real(0.0), default=0.8, metavar="M", help="above the floor (default: 0.8)"
+    )
+    group.add_argument(
+        "--margin",
+        type=real(0.0),
+        default=0.0,
+        metavar="M",
+        help="left free along the sides (default: 0)",
+    )
+
+
+def _add_building(group) -> None:
+    group.add_argument(
+        "--north",
+        type=real(-360.0, 360.0),
+        default=0.0,
+        metavar="DEG",
+        help="compass direction of the scene's +Y axis (default: 0, north)",
+    )
+    group.add_argument(
+        "--ground",
+        type=share(0.0),
+        default=0.2,
+        metavar="R",
+        help="reflectance of the ground around (default: 20%%)",
+    )
+    group.add_argument(
+        "--blinds",
+        action="append",
+        default=[],
+        metavar="COLLECTION",
+        help="its objects are the closed blinds of a group of windows, which LM-83's rule closes; may be given again",
+    )
+    group.add_argument("--roof", action="store_true", help="EN 17037: daylight comes from above")
+
+
+def _add_question(group) -> None:
+    group.add_argument(
+        "--zone",
+        metavar="ZONE",
+        help="of the clocks, such as Europe/Berlin (default: the file's, without daylight saving time)",
+    )
+    group.add_argument(
+        "--hours",
+        type=_hours,
+        default=(8.0, 18.0),
+        metavar="A-B",
+        help="when people are there (default: 8-18)",
+    )
+    group.add_argument(
+        "--workdays", action="store_true", help="from Monday to Friday alone (default: every day)"
+    )
+    group.add_argument(
+        "--target",
+        type=real(),
+        default=300.0,
+        metavar="LX",
+        help="of daylight autonomy (default: 300)",
+    )
+    group.add_argument(
+        "--sun-day",
+        type=_day,
+        default=(3, 21),
+        metavar="MM-DD",
+        help="whose sunlight EN 17037 judges (default: 03-21)",
+    )
+    group.add_argument(
+        "--least-sun",
+        type=real(0.0, 45.0),
+        metavar="DEG",
+        help="least elevation of the sun that counts on it (default: 10, and told)",
+    )
+
+
+def _hours(text: str) -> tuple[float, float]:
+    start, _, end = text.partition("-")
+    return real(0.0, 24.0)(start), real(0.0, 24.0)(end)
+
+
+def _day(text: str) -> tuple[int, int]:
+    month, _, day = text.partition("-")
+    return whole(1, 12)(month), whole(1, 31)(day)
+
+
+def run(options) -> int:
+    """Judge the daylight of a year; return the exit code."""
+    from ...blender_addon.sync.walk import NO_LIGHT
+    from ...engine.accuracy.stopping import StopRule
+    from ...engine.daylight.coefficients import DaylightOrder
+    from ...engine.daylight.study import judge, shade
+    from ...engine.daylight.year import make_year
+    from ...engine.sky.weather_file import read_weather
+
+    names = [*TABLES, *PICTURES, *([MATRIX] if options.hourly else [])]
+    if not options.resume:
+        check_free(options, *(options.output / name for name in names))
+    weather = read_weather(options.weather)
+    year = make_year(weather, options.north, options.ground, options.rows)
+    if not len(year.lit):
+        raise SceneError(f"{options.weather}: no hour has any daylight")
+    question, notes = _ask(options, weather)
+    settings, report, session = open_session(options)
+    # Sky and sun are those of the weather.
+    report.forget(NO_LIGHT)
+    assumptions.refuse_media(report)
+    places = find_places(options, session)
+    order = DaylightOrder(
+        np.concatenate([year.suns, question.day.sun.directions(options.north)]),
+        SUN_ANGLE,
+        rule_of(options, lambda: StopRule(samples=SAMPLES)),
+        options.rows,
+        seed=seed_of(options, settings),
+    )
+    opened, *closed = trace(options, session, places, order, transport_of(options, settings))
+    light = shade(year, opened, tuple(closed), places.areas)
+    figures = judge(light, question, places.areas)
+    notes = (*map(str, year.remarks), *notes, *opened.provenance.notes, *figures.notes)
+    write(options, light, figures, places, question, assumptions.lines_of(report, notes))
+    shortfall = _find_shortfall(order.rule, opened)
+    assumptions.tell(report, notes, shortfall)
+    say(make_sheet(options, light, figures, question))
+    say(f"{light.sensors} sensors, {opened.samples} paths each, written to {options.output}")
+    return assumptions.exit_code(report, options.accept_missing, shortfall)
+
+
+def _ask(options, weather):
+    """What is asked of the year, and what is assumed for it."""
+    from ...engine.daylight.en17037 import check_date
+    from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS, Schedule
+    from ...engine.daylight.study import Question
+    from ...engine.daylight.sunlight import make_day
+
+    notes = []
+    place = weather.place if options.zone is None else replace(weather.place, zone=options.zone)
+    if options.zone is None:
+        notes.append(
+            f"hours are those of {place.zone}, without daylight saving time; --zone tells the clocks that people live by"
+        )
+    least = options.least_sun
+    if least is None:
+        least = 10.0
+        notes.append(
+            "the sun of the day counts from 10 degrees on, as --least-sun does not tell EN 17037's number for the place"
+        )
+    try:
+        day = date(2001, *options.sun_day)
+    except ValueError:
+        raise SceneError(
+            f"there is no day {options.sun_day[0]:02d}-{options.sun_day[1]:02d}"
+        ) from None
+    check_date(day)
+    start, end = options.hours
+    return Question(
+        options.zone,
+        Schedule(start, end, WORKDAYS if options.workdays else EVERY_DAY),
+        options.target,
+        is_from_above=options.roof,
+        ground_reflectance=options.ground,
+        day=make_day(day, place, least, SUNLIGHT_STEP),
+    ), notes
+
+
+def _find_shortfall(rule, made) -> str:
+    """What is to be said where the wanted error was not reached."""
+    return rule.shortfall(made.error_of_even_sky())

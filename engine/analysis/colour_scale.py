@@ -1,0 +1,77 @@
+"""False colours of a chart with the bar that explains them."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import false_colour
+from .canvas import SCALE, Canvas
+from .polar_diagram import round_step
+
+WIDTH = 74
+"""Room for the bar and its numbers. [pixel of nominal size]"""
+
+BAR = 14
+"""[pixel of nominal size]"""
+
+MOST_TICKS = 7
+
+
+@dataclass(frozen=True)
+class ColourScale:
+    """What colour a value has.
+
+    Parameters
+    ----------
+    low, high : float    Values of the first and the last colour; what lies beyond has these.
+    unit : str
+    is_log : bool    Whether equal ratios, instead of equal differences, take equal parts.
+    """
+
+    low: float
+    high: float
+    unit: str
+    is_log: bool = False
+
+    def colours(self, values) -> np.ndarray:
+        """Colours of values. (...) -> (..., 3) uint8"""
+        return false_colour.colours(self._share(values), 0.0, 1.0)
+
+    def _share(self, values) -> np.ndarray:
+        values, low, high = (np.asarray(x, dtype=np.float64) for x in (values, self.low, self.high))
+        if self.is_log:
+            values, low, high = (np.log(np.maximum(x, self.low)) for x in (values, low, high))
+        return np.clip((values - low) / max(float(high - low), 1e-30), 0.0, 1.0)
+
+    def ticks(self) -> list[float]:
+        """Round numbers of the scale."""
+        if not self.is_log:
+            step = round_step(self.high - self.low, MOST_TICKS)
+            first = math.ceil(self.low / step - 1e-9)
+            count = math.floor(self.high / step + 1e-9) - first + 1
+            return [step * (first + k) for k in range(count)]
+        powers = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        steps = (1.0, 2.0, 5.0) if len(powers) < 5 else (1.0,)
+        ticks = [step * 10.0**power for power in powers for step in steps]
+        return [tick for tick in ticks if self.low * 0.999 <= tick <= self.high * 1.001]
+
+    def draw_bar(self, canvas: Canvas, left: float, top: float, bottom: float) -> None:
+        """Draw the colours from the lowest up with their numbers, and the unit above. [pixel]"""
+        unit = canvas.zoom
+        rows = np.linspace(1.0, 0.0, max(round((bottom - top) * SCALE), 2))
+        colours = false_colour.colours(rows, 0.0, 1.0)
+        right = left + BAR * unit
+        for k, colour in enumerate(colours):
+            y = top * SCALE + k
+            canvas.pen.line([(left * SCALE, y), (right * SCALE, y)], tuple(map(int, colour)), 2)
+        for tick in self.ticks():
+            y = bottom - float(self._share(tick)) * (bottom - top)
+            canvas.line([(right, y), (right + 4 * unit, y)], canvas.colours.axis)
+            canvas.write((right + 7 * unit, y), f"{tick:g}", 10, "lm")
+        canvas.write((left, top - 10 * unit), self.unit, 11, "lm", is_caption=True)
+
+
+def nice_scale(values, unit: str) -> ColourScale:
+    """Return a scale from 0 to a round number that nearly all values lie under."""
+    return ColourScale(0.0, false_colour.nice_maximum(np.asarray(values, dtype=np.float64)), unit)

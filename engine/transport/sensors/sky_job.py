@@ -1,0 +1,281 @@
+"""The job that finds daylight coefficients: paths for the sky, rays for the sun, sensors block by block."""
+
+import time
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...accuracy.estimate import Estimate
+from ...accuracy.stopping import Progress
+from ...arrays import upload
+from ...daylight.coefficients import DaylightOrder, gather_suns
+from ...errors import Cancelled
+from ...sky.nodes import SkyNodes, find_projection
+from ..compiled.textures import is_spectral
+from ..lux_maps.cell_division import PLACES
+from ..paths import gather
+from ..paths.illuminance import Places, Receivers
+from ..paths.sampler import hash_words, random_stream, sobol_pair
+from ..paths.visible_surfaces import Sight
+from ..paths.wavelengths import WavelengthSampler
+from ..pictures.view_cells import Division
+from .sky_paths import UNIT, SkyTable, trace_sensors
+from .sun_rays import SunRays
+
+GROUPS = 11
+"""Independent groups of paths: with what else is not known these are the sixteen causes of error of `daylight.light`."""
+
+LOOKS = 1 << 14
+"""Rays that find which surfaces matter."""
+
+LANES = 1 << 20
+"""Paths of a launch."""
+
+TABLE_BYTES = 300 << 20
+"""Memory for the sums of a block of sensors."""
+
+LARGEST_BATCH = 1 << 16
+"""Paths of a sensor in a group in one launch."""
+
+FIRST = 32
+"""Paths of a sensor in a group before its error is asked for."""
+
+STAGE = "daylight"
+"""What the job is called while it runs."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Fields of `DaylightCoefficients` but the provenance, and what is to be said."""
+
+    fields: dict
+    notes: tuple[str, ...]
+
+
+def find_coefficients(
+    scene, positions, normals, order: DaylightOrder, progress=None, cancelled=lambda: False
+) -> Found:
+    """Find what sensors have of the sky and the sun.
+
+    Parameters
+    ----------
+    scene : CompiledScene    Lit by an even world of 1 cd/m2 alone.
+    positions, normals : (n, 3) array    World space. [m]
+    order : DaylightOrder
+    progress : callable or None    Gets a `Progress`.
+    cancelled : callable    Asked before every launch.
+
+    Raises
+    ------
+    SceneError    A position or normal is not usable.
+    Cancelled    When ``cancelled`` answered true.
+    """
+    job = _Job(scene, Receivers.at_points(positions, normals), order, progress, cancelled)
+    kept = scene.spots
+    scene.spots = None
+    try:
+        return job.run()
+    finally:
+        scene.spots = kept
+
+
+class _Job:
+    def __init__(self, scene, receivers: Receivers, order: DaylightOrder, progress, cancelled):
+        self.scene, self.receivers, self.order = scene, receivers, order
+        self.progress, self.cancelled = progress, cancelled
+        self.count = len(receivers.start)
+        self.nodes = SkyNodes(order.steps)
+        self.sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+        self.places = Places(scene, receivers)
+        self.rule, self.begun = order.rule, time.perf_counter()
+        self.cells, self.sides = self._divide()
+        self.middles, self.neighbours, self.shares = gather_suns(order.suns, order.spacing)
+
+    def run(self) -> Found:
+        """All sensors."""
+        sunlit = self._find_sunlit()
+        turn = _node_matrices(self.nodes, self.middles)
+        width, many = self.nodes.count + 1, len(self.middles)
+        fields = {
+            "steps": self.order.steps,
+            "sky": np.zeros((GROUPS, self.count, width), dtype=np.float32),
+            "reflected": np.zeros((GROUPS, self.count, many), dtype=np.float32),
+            "doubts": np.zeros((2, self.count, many), dtype=np.float32),
+            "direct": np.zeros((self.count, len(self.order.suns)), dtype=np.float32),
+            "direct_error": np.zeros((self.count, len(self.order.suns)), dtype=np.float32),
+            "neighbours": self.neighbours,
+            "shares": self.shares,
+            "samples": 0,
+            "lost": 0,
+        }
+        row_bytes = 8 * (2 * width + max(len(self.sides), 1)) * GROUPS
+        block = max(min(TABLE_BYTES // row_bytes, self.count), 1)
+        for first in range(0, self.count, block):
+            part = slice(first, min(first + block, self.count))
+            sky, rest, cells, samples, lost = self._trace(part)
+            fields["sky"][:, part] = sky
+            by_nodes = rest[..., :-1] @ turn[0]
+            fields["reflected"][:, part] = cells @ sunlit.mean(axis=0) + by_nodes
+            mean, coarse = by_nodes.mean(axis=0), rest[..., :-1].mean(axis=0) @ turn[1]
+            fields["doubts"][0, part] = mean - coarse
+            fields["doubts"][1, part] = cells.mean(axis=0) @ (0.5 * (sunlit[0] - sunlit[1]))
+            fields["samples"] = max(fields["samples"], samples)
+            fields["lost"] += lost
+            fields["direct"][part], fields["direct_error"][part] = self._see_suns(part)
+        notes = ()
+        if not len(self.sides) and self.count:
+            notes = ("no surface is matt: the sun over surfaces is known by parts of the sky",)
+        return Found(fields, notes)
+
+    # ---- private ----
+
+    def _divide(self):
+        """Cells, and the sides of them that sensors may see."""
+        places, normals = self.receivers.outlooks(self.scene)
+        rng = np.random.default_rng([self.order.seed & 0xFFFFFFFF, 17])
+        rows = rng.integers(0, max(len(places), 1), LOOKS if len(places) else 0)
+        sight = Sight(self.scene, places[rows], normals[rows], self.order.seed)
+        division = Division(self.scene, sight, self.order.cells)
+        sides = division.sides if len(division.cells.sides) else np.zeros(0, dtype=np.uint32)
+        return division.cells, sides
+
+    def _find_sunlit(self) -> np.ndarray:
+        """What of the sun passes the coats of cells, for 1 lx on a plane that faces it. (2, sides, m) [-]"""
+        sides, cells = upload(mi.UInt32, self.sides), self.cells
+
+        def make_surface(row, number):
+            side = dr.gather(mi.UInt32, sides, row)
+            si, matt = cells.place(side, number % PLACES)
+            is_matt = matt > 0
+
+            def passes(cosine, lit):
+                return 1.0 - cells.matt.coat(matt, cosine, lit & is_matt)
+
+            return si, passes, is_matt
+
+        self._tell(0, float("inf"), 0.0, "sun on surfaces")
+        return self._suns_of(self.middles, 1).glance(make_surface, len(self.sides))
+
+    def _see_suns(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """What sensors have of every sun straight, with standard errors. (n, k), (n, k) [-]"""
+        start = dr.opaque(mi.UInt32, part.start)
+
+        def make_surface(row, number):
+            si = self._sensor(start + row, mi.UInt32(0), number, None)
+            return si, lambda cosine, lit: mi.Float(1.0), mi.Bool(True)
+
+        rays = self._suns_of(self.order.suns, 2 + part.start)
+        return rays.see(make_surface, part.stop - part.start)
+
+    def _suns_of(self, suns: np.ndarray, salt: int) -> SunRays:
+        order = self.order
+        seed = order.seed + 7919 * salt
+        return SunRays(self.scene, suns, order.angle, self.sampler, seed, self.cancelled)
+
+    def _sensor(self, who, sample, seed, wavelengths):
+        return self.places.choose(who, sample, seed, wavelengths)
+
+    def _trace(self, part: slice):
+        """Paths of a block of sensors: what they have of nodes, the same for the sun, and of cells, by group."""
+        count = part.stop - part.start
+        table = SkyTable(self.nodes, GROUPS * count, self.cells.count, self.sides)
+        done, batch = 0, self._within_rule(FIRST, 0)
+        while True:
+            self._pass(table, part.start, count, batch, done)
+            done += batch
+            sky = _read(table.sky, GROUPS, count, table.width) / np.float32(done)
+            light = sky[..., :-1].sum(axis=2, dtype=np.float64)
+            error = Estimate.from_groups(light, done * GROUPS).relative_error()
+            needed = self._needed(done, error)
+            self._tell(done * GROUPS, error, (part.start + count * min(done / needed, 1.0)))
+            if done >= needed:
+                break
+            batch = self._within_rule(min(done, LARGEST_BATCH), done)
+        rest = _read(table.rest, GROUPS, count, table.width) / np.float32(done)
+        cells = np.zeros((GROUPS, count, 0), dtype=np.float32)
+        if len(self.sides):
+            cells = _read(table.cells, GROUPS, count, len(self.sides)) / np.float32(done)
+        return sky, rest, cells, done * GROUPS, int(np.array(table.lost).sum())
+
+    def _within_rule(self, batch: int, done: int) -> int:
+        """Paths of a sensor and group that the next pass adds, not beyond what the rule has."""
+        if self.rule.samples is None:
+            return batch
+        return max(min(batch, -(-self.rule.samples // GROUPS) - done), 1)
+
+    def _needed(self, done: int, error: float) -> float:
+        """Paths of a sensor and group after which the rule is met, as it seems now."""
+        rule, ends = self.rule, [np.inf]
+        if rule.samples is not None:
+            ends.append(-(-rule.samples // GROUPS))
+        if rule.error is not None and np.isfinite(error):
+            ends.append(done * (error / rule.error) ** 2)
+        if rule.seconds is not None:
+            spent = time.perf_counter() - self.begun
+            ends.append(done * rule.seconds / max(spent, 1e-9))
+        return max(min(ends), 1.0)
+
+    def _pass(self, table, start: int, count: int, batch: int, done: int) -> None:
+        """Paths of all sensors of a block, ``batch`` each in every group."""
+        per_launch = max(LANES // batch, 1)
+        rows = GROUPS * count
+        for first in range(0, rows, per_launch):
+            if self.cancelled():
+                raise Cancelled("cancelled")
+            self._launch(table, start, count, first, min(per_launch, rows - first), batch, done)
+
+    def _launch(self, table, start, count, first, rows, batch, done) -> None:
+        lane = dr.arange(mi.UInt32, rows * batch)
+        many = dr.opaque(mi.UInt32, int(batch))
+        block = dr.opaque(mi.UInt32, int(count))
+        sample = dr.opaque(mi.UInt32, int(done)) + lane % many
+        row = dr.opaque(mi.UInt32, int(first)) + lane // many
+        who = dr.opaque(mi.UInt32, int(start)) + row % block
+        seed = dr.opaque(mi.UInt32, int(self.order.seed) & 0xFFFFFFFF)
+        own_seed = hash_words(who, hash_words(row // block + 1, seed))
+        wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
+        trace_sensors(
+            self.scene,
+            table,
+            self.cells,
+            self._sensor(who, sample, own_seed, wavelengths),
+            row,
+            wavelengths,
+            self.sampler,
+            random_stream(sample, own_seed),
+            (
+                sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
+                sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
+            ),
+        )
+        dr.eval(table.sky, table.rest, table.cells, table.lost)
+
+    def _tell(self, samples: int, error: float, sensors: float, stage: str = STAGE) -> None:
+        """Report. ``sensors``: so many are done, in parts too."""
+        if self.progress is None:
+            return
+        spent, share = time.perf_counter() - self.begun, sensors / max(self.count, 1)
+        left = spent * (1.0 / share - 1.0) if share > 0.0 else None
+        self.progress(Progress(share, samples, error, spent, left, stage))
+
+
+def _read(sums, groups: int, count: int, width: int) -> np.ndarray:
+    """Sums of a table as numbers. (groups, count, width) float32"""
+    return (np.array(sums).reshape(groups, count, width) * (1.0 / UNIT)).astype(np.float32)
+
+
+def _node_matrices(nodes: SkyNodes, suns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From sums by node to what comes per solid angle from suns, and the same as nodes twice as far apart would have it.
+
+    Returns
+    -------
+    (nodes, m), (nodes, m) array    [sr-1], in units of the sun's illuminance for 1 cd/m2 and sr.
+    """
+    areas = find_projection(nodes.steps).node_areas
+    fine = nodes.spread(suns) / areas
+    coarse = SkyNodes(max(nodes.steps // 2, 4))
+    wide = find_projection(coarse.steps).node_areas
+    to_coarse = coarse.spread(nodes.directions())
+    return fine.T, to_coarse @ (coarse.spread(suns) / wide).T

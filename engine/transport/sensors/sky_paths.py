@@ -1,0 +1,238 @@
+"""Paths from sensors that tell what sensors have of each part of the sky, instead of how much light arrives.
+
+The world shines evenly, and the path loop is that of all others: at every vertex the world is asked, and scattered rays
+that leave the scene find it too, joined by the power heuristic. But what is found is not added up; it is put down for the
+nodes of the sky around the direction in which it was found. So one pass serves all skies.
+
+The sun is no part of the sky. What sensors have of it straight is found sun by sun (`sun_rays`). What surfaces send on of it
+is put down in two ways: for matt surfaces as what the sensor has of the light on the surface's cell, to be multiplied by the
+sun there; for all else (coats, gloss, mirrors, panes that reflect) by the nodes of the sky, as with the sky.
+"""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...arrays import upload
+from ...sky.nodes import SkyNodes
+from ..lux_maps.cell_reader import locate, matt_response
+from ..paths import gather
+from ..paths.next_event import power_heuristic, sample_emitter, surroundings_density
+from ..paths.path_loop import Path, PathLoop, Vertex, _ray_weight
+from ..paths.visibility import transmittance
+from ..rays import spawn_ray
+
+UNIT = float(1 << 30)
+"""Parts of 1 in which sums are kept as whole numbers: the order of the sums must not change them."""
+
+LARGEST = float(1 << 22)
+"""More than that a single path cannot bring. [lx m2/cd]"""
+
+
+class SkyTable:
+    """Sums by sensor and node, on the device.
+
+    Parameters
+    ----------
+    nodes : SkyNodes
+    rows : int    Sensors, or anything that sums are kept apart for.
+    cells : int    Of the scene.
+    sides : (s,) uint32 array    Sides of them that are known.
+    """
+
+    def __init__(self, nodes: SkyNodes, rows: int, cells: int, sides: np.ndarray):
+        self.nodes, self.rows, self.sides = nodes, rows, sides
+        # One more for all that is below the horizon.
+        self.width = nodes.count + 1
+        self._counts = upload(mi.UInt32, nodes.counts)
+        self._starts = upload(mi.UInt32, nodes.starts)
+        self.sky = dr.zeros(mi.UInt64, rows * self.width)
+        self.rest = dr.zeros(mi.UInt64, rows * self.width)
+        self.cells = dr.zeros(mi.UInt64, max(rows * len(sides), 1))
+        column, is_known = (
+            np.zeros(max(2 * cells, 1), dtype=np.uint32),
+            np.zeros(max(2 * cells, 1), bool),
+        )
+        column[sides], is_known[sides] = np.arange(len(sides)), True
+        self._column, self._is_known = upload(mi.UInt32, column), upload(mi.Bool, is_known)
+        self.lost = dr.zeros(mi.UInt32, rows)
+        dr.eval(self._counts, self._starts, self.sky, self.rest, self.cells, self.lost)
+
+    def put(self, row, direction, amount, share, active) -> None:
+        """Put down light from a direction. ``share``: of it that counts for the sun too, by nodes."""
+        is_lost = active & ~dr.isfinite(amount)
+        dr.scatter_add(self.lost, mi.UInt32(1), row, is_lost)
+        active = active & dr.isfinite(amount) & (amount > 0.0)
+        amount = dr.minimum(amount, LARGEST)
+        for node, weight in self._around(direction, active):
+            index = row * self.width + node
+            part = amount * weight
+            dr.scatter_add(self.sky, mi.UInt64(part * UNIT), index, active & (weight > 0.0))
+            some = part * share
+            dr.scatter_add(self.rest, mi.UInt64(some * UNIT), index, active & (some > 0.0))
+
+    def put_cell(self, row, side, amount, active) -> None:
+        """Put down what the light on a side of a cell counts for."""
+        active = active & dr.isfinite(amount) & (amount > 0.0)
+        active &= dr.gather(mi.Bool, self._is_known, side, active)
+        column = dr.gather(mi.UInt32, self._column, side, active)
+        fixed = mi.UInt64(dr.minimum(amount, LARGEST) * UNIT)
+        dr.scatter_add(self.cells, fixed, row * len(self.sides) + column, active)
+
+    def _around(self, direction, active):
+        """The nodes around a direction and their weights, as `SkyNodes.locate`; below the horizon the last one alone."""
+        steps = self.nodes.steps
+        below = direction.z < 0.0
+        plan = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
+        height = dr.atan2(dr.maximum(direction.z, 0.0), plan) * (2.0 * steps * dr.inv_pi)
+        row = dr.minimum(mi.UInt32(height), steps - 1)
+        upper = dr.clip(height - mi.Float(row), 0.0, 1.0)
+        turn = dr.atan2(direction.y, direction.x) * dr.inv_two_pi
+        turn = dr.select(turn < 0.0, turn + 1.0, turn)
+        for above, share in ((0, 1.0 - upper), (1, upper)):
+            count = dr.gather(mi.UInt32, self._counts, row + above, active)
+            start = dr.gather(mi.UInt32, self._starts, row + above, active)
+            place = turn * mi.Float(count)
+            left = dr.minimum(mi.UInt32(place), dr.maximum(count, 1) - 1)
+            aside = dr.clip(place - mi.Float(left), 0.0, 1.0)
+            right = dr.select(left + 1 < count, left + 1, 0)
+            is_first = above == 0
+            weight = dr.select(below, 1.0 if is_first else 0.0, share * (1.0 - aside))
+            yield dr.select(below, self.width - 1, start + left), weight
+            yield start + right, dr.select(below, 0.0, share * aside)
+
+
+@dataclass
+class SkyPath(Path):
+    """A path whose light is put down by direction. ``rest``: share of its last scattering that the sun has by nodes."""
+
+    rest: object = None
+
+
+class SkyPathLoop(PathLoop):
+    """Follows paths of sensors to their ends and puts down what they find.
+
+    Parameters
+    ----------
+    scene : CompiledScene    Lit by an even world of 1 cd/m2 alone.
+    table : SkyTable
+    cells : CellSet
+    row : UInt32    Of the table, by path.
+    wavelengths : Spectrum or None    [nm]
+    sampler : WavelengthSampler or None
+    scale : Float    What a path's throughput counts for at its sensor.
+    """
+
+    def __init__(self, scene, table: SkyTable, cells, row, wavelengths, sampler, scale):
+        super().__init__(scene)
+        self._table, self._cells, self._row = table, cells, row
+        self._wavelengths, self._sampler, self._scale = wavelengths, sampler, scale
+        away = dr.zeros(mi.SurfaceInteraction3f, dr.width(row))
+        away.wi = mi.Vector3f(0.0, 0.0, -1.0)
+        if wavelengths is not None:
+            away.wavelengths = wavelengths
+        self._even = scene.surroundings.eval(away, mi.Bool(True))
+        self._found: tuple | None = None
+
+    def put(self, direction, value, rest, active) -> None:
+        """Put down spectral light of an even world."""
+        amount = gather.photometric(self._sampler, value, self._wavelengths) * self._scale
+        self._table.put(self._row, direction, amount, rest, active)
+
+    def _count_emitter(self, path: SkyPath, at: Vertex) -> None:
+        """No lamp shines."""
+
+    def _count_surroundings(self, path: SkyPath, at: Vertex) -> None:
+        scene, direction = self._scene, path.ray.d
+        leaves = path.active & ~at.si.is_valid()
+        competes = leaves & (path.pdf > 0.0)
+        found = surroundings_density(scene, at.origin, direction, competes)
+        value = path.throughput * self._even * _ray_weight(path.pdf, found)
+        self.put(direction, value, path.rest, leaves)
+
+    def _ask_lights(self, path: SkyPath, at: Vertex) -> None:
+        scene, cells, si = self._scene, self._cells, at.si
+        row, coat, side, _, _ = locate(cells, at.hit, si, path.reference, path.active)
+        is_matt = row > 0
+        at.row = row
+        at.matte = matt_response(cells, at.bsdf, si, row, coat, is_matt)
+        if len(self._table.sides):
+            value = path.throughput * at.matte * self._even
+            amount = gather.photometric(self._sampler, value, self._wavelengths) * self._scale
+            self._table.put_cell(self._row, side, amount, is_matt & at.smooth)
+
+        ds, value = sample_emitter(scene, si, at.light_sample, at.smooth)
+        lit = at.smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
+        response, response_pdf = at.respond(ds.d, lit)
+        amount = path.throughput * response * value * power_heuristic(ds.pdf, response_pdf)
+        lit &= dr.any(amount != 0.0)
+        rest = self._rest_of(at, si.to_local(ds.d), response)
+        self.put(ds.d, amount * transmittance(scene, si, ds, lit), rest, lit)
+
+    def _rest_of(self, at: Vertex, wo, response):
+        """Share of a response that is not that of a matt base. [-]"""
+        if not self._cells.matt.has_coat:
+            return dr.select(at.row > 0, mi.Float(0.0), 1.0)
+        cosine = dr.abs(mi.Frame3f.cos_theta(wo))
+        passes = 1.0 - self._cells.matt.coat(at.row, cosine, at.row > 0)
+        base = dr.sum(at.matte) * cosine * passes
+        whole = dr.maximum(dr.sum(response), 1e-20)
+        return dr.select(at.row > 0, dr.clip(1.0 - base / whole, 0.0, 1.0), 1.0)
+
+    def _scatter(self, path: SkyPath, at: Vertex):
+        before = mi.Spectrum(path.throughput)
+        bs, turned = super()._scatter(path, at)
+        is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+        response = path.throughput / dr.maximum(before, 1e-20) * bs.pdf
+        rest = dr.select(is_delta, 1.0, self._rest_of(at, bs.wo, response))
+        path.rest = dr.select(turned, rest, path.rest)
+        return bs, turned
+
+
+def trace_sensors(scene, table: SkyTable, cells, si, row, wavelengths, sampler, stream, samples):
+    """Follow one path of every lane's sensor, and put down what it finds.
+
+    Parameters
+    ----------
+    si : SurfaceInteraction3f    Sensors, as of `gather.receiver`.
+    row : UInt32    Of the table.
+    wavelengths : Spectrum or None    [nm]
+    sampler : WavelengthSampler or None
+    stream : PCG32
+    samples : (Point2f, Point2f)    Well-distributed, for the world and for the ray.
+    """
+
+    def answer(direction, asked):
+        facing = dr.select(dr.dot(direction, si.n) > 0.0, dr.dot(direction, si.sh_frame.n), 0.0)
+        facing = dr.maximum(facing, 0.0)
+        return facing, facing * dr.inv_pi
+
+    active = mi.Bool(True)
+    direct = SkyPathLoop(scene, table, cells, row, wavelengths, sampler, mi.Float(1.0))
+    ds, value = sample_emitter(scene, si, samples[0], active)
+    lit = active & (ds.pdf > 0.0) & dr.any(value != 0.0)
+    response, density = answer(ds.d, lit)
+    amount = response * value * power_heuristic(ds.pdf, density)
+    lit &= dr.any(amount != 0.0)
+    direct.put(ds.d, amount * transmittance(scene, si, ds, lit), mi.Float(0.0), lit)
+
+    local = mi.warp.square_to_cosine_hemisphere(samples[1])
+    direction = si.sh_frame.to_world(local)
+    response, density = answer(direction, active)
+    active = (density > 0.0) & (response > 0.0)
+    ray = mi.Ray3f(spawn_ray(scene, si, direction))
+    if wavelengths is not None:
+        ray.wavelengths = wavelengths
+    path = SkyPath(
+        ray,
+        mi.PCG32(stream),
+        mi.Float(density),
+        mi.Point3f(si.p),
+        mi.UInt32(1),
+        mi.Bool(active),
+        rest=mi.Float(0.0),
+    )
+    scale = dr.select(active, response / density, 0.0)
+    SkyPathLoop(scene, table, cells, row, wavelengths, sampler, scale).run(path)
