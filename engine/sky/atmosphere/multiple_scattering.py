@@ -191,7 +191,10 @@ def _find_arriving(passed, radius, cosine) -> tuple[np.ndarray, np.ndarray]:
     from_sun = _between(np.moveaxis(lines, -1, 0), own, rest)
     at_ground = _between(passed[0].T, left, rest)
     seen = 2.0 * np.pi * (1.0 - np.sqrt(np.maximum(1.0 - (EARTH / radius) ** 2, 0.0)))
-    from_ground = seen[:, None] * passed[0, -1] / lines[:, -1]
+    upright = lines[:, -1]
+    from_ground = np.zeros_like(upright)
+    # Of what lets nothing pass there is no part.
+    np.divide(seen[:, None] * passed[0, -1], upright, out=from_ground, where=upright > 0.0)
     share = (ALBEDO / (4.0 * np.pi**2) * from_ground).astype(np.float32)
     fit = np.float32(1.0) / (1.0 + 5.0 * np.exp(np.float32(-17.92) * cosine))
     often = share.T[:, :, None] * (at_ground * cosine)

@@ -134,7 +134,8 @@ def sun_light(elevation: float, altitude: float, air: float, dust: float) -> np.
 def densities(height) -> tuple:
     """Air, dust and ozone at heights above sea level relative to where there is most. (...) [m] -> 3 of (...) [-]"""
     ozone = np.maximum(0.0, 1.0 - np.abs(height - OZONE_MIDDLE) / OZONE_REACH)
-    return np.exp(-height / AIR_SCALE), np.exp(-height / DUST_SCALE), ozone
+    # Rays to a sun behind the Earth cross it, where nothing is to overflow.
+    return *(np.exp(np.minimum(-height / scale, 50.0)) for scale in (AIR_SCALE, DUST_SCALE)), ozone
 
 
 def extinction() -> tuple[np.ndarray, ...]:

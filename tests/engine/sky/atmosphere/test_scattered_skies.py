@@ -131,6 +131,19 @@ def test_vectors_of_any_length_count_by_their_height():
     np.testing.assert_allclose(made, expected, atol=1e-12)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", [NISHITA, SINGLE, MULTIPLE])
+@pytest.mark.parametrize(("elevation", "altitude"), [(-1.5, 0.0), (0.0, 100_000.0)])
+def test_all_that_blender_lets_people_set_gives_numbers(model, elevation, altitude):
+    around = onto_sphere(np.random.default_rng(2).uniform(-1.0, 1.0, (500, 3)))
+    for amount in (0.0, 1000.0):
+        given = {"air": amount, "dust": amount, "ozone": amount, "altitude": altitude}
+        sky = sky_of(model, elevation, sun_size=1.57, sun_intensity=1000.0, **given)
+        made = find_colours(sky, around, True)
+        assert np.all(np.isfinite(made))
+        assert made.min() >= 0.0
+
+
 def test_before_version_5_the_disk_is_cut_at_the_level_and_since_then_at_the_horizon():
     low = np.stack([towards(-0.002, 0.4), towards(0.002, 0.4)])
     lit = {
