@@ -29,6 +29,7 @@ from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
 from .nodes.placed import Subject
 from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
+from .skies import SkyTime
 from .tags import Tags
 from .visibility import (
     NO_ID,
@@ -43,7 +44,6 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
-from .skies import SkyTime
 from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
 NO_LIGHT = "the scene has no light"
