@@ -88,6 +88,15 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         update=_follow_luminaire_folder,
     )
 
+    city_list: StringProperty(
+        name="Own Cities",
+        description=(
+            "List of your own places for the world's daylight, a CSV file with the columns name, country, latitude, "
+            "longitude, elevation_m and zone; its places come before those that ship"
+        ),
+        subtype="FILE_PATH",
+    )
+
     show_steps: BoolProperty(
         name="Show First Steps",
         description=(
@@ -106,6 +115,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "memory_limit", text="Engine Memory [GiB]")
         self.layout.prop(self, "solid_radius", text="Distributions [m]")
         self.layout.prop(self, "luminaire_folder", text="Own Assets")
+        self.layout.prop(self, "city_list", text="Own Cities")
         self.layout.prop(self, "show_steps")
 
     def _draw_devices(self, context):

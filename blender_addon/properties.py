@@ -15,6 +15,15 @@ from ..engine.photometry import units
 from .bake import settings as bake_settings
 from .bake import tables as baked_tables
 from .bake.settings import LumenrayBakeSettings, LumenrayLookSettings
+from .daylight import following
+from .daylight import settings as daylight_settings
+from .daylight.edits import follow_edit
+from .daylight.settings import (
+    LumenrayArcSettings,
+    LumenrayPlaceSettings,
+    LumenraySunSettings,
+    LumenrayTimeSettings,
+)
 from .foundation.settings import (
     identity_property,
     light_group_property,
@@ -40,6 +49,13 @@ def _redraw_all(self, context):
         tag_owner(self, context)
 
 
+def _rate_anew(self, context):
+    """As `tag_owner`, and have the Sun light that follows the world's time keep its lumens."""
+    tag_owner(self, context)
+    if self.id_data.world is not None:
+        following.follow_world(self.id_data.world)
+
+
 def _has_density(self):
     return self.density > 0.0
 
@@ -58,9 +74,13 @@ class LumenrayWorldSettings(PropertyGroup):
         description="What the scene is surrounded by. Default World Nodes: as Blender shows it",
         items=SOURCES,
         default="NODES",
-        update=tag_owner,
+        update=follow_edit,
     )
     sky: PointerProperty(type=LumenraySkySettings)
+    place: PointerProperty(type=LumenrayPlaceSettings)
+    time: PointerProperty(type=LumenrayTimeSettings)
+    sun: PointerProperty(type=LumenraySunSettings)
+    arc: PointerProperty(type=LumenrayArcSettings)
     unit: EnumProperty(
         name="Unit",
         description=(
@@ -208,7 +228,7 @@ class LumenraySceneSettings(PropertyGroup):
         min=1e-3,
         max=units.LUMINOUS_EFFICACY,
         precision=2,
-        update=tag_owner,
+        update=_rate_anew,
     )
     exposure: EnumProperty(
         name="Exposure",
@@ -256,6 +276,7 @@ CLASSES = (
     LumenrayMeasuredSettings,
     LumenrayMaterialSettings,
     LumenraySkySettings,
+    *daylight_settings.CLASSES,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,

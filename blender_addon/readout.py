@@ -12,17 +12,14 @@ from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
 from ..engine.scene.light import Output, Quantity
 from ..engine.scene.spectrum import Rgb
-from ..engine.sky.skies import ground_luminance, zenith_luminance
 from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
-from .sky import angles, onto_horizon, towards_lamp
 from .sync.lights.kinds import Kind, Place, is_scaled_unevenly, is_spread_out, kind_of
 from .sync.lights.shaped import read_ellipse
 from .sync.meshes import MESH_TYPES
 from .sync.nodes.fields import luminance
 from .sync.spectra import convert_spectrum
-from .sync.world import convert_sky, follows_sun_lamp
 
 UNITS = {
     "LUMINOUS_FLUX": "lm",
@@ -154,27 +151,6 @@ def describe_lamp(source, scene) -> Description:
     unit = scene.unit_settings
     metres = unit.scale_length if unit.system != "NONE" else 1.0
     return describe_light(source.data, scene.lumenray, source.matrix_world.to_scale(), metres)
-
-
-def describe_sky(world, lamp) -> Description:
-    """Say what a world's sky of the CIE amounts to: luminances, and the sun's place if a Sun light (or None) states it."""
-    report, lines, sun = ConversionReport(), [], None
-    if lamp is not None and follows_sun_lamp(world):
-        sun = towards_lamp(lamp.matrix_world)
-    if sun is not None:
-        elevation, azimuth = angles(onto_horizon(sun))
-        lines = [
-            ("Sun Light", lamp.name),
-            ("Elevation", f"{np.degrees(elevation):.1f}°"),
-            ("Azimuth", f"{np.degrees(azimuth):.1f}°"),
-        ]
-    sky = convert_sky(world, "", report, sun)
-    if sky is None:
-        return Description(tuple(lines), "an illuminance of 0 gives no light")
-    lines.append(("Zenith luminance", format_amount(zenith_luminance(sky), "cd/m²")))
-    lines.append(("Ground luminance", format_amount(ground_luminance(sky), "cd/m²")))
-    problem = "; ".join(f"{row.message}: {row.remedy}" for row, _ in report.rows)
-    return Description(tuple(lines), problem)
 
 
 def describe_exposure(settings) -> str:

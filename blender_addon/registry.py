@@ -19,6 +19,7 @@ def _groups():
     )
     from .bake import results as baked_results
     from .bake import running as running_bake
+    from .daylight import edits, following
     from .foundation import engine_process, identity, running_trials
     from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
@@ -35,6 +36,8 @@ def _groups():
         shown_lights,
         first_steps,
         identity,
+        following,
+        edits,
         baked_results,
         live,
         ray_files,

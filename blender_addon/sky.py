@@ -1,19 +1,70 @@
-"""Daylight by a sky of the CIE: what the user sets about it, and where its sun stands."""
+"""Daylight by a sky: what the user sets about it, and where its sun stands."""
 
 import math
 
+import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .foundation.settings import tag_owner
+from .daylight.edits import follow_edit
+from .foundation.settings import PATH_OPTIONS
 
 SOURCES = [
     ("NODES", "World Nodes", "Light comes from the background that the world's nodes state", 0),
     (
         "CIE",
-        "CIE Sky",
-        "Light comes from a sky of the CIE over an evenly bright ground; the world's nodes do not count",
+        "Sky",
+        "Light comes from a sky over an evenly bright ground; the world's nodes do not count",
+        1,
+    ),
+]
+
+KINDS = [
+    ("CIE", "CIE Type", "One of the sixteen skies of the CIE, by its number", 0),
+    (
+        "CLOUDINESS",
+        "Cloudiness",
+        "Between the clear and the overcast sky of the CIE, by the part of the light that clouds give",
+        1,
+    ),
+    (
+        "WEATHER",
+        "Weather File",
+        "The sky of an hour of a weather file (EPW or WEA), by the all-weather model of Perez",
+        2,
+    ),
+    (
+        "MEASURED",
+        "Measured",
+        "Luminances that were measured: of 145 patches of the sky, or of a grid of directions",
+        3,
+    ),
+]
+
+LEVELS = [
+    (
+        "ILLUMINANCE",
+        "Horizontal, Sky",
+        "State the illuminance of an unobstructed horizontal plane by the sky alone",
+        0,
+    ),
+    ("ZENITH", "Zenith Luminance", "State the luminance of the sky at the zenith", 1),
+    (
+        "TOTAL",
+        "Horizontal, Sky and Sun",
+        "State the illuminance of an unobstructed horizontal plane by the sky and the sun of place and time together; "
+        "the sky gives what the sun leaves of it",
+        2,
+    ),
+]
+
+MEANS = [
+    ("HOUR", "Hour", "The record of the file that holds the moment of place and time", 0),
+    (
+        "MONTH",
+        "Mean of the Month",
+        "The mean sky, and the mean sunlight, of this hour over all days of the month",
         1,
     ),
 ]
@@ -66,8 +117,15 @@ UPWARDS = np.array([0.0, 0.0, 1.0])
 
 
 class LumenraySkySettings(PropertyGroup):
-    """A sky of the CIE; ignored unless the world's ``source`` is ``CIE``."""
+    """A sky; ignored unless the world's ``source`` is ``CIE``."""
 
+    kind: EnumProperty(
+        name="Kind of Sky",
+        description="What tells how the sky's light is distributed. Default CIE Type: it needs no data",
+        items=KINDS,
+        default="CIE",
+        update=follow_edit,
+    )
     type: EnumProperty(
         name="Type",
         description=(
@@ -76,7 +134,101 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=TYPES,
         default="16",
-        update=tag_owner,
+        update=follow_edit,
+    )
+    cloudiness: FloatProperty(
+        name="Cloudiness",
+        description=(
+            "Part of the horizontal illuminance that the overcast sky gives, the clear sky giving the rest, 0 to 1. "
+            "Default 0.5: half cloudy"
+        ),
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=follow_edit,
+    )
+    weather_file: StringProperty(
+        name="Weather File",
+        description="Weather of a year: EPW of EnergyPlus, or WEA of Daysim and Radiance",
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=follow_edit,
+    )
+    weather_mean: EnumProperty(
+        name="Hours",
+        description=(
+            "Which hours of the weather file the sky is made of. Default Hour: the weather of one moment"
+        ),
+        items=MEANS,
+        default="HOUR",
+        update=follow_edit,
+    )
+    measured_file: StringProperty(
+        name="Measured Sky",
+        description=(
+            "Table of luminances in cd/m²: 145 numbers, one a line, of the patches of Tregenza from the horizon up; or "
+            "elevation, azimuth and luminance in each line, for any grid"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+        update=follow_edit,
+    )
+    measured_text: PointerProperty(
+        name="Measured Sky",
+        description="Text data-block that holds the table, in place of a file",
+        type=bpy.types.Text,
+        update=follow_edit,
+    )
+    use_file_level: BoolProperty(
+        name="Level of the File",
+        description=(
+            "Let the sky be as bright as the weather file or the measured table says. Default on: the file knows it"
+        ),
+        default=True,
+        update=follow_edit,
+    )
+    level: EnumProperty(
+        name="Level",
+        description=(
+            "How it is stated how bright the sky is. Default Horizontal, Sky: meters measure it"
+        ),
+        items=LEVELS,
+        default="ILLUMINANCE",
+        update=follow_edit,
+    )
+    zenith_luminance: FloatProperty(
+        name="Zenith Luminance",
+        description="Of the sky at the zenith, in cd/m². Default 4000: an overcast day",
+        default=4000.0,
+        min=0.0,
+        max=1e6,
+        soft_max=50000.0,
+        step=10000,
+        precision=0,
+        update=follow_edit,
+    )
+    total_illuminance: FloatProperty(
+        name="Total Horizontal Illuminance",
+        description=(
+            "By sky and sun together, on an unobstructed horizontal plane, in lx. Default 60000: a clear day in spring"
+        ),
+        default=60000.0,
+        min=0.0,
+        max=1e6,
+        soft_max=150000.0,
+        step=10000,
+        precision=0,
+        update=follow_edit,
+    )
+    use_place: BoolProperty(
+        name="Place and Time",
+        description=(
+            "Let the sky's sun stand where it stands at the world's place and time, before all Sun lights and angles. "
+            "Default off: Sun light or angles hold, as in older files"
+        ),
+        default=False,
+        update=follow_edit,
     )
     illuminance: FloatProperty(
         name="Horizontal Illuminance",
@@ -90,7 +242,7 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=100000.0,
         step=10000,
         precision=0,
-        update=tag_owner,
+        update=follow_edit,
     )
     use_sun_lamp: BoolProperty(
         name="Scene's Sun",
@@ -100,7 +252,7 @@ class LumenraySkySettings(PropertyGroup):
             "hold if there is none. Default on: sky and sun agree"
         ),
         default=True,
-        update=tag_owner,
+        update=follow_edit,
     )
     elevation: FloatProperty(
         name="Elevation",
@@ -109,7 +261,7 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=math.radians(90.0),
         subtype="ANGLE",
-        update=tag_owner,
+        update=follow_edit,
     )
     azimuth: FloatProperty(
         name="Azimuth",
@@ -121,7 +273,7 @@ class LumenraySkySettings(PropertyGroup):
         min=math.radians(-360.0),
         max=math.radians(360.0),
         subtype="ANGLE",
-        update=tag_owner,
+        update=follow_edit,
     )
     ground_reflectance: FloatProperty(
         name="Ground Reflectance",
@@ -133,7 +285,7 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=tag_owner,
+        update=follow_edit,
     )
     colour_temperature: FloatProperty(
         name="Colour Temperature",
@@ -147,13 +299,37 @@ class LumenraySkySettings(PropertyGroup):
         soft_max=12000.0,
         step=10000,
         precision=0,
-        update=tag_owner,
+        update=follow_edit,
     )
 
 
 def depends_on_sun(settings: LumenraySkySettings) -> bool:
     """Tell whether it counts where the sun stands."""
-    return int(settings.type) not in EVEN_AROUND
+    if settings.kind == "CIE":
+        return int(settings.type) not in EVEN_AROUND
+    if settings.kind == "CLOUDINESS":
+        return settings.cloudiness < 1.0
+    return settings.kind == "WEATHER" and settings.weather_mean == "HOUR"
+
+
+def states_level(settings: LumenraySkySettings) -> bool:
+    """Tell whether the settings say how bright the sky is, and not a file."""
+    return settings.kind not in {"WEATHER", "MEASURED"} or not settings.use_file_level
+
+
+def takes_lamp(settings: LumenraySkySettings) -> bool:
+    """Tell whether a Sun light may say where the sky's sun stands."""
+    is_by_place = settings.use_place or settings.kind == "WEATHER"
+    return depends_on_sun(settings) and settings.use_sun_lamp and not is_by_place
+
+
+def needs_moment(settings: LumenraySkySettings) -> bool:
+    """Tell whether the sky depends on place and time."""
+    if settings.kind == "WEATHER":
+        return True
+    if settings.level == "TOTAL" and states_level(settings):
+        return True
+    return settings.use_place and depends_on_sun(settings)
 
 
 def find_sun_lamp(scene, view_layer):

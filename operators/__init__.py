@@ -6,6 +6,7 @@ from . import (
     bake_illuminance,
     check_engine,
     copy_report,
+    drag_sun,
     list_lights,
     luminaire_files,
     mix_lights,
@@ -15,6 +16,7 @@ from . import (
     restart_engine,
     scattering_files,
     show_baked,
+    sun_lamp,
     try_devices,
 )
 
@@ -24,6 +26,7 @@ CLASSES = (
     *bake_illuminance.CLASSES,
     *check_engine.CLASSES,
     *copy_report.CLASSES,
+    *drag_sun.CLASSES,
     *list_lights.CLASSES,
     *luminaire_files.CLASSES,
     *mix_lights.CLASSES,
@@ -33,5 +36,6 @@ CLASSES = (
     *restart_engine.CLASSES,
     *scattering_files.CLASSES,
     *show_baked.CLASSES,
+    *sun_lamp.CLASSES,
     *try_devices.CLASSES,
 )

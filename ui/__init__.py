@@ -21,6 +21,7 @@ from . import (
     scattering,
     sidebar,
     start,
+    sun_arc,
     tube_overlay,
     world,
 )
@@ -44,11 +45,12 @@ CLASSES = (
 
 
 def attach():
-    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets and tubes in the 3D views."""
+    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets, tubes and the sun's arc in 3D views."""
     compatibility.attach()
     luminaire_overlay.attach()
     rayset_overlay.attach()
     tube_overlay.attach()
+    sun_arc.attach()
     add_menu.attach()
     image_header.attach()
 
@@ -57,6 +59,7 @@ def detach():
     """Undo `attach`, and let go of all pictures."""
     image_header.detach()
     add_menu.detach()
+    sun_arc.detach()
     tube_overlay.detach()
     rayset_overlay.detach()
     luminaire_overlay.detach()

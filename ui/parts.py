@@ -122,6 +122,9 @@ def draw_spectrum(layout, settings, data=None) -> None:
     elif settings.spectrum == "FILE":
         layout.prop(settings, "spectrum_file", text="File")
         layout.prop(settings, "spectrum_column", text="Column")
+    elif settings.spectrum == "SUNLIGHT":
+        layout.prop(settings, "turbidity")
+        layout.prop(settings, "sun_elevation")
     elif data is not None:
         draw_colour(layout, data)
 

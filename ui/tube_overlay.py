@@ -64,7 +64,8 @@ def draw() -> None:
     ]
     content = {
         "pos": np.concatenate(parts).astype(np.float32),
-        "color": np.concatenate(colours).astype(np.float32),
+        # Row by row: what was broadcast would lie in memory one column after the other.
+        "color": np.ascontiguousarray(np.concatenate(colours), np.float32),
     }
     before = gpu.state.depth_test_get(), gpu.state.blend_get()
     gpu.state.depth_test_set("LESS_EQUAL")

@@ -1,11 +1,16 @@
-"""The world: a sky of the CIE, or its background and what that one's numbers mean."""
+"""The world: its sky, or its background and what that one's numbers mean, and the sun of its place and time."""
 
 import bpy
 
-from ..blender_addon import readout
+from ..blender_addon.daylight.readout import (
+    describe_moment,
+    describe_place,
+    describe_sky,
+    describe_sun,
+)
 from ..blender_addon.foundation.node_trees import uses_nodes
-from ..blender_addon.sky import depends_on_sun, find_sun_lamp
-from .parts import PropertiesPanel, draw_description, draw_surface, draw_wide
+from ..blender_addon.sky import depends_on_sun, find_sun_lamp, states_level, takes_lamp
+from .parts import PropertiesPanel, draw_description, draw_surface, draw_text, draw_wide
 
 
 class WorldPanel(PropertiesPanel):
@@ -37,7 +42,7 @@ class LUMENRAY_PT_world_preview(WorldPanel, bpy.types.Panel):
 
 
 class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
-    """Choice between nodes and a sky of the CIE, and the latter's settings."""
+    """Choice between nodes and a sky, and the latter's settings."""
 
     bl_label = "Sky"
 
@@ -48,23 +53,143 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         if world.lumenray.source != "CIE":
             return
         settings = world.lumenray.sky
-        # Over the whole width: the names are long.
-        layout.prop(settings, "type", text="")
         layout.use_property_split = True
+        layout.prop(settings, "kind", text="Kind")
+        _draw_kind(layout, settings)
         column = layout.column()
-        draw_wide(column, settings, "illuminance", "Illuminance [lx]")
+        _draw_level(column, settings)
         column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
-        lamp = None
-        if depends_on_sun(settings):
-            column = layout.column(heading="Sun From")
-            column.prop(settings, "use_sun_lamp")
-            if settings.use_sun_lamp:
-                lamp = find_sun_lamp(context.scene, context.view_layer)
-            if lamp is None:
-                column.prop(settings, "elevation")
-                column.prop(settings, "azimuth")
-        draw_description(layout.box(), context, readout.describe_sky(world, lamp))
+        lamp = _draw_sun_of_sky(layout, context, settings)
+        draw_description(layout.box(), context, describe_sky(world, lamp, context.scene))
+
+
+def _draw_kind(layout, settings) -> None:
+    """Draw what tells how the sky's light is distributed."""
+    if settings.kind == "CIE":
+        # Over the whole width: the names are long.
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(settings, "type", text="")
+    elif settings.kind == "CLOUDINESS":
+        layout.prop(settings, "cloudiness")
+    elif settings.kind == "WEATHER":
+        layout.prop(settings, "weather_file", text="File")
+        layout.prop(settings, "weather_mean")
+    else:
+        layout.prop(settings, "measured_text", text="Text")
+        if settings.measured_text is None:
+            layout.prop(settings, "measured_file", text="File")
+
+
+def _draw_level(column, settings) -> None:
+    """Draw what tells how bright the sky is."""
+    if settings.kind in {"WEATHER", "MEASURED"}:
+        column.prop(settings, "use_file_level")
+    if not states_level(settings):
+        return
+    column.prop(settings, "level")
+    name, text = {
+        "ILLUMINANCE": ("illuminance", "Illuminance [lx]"),
+        "ZENITH": ("zenith_luminance", "Zenith [cd/m²]"),
+        "TOTAL": ("total_illuminance", "Sky and Sun [lx]"),
+    }[settings.level]
+    draw_wide(column, settings, name, text)
+
+
+def _draw_sun_of_sky(layout, context, settings):
+    """Draw where the sky's sun stands, and return the Sun light that says it, None without one."""
+    if not depends_on_sun(settings) or settings.kind == "WEATHER":
+        return None
+    column = layout.column(heading="Sun From")
+    column.prop(settings, "use_place")
+    if settings.use_place:
+        return None
+    column.prop(settings, "use_sun_lamp")
+    lamp = find_sun_lamp(context.scene, context.view_layer) if takes_lamp(settings) else None
+    if lamp is None:
+        column.prop(settings, "elevation")
+        column.prop(settings, "azimuth")
+    return lamp
+
+
+class LUMENRAY_PT_world_place(WorldPanel, bpy.types.Panel):
+    """Place and time, and where the sun stands then."""
+
+    bl_label = "Place and Time"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        world = context.world
+        place, time = world.lumenray.place, world.lumenray.time
+        column = layout.column()
+        column.prop(place, "city")
+        column.prop(place, "latitude")
+        column.prop(place, "longitude")
+        column.prop(place, "elevation", text="Height [m]")
+        column.prop(place, "zone")
+        column.prop(place, "north")
+        odd = describe_place(world)
+        if odd:
+            draw_text(column, context, odd[:1].upper() + odd[1:], "INFO")
+        column = layout.column(align=True)
+        column.prop(time, "year")
+        column.prop(time, "month")
+        column.prop(time, "day")
+        column.prop(time, "hour", text="Clock [h]")
+        column = layout.column()
+        column.prop(time, "is_second")
+        column.prop(time, "use_refraction")
+        arc = world.lumenray.arc
+        column.prop(arc, "is_shown")
+        if arc.is_shown:
+            column.prop(arc, "radius")
+        draw_description(layout.box(), context, describe_moment(world, context.scene))
+
+
+class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
+    """Sun light that follows place and time."""
+
+    bl_label = "Sun"
+    bl_parent_id = "LUMENRAY_PT_world_place"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        world = context.world
+        settings = world.lumenray.sun
+        if settings.lamp is None:
+            layout.operator("lumenray.add_sun", icon="LIGHT_SUN")
+            return
+        row = layout.row(align=True)
+        row.prop(settings, "lamp", text="Light")
+        row.operator("lumenray.release_sun", text="", icon="X")
+        layout.prop(settings, "amount")
+        if settings.amount == "GIVEN":
+            draw_wide(layout, settings, "illuminance", "Facing the Sun [lx]")
+        layout.prop(settings, "turbidity")
+        draw_description(layout.box(), context, describe_sun(world, context.scene))
+
+
+class LUMENRAY_PT_world_study(WorldPanel, bpy.types.Panel):
+    """Time along the frames, and the date in pictures."""
+
+    bl_label = "Sun Study"
+    bl_parent_id = "LUMENRAY_PT_world_place"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        time = context.world.lumenray.time
+        layout.prop(time, "follows_frames")
+        if time.follows_frames:
+            column = layout.column()
+            column.prop(time, "first_frame")
+            column.prop(time, "minutes_per_frame", text="Minutes per Frame")
+        layout.prop(time, "use_note")
 
 
 class LUMENRAY_PT_world_surface(BackgroundPanel, bpy.types.Panel):
@@ -103,6 +228,9 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
 CLASSES = (
     LUMENRAY_PT_world_preview,
     LUMENRAY_PT_world_sky,
+    LUMENRAY_PT_world_place,
+    LUMENRAY_PT_world_sun,
+    LUMENRAY_PT_world_study,
     LUMENRAY_PT_world_surface,
     LUMENRAY_PT_world_unit,
 )

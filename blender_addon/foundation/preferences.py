@@ -37,6 +37,13 @@ def luminaire_folder() -> Path | None:
     return folder if folder is not None and folder.is_dir() else None
 
 
+def city_list() -> Path | None:
+    """Return the path of the user's own list of cities, None if there is none."""
+    preferences = own()
+    name = preferences.city_list if preferences is not None else ""
+    return Path(bpy.path.abspath(name)) if name else None
+
+
 def device() -> str:
     """Return the key of the device that the user has chosen, empty for the first that works."""
     preferences = own()

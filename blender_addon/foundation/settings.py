@@ -1,5 +1,7 @@
 """Pieces that several property groups share: telling the dependency graph, and the choice of a spectrum."""
 
+import math
+
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
@@ -72,6 +74,7 @@ SPECTRA = [
     ("BLACKBODY", "Blackbody", "Planck radiator of a colour temperature (incandescent)", 2),
     ("DAYLIGHT", "Daylight", "CIE daylight phase of a colour temperature", 3),
     ("FILE", "File", "Spectral power from a text file (wavelength in nm, value) or .spdx", 4),
+    ("SUNLIGHT", "Sunlight", "Of the sun behind air of a turbidity, by the sun's elevation", 5),
 ]
 
 
@@ -104,6 +107,30 @@ class SpectrumSettings:
         soft_min=1800.0,
         soft_max=12000.0,
         precision=0,
+        update=tag_owner,
+    )
+    turbidity: FloatProperty(
+        name="Turbidity",
+        description=(
+            "Luminous turbidity of the air before the sun, a factor: 2 very clear, 5 hazy. Default 3: a clear day in Europe"
+        ),
+        default=3.0,
+        min=1.0,
+        max=20.0,
+        soft_max=8.0,
+        precision=1,
+        update=tag_owner,
+    )
+    sun_elevation: FloatProperty(
+        name="Sun's Elevation",
+        description=(
+            "Height of the sun above the horizon for the spectrum of its light. Default 45°: half way up, as on a summer "
+            "morning"
+        ),
+        default=math.radians(45.0),
+        min=0.0,
+        max=math.radians(90.0),
+        subtype="ANGLE",
         update=tag_owner,
     )
     spectrum_file: StringProperty(

@@ -62,7 +62,7 @@ class Shown:
 
 @dataclass
 class SentWorld:
-    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of the Sun light.
+    """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of Sun light and frame.
 
     ``gives_light``: whether it lights anything, and is not there for the camera alone; ``colour``: of its light if that is
     the same from everywhere; ``suns``: the lights that are its suns.

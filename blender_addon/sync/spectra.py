@@ -1,11 +1,15 @@
 """Spectra that the user chose in the property groups."""
 
+import math
+from functools import lru_cache
+
 import bpy
 
 from ...engine.errors import FileFormatError, LumenrayError, SceneError
 from ...engine.formats.spd import SpectrumFile, read_spectrum
 from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
+from ...engine.sky.sunlight import sunlight_spectrum
 from ..foundation.report import ConversionReport
 
 FIRST_COLUMN = 1
@@ -55,6 +59,8 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
         return Blackbody(settings.colour_temperature)
     if settings.spectrum == "DAYLIGHT":
         return _daylight(settings.colour_temperature, report, datablock)
+    if settings.spectrum == "SUNLIGHT":
+        return _sunlight(math.degrees(settings.sun_elevation), settings.turbidity)
     if settings.spectrum == "FILE":
         made = _open_file(
             settings,
@@ -67,6 +73,11 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
             raise FileFormatError(table.name, "the spectrum has no value above 0")
         return table
     return light_spectrum(rgb)
+
+
+@lru_cache(maxsize=64)
+def _sunlight(elevation: float, turbidity: float) -> Tabulated:
+    return sunlight_spectrum(elevation, turbidity)
 
 
 def check_visible(table: Tabulated, is_radiant: bool, name: str, report: ConversionReport) -> None:

@@ -10,6 +10,7 @@ from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import content_digest
+from ..daylight.moment import frame_of
 from ..foundation import identity
 from ..foundation.report import ConversionReport
 from ..foundation.units import metres_per_unit
@@ -28,6 +29,7 @@ from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
 from .nodes.placed import Subject
 from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
+from .skies import SkyTime
 from .tags import Tags
 from .visibility import (
     NO_ID,
@@ -42,7 +44,7 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
-from .world import convert_world, follows_sun_lamp, world_of
+from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
 NO_LIGHT = "the scene has no light"
 """Message of the row about that."""
@@ -598,6 +600,9 @@ class Walk:
         known, tagged = sent.world, self.tags.shading
         sun_lamp = self._sun_lamp() if follows_sun_lamp(evaluated) else None
         sun = b"" if sun_lamp is None else sun_lamp.tobytes()
+        when = SkyTime(self.scene, frame_of(self.scene))
+        if follows_time(evaluated):
+            sun += np.float64(when.frame).tobytes()
         is_current = known.source == source and known.sun == sun and not self.is_rerated
         if is_current and source not in tagged and known.shading.isdisjoint(tagged):
             return
@@ -609,7 +614,7 @@ class Walk:
         if evaluated is not None:
             lights = not is_dark_world(evaluated, report)
             made, suns = convert_world(
-                evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights
+                evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights, when
             )
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()

@@ -7,15 +7,14 @@ import numpy as np
 from mathutils import Euler
 
 from ...engine.scene.checks import LARGEST_AMOUNT
-from ...engine.scene.light import CieSky, ImageWorld, UniformWorld
+from ...engine.scene.light import ImageWorld, UniformWorld
 from ...engine.scene.scene import content_digest
-from ...engine.scene.spectrum import Daylight
 from ...engine.scene.texture import ImageTexture
-from ...engine.sky.cie import sun_direction
 from ...engine.sky.picture import describe_faults, find_illuminance
+from ..daylight.moment import follows_frames
 from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
-from ..sky import UPWARDS, depends_on_sun, onto_horizon
+from ..sky import UPWARDS, needs_moment, takes_lamp
 from .images.cache import ImageCache
 from .nodes.dependencies import nodes_of
 from .nodes.directions import DirectionContext
@@ -23,6 +22,7 @@ from .nodes.evaluation import Context, evaluate_field
 from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
 from .nodes.mapping import legacy_matrix
+from .skies import SkyTime, convert_sky
 from .spectra import light_spectrum
 from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
@@ -52,6 +52,7 @@ def convert_world(
     images: ImageCache | None = None,
     sun_lamp: np.ndarray | None = None,
     gives_light: bool = True,
+    when: SkyTime | None = None,
 ):
     """Convert the world and its suns, and what the camera sees of it where that is something else.
 
@@ -63,17 +64,18 @@ def convert_world(
     images : ImageCache or None    What was read of images before.
     sun_lamp : (3,) array or None    Unit vector to where the scene's Sun light shines from; see `follows_sun_lamp`.
     gives_light : bool    Whether surfaces are lit by it; the camera sees it all the same.
+    when : SkyTime or None    As of `convert_sky`.
 
     Returns
     -------
-    UniformWorld, ImageWorld, CieSky or None    None when it is black.
+    UniformWorld, ImageWorld, a sky by formula or None    None when it is black.
     tuple of SunLight    Of its Sky Textures.
     """
     if world is None:
         return None, ()
     black = UniformWorld(0.0, id=world_id)
     images = ImageCache() if images is None else images
-    made, suns = _convert_own(world, world_id, efficacy, report, images, sun_lamp)
+    made, suns = _convert_own(world, world_id, efficacy, report, images, sun_lamp, when)
     if suns and not gives_light:
         report.warn(world.name, "its sun is there for the camera alone", "it is left out")
         suns = ()
@@ -84,10 +86,10 @@ def convert_world(
     return replace(lit, seen=seen), suns
 
 
-def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp):
+def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp, when):
     """Convert a world by what lights surfaces; return it and its suns."""
     if world.lumenray.source == "CIE":
-        return convert_sky(world, world_id, report, sun_lamp), ()
+        return convert_sky(world, world_id, report, sun_lamp, when), ()
     shown = _shown(world, report, images)
     if shown is None:
         return None, ()
@@ -180,40 +182,14 @@ def world_of(scene, view_layer):
 
 def follows_sun_lamp(world) -> bool:
     """Tell whether a world, or None, depends on where the scene's Sun light shines from."""
-    if world is None or world.lumenray.source != "CIE":
+    return world is not None and world.lumenray.source == "CIE" and takes_lamp(world.lumenray.sky)
+
+
+def follows_time(world) -> bool:
+    """Tell whether a world, or None, depends on the scene's frame although nothing of it is animated."""
+    if world is None or world.lumenray.source != "CIE" or not follows_frames(world):
         return False
-    sky = world.lumenray.sky
-    return sky.use_sun_lamp and depends_on_sun(sky)
-
-
-def convert_sky(
-    world, world_id: str, report: ConversionReport, sun_lamp: np.ndarray | None
-) -> CieSky | None:
-    """Convert the sky of the CIE that a world has; the parameters are those of `convert_world`."""
-    settings = world.lumenray.sky
-    if settings.illuminance <= 0.0:
-        return None
-    if not depends_on_sun(settings):
-        # The same for every sun, so that moving one does not send the sky anew.
-        sun = UPWARDS
-    elif settings.use_sun_lamp and sun_lamp is not None:
-        sun = onto_horizon(sun_lamp)
-        if sun_lamp[2] < 0.0:
-            report.warn(
-                world.name,
-                "the Sun light shines from below the horizon, where no sky is defined",
-                "the sky is that of a sun on the horizon",
-            )
-    else:
-        sun = sun_direction(settings.elevation, settings.azimuth)
-    return CieSky(
-        type=int(settings.type),
-        towards_sun=sun,
-        illuminance=settings.illuminance,
-        ground_reflectance=settings.ground_reflectance,
-        spectrum=Daylight(settings.colour_temperature),
-        id=world_id,
-    )
+    return needs_moment(world.lumenray.sky)
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,7 +40,7 @@ def add_command(commands) -> None:
         "--weather", required=True, type=Path, metavar="W.epw", help="weather file, EPW or WEA"
     )
     _add_places(daylight.add_argument_group("sensors (one of --sensors and --floor)"))
-    _add_building(daylight.add_argument_group("building"))
+    _add_building(daylight.add_argument_group("building and year"))
     _add_question(daylight.add_argument_group("what is asked"))
     words = "folder for tables (CSV, JSON) and pictures"
     add_output(daylight, "DIR", words)
@@ -88,6 +88,12 @@ def _add_places(group) -> None:
 
 
 def _add_building(group) -> None:
+    group.add_argument(
+        "--year",
+        type=whole(1900, 2100),
+        metavar="N",
+        help="that the records are taken in (default: each in its own; needed where a file has none)",
+    )
     group.add_argument(
         "--north",
         type=real(-360.0, 360.0),
@@ -173,7 +179,7 @@ def run(options) -> int:
     if not options.resume:
         check_free(options, *(options.output / name for name in names))
     weather = read_weather(options.weather)
-    year = make_year(weather, options.north, options.ground, options.rows)
+    year = make_year(weather, options.north, options.ground, options.rows, options.year)
     if not len(year.lit):
         raise SceneError(f"{options.weather}: no hour has any daylight")
     question, notes = _ask(options, weather)
@@ -204,7 +210,7 @@ def run(options) -> int:
 def _ask(options, weather):
     """What is asked of the year, and what is assumed for it."""
     from ...engine.daylight.en17037 import check_date
-    from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS, Schedule
+    from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS, Schedule, occupied_hours
     from ...engine.daylight.study import Question
     from ...engine.daylight.sunlight import make_day
 
@@ -227,10 +233,12 @@ def _ask(options, weather):
             f"there is no day {options.sun_day[0]:02d}-{options.sun_day[1]:02d}"
         ) from None
     check_date(day)
-    start, end = options.hours
+    schedule = Schedule(*options.hours, WORKDAYS if options.workdays else EVERY_DAY)
+    # A schedule that is none is refused before anything is computed.
+    occupied_hours([0.0], place.zone, schedule)
     return Question(
         options.zone,
-        Schedule(start, end, WORKDAYS if options.workdays else EVERY_DAY),
+        schedule,
         options.target,
         is_from_above=options.roof,
         ground_reflectance=options.ground,

@@ -8,7 +8,7 @@ from ..reading.remarks import Remark
 from ..scene.light import PerezSky
 from ..sky.hour import find_daylight_hours
 from ..sky.nodes import Projection, find_projection
-from ..sky.perez import pattern_of
+from ..sky.perez import LOWEST, pattern_of
 from ..sky.weather import Weather, WeatherHours, find_hours
 
 HOURS = 256
@@ -39,6 +39,7 @@ class Year:
     sun : (h,) int array    Which of ``suns`` it is, -1: none.
     suns : (k, 3) array    Unit vectors in the scene.
     steps : int    Rows of the sky.
+    calendar : int or None    Year in which the records were taken; None: each in its own.
     remarks : tuple of Remark
     """
 
@@ -52,6 +53,7 @@ class Year:
     sun: np.ndarray
     suns: np.ndarray
     steps: int
+    calendar: int | None
     remarks: tuple[Remark, ...]
 
     @property
@@ -115,6 +117,7 @@ def make_year(
         sun,
         towards[has_sun],
         steps,
+        year,
         remarks,
     )
 
@@ -131,8 +134,6 @@ def _patterns(clearness, brightness, towards) -> np.ndarray:
 
 def _skies(projection: Projection, numbers, towards, illuminance):
     """Luminances of nodes and their doubt, of some hours. (h, nodes) each [cd/m2]"""
-    from ..sky.perez import LOWEST
-
     directions = projection.directions.astype(np.float32)
     a, b, c, d, e = (x.astype(np.float32)[:, None] for x in numbers)
     cosine = np.clip(towards.astype(np.float32) @ directions.T, -1.0, 1.0)

@@ -219,8 +219,10 @@ def _world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) ->
         raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
     pixels = np.array(pixels, dtype=np.float32)
     pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
-    image = ImageTexture(np.repeat(pixels[..., None], 3, axis=-1), interpolation="closest")
-    return ImageWorld(image, 1.0)
+    pixels = np.repeat(pixels[..., None], 3, axis=-1)
+    # What follows from them is found once.
+    pixels.flags.writeable = False
+    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
 
 
 # ---- files ----
@@ -241,7 +243,11 @@ def read_measured_sky(path) -> np.ndarray | SkyGrid:
     ------
     FileFormatError    It is no such table; names the line.
     """
-    data = read_bytes(path, MAXIMUM_BYTES)
+    return parse_measured_sky(path, read_bytes(path, MAXIMUM_BYTES))
+
+
+def parse_measured_sky(path, data: bytes) -> np.ndarray | SkyGrid:
+    """Read the content of such a table; the parameters and errors are those of `read_measured_sky`."""
     expected = "a luminance, or elevation, azimuth and luminance"
     rows = parse_table(path, data, 1, expected).rows
     if not rows:

@@ -3,6 +3,8 @@
 All state the illuminance of a horizontal plane, which their pattern is brought to; the sun itself is a light of its own.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import SceneError
@@ -60,6 +62,27 @@ def luminance_scale(sky: FormulaSky) -> float:
 def zenith_luminance(sky: FormulaSky) -> float:
     """Luminance of the zenith. [cd/m2]"""
     return luminance_scale(sky) * float(evaluate(pattern_of(sky), (0.0, 0.0, 1.0)))
+
+
+def with_zenith_luminance(sky: FormulaSky, luminance: float) -> FormulaSky:
+    """Return a sky with the illuminance that its zenith's luminance stands for.
+
+    Parameters
+    ----------
+    sky : FormulaSky    Its own illuminance does not count.
+    luminance : float    [cd/m2]
+
+    Raises
+    ------
+    SceneError    The sky is dark at the zenith, whatever its illuminance.
+    """
+    pattern = pattern_of(sky)
+    zenith = float(evaluate(pattern, (0.0, 0.0, 1.0)))
+    if not zenith > 0.0:
+        raise SceneError(
+            "the sky is dark at its zenith, so that no luminance there tells its light"
+        )
+    return replace(sky, illuminance=luminance * integrate(pattern, weigh=True) / zenith)
 
 
 def ground_luminance(sky: FormulaSky) -> float:

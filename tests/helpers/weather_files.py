@@ -1,5 +1,6 @@
 """Weather files, written by the rules of their formats and not by the readers."""
 
+import math
 from datetime import datetime, timedelta
 
 EPW_HEADING = (
@@ -89,3 +90,23 @@ def wea(
         f"weather_data_file_units {unit}",
     ]
     return "\n".join([*heading, *(" ".join(map(str, record)) for record in records)]) + "\n"
+
+
+def sunny_year(is_clear=lambda day: day % 20 < 10, latitude=49.5, longitude=8.5, zone=1.0):
+    """An EPW file's text: clear and overcast days by rules of thumb, the sun by school formulas."""
+    records = []
+    for day in range(365):
+        date = datetime(2005, 1, 1) + timedelta(days=day)
+        declination = -math.radians(23.44) * math.cos(2.0 * math.pi * (day + 10.5) / 365.0)
+        for hour in range(1, 25):
+            turn = math.radians(15.0 * (hour - 12.5 + longitude / 15.0 - zone))
+            sine = math.sin(math.radians(latitude)) * math.sin(declination) + math.cos(
+                math.radians(latitude)
+            ) * math.cos(declination) * math.cos(turn)
+            clear = is_clear(day) and sine > 0.05
+            direct = round(1100.0 * 0.75 ** (1.0 / sine)) if clear else 0
+            diffuse = 0 if sine <= 0.01 else round((90.0 if clear else 250.0) * sine**0.8)
+            records.append(
+                epw_record(2005, date.month, date.day, hour, dni=direct, dhi=diffuse, dew=8.0)
+            )
+    return epw(records, latitude=latitude, longitude=longitude, zone=zone)

@@ -197,6 +197,15 @@ def worlds():
     yield from tab("world_lux", "WORLD")
     settings.source, settings.sky.type = "CIE", "12"
     yield from tab("world_sky", "WORLD")
+    for kind in ("CLOUDINESS", "WEATHER", "MEASURED"):
+        settings.sky.kind = kind
+        yield from tab(f"world_{kind.lower()}", "WORLD")
+    settings.sky.kind = "CIE"
+    bpy.ops.lumenray.add_sun()
+    settings.time.follows_frames = True
+    yield from tab("world_place", "WORLD")
+    settings.time.follows_frames = False
+    settings.sun.lamp = None
     settings.source = "NODES"
 
 

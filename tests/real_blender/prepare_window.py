@@ -9,7 +9,8 @@ shows the illuminance there. ``luminaire`` has a scene of its own: luminaires fr
 a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
 with their points and rays; so has ``measured``: balls of measured materials in the rendered view, and
 one's panel. ``library`` shows the luminaires in the Asset
-Browser. ``world`` shows houses under a clear sky of the CIE and its sun. ``first_hour_1`` is Blender as
+Browser. ``world`` shows houses under a clear sky of the CIE and its sun, ``sun_arc`` the same with the sun of a place and
+time, its arc and the panel. ``first_hour_1`` is Blender as
 it starts, with the Start panel before any step, ``first_hour_2`` the same after *New Lit Room*, and
 ``first_hour_3`` after its bake, with lux in false colours and all steps done. In the others the sidebar
 shows the tab of Lumenray.
@@ -69,13 +70,14 @@ CONTEXT = {
     "rayset": "DATA",
     "material": "MATERIAL",
     "world": "WORLD",
+    "sun_arc": "WORLD",
 }
 """Tab of the properties editor; elsewhere that of the render settings."""
 
-LARGE_PROPERTIES = {"luminaire", "measured", "rayset", "world"}
+LARGE_PROPERTIES = {"luminaire", "measured", "rayset", "sun_arc", "world"}
 """Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
 
-SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire", "rayset"}
+SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire", "rayset", "sun_arc"}
 """Pictures in which the view is not rendered."""
 
 ZOOM = {
@@ -86,6 +88,7 @@ ZOOM = {
     "luminaire": 29.0,
     "measured": 29.0,
     "rayset": 29.0,
+    "sun_arc": 29.0,
     "world": 29.0,
 }
 """Blender's zoom of the camera's frame in the view; 0 leaves room around it."""
@@ -280,6 +283,35 @@ def build_houses():
     staging.set_render(1248, 940, 15000.0)
 
 
+def build_study():
+    """Let houses have the sun of a morning of May in Lisbon, and show its arc."""
+    build_houses()
+    bpy.data.objects.remove(bpy.data.objects["Sun"])
+    scene = bpy.context.scene
+    world = scene.world.lumenray
+    world.sky.use_place = True
+    world.place.city = "Lisbon, Portugal"
+    world.time.month, world.time.day, world.time.hour = 5, 10, 16.5
+    world.place.north = math.radians(20.0)
+    world.arc.is_shown, world.arc.radius = True, 26.0
+    bpy.ops.lumenray.add_sun()
+    staging = tool("libraries.scenes.staging")
+    staging.new_camera((-24.0, -66.0, 30.0), (70.0, 0.0, -20.0), lens=32.0)
+    staging.set_render(1248, 940, 15000.0)
+    open_panels()
+
+
+def open_panels():
+    """Have all panels of the world open, in their order; nodes and preview aside."""
+    kinds = importlib.import_module(f"{PACKAGE}.ui.world").CLASSES
+    for kind in reversed(kinds):
+        bpy.utils.unregister_class(kind)
+    for kind in kinds:
+        if kind.__name__ in {"LUMENRAY_PT_world_place", "LUMENRAY_PT_world_study"}:
+            kind.bl_options = kind.bl_options - {"DEFAULT_CLOSED"}
+        bpy.utils.register_class(kind)
+
+
 def enlarge_properties():
     """Return a timer function that gives the properties editor the whole right side of the window, in a good width."""
 
@@ -462,6 +494,7 @@ elif VIEW in LARGE_PROPERTIES:
         "luminaire": build_luminaires,
         "measured": build_balls,
         "rayset": build_raysets,
+        "sun_arc": build_study,
         "world": build_houses,
     }[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)

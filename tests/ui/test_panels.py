@@ -62,7 +62,9 @@ def test_light_panels_draw_for_every_kind(kind, physical):
     assert "use_physical" in draw("LUMENRAY_PT_active_light", where)
 
 
-@pytest.mark.parametrize("spectrum", ["RGB", "ILLUMINANT", "BLACKBODY", "DAYLIGHT", "FILE"])
+@pytest.mark.parametrize(
+    "spectrum", ["RGB", "ILLUMINANT", "BLACKBODY", "DAYLIGHT", "FILE", "SUNLIGHT"]
+)
 def test_spectrum_shows_what_belongs_to_it(spectrum):
     where = new_light("AREA")
     where.light.lumenray.use_physical = True
@@ -73,6 +75,7 @@ def test_spectrum_shows_what_belongs_to_it(spectrum):
         "BLACKBODY": "colour_temperature",
         "DAYLIGHT": "colour_temperature",
         "FILE": "spectrum_file",
+        "SUNLIGHT": "turbidity",
     }
     seen = draw("LUMENRAY_PT_light_photometry", where)
     assert set(shown.values()) & set(seen) == {shown[spectrum]}

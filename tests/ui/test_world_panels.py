@@ -43,6 +43,80 @@ def test_the_panel_states_the_zenith(world):
     )
 
 
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        ("CIE", {"type", "level", "illuminance"}),
+        ("CLOUDINESS", {"cloudiness", "level", "illuminance", "use_place", "elevation"}),
+        ("WEATHER", {"weather_file", "weather_mean", "use_file_level"}),
+        ("MEASURED", {"measured_text", "measured_file", "use_file_level"}),
+    ],
+)
+def test_every_kind_of_sky_shows_what_belongs_to_it(world, kind, names):
+    world.lumenray.sky.kind = kind
+    seen = set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+    assert names | {"kind", "colour_temperature", "ground_reflectance"} <= seen
+    own = {"type", "cloudiness", "weather_file", "measured_file"}
+    assert own & seen == own & names
+    if kind in {"WEATHER", "MEASURED"}:
+        assert "level" not in seen
+        world.lumenray.sky.use_file_level = False
+        world.lumenray.sky.level = "ZENITH"
+        seen = set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+        assert {"level", "zenith_luminance"} <= seen
+        assert any("is chosen" in text for text in seen)
+
+
+def test_the_panel_of_place_and_time_says_what_the_clock_means(world):
+    where = context(world=world)
+    time = world.lumenray.time
+    time.month, time.hour = 6, 13.0
+    seen = draw("LUMENRAY_PT_world_place", where)
+    assert {"city", "zone", "north", "hour", "use_refraction", "is_shown"} <= set(seen)
+    assert "radius" not in seen
+    assert {"13:00, UTC+02:00", "Sun's Elevation", "Sunrise"} <= set(seen)
+    time.hour = 2.0
+    world.lumenray.arc.is_shown = True
+    seen = draw("LUMENRAY_PT_world_place", where)
+    assert "radius" in seen
+    assert "The sun is below the horizon" in seen
+    world.lumenray.place.zone = "Moon/Base"
+    assert any("Moon/Base" in text for text in draw("LUMENRAY_PT_world_place", where))
+
+
+def test_a_sun_is_added_described_and_released(world):
+    where = context(world=world)
+    assert draw("LUMENRAY_PT_world_sun", where) == ["lumenray.add_sun"]
+    bpy.ops.lumenray.add_sun()
+    assert bpy.data.objects["Sun"] == world.lumenray.sun.lamp
+    seen = draw("LUMENRAY_PT_world_sun", where)
+    assert {"lamp", "lumenray.release_sun", "amount", "turbidity", "Facing the Sun"} <= set(seen)
+    world.lumenray.sun.amount = "WEATHER"
+    assert any("sky is of none" in text for text in draw("LUMENRAY_PT_world_sun", where))
+    bpy.ops.lumenray.release_sun()
+    assert world.lumenray.sun.lamp is None
+    assert "Sun" in bpy.data.objects
+    # A selected Sun light is taken.
+    mine = add_sun("Mine")
+    mine.select_set(True)
+    bpy.ops.lumenray.add_sun()
+    assert world.lumenray.sun.lamp == mine
+    assert len([thing for thing in bpy.data.objects if thing.type == "LIGHT"]) == 2
+
+
+def test_operators_need_a_world(world):
+    bpy.context.scene.world = None
+    assert not bpy.ops.lumenray.add_sun.poll()
+    assert not bpy.ops.lumenray.release_sun.poll()
+
+
+def test_a_study_shows_its_frames(world):
+    where = context(world=world)
+    assert draw("LUMENRAY_PT_world_study", where) == ["follows_frames", "use_note"]
+    world.lumenray.time.follows_frames = True
+    assert "minutes_per_frame" in draw("LUMENRAY_PT_world_study", where)
+
+
 @needs_cycles
 def test_a_portal_states_no_amount_of_light(world):
     portal = add_portal()
@@ -53,9 +127,11 @@ def test_a_portal_states_no_amount_of_light(world):
 
 
 def test_every_setting_has_a_tooltip(world):
-    for group in (world.lumenray, world.lumenray.sky):
+    own = world.lumenray
+    groups = ("sky", "place", "time", "sun", "arc")
+    for group in (own, *(getattr(own, name) for name in groups)):
         for entry in group.bl_rna.properties:
-            if entry.identifier in {"rna_type", "name", "sky"} or entry.is_hidden:
+            if entry.identifier in {"rna_type", "name", *groups} or entry.is_hidden:
                 continue
             assert entry.description, entry.identifier
             if entry.type == "ENUM":

@@ -46,7 +46,6 @@ def test_luminances_are_those_of_mitsubas_sky(elevation, turbidity, albedo):
     backend.start("llvm_ad_spectral")
     import drjit as dr
     import mitsuba as mi
-
     from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
 
     sun = towards(elevation, 0.0)

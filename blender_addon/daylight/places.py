@@ -1,0 +1,77 @@
+"""Cities and time zones to choose from: those that ship, and those of the user's list."""
+
+import math
+from functools import lru_cache
+from pathlib import Path
+from zoneinfo import available_timezones
+
+from ...libraries.cities.catalogue import City, all_cities, find_cities, fold
+from ...libraries.entries import Problem
+from ..foundation import preferences
+
+MOST = 100
+"""Cities that are offered at once."""
+
+
+def search_cities(self, context, text: str) -> list[str]:
+    """Return the titles of cities that a text may mean, for a search field."""
+    return [city.title for city in find_cities(text, known_cities()[0], MOST)]
+
+
+def search_zones(self, context, text: str) -> list[str]:
+    """Return names of time zones that contain a text, for a search field."""
+    wanted = fold(text)
+    return [name for name in _zones() if wanted in fold(name)]
+
+
+@lru_cache
+def _zones() -> list[str]:
+    return sorted(available_timezones())
+
+
+def known_cities() -> tuple[list[City], list[Problem]]:
+    """Return all cities, and what is wrong with the user's list."""
+    path = preferences.city_list()
+    if path is None:
+        return _read("", 0, 0)
+    try:
+        stat = path.stat()
+    except OSError:
+        # Reading it says what is wrong.
+        return _read(str(path), 0, 0)
+    return _read(str(path), stat.st_mtime_ns, stat.st_size)
+
+
+@lru_cache(maxsize=4)
+def _read(path: str, changed: int, size: int) -> tuple[list[City], list[Problem]]:
+    return all_cities([Path(path)] if path else [])
+
+
+def find_city(title: str) -> City | None:
+    """Return the city of a title, or of a name that only one has; None if there is none."""
+    cities = known_cities()[0]
+    wanted = fold(title)
+    for name_of in (lambda city: city.title, lambda city: city.name):
+        found = [city for city in cities if fold(name_of(city)) == wanted]
+        if len(found) == 1:
+            return found[0]
+    return None
+
+
+def fill_in_city(place) -> None:
+    """Set coordinates, height and zone of a place's settings to those of the city that it names, if that is known."""
+    city = find_city(place.city)
+    if city is None:
+        return
+    place.latitude, place.longitude = math.radians(city.latitude), math.radians(city.longitude)
+    place.elevation, place.zone = city.elevation, city.zone
+
+
+def is_at_city(place) -> bool:
+    """Tell whether a place's settings are those of the city that they name."""
+    city = find_city(place.city)
+    if city is None:
+        return False
+    own = math.degrees(place.latitude), math.degrees(place.longitude)
+    far = max(abs(own[0] - city.latitude), abs(own[1] - city.longitude))
+    return far < 1e-3 and place.zone == city.zone
