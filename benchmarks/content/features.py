@@ -1182,6 +1182,14 @@ for _key, _make in {
 }.items():
     _note("Worlds", _key, _outside(_make))
 
+
+@_feature("Worlds", "World, Sky Texture, sun in view")
+def _sunny(stage):
+    settings = {"sun_elevation": 0.5, "sun_size": 0.2, "sun_rotation": 0.1}
+    _outside(lambda tree, _: _background(tree, _sky(tree, **settings), 0.1))(stage)
+    stage.scene.camera.rotation_euler = (0.5 * np.pi + 0.45, 0.0, 0.0)
+
+
 # Its red light on a red ball would compare spectra with three numbers.
 _note(
     "Worlds",

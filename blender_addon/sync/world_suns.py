@@ -7,6 +7,7 @@ import numpy as np
 from ...engine.scene.checks import LARGEST_AMOUNT
 from ...engine.scene.light import Output, Quantity, SunLight
 from ...engine.scene.light_groups import WORLD
+from ...engine.sky.atmosphere.scattered_sky import LIMB
 from ..foundation.report import ConversionReport
 from .nodes.directions import DirectionContext
 from .nodes.fields import luminance, rgb
@@ -16,6 +17,9 @@ from .world_shaders import world_radiance
 
 RINGS, PARTS = 32, 128
 """Directions within a disk: distances from its middle, and places round it."""
+
+UNLIKE = 0.05
+"""Root of the mean square by which a disk may differ from the one that is lit, before it is told. [-]"""
 
 DARK = 0.01
 """Part of the largest component that may be less than nothing: a red sun has less blue than the sky behind it. [-]"""
@@ -30,11 +34,13 @@ class Disk:
     irradiance : (3,) array    Linear Rec. 709 components of a plane that faces it, where 1 of radiance is 1 in the nodes.
     towards : (3,) array    Unit vector to the middle of its light.
     angle : float    Angular diameter. [rad]
+    unlikeness : float    Root of the mean square by which it differs from a disk that is darkened at its limb alone. [-]
     """
 
     irradiance: np.ndarray
     towards: np.ndarray
     angle: float
+    unlikeness: float
 
 
 def find_disks(surface, skies, name: str, report: ConversionReport, images, is_camera: bool):
@@ -56,7 +62,7 @@ def find_disks(surface, skies, name: str, report: ConversionReport, images, is_c
     suns = {sun_of(sky): sky for sky in skies}
     found = []
     for key, sky in sorted(suns.items()):
-        directions, weights = _spread(sky.towards_sun, sky.sun_angle)
+        directions, weights, profile = _spread(sky.towards_sun, sky.sun_angle)
         grid = directions.astype(np.float32)
         bare, whole = (
             _radiance(surface, grid, shown, name, images, is_camera) for shown in (None, key)
@@ -68,7 +74,7 @@ def find_disks(surface, skies, name: str, report: ConversionReport, images, is_c
                 "the nodes make less light of the sun's disk than of the sky behind it",
                 "the part that is less than nothing does not count",
             )
-        disk = _add_up(added, directions, weights, sky.sun_angle)
+        disk = _add_up(added, directions, weights, profile, sky.sun_angle)
         if disk is not None:
             found.append(disk)
     return tuple(found)
@@ -93,13 +99,14 @@ def make_suns(disks, factor: float, world_id: str, name: str, report) -> tuple[S
         # The end is how light groups know whose it is.
         key = f"{world_id}/sun {number}/{WORLD}"
         output = Output(Quantity.ILLUMINANCE, amount, light_spectrum(disk.irradiance))
-        made.append(SunLight(key, f"sun of {name}", output, -disk.towards, disk.angle))
-    if made:
-        report.info(
-            name,
-            "the disk of its sun is darker towards the limb in Blender",
-            "it is even here, and surfaces get the same light",
-        )
+        sun = SunLight(key, f"sun of {name}", output, -disk.towards, disk.angle, LIMB)
+        made.append(sun)
+        if disk.unlikeness > UNLIKE:
+            report.info(
+                name,
+                "the disk of its sun is not as bright everywhere as the true sun's",
+                "it shines as that does, with the same light on surfaces",
+            )
     return tuple(made)
 
 
@@ -108,8 +115,11 @@ def illuminance_of(disk: Disk) -> float:
     return float(luminance(disk.irradiance)[0])
 
 
-def _spread(towards, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return directions in a disk (RINGS, PARTS, 3) and the solid angles that they stand for (RINGS, 1). [sr]"""
+def _spread(towards, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return directions in a disk, and the solid angles [sr] and the relative radiance of rings.
+
+    (RINGS, PARTS, 3), (RINGS, 1), (RINGS, 1)
+    """
     node, weight = np.polynomial.legendre.leggauss(RINGS)
     # Even in the cosine of what is darkened towards the limb, which has a root at the edge.
     cosine, weight = 0.5 + 0.5 * node, 0.5 * weight
@@ -123,7 +133,7 @@ def _spread(towards, angle: float) -> tuple[np.ndarray, np.ndarray]:
     beside = np.cross(towards, across)
     round_it = np.cos(azimuth)[:, None] * across + np.sin(azimuth)[:, None] * beside
     made = np.cos(polar)[:, None, None] * towards + np.sin(polar)[:, None, None] * round_it[None, :]
-    return made, solid[:, None]
+    return made, solid[:, None], (1.0 - LIMB * (1.0 - cosine))[:, None]
 
 
 def _radiance(surface, grid, shown, name, images, is_camera) -> np.ndarray:
@@ -134,13 +144,18 @@ def _radiance(surface, grid, shown, name, images, is_camera) -> np.ndarray:
     return np.broadcast_to(np.asarray(values, dtype=np.float64), grid.shape)
 
 
-def _add_up(added, directions, weights, angle: float) -> Disk | None:
-    """Return the disk of a light by direction, None if it gives none."""
-    light = np.maximum(added, 0.0) * weights[..., None]
+def _add_up(added, directions, weights, profile, angle: float) -> Disk | None:
+    """Return the disk of a light by direction, None if it gives none; the others as of `_spread`."""
+    added = np.maximum(added, 0.0)
+    light = added * weights[..., None]
     vectors = np.einsum("rpc,rpd->cd", light, directions)
     towards = luminance(vectors.T)[:, 0]
     length = float(np.linalg.norm(towards))
     if length <= 0.0:
         return None
     towards = towards / length
-    return Disk(np.maximum(vectors @ towards, 0.0), towards, angle)
+    bright = luminance(added)[..., 0]
+    level = (bright * weights).sum() / (profile * weights).sum() / PARTS
+    apart = ((bright - level * profile) ** 2 * weights).mean(axis=1).sum()
+    unlikeness = np.sqrt(apart / ((level * profile) ** 2 * weights).sum())
+    return Disk(np.maximum(vectors @ towards, 0.0), towards, angle, float(unlikeness))
