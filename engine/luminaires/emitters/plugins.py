@@ -6,9 +6,9 @@ Emitters give spectral radiance in W/(m2 sr nm), or luminance in cd/m2 in photom
 import drjit as dr
 import mitsuba as mi
 
+from .limb import Limb, darken
 from .luminaire_plugin import luminaires_class
 from .rectangles import draw_place, find_density, find_solid_angle, into_axes
-from .limb import Limb, darken
 from .tubes import find_tube_density, sample_tube
 
 CHORD_ERROR = 3e-7
