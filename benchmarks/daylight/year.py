@@ -15,9 +15,9 @@ from ...engine.accuracy.stopping import StopRule
 from ...engine.accuracy.student import t_quantile
 from ...engine.daylight.replicated import MetricEstimate
 from ...engine.sky.weather import Weather
-from ..common.statistics import seconds_to
 from .hours import SingleHours, choose_hours
 from .ours import YearEngine
+from .reach import find_reach
 from .room import Room
 
 HOURS = 50
@@ -200,7 +200,10 @@ def compare_cost(engine: YearEngine, singles: SingleHours, weather: Weather, sam
         hours.append((seconds, relative_error(values, errors)))
         say(f"year: {amount} paths, {years[-1][0]:.1f} s to {100 * years[-1][1]:.1f} %; an hour {seconds:.1f} s to "
             f"{100 * hours[-1][1]:.1f} %")  # fmt: skip
-    of_year, of_hour = seconds_to(years, TARGET).seconds, seconds_to(hours, TARGET).seconds
+    of_year, of_hour = (
+        find_reach(samples, *zip(*points, strict=True), TARGET, has_floor=False).seconds
+        for points in (years, hours)
+    )
     return {
         "year": years,
         "hour": hours,

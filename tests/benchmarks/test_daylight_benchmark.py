@@ -9,6 +9,7 @@ from lumenray.benchmarks.daylight import run as daylight
 from lumenray.benchmarks.daylight import skies, speed, year
 from lumenray.benchmarks.daylight.hours import SingleHours, choose_hours
 from lumenray.benchmarks.daylight.ours import OurYear
+from lumenray.benchmarks.daylight.reach import find_reach
 from lumenray.benchmarks.daylight.room import WINDOW, Room, make_room, radiance_text
 from lumenray.benchmarks.daylight.scale import measure_scale
 from lumenray.benchmarks.daylight.sun import measure_sun
@@ -226,10 +227,25 @@ def test_noise_and_errors_are_told_apart():
     assert speed.error_of(first, *truths) == pytest.approx(np.hypot(0.2, 0.1), rel=0.02)
 
 
+def test_time_to_an_error_counts_what_a_run_costs_at_least():
+    """Seconds 5 + w / 1000, errors by noise of 4 / sqrt(w), and by that and a floor of 1 or 3 %."""
+    work = np.array([1000.0, 4000.0, 16_000.0])
+    seconds, noise = 5.0 + work / 1000.0, 4.0 / np.sqrt(work)
+    found = find_reach(work, seconds, noise, 0.02, has_floor=False)
+    assert found.seconds == pytest.approx(45.0) and found.is_thought_on
+    found = find_reach(work, seconds, np.hypot(noise, 0.01), 0.02, has_floor=True)
+    assert found.seconds == pytest.approx(5.0 + 16.0 / 0.0003 / 1000.0)
+    assert find_reach(work, seconds, np.hypot(noise, 0.03), 0.02, has_floor=True) is None
+    assert find_reach(work, seconds, [0.5, 0.51, 0.5], 0.02, has_floor=True) is None
+    # Between runs.
+    found = find_reach(work, seconds, noise, 0.05, has_floor=True)
+    assert 9.0 < found.seconds < 21.0 and not found.is_thought_on
+
+
 def test_chains_are_compared_by_their_whole_error_or_else_by_noise():
     def rows(times, noises, errors):
         return [
-            {"work": str(k), "seconds": t, "noise": n, "error": e}
+            {"work": str(k), "amount": t, "seconds": t, "noise": n, "error": e}
             for k, (t, n, e) in enumerate(zip(times, noises, errors, strict=True))
         ]
 
@@ -316,10 +332,26 @@ def test_many_sensors_are_timed(weather):
 def whole_result(bias, cover, ratio):
     """Results of all parts of the year."""
     rows = [
-        {"work": f"-ad {4**k}", "seconds": 4.0**k, "noise": 0.32 / 2**k, "error": 0.4, "parts": {}}
+        {
+            "work": f"-ad {4**k}",
+            "amount": 4**k,
+            "seconds": 4.0**k,
+            "noise": 0.32 / 2**k,
+            "error": 0.4,
+            "parts": {},
+        }
         for k in range(3)
     ]
-    ours = [{"work": "256 paths", "seconds": 2.0, "noise": 0.02, "error": 0.02, "parts": {}}]
+    ours = [
+        {
+            "work": "256 paths",
+            "amount": 256,
+            "seconds": 2.0,
+            "noise": 0.02,
+            "error": 0.02,
+            "parts": {},
+        }
+    ]
     return {
         "machine": {"cpu": "a processor", "cores": 2, "mitsuba": "3", "lumenray": "0"},
         "weather": "made up",
