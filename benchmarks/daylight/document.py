@@ -170,10 +170,14 @@ def _tell_year(made: dict) -> str:
         f"**Stated errors of metrics,** {cover['seeds']} seeds:\n\n"
     )
     rows = [
-        f"| {name} | {row['count']} | {100 * row['cover']:.1f} % |"
+        f"| {name} | {row['count']} | "
+        + " | ".join(f"{100 * x:.1f} %" for x in row["cover"])
+        + " |"
         for name, row in cover["metrics"].items()
     ]
-    text += make_table("| metric | intervals | hold |", rows)
+    means = " | ".join(f"**{100 * x:.1f} %**" for x in cover["cover"])
+    heads = " | ".join(f"hold with {amount} paths" for amount in cover["amounts"])
+    text += make_table(f"| metric | intervals | {heads} |", [*rows, f"| mean | | {means} |"])
     rows = [
         f"| {year[0]:.1f} s | {100 * year[1]:.2f} % | {hour[0]:.1f} s | {100 * hour[1]:.2f} % |"
         for year, hour in zip(cost["year"], cost["hour"], strict=True)

@@ -1,4 +1,4 @@
-"""Single hours of the room: its scene with the sky and the sun of one record, measured by itself as any scene is."""
+"""Single hours of the room: its scene with the sky and the sun of one record, measured by itself, by whole paths."""
 
 import time
 from dataclasses import dataclass
@@ -56,6 +56,7 @@ class SingleHours:
             rule,
             seed=SEED + index + 10_000 * number,
             transport="mono",
+            method="paths",
         )
         return Hour(made.illuminance, made.standard_error, time.process_time() - start)
 

@@ -109,7 +109,7 @@ def _sum_up(result: dict) -> dict:
         "sun_max_error_deg": sun and max(row["max"] for row in sun["others"].values()),
         "gendaylit_max_percent": skies and 100.0 * largest_difference(skies),
         "hour_bias_percent": year and 100.0 * abs(year["agreement"]["bias"]),
-        "metric_coverage": year and year["coverage"]["cover"],
+        "metric_coverage": year and year["coverage"]["cover"][-1],
         "speedup_two_phase": race[0] if race else None,
         "year_over_hour": year and year["cost"]["ratio"],
     }

@@ -6,17 +6,17 @@ random choices: half of the mean square between them. And its whole error, noise
 hours that were computed by themselves. These are computed twice, and the two differences of a year from them are multiplied
 with each other, so that their own noise does not count.
 
-Times are those of the processors. What is compared is the time to `TARGET`, found between runs or, by the slope of the
-last of them, beyond.
+Times are those of the processors. What is compared is the time to `TARGET`, between runs or beyond them, as `reach` finds
+it.
 """
 
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
 from ...engine.sky.weather import Weather
-from ..common.statistics import seconds_to
 from .hours import SingleHours, choose_hours
 from .ours import YearEngine
+from .reach import find_reach
 from .room import Room
 from .two_phase import Settings, run_suns, run_two_phase
 
@@ -72,8 +72,8 @@ def measure_speed(
 
     Returns
     -------
-    dict    ``truth``: ``hours`` and ``values`` (2, sensors, hours); ``runs`` by program: lists of rows with ``work``,
-        ``seconds``, ``noise`` and ``error``; ``sun_seconds``: of Radiance's exact sun by itself.
+    dict    ``truth``: ``hours`` and ``values`` (2, sensors, hours); ``runs`` by program: rows with ``work`` in words,
+        its ``amount``, ``seconds``, ``noise`` and ``error``; ``sun_seconds``: of Radiance's exact sun by itself.
     """
     made = dict(earlier or {})
     made.setdefault("runs", {})
@@ -96,7 +96,7 @@ def measure_speed(
                 made = run_two_phase(room, weather, settings.again() if number else settings)
                 return made.illuminance, made.total, made.seconds
 
-            _add(made, name, settings.words, run, say)
+            _add(made, name, settings.words, divisions, run, say)
             done()
     if "sun_seconds" not in made:
         made["sun_seconds"] = run_suns(room, weather).total
@@ -111,12 +111,12 @@ def measure_speed(
             made = engine.run(room, weather, samples, seed=60 + number)
             return made.illuminance, made.seconds, {}
 
-        _add(made, OURS, f"{samples} paths", run, say)
+        _add(made, OURS, f"{samples} paths", samples, run, say)
         done()
     return made
 
 
-def _add(made: dict, name: str, work: str, run, say) -> None:
+def _add(made: dict, name: str, work: str, amount: int, run, say) -> None:
     """Make two runs and add their row, unless it is there."""
     rows = made["runs"].setdefault(name, [])
     if any(row["work"] == work for row in rows):
@@ -127,6 +127,7 @@ def _add(made: dict, name: str, work: str, run, say) -> None:
     true, hours = np.array(truth["values"]), np.array(truth["hours"])
     row = {
         "work": work,
+        "amount": amount,
         "seconds": 0.5 * (seconds + more),
         "parts": {key: round(value, 3) for key, value in parts.items()},
         "noise": noise_of(first, second),
@@ -178,14 +179,13 @@ def find_times(made: dict) -> dict:
     for name, rows in made["runs"].items():
         found[name] = {}
         for kind in ("noise", "error"):
-            points = [(row["seconds"], row[kind]) for row in rows]
-            reach = seconds_to(points, TARGET)
-            is_reached = reach.bound != ">"
-            found[name][kind] = (
-                {"seconds": reach.seconds, "bound": reach.bound, "beyond": reach.is_thought_on}
-                if is_reached
-                else None
-            )
+            columns = ([row[key] for row in rows] for key in ("amount", "seconds", kind))
+            reach = find_reach(*columns, TARGET, has_floor=kind == "error")
+            found[name][kind] = reach and {
+                "seconds": reach.seconds,
+                "bound": reach.bound,
+                "beyond": reach.is_thought_on,
+            }
     return found
 
 

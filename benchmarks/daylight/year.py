@@ -4,8 +4,9 @@ The year of the room is computed at once, and hours of it each as a scene of its
 with the year but the paths' steps. What is told is how far both lie apart in units of the joint stated error, and the bias:
 mean of the year over that of the hours, all sensors and hours together.
 
-Metrics are asked for with many seeds and few paths, and compared with a run of many paths: an interval of two sides is to
-hold the truth as often as it says.
+Metrics are asked for with many seeds, and compared with a run of many more paths: an interval of two sides is to hold the
+truth as often as it says. They are judged with as many paths as the command takes by itself; what becomes of the errors
+with few paths is told beside it.
 """
 
 import numpy as np
@@ -14,9 +15,9 @@ from ...engine.accuracy.stopping import StopRule
 from ...engine.accuracy.student import t_quantile
 from ...engine.daylight.replicated import MetricEstimate
 from ...engine.sky.weather import Weather
-from ..common.statistics import seconds_to
 from .hours import SingleHours, choose_hours
 from .ours import YearEngine
+from .reach import find_reach
 from .room import Room
 
 HOURS = 50
@@ -27,8 +28,11 @@ YEAR_SAMPLES, HOUR_SAMPLES = 1 << 14, 1 << 12
 
 SEEDS = 20
 
-FEW_SAMPLES, MANY_SAMPLES = 1 << 9, 1 << 15
-"""Paths of every sensor whose metrics are judged, and of what they are judged by."""
+AMOUNTS = (1 << 9, 1 << 13)
+"""Paths of every sensor whose metrics are judged: few, and as many as are taken where nothing is said."""
+
+MANY_SAMPLES = 1 << 17
+"""Paths of every sensor of what they are judged by."""
 
 PROBABILITY = 0.95
 """Of the intervals that are judged."""
@@ -54,7 +58,7 @@ def measure_year(
     room : Room
     weather : Weather
     say : callable    Told of every step.
-    sizes    Other amounts of work: ``hours``, ``seeds``, ``year_samples``, ``hour_samples``, ``few_samples``,
+    sizes    Other amounts of work: ``hours``, ``seeds``, ``year_samples``, ``hour_samples``, ``amounts``,
         ``many_samples``, ``cost_samples``.
 
     Returns
@@ -77,7 +81,7 @@ def measure_year(
             room,
             weather,
             sizes.get("seeds", SEEDS),
-            sizes.get("few_samples", FEW_SAMPLES),
+            sizes.get("amounts", AMOUNTS),
             sizes.get("many_samples", MANY_SAMPLES),
             say,
         ),
@@ -136,30 +140,32 @@ def compare_values(year, year_errors, hours, hour_errors) -> dict:
 
 
 def judge_errors(
-    engine: YearEngine, room: Room, weather: Weather, seeds, few_samples, many_samples, say
+    engine: YearEngine, room: Room, weather: Weather, seeds, amounts, many_samples, say
 ) -> dict:
     """Judge stated errors of metrics.
 
     Returns
     -------
-    dict    ``seeds``, and in ``metrics`` by name the ``cover``: share of seeds (and sensors) whose interval of 95 % holds
-        the truth, and ``count``: of values that it is of. ``cover`` of all metrics is their mean. Metrics that no chance is
-        in are left out. [-]
+    dict    ``seeds``, ``amounts``, and in ``metrics`` by name the ``cover``: shares of seeds (and sensors) whose interval of
+        95 % holds the truth, by amount, and ``count``: of values that they are of. ``cover`` of all metrics are the means.
+        Metrics that no chance is in are left out. [-]
     """
     truth = engine.run(room, weather, many_samples, 1000, has_metrics=True).metrics
-    runs = [
-        engine.run(room, weather, few_samples, 2000 + k, has_metrics=True).metrics
-        for k in range(seeds)
-    ]
-    metrics = {}
-    for name, true in truth.items():
-        if not np.isfinite(true.freedom):
-            continue
-        hits = [is_held(run[name], true) for run in runs]
-        metrics[name] = {"cover": float(np.mean(hits)), "count": int(np.size(hits))}
-        say(f"year: {name}: {100 * metrics[name]['cover']:.1f} % of intervals hold")
-    cover = float(np.mean([row["cover"] for row in metrics.values()])) if metrics else None
-    return {"seeds": seeds, "metrics": metrics, "cover": cover}
+    metrics = {
+        name: {"cover": [], "count": 0} for name, true in truth.items() if np.isfinite(true.freedom)
+    }
+    for amount in amounts:
+        runs = [
+            engine.run(room, weather, amount, 2000 + k, has_metrics=True).metrics
+            for k in range(seeds)
+        ]
+        for name, row in metrics.items():
+            hits = [is_held(run[name], truth[name]) for run in runs]
+            row["cover"].append(float(np.mean(hits)))
+            row["count"] = int(np.size(hits))
+            say(f"year: {amount} paths, {name}: {100 * row['cover'][-1]:.1f} % of intervals hold")
+    cover = np.mean([row["cover"] for row in metrics.values()], axis=0).tolist()
+    return {"seeds": seeds, "amounts": list(amounts), "metrics": metrics, "cover": cover}
 
 
 def is_held(found: MetricEstimate, true: MetricEstimate) -> np.ndarray:
@@ -194,7 +200,10 @@ def compare_cost(engine: YearEngine, singles: SingleHours, weather: Weather, sam
         hours.append((seconds, relative_error(values, errors)))
         say(f"year: {amount} paths, {years[-1][0]:.1f} s to {100 * years[-1][1]:.1f} %; an hour {seconds:.1f} s to "
             f"{100 * hours[-1][1]:.1f} %")  # fmt: skip
-    of_year, of_hour = seconds_to(years, TARGET).seconds, seconds_to(hours, TARGET).seconds
+    of_year, of_hour = (
+        find_reach(samples, *zip(*points, strict=True), TARGET, has_floor=False).seconds
+        for points in (years, hours)
+    )
     return {
         "year": years,
         "hour": hours,

@@ -9,7 +9,9 @@ from lumenray.benchmarks.daylight import run as daylight
 from lumenray.benchmarks.daylight import skies, speed, year
 from lumenray.benchmarks.daylight.hours import SingleHours, choose_hours
 from lumenray.benchmarks.daylight.ours import OurYear
+from lumenray.benchmarks.daylight.reach import find_reach
 from lumenray.benchmarks.daylight.room import WINDOW, Room, make_room, radiance_text
+from lumenray.benchmarks.daylight.scale import measure_scale
 from lumenray.benchmarks.daylight.sun import measure_sun
 from lumenray.benchmarks.daylight.two_phase import Settings, run_suns, run_two_phase
 from lumenray.benchmarks.daylight.weather_year import clear_sky, make_year, write_epw, write_wea
@@ -225,10 +227,25 @@ def test_noise_and_errors_are_told_apart():
     assert speed.error_of(first, *truths) == pytest.approx(np.hypot(0.2, 0.1), rel=0.02)
 
 
+def test_time_to_an_error_counts_what_a_run_costs_at_least():
+    """Seconds 5 + w / 1000, errors by noise of 4 / sqrt(w), and by that and a floor of 1 or 3 %."""
+    work = np.array([1000.0, 4000.0, 16_000.0])
+    seconds, noise = 5.0 + work / 1000.0, 4.0 / np.sqrt(work)
+    found = find_reach(work, seconds, noise, 0.02, has_floor=False)
+    assert found.seconds == pytest.approx(45.0) and found.is_thought_on
+    found = find_reach(work, seconds, np.hypot(noise, 0.01), 0.02, has_floor=True)
+    assert found.seconds == pytest.approx(5.0 + 16.0 / 0.0003 / 1000.0)
+    assert find_reach(work, seconds, np.hypot(noise, 0.03), 0.02, has_floor=True) is None
+    assert find_reach(work, seconds, [0.5, 0.51, 0.5], 0.02, has_floor=True) is None
+    # Between runs.
+    found = find_reach(work, seconds, noise, 0.05, has_floor=True)
+    assert 9.0 < found.seconds < 21.0 and not found.is_thought_on
+
+
 def test_chains_are_compared_by_their_whole_error_or_else_by_noise():
     def rows(times, noises, errors):
         return [
-            {"work": str(k), "seconds": t, "noise": n, "error": e}
+            {"work": str(k), "amount": t, "seconds": t, "noise": n, "error": e}
             for k, (t, n, e) in enumerate(zip(times, noises, errors, strict=True))
         ]
 
@@ -258,8 +275,9 @@ class Even:
 
 
 def test_errors_of_metrics_are_judged_by_many_seeds(weather):
-    made = year.judge_errors(Even(), make_room(), weather, 20, 256, 1 << 20, lambda _line: None)
-    assert made["cover"] == pytest.approx(0.95, abs=0.02)
+    amounts = (256, 1024)
+    made = year.judge_errors(Even(), make_room(), weather, 20, amounts, 1 << 20, lambda _line: None)
+    np.testing.assert_allclose(made["cover"], 0.95, atol=0.02)
     assert made["metrics"]["mean"]["count"] == 20 * 200
     assert "exact" not in made["metrics"]
 
@@ -301,6 +319,90 @@ def test_races_go_on_where_they_broke_off(weather, monkeypatch):
     )
     assert len(asked) == 4
     assert [row["work"] for row in more["runs"][speed.OURS]] == ["256 paths"]
+
+
+def test_many_sensors_are_timed(weather):
+    made = measure_scale(Even(), weather, columns=6, rows=5, samples=256)
+    assert made["sensors"] == 30
+    assert made["processor_minutes"] == pytest.approx(0.25 / 60.0)
+    # 2 lx of some 100 lx.
+    assert made["error"] == pytest.approx(0.02, rel=0.1)
+
+
+def whole_result(bias, cover, ratio):
+    """Results of all parts of the year."""
+    rows = [
+        {
+            "work": f"-ad {4**k}",
+            "amount": 4**k,
+            "seconds": 4.0**k,
+            "noise": 0.32 / 2**k,
+            "error": 0.4,
+            "parts": {},
+        }
+        for k in range(3)
+    ]
+    ours = [
+        {
+            "work": "256 paths",
+            "amount": 256,
+            "seconds": 2.0,
+            "noise": 0.02,
+            "error": 0.02,
+            "parts": {},
+        }
+    ]
+    return {
+        "machine": {"cpu": "a processor", "cores": 2, "mitsuba": "3", "lumenray": "0"},
+        "weather": "made up",
+        "other_load": {"speed": 0.4},
+        "unfinished": {},
+        "parts": {
+            "year": {
+                "agreement": {
+                    "hours": 50, "bias": bias, "bias_error": 0.001, "within_2": 0.96, "rms": 0.99, "farthest": 3.9,
+                },
+                "coverage": {
+                    "seeds": 20, "amounts": [512, 8192], "cover": [0.8, cover],
+                    "metrics": {"room: sda": {"cover": [0.8, cover], "count": 20}},
+                },
+                "cost": {
+                    "year": [(2.0, 0.1), (3.0, 0.05)], "hour": [(1.0, 0.2), (2.0, 0.1)],
+                    "year_seconds": 10.0, "hour_seconds": 10.0 / ratio, "ratio": ratio,
+                },
+            },
+            "speed": {
+                "truth": {"hours": [1, 2], "values": []},
+                "sun_seconds": 0.4,
+                "runs": {"MF 1": rows, speed.OURS: ours},
+            },
+            "scale": {
+                "sensors": 10_000, "samples": 1024, "cores": 2, "minutes": 4.2, "processor_minutes": 8.0,
+                "error": 0.1,
+            },
+        },
+    }  # fmt: skip
+
+
+def test_demands_are_judged_and_everything_is_told(tmp_path):
+    good = daylight._sum_up(whole_result(-0.002, 0.95, 2.0))
+    daylight.write_results(good, tmp_path, None)
+    text = (tmp_path / "daylight.md").read_text(encoding="utf-8")
+    for words in (
+        "-0.200 % off theirs",
+        "| room: sda | 20 | 80.0 % | 95.0 % |",
+        "10000 sensors on 2 cores take 4.2 minutes",
+        "MF 1, takes 128 times as long by its noise",
+        "Other processes took part of the machine meanwhile: speed 40%",
+    ):
+        assert words in text
+    verdicts = {bar.demand.split(",")[0]: bar.passed for bar in daylight.check_bars(good)}
+    assert verdicts["bias of the year beside its hours"]
+    assert verdicts["two-phase chain over ours"]
+    assert verdicts["sun's place"] is None
+    assert good["hour_bias_percent"] == pytest.approx(0.2)
+    bad = daylight.check_bars(daylight._sum_up(whole_result(0.006, 0.89, 3.5)))
+    assert [bar.passed for bar in bad[3:]] == [False, False, True, False]
 
 
 def test_parts_are_measured_alone_told_and_gone_on_with(tmp_path, monkeypatch):
