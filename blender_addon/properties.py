@@ -17,7 +17,7 @@ from .bake import tables as baked_tables
 from .bake.settings import LumenrayBakeSettings, LumenrayLookSettings
 from .daylight import following
 from .daylight import settings as daylight_settings
-from .daylight.edits import follow_edit
+from .daylight.following import follow_edit
 from .daylight.settings import (
     LumenrayArcSettings,
     LumenrayPlaceSettings,

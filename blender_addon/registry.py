@@ -19,7 +19,7 @@ def _groups():
     )
     from .bake import results as baked_results
     from .bake import running as running_bake
-    from .daylight import edits, following
+    from .daylight import following, ready
     from .daylight_year import running as running_year
     from .foundation import engine_process, identity, running_trials
     from .raysets.files import ray_files
@@ -38,7 +38,7 @@ def _groups():
         first_steps,
         identity,
         following,
-        edits,
+        ready,
         baked_results,
         live,
         ray_files,

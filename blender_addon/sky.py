@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .daylight.edits import follow_edit
+from .daylight.following import follow_edit
 from .foundation.settings import PATH_OPTIONS
 
 SOURCES = [

@@ -1,12 +1,16 @@
-"""The Sun light that follows place and time: added, and let go again."""
+"""The Sun light that follows place and time, added."""
 
 import bpy
 
 from ..blender_addon.daylight import following
 
 
-class WorldOperator:
-    """Operator on the scene's world."""
+class LUMENRAY_OT_add_sun(bpy.types.Operator):
+    """Let the selected Sun light, or a new one, stand where the sun stands at the world's place and time, with its light"""
+
+    bl_idname = "lumenray.add_sun"
+    bl_label = "Sun from Place and Time"
+    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
@@ -18,14 +22,6 @@ class WorldOperator:
             return False
         return True
 
-
-class LUMENRAY_OT_add_sun(WorldOperator, bpy.types.Operator):
-    """Let the selected Sun light, or a new one, stand where the sun stands at the world's place and time, with its light"""
-
-    bl_idname = "lumenray.add_sun"
-    bl_label = "Sun from Place and Time"
-    bl_options = {"REGISTER", "UNDO"}
-
     def execute(self, context):
         chosen = next(
             (thing for thing in context.selected_objects if following.is_sun(thing)), None
@@ -35,16 +31,4 @@ class LUMENRAY_OT_add_sun(WorldOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class LUMENRAY_OT_release_sun(WorldOperator, bpy.types.Operator):
-    """Let the Sun light stay as it is, and follow place and time no longer"""
-
-    bl_idname = "lumenray.release_sun"
-    bl_label = "Release Sun"
-    bl_options = {"REGISTER", "UNDO"}
-
-    def execute(self, context):
-        context.scene.world.lumenray.sun.lamp = None
-        return {"FINISHED"}
-
-
-CLASSES = (LUMENRAY_OT_add_sun, LUMENRAY_OT_release_sun)
+CLASSES = (LUMENRAY_OT_add_sun,)

@@ -163,12 +163,12 @@ class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
         if settings.lamp is None:
             layout.operator("lumenray.add_sun", icon="LIGHT_SUN")
             return
-        row = layout.row(align=True)
-        row.prop(settings, "lamp", text="Light")
-        row.operator("lumenray.release_sun", text="", icon="X")
+        layout.prop(settings, "lamp", text="Light")
         layout.prop(settings, "amount")
         if settings.amount == "GIVEN":
             draw_wide(layout, settings, "illuminance", "Facing the Sun [lx]")
+        elif settings.amount == "HORIZONTAL":
+            draw_wide(layout, settings, "horizontal_illuminance", "Horizontal [lx]")
         layout.prop(settings, "turbidity")
         draw_description(layout.box(), context, describe_sun(world, context.scene))
 
@@ -188,7 +188,7 @@ class LUMENRAY_PT_world_study(WorldPanel, bpy.types.Panel):
         if time.follows_frames:
             column = layout.column()
             column.prop(time, "first_frame")
-            column.prop(time, "minutes_per_frame", text="Minutes per Frame")
+            column.prop(time, "minutes_per_frame", text="Per Frame [min]")
         layout.prop(time, "use_note")
 
 

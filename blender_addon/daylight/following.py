@@ -30,6 +30,12 @@ def redraw_arc(self, context) -> None:
     redraw("VIEW_3D")
 
 
+def follow_edit(self, context) -> None:
+    """Tell the dependency graph of an edit of a world's settings, and let all that follows them follow."""
+    self.id_data.update_tag()
+    follow_world(self.id_data)
+
+
 def follow_world(world) -> None:
     """Let all that follows a world follow it in the scenes that have it."""
     for scene in bpy.data.scenes:
@@ -52,16 +58,17 @@ def follow(scene, world, shown=None) -> None:
     is_noted = world.lumenray.time.use_note
     if lamp is None and not is_noted:
         return
+    # What cannot be known is said by the panel and the conversion report; nothing is better than what was at another moment.
     try:
         moment = find_moment(shown, frame_of(scene))
     except LumenrayError:
-        # The panel and the conversion report say it; a light that stands nowhere is left where it is.
-        return
-    if lamp is not None:
-        _turn(lamp, moment)
-        _shine(lamp.data, shown, moment, scene.lumenray.efficacy)
+        moment = None
     if is_noted:
-        _note(scene.render, moment.title)
+        _note(scene.render, moment.title if moment is not None else "")
+    if lamp is not None:
+        if moment is not None:
+            _turn(lamp, moment)
+        _shine(lamp.data, shown, moment, scene.lumenray.efficacy)
 
 
 def is_sun(thing) -> bool:
@@ -116,14 +123,14 @@ def _turn(lamp, moment: Moment) -> None:
         lamp.rotation_euler = wanted
 
 
-def _shine(light, world, moment: Moment, efficacy: float) -> None:
-    """Set a light in Lumenray's terms and, as far as other engines know it, in Blender's."""
+def _shine(light, world, moment: Moment | None, efficacy: float) -> None:
+    """Set a light in Lumenray's terms and, as far as other engines know it, in Blender's; dark where it cannot be known."""
     try:
-        sunlight = find_sunlight(world, moment)
+        sunlight = None if moment is None else find_sunlight(world, moment)
     except LumenrayError:
-        # No number is better than one of another moment: the panel and the report say what is wrong.
-        _set(light.lumenray, "value", 0.0)
-        _set(light, "energy", 0.0)
+        sunlight = None
+    if sunlight is None:
+        _darken(light)
         return
     colour = sunlight.colour
     own = light.lumenray
@@ -136,6 +143,11 @@ def _shine(light, world, moment: Moment, efficacy: float) -> None:
         light.color = colour
     if getattr(light, "use_temperature", False):
         light.use_temperature = False
+
+
+def _darken(light) -> None:
+    _set(light.lumenray, "value", 0.0)
+    _set(light, "energy", 0.0)
 
 
 def _set(owner, name: str, value: float) -> None:

@@ -1,6 +1,7 @@
 """Cities and time zones to choose from: those that ship, and those of the user's list."""
 
 import math
+from collections import Counter
 from functools import lru_cache
 from pathlib import Path
 from zoneinfo import available_timezones
@@ -31,15 +32,20 @@ def _zones() -> list[str]:
 
 def known_cities() -> tuple[list[City], list[Problem]]:
     """Return all cities, and what is wrong with the user's list."""
+    return _read(*_list())
+
+
+def _list() -> tuple[str, int, int]:
+    """Path of the user's list of cities, empty without one, and what tells whether it has changed."""
     path = preferences.city_list()
     if path is None:
-        return _read("", 0, 0)
+        return "", 0, 0
     try:
         stat = path.stat()
     except OSError:
         # Reading it says what is wrong.
-        return _read(str(path), 0, 0)
-    return _read(str(path), stat.st_mtime_ns, stat.st_size)
+        return str(path), 0, 0
+    return str(path), stat.st_mtime_ns, stat.st_size
 
 
 @lru_cache(maxsize=4)
@@ -49,13 +55,16 @@ def _read(path: str, changed: int, size: int) -> tuple[list[City], list[Problem]
 
 def find_city(title: str) -> City | None:
     """Return the city of a title, or of a name that only one has; None if there is none."""
-    cities = known_cities()[0]
-    wanted = fold(title)
-    for name_of in (lambda city: city.title, lambda city: city.name):
-        found = [city for city in cities if fold(name_of(city)) == wanted]
-        if len(found) == 1:
-            return found[0]
-    return None
+    return _by_name(*_list()).get(fold(title))
+
+
+@lru_cache(maxsize=4)
+def _by_name(path: str, changed: int, size: int) -> dict[str, City]:
+    """Cities by folded titles, and by folded names that only one has."""
+    cities = _read(path, changed, size)[0]
+    names = Counter(fold(city.name) for city in cities)
+    single = {fold(city.name): city for city in cities if names[fold(city.name)] == 1}
+    return single | {fold(city.title): city for city in cities}
 
 
 def fill_in_city(place) -> None:

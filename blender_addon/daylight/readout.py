@@ -82,7 +82,8 @@ def describe_moment(world, scene) -> Description:
     offset = moment.clock.strftime("%z")
     lines = [
         ("Date", f"{moment.clock.year:04d}-{moment.clock:%m-%d}"),
-        ("Clock", f"{moment.clock:%H:%M}, UTC{offset[:3]}:{offset[3:5]}"),
+        ("Clock", f"{moment.clock:%H:%M}"),
+        ("Zone", f"UTC{offset[:3]}:{offset[3:5]}"),
         ("Sun's elevation", f"{moment.elevation:.2f}°"),
         ("Sun's azimuth", f"{moment.azimuth:.2f}°"),
     ]

@@ -15,7 +15,7 @@ from bpy.types import PropertyGroup
 
 from ...engine.sky.place import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
 from . import following
-from .edits import follow_edit
+from .following import follow_edit
 from .places import fill_in_city, search_cities, search_zones
 
 AMOUNTS = [
@@ -25,12 +25,23 @@ AMOUNTS = [
         "What the air leaves of it at this height of the sun, by the turbidity of the air",
         0,
     ),
-    ("GIVEN", "Stated", "An illuminance that you state, while the sun is above the horizon", 1),
+    (
+        "GIVEN",
+        "Facing the Sun",
+        "An illuminance that you state of a plane that faces the sun, while it is above the horizon",
+        1,
+    ),
     (
         "WEATHER",
         "Weather File",
         "What the weather file of the sky states for this hour; the world's sky has to be one of a weather file",
         2,
+    ),
+    (
+        "HORIZONTAL",
+        "Horizontal",
+        "An illuminance that you state of a horizontal plane by the sun alone, while it is above the horizon",
+        3,
     ),
 ]
 
@@ -232,7 +243,7 @@ class LumenraySunSettings(PropertyGroup):
         name="Sun Light",
         description=(
             "Sun light that is turned to where the sun stands and given its light, in Lumenray, Cycles and EEVEE alike; "
-            "its own rotation, strength and colour are overwritten"
+            "its own rotation, strength and colour are overwritten. Taken out of here it stays as it is"
         ),
         type=bpy.types.Object,
         poll=_is_sun,
@@ -264,6 +275,18 @@ class LumenraySunSettings(PropertyGroup):
             "By the sun alone on a plane that faces it, in lx. Default 80000: a high sun on a clear day"
         ),
         default=80000.0,
+        min=0.0,
+        max=150000.0,
+        precision=0,
+        step=100000,
+        update=follow_edit,
+    )
+    horizontal_illuminance: FloatProperty(
+        name="Direct Horizontal Illuminance",
+        description=(
+            "By the sun alone on an unobstructed horizontal plane, in lx. Default 50000: about noon on a clear day in spring"
+        ),
+        default=50000.0,
         min=0.0,
         max=150000.0,
         precision=0,

@@ -8,7 +8,11 @@ import numpy as np
 from ...engine.errors import SceneError
 from ...engine.photometry.light_colour import light_colour
 from ...engine.sky.air import standard_air
-from ...engine.sky.sunlight import direct_illuminance, sunlight_spectrum
+from ...engine.sky.sunlight import (
+    LUMINOUS_SOLAR_CONSTANT,
+    direct_illuminance,
+    sunlight_spectrum,
+)
 from .moment import Moment
 from .weather import weather_moment
 
@@ -44,6 +48,14 @@ def _illuminance(world, settings, moment: Moment) -> float:
         return 0.0
     if settings.amount == "GIVEN":
         return settings.illuminance
+    if settings.amount == "HORIZONTAL":
+        facing = settings.horizontal_illuminance / np.sin(np.radians(moment.elevation))
+        if facing > LUMINOUS_SOLAR_CONSTANT:
+            raise SceneError(
+                f"a sun {moment.elevation:.1f} degrees high cannot give {settings.horizontal_illuminance:.0f} lx on a "
+                "horizontal plane: it would be brighter than outside the atmosphere"
+            )
+        return float(facing)
     if settings.amount == "WEATHER":
         if world.lumenray.source != "CIE" or world.lumenray.sky.kind != "WEATHER":
             raise SceneError(

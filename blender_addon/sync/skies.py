@@ -31,6 +31,9 @@ from ..sky import UPWARDS, depends_on_sun, needs_moment, onto_horizon, states_le
 FAR = 1.0
 """Difference of latitude or longitude from which on a weather file is one of another place. [degree]"""
 
+ASIDE = np.cos(np.radians(0.1))
+"""Cosine of the angle from which on a Sun light does not stand where the sun stands; a sun has a radius of 0.27 degrees."""
+
 KEPT = 8
 """Pictures of skies that are kept."""
 
@@ -75,6 +78,30 @@ def convert_sky(
         report.fault(world.name, error, LEFT_OUT)
         return None
     return None if made is None else replace(made, id=world_id)
+
+
+def tell_sun(world, when: SkyTime, stands: np.ndarray, report: ConversionReport) -> None:
+    """Say what is wrong with the Sun light that follows a world.
+
+    Parameters
+    ----------
+    world : bpy.types.World
+    when : SkyTime
+    stands : (3,) array    Unit vector to where it shines from.
+    report : ConversionReport
+    """
+    try:
+        moment = find_moment(world, when.frame)
+        find_sunlight(world, moment)
+    except LumenrayError as error:
+        report.fault(world.name, error, "its sun gives no light")
+        return
+    if stands @ moment.towards_sun < ASIDE:
+        report.warn(
+            world.name,
+            "the Sun light of its place and time is turned by something else, such as a parent or an animation",
+            "it shines from where it is turned to, not from where the sun stands",
+        )
 
 
 def _convert(world, report, sun_lamp, when):

@@ -10,6 +10,7 @@ from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
 from ...engine.scene.scene import content_digest
+from ..daylight.following import lamp_of
 from ..daylight.moment import frame_of
 from ..foundation import identity
 from ..foundation.report import ConversionReport
@@ -29,7 +30,7 @@ from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
 from .nodes.placed import Subject
 from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
-from .skies import SkyTime
+from .skies import SkyTime, tell_sun
 from .tags import Tags
 from .visibility import (
     NO_ID,
@@ -130,9 +131,22 @@ class Walk:
         tell(SHUTTER if is_blurred else STILL, self.scene, self.scene.name, whole)
         tell_passes(self.layer, whole)
         self._tell_colours(whole)
+        self._tell_sun(whole)
         if not is_lit and not sent.world.gives_light:
             whole.warn(self.scene.name, NO_LIGHT, "everything is black")
         return whole
+
+    def _tell_sun(self, whole: ConversionReport) -> None:
+        """Note what is wrong with the Sun light that follows the world's place and time."""
+        world = self.scene.world
+        lamp = None if world is None else lamp_of(self.scene, world)
+        if lamp is None:
+            return
+        for shown in self.sent.shown.values():
+            is_seen = shown.walk == self.sent.last_visit
+            if shown.source == lamp.session_uid and is_seen and shown.towards_sun is not None:
+                when = SkyTime(self.scene, frame_of(self.scene))
+                tell_sun(world.evaluated_get(self.depsgraph), when, shown.towards_sun, whole)
 
     def _tell_colours(self, whole: ConversionReport) -> None:
         """Note what spectra change of coloured light on coloured surfaces."""

@@ -97,6 +97,17 @@ def test_it_is_dark_at_night_and_as_stated_by_day(world):
     assert not [e for e in KeptScene.started().scene.lights.values() if isinstance(e, SunLight)]
 
 
+def test_its_light_can_be_stated_of_a_horizontal_plane(world):
+    sun = world.lumenray.sun
+    sun.amount, sun.horizontal_illuminance = "HORIZONTAL", 50000.0
+    height = math.radians(find_moment(world, 1).elevation)
+    assert lamp().data.lumenray.value * math.sin(height) == pytest.approx(50000.0, rel=1e-5)
+    # A low sun cannot give as much: no number is better than one of nature's beyond.
+    world.lumenray.time.hour = 6.0
+    assert lamp().data.lumenray.value == 0.0
+    assert "outside the atmosphere" in describe_sun(world, bpy.context.scene).problem
+
+
 def test_hazy_air_makes_the_sun_weaker_and_redder(world):
     light = lamp().data
     before, blue = light.lumenray.value, light.color[2]
@@ -214,3 +225,26 @@ def test_settings_and_sun_survive_saving(world, tmp_path):
     assert tuple(lamp().rotation_euler) == before
     world.lumenray.time.hour = 9.0
     assert tuple(lamp().rotation_euler) != before
+
+
+def rows():
+    from conversion import converted_scene
+
+    return [row.text() for row, _ in converted_scene().report.rows]
+
+
+def test_the_report_says_what_is_wrong_with_it(world):
+    assert not any("Outside" in text for text in rows())
+    thing, sun = lamp(), world.lumenray.sun
+    thing.rotation_euler.x += 0.1
+    bpy.context.view_layer.update()
+    assert any("turned by something else" in text for text in rows())
+    sun.amount = "WEATHER"
+    assert any("sky is of none; its sun gives no light" in text for text in rows())
+    sun.amount = "TURBIDITY"
+    assert thing.data.lumenray.value > 0.0
+    assert not any("Outside" in text for text in rows())
+    world.lumenray.place.zone = "Nowhere"
+    assert any("'Nowhere' is not known" in text for text in rows())
+    assert thing.data.lumenray.value == 0.0
+    assert thing.data.energy == 0.0

@@ -78,7 +78,7 @@ def test_time_follows_the_frames_and_the_clock_that_is_put_forward(world):
     assert utc_of(find_moment(world, 10.5)) == datetime(2026, 3, 28, 23, 52, 30)
     bpy.context.scene.frame_set(19)
     assert frame_of(bpy.context.scene) == 19.0
-    assert ("Clock", "04:00, UTC+02:00") in say(world).lines
+    assert {("Clock", "04:00"), ("Zone", "UTC+02:00")} <= set(say(world).lines)
     time.follows_frames = False
     assert utc_of(find_moment(world, 19)) == datetime(2026, 3, 29, 0, 0)
 
