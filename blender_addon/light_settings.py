@@ -92,6 +92,15 @@ class LumenrayLightSettings(SpectrumSettings, PropertyGroup):
         unit="LENGTH",
         update=tag_owner,
     )
+    limb_darkening: BoolProperty(
+        name="Limb Darkening",
+        description=(
+            "Make the sun's disk darker towards its edge, by the true sun's 60 %, with the same light in all. Default "
+            "off: as Blender's own renders have it"
+        ),
+        default=False,
+        update=tag_owner,
+    )
     luminaire: PointerProperty(type=LumenrayLuminaireSettings)
     rayset: PointerProperty(type=LumenrayRaysetSettings)
     light_group: light_group_property("this light")

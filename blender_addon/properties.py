@@ -24,6 +24,8 @@ from .daylight.settings import (
     LumenraySunSettings,
     LumenrayTimeSettings,
 )
+from .daylight_year import settings as year_settings
+from .daylight_year.settings import LumenrayYearSettings
 from .foundation.settings import (
     identity_property,
     light_group_property,
@@ -195,6 +197,7 @@ class LumenraySceneSettings(PropertyGroup):
     bake: PointerProperty(type=LumenrayBakeSettings)
     baked: PointerProperty(type=baked_tables.LumenrayBakedResults)
     look: PointerProperty(type=LumenrayLookSettings)
+    year: PointerProperty(type=LumenrayYearSettings)
     seed: IntProperty(
         name="Seed",
         description=(
@@ -277,6 +280,7 @@ CLASSES = (
     LumenrayMaterialSettings,
     LumenraySkySettings,
     *daylight_settings.CLASSES,
+    *year_settings.CLASSES,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,

@@ -20,6 +20,7 @@ def _groups():
     from .bake import results as baked_results
     from .bake import running as running_bake
     from .daylight import following, ready
+    from .daylight_year import running as running_year
     from .foundation import engine_process, identity, running_trials
     from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
@@ -45,6 +46,7 @@ def _groups():
         engine_process,
         running_bake,
         running_trials,
+        running_year,
         light_mix,
         viewport,
         view_drawing,

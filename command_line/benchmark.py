@@ -96,10 +96,39 @@ def add_command(commands) -> None:
     blends.add_argument(
         "--files", type=words, metavar="A,B", help="only these, by their names (default: all)"
     )
+    _add_daylight(kinds)
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     _add_with_peers(kinds)
     _add_pictures(kinds)
+
+
+def _add_daylight(kinds) -> None:
+    """Add the kind that measures natural light."""
+    daylight = _add(
+        kinds,
+        "daylight",
+        _run_daylight,
+        "the sun's place, skies and the year of a room, beside Radiance",
+        "of a part",
+    )
+    daylight.add_argument(
+        "--parts",
+        type=words,
+        metavar="A,B",
+        help="only these of sun, skies, year, speed, scale (default: all)",
+    )
+    daylight.add_argument(
+        "--weather",
+        type=Path,
+        metavar="FILE",
+        help="EPW or WEA whose hours are taken (default: a year that is made up)",
+    )
+    daylight.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --parts are measured again",
+    )
 
 
 def _add_with_peers(kinds) -> None:
@@ -333,6 +362,26 @@ def _run_blends(options, say) -> int:
     folder = options.output or (PARTS if options.files else DOCUMENTS)
     blends.write_results(result, pictures, folder, options.json)
     tell(f"written to {folder / options.kind}.md")
+    return 0
+
+
+def _run_daylight(options, say) -> int:
+    from ..benchmarks.daylight import run as daylight
+
+    earlier = _read_earlier(options, daylight)
+    _start_engine()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.common.output import write_numbers
+
+    result = daylight.run(
+        options.parts,
+        options.weather,
+        say=say,
+        keep=lambda made: write_numbers(made, options.json),
+        earlier=earlier,
+    )
+    tell(tell_bars(daylight.check_bars(result)))
+    _write(daylight, result, options, bool(options.parts) and earlier is None)
     return 0
 
 

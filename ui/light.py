@@ -42,6 +42,10 @@ def _draw_tube_length(layout, light) -> None:
     layout.prop(light.lumenray, "tube_length")
 
 
+def _draw_limb_darkening(layout, light) -> None:
+    layout.prop(light.lumenray, "limb_darkening")
+
+
 def _draw_beam(layout, light) -> None:
     layout.prop(light, "spot_size", text="Beam Angle")
     layout.prop(light, "spot_blend", text="Soft Edge", slider=True)
@@ -61,6 +65,7 @@ def _draw_spread(layout, light) -> None:
 DRAWN = {
     "size": _draw_size,
     "tube_length": _draw_tube_length,
+    "limb_darkening": _draw_limb_darkening,
     "beam": _draw_beam,
     "portal": _draw_portal,
     "spread": _draw_spread,

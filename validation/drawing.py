@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from lumenray.engine.scene.light import (
-    CieSky,
+    CloudySky,
+    FormulaSky,
     ImageWorld,
     Luminaire,
+    PerezSky,
     PointLight,
     SpotLight,
     SunLight,
@@ -201,7 +203,7 @@ def _write_on(canvas: Canvas, place, text: str) -> float:
 def _draw_sky(canvas: Canvas, scene: _Scene, spots: _Spots) -> None:
     """State the surroundings in the upper left corner, with a dome for a sky."""
     world = next(
-        (i for i in scene.items if isinstance(i, UniformWorld | CieSky | ImageWorld)), None
+        (i for i in scene.items if isinstance(i, UniformWorld | FormulaSky | ImageWorld)), None
     )
     suns = [light for light in scene.lights if isinstance(light, SunLight)]
     lines = [_describe_world(world)] if world is not None else []
@@ -225,7 +227,13 @@ def _describe_world(world) -> str:
         return f"uniform surroundings, {_number(world.luminance)} cd/m2" if world.luminance else ""
     if isinstance(world, ImageWorld):
         return "surroundings from a picture"
-    name = "traditional overcast sky" if world.type == 16 else f"CIE sky type {world.type}"
+    match world:
+        case CloudySky():
+            name = f"sky of cloudiness {world.cloudiness:g}"
+        case PerezSky():
+            name = f"all-weather sky of clearness {world.clearness:g}"
+        case _:
+            name = "traditional overcast sky" if world.type == 16 else f"CIE sky type {world.type}"
     told = f"{name}, {_number(world.illuminance)} lx horizontal"
     if world.ground_reflectance:
         told += f", ground of reflectance {world.ground_reflectance:g}"

@@ -297,5 +297,21 @@ TEXTS = {
         "take in, not what the normals of a true ball would make of it.",
         "Area of the outline for the sun; a convex body under an even world receives the same everywhere.",
     ),
+    "C46": CaseText(
+        "Skies between the standard clear and the traditional overcast one, with the sun at 60°, on six open sensors and "
+        "on twelve behind the 2 m x 1 m opening of C14, over a ground that reflects 30 %.",
+        "Quadrature over the hemisphere and over the opening, of the formulas by code of its own.",
+    ),
+    "C47": CaseText(
+        "The all-weather sky of Perez, one of each of its eight classes, on six open sensors and on twelve behind the "
+        "2 m x 1 m opening of C14, over a ground that reflects 30 %.",
+        "Quadrature over the hemisphere and over the opening, of the model's formula and table by code of its own.",
+    ),
+    "C48": CaseText(
+        "Skies as they are measured: luminances of Tregenza's 145 patches, one of them as bright as the surroundings of a "
+        "sun, and a table every 10° of elevation and 15° of azimuth. Illuminances follow from these luminances, in lx.",
+        "Quadrature over the hemisphere and over the opening of what is even in patches, and linear between places of the "
+        "table.",
+    ),
 }
 """By case id."""

@@ -1,4 +1,4 @@
-"""Direct illuminance by Radiance: ies2rad, oconv and rtrace, as they come with the package `pyradiance`."""
+"""Radiance's programs as they come with the package `pyradiance`, and direct illuminance by them."""
 
 import os
 import subprocess
@@ -75,14 +75,14 @@ def measure(
         options = ["-t", "default", "-o", "luminaire"]
         if is_point:
             options += ["-i", str(POINT_RADIUS)]
-        _run(folder, "ies2rad", *options, "luminaire.ies")
+        run_program(folder, "ies2rad", *options, "luminaire.ies")
         source = (folder / "luminaire.rad").read_text(encoding="utf-8", errors="replace")
         move = f"!xform {_turns(rotation)} -t {_numbers(place)} luminaire.rad\n"
         (folder / "scene.rad").write_text(move, encoding="utf-8")
-        (folder / "scene.oct").write_bytes(_run(folder, "oconv", "scene.rad"))
+        (folder / "scene.oct").write_bytes(run_program(folder, "oconv", "scene.rad"))
         rays = "\n".join(_numbers([*p, *n]) for p, n in zip(positions, normals, strict=True))
         fineness = "0" if is_point else str(subdivision)
-        answer = _run(
+        answer = run_program(
             folder, "rtrace", "-h", "-w-", "-I", *DIRECT_ONLY, "-ds", fineness, "scene.oct",
             sent=rays + "\n",
         )  # fmt: skip
@@ -112,23 +112,48 @@ def _turns(rotation) -> str:
     return f"-rx {x} -ry {y} -rz {z}"
 
 
-def _run(folder: Path, program: str, *options: str, sent: str = "") -> bytes:
+def run_program(
+    folder: Path, program: str, *options: str, sent: str | bytes = "", patience: float = PATIENCE
+) -> bytes:
+    """Run one of Radiance's programs in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+    program : str    Its name.
+    options : str
+    sent : str or bytes    Its standard input.
+    patience : float    Longest that it may take. [s]
+
+    Returns
+    -------
+    bytes    Its standard output.
+
+    Raises
+    ------
+    LumenrayError    It refuses, with what it says, takes too long or cannot be run.
+    """
     import pyradiance
 
     home = Path(pyradiance.__file__).parent
-    surroundings = os.environ | {"RAYPATH": os.pathsep.join([".", str(home / "lib")])}
+    # Some of them start others.
+    paths = os.pathsep.join([str(pyradiance.BINPATH), os.environ.get("PATH", "")])
+    surroundings = os.environ | {
+        "RAYPATH": os.pathsep.join([".", str(home / "lib")]),
+        "PATH": paths,
+    }
     try:
         made = subprocess.run(
             [pyradiance.BINPATH / program, *options],
             cwd=folder,
             env=surroundings,
-            input=sent.encode(),
+            input=sent.encode() if isinstance(sent, str) else sent,
             capture_output=True,
-            timeout=PATIENCE,
+            timeout=patience,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise LumenrayError(f"Radiance's {program} takes longer than {PATIENCE:g} s") from None
+        raise LumenrayError(f"Radiance's {program} takes longer than {patience:g} s") from None
     except OSError as error:
         raise LumenrayError(f"Radiance's {program} cannot be run ({error.strerror})") from None
     if made.returncode:

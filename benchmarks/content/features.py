@@ -1086,14 +1086,14 @@ for _key, _build in {
 # ---- worlds ----
 
 
-def _outside(make):
-    """Show a ball in a world. ``make(tree, vector)``: the shader."""
+def _outside(make, colour=(0.7, 0.3, 0.2)):
+    """Show a ball of a colour in a world. ``make(tree, vector)``: the shader."""
 
     def build(stage):
         tree = stage.world()
         tree.show(make(tree, tree.add("TexCoord")))
         stage.tile(stage.paint(), scale=(3.0, 3.0, 3.0))
-        stage.ball(stage.paint((0.7, 0.3, 0.2)))
+        stage.ball(stage.paint(colour))
         stage.camera()
 
     return build
@@ -1105,6 +1105,11 @@ def _map(tree, vector, **attributes):
 
 def _turned(tree, vector, **settings):
     return tree.add("Mapping", Vector=vector, **settings)
+
+
+def _sky(tree, vector=None, **attributes):
+    inputs = {} if vector is None else {"Vector": vector}
+    return tree.add("TexSky", attributes, **inputs)
 
 
 def _background(tree, colour, strength=1.0):
@@ -1148,9 +1153,52 @@ for _key, _make in {
         _2=_background(tree, BLUE),
     ),
     "World, ramp": _ramp,
-    "World, Sky Texture": lambda tree, _: _background(tree, tree.add("TexSky")),
+    "World, Sky Texture": lambda tree, _: _background(tree, _sky(tree)),
+    "World, Sky Texture, no sun": lambda tree, _: _background(tree, _sky(tree, sun_disc=False)),
+    "World, Sky Texture, wide sun": lambda tree, _: _background(
+        tree, _sky(tree, sun_elevation=0.8, sun_size=0.2, sun_intensity=0.5, sun_rotation=0.5), 0.1
+    ),
+    "World, Sky Texture, high and dusty": lambda tree, _: _background(
+        tree, _sky(tree, altitude=5000.0, air_density=0.5, aerosol_density=5.0, ozone_density=3.0)
+    ),
+    "World, Sky Texture, single scattering": lambda tree, _: _background(
+        tree, _sky(tree, sky_type="SINGLE_SCATTERING", sun_elevation=0.5, sun_rotation=4.0)
+    ),
+    "World, Sky Texture, Preetham": lambda tree, _: _background(
+        tree, _sky(tree, sky_type="PREETHAM", sun_direction=(0.5, -0.4, 0.6), turbidity=4.0)
+    ),
+    "World, Sky Texture, Hosek and Wilkie": lambda tree, _: _background(
+        tree, _sky(tree, sky_type="HOSEK_WILKIE", sun_direction=(0.5, -0.4, 0.6), turbidity=3.5)
+    ),
+    "World, Sky Texture, turned": lambda tree, v: _background(
+        tree, _sky(tree, _turned(tree, v, Rotation=(0.3, 0.2, 0.9)), sun_disc=False)
+    ),
+    "World, Sky Texture, mixed": lambda tree, v: tree.add(
+        "MixShader",
+        Fac=0.4,
+        _1=_background(tree, tree.add("Gamma", Color=_sky(tree, sun_size=0.05), Gamma=0.8)),
+        _2=_background(tree, _map(tree, v)),
+    ),
 }.items():
     _note("Worlds", _key, _outside(_make))
+
+
+@_feature("Worlds", "World, Sky Texture, sun in view")
+def _sunny(stage):
+    settings = {"sun_elevation": 0.5, "sun_size": 0.2, "sun_rotation": 0.1}
+    _outside(lambda tree, _: _background(tree, _sky(tree, **settings), 0.1))(stage)
+    stage.scene.camera.rotation_euler = (0.5 * np.pi + 0.45, 0.0, 0.0)
+
+
+# Its red light on a red ball would compare spectra with three numbers.
+_note(
+    "Worlds",
+    "World, Sky Texture, low sun",
+    _outside(
+        lambda tree, _: _background(tree, _sky(tree, sun_elevation=0.03, sun_rotation=2.5)),
+        colour=(0.5, 0.5, 0.5),
+    ),
+)
 
 
 def _world_rays(**settings):

@@ -79,6 +79,7 @@ class SceneSync:
         sent = self._sent
         lights = [(s.key, s.name) for s in sent.shown.values() if isinstance(s.item, Light)]
         surroundings = [(WORLD, "World")] if sent.world.digest else []
+        surroundings += [(sun.id, sun.name) for sun in sent.world.suns]
         return (*lights, *sent.materials.luminous(), *surroundings)
 
     def camera(self, depsgraph, report: ConversionReport) -> Camera | None:

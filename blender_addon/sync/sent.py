@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...engine.scene.light import Light
+from ...engine.scene.light import Light, SunLight
 from ...engine.scene.mesh import Placement
 from ...engine.scene.spectrum import Rgb
 from ..foundation.report import ConversionReport
@@ -65,7 +65,7 @@ class SentWorld:
     """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of Sun light and frame.
 
     ``gives_light``: whether it lights anything, and is not there for the camera alone; ``colour``: of its light if that is
-    the same from everywhere.
+    the same from everywhere; ``suns``: the lights that are its suns.
     """
 
     source: int = -1
@@ -76,6 +76,7 @@ class SentWorld:
     report: ConversionReport | None = None
     gives_light: bool = False
     colour: Rgb | None = None
+    suns: tuple[SunLight, ...] = ()
 
 
 class Sent:
@@ -108,4 +109,5 @@ class Sent:
         """Ids of all items."""
         held = {shown.key for shown in self.shown.values() if shown.item is not None}
         held |= {*self.geometries, *self.materials, *self.pictures}
+        held |= {sun.id for sun in self.world.suns}
         return held | ({self.world.key} if self.world.digest else set())

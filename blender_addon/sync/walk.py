@@ -30,6 +30,7 @@ from .nodes.needs import ATTRIBUTE, FRAME, PLACE, SURFACE
 from .nodes.placed import Subject
 from .placing import Place, place_key, read_values, wants_surface
 from .sent import Sent, SentWorld, Shown
+from .skies import SkyTime, tell_sun
 from .tags import Tags
 from .visibility import (
     NO_ID,
@@ -44,7 +45,6 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
-from .skies import SkyTime, tell_sun
 from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
 NO_LIGHT = "the scene has no light"
@@ -157,6 +157,7 @@ class Walk:
                 lights.append((shown.name, colour_of_light(shown.item)))
         if sent.world.gives_light:
             lights.append(("the world", sent.world.colour))
+        lights += [(sun.name, colour_of_light(sun)) for sun in sent.world.suns]
         coloured = [(name, colour) for name, colour in lights if colour is not None]
         has_white = len(coloured) < len(lights)
         tell_coloured_light(coloured, paints, has_white, self.scene.name, whole)
@@ -621,19 +622,20 @@ class Walk:
             return
         report = ConversionReport()
         key = identity.engine_id(original) if original is not None else ""
-        made = None
+        made, suns = None, ()
         if evaluated is not None:
             tell(WORLD, evaluated, evaluated.name, report)
         if evaluated is not None:
             lights = not is_dark_world(evaluated, report)
-            made = convert_world(
+            made, suns = convert_world(
                 evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights, when
             )
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
-        gives_light = made is not None and getattr(made, "luminance", 1.0) > 0.0
+        gives_light = bool(suns) or (made is not None and getattr(made, "luminance", 1.0) > 0.0)
         colour = colour_of_light(made)
-        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light, colour)
+        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light, colour, suns)
+        self._update_suns(known.suns, suns)
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
@@ -642,6 +644,15 @@ class Walk:
             self.worlds.append(sent.pictures.put(made))
         if known.digest and (made is None or known.key != key):
             self.removed.append(known.key)
+
+    def _update_suns(self, known, suns) -> None:
+        """Note what became of the suns in the world. ``known``, ``suns``: of before and of now."""
+        digests = {sun.id: content_digest(sun) for sun in known}
+        changed = [sun for sun in suns if digests.get(sun.id) != content_digest(sun)]
+        gone = digests.keys() - {sun.id for sun in suns}
+        self.worlds += changed
+        self.removed += sorted(gone)
+        self.world_changed |= bool(changed or gone)
 
     def _sun_lamp(self) -> np.ndarray | None:
         """Unit vector to where the scene's Sun light shines from, the first one by name; None without one."""

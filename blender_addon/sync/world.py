@@ -21,16 +21,24 @@ from .nodes.directions import DirectionContext
 from .nodes.evaluation import Context, evaluate_field
 from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
+from .nodes.mapping import legacy_matrix
 from .skies import SkyTime, convert_sky
 from .spectra import light_spectrum
 from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
+from .world_suns import Disk, find_disks, illuminance_of, make_suns
 
 LEAST_HEIGHT, LARGEST_HEIGHT = 256, 2048
 """Of a picture that is made of a world's nodes. [pixel]"""
 
+SKY_HEIGHT = 512
+"""Of a picture with a Sky Texture, least. [pixel]"""
+
 LONGEST_WAY = 100
 """Mixtures of which one shader shows that are looked through."""
+
+SEES_SUN = "pictures show its disk"
+"""What is done about a sun that the camera does not see."""
 
 LOW = 2
 """Of pictures of what is the same in all directions. [pixel]"""
@@ -46,7 +54,7 @@ def convert_world(
     gives_light: bool = True,
     when: SkyTime | None = None,
 ):
-    """Convert the world, and what the camera sees of it where that is something else.
+    """Convert the world and its suns, and what the camera sees of it where that is something else.
 
     Parameters
     ----------
@@ -61,41 +69,51 @@ def convert_world(
     Returns
     -------
     UniformWorld, ImageWorld, a sky by formula or None    None when it is black.
+    tuple of SunLight    Of its Sky Textures.
     """
     if world is None:
-        return None
+        return None, ()
     black = UniformWorld(0.0, id=world_id)
     images = ImageCache() if images is None else images
-    made = _convert_own(world, world_id, efficacy, report, images, sun_lamp, when)
-    seen = _convert_seen(world, world_id, efficacy, report, images, made) or black
+    made, suns = _convert_own(world, world_id, efficacy, report, images, sun_lamp, when)
+    if suns and not gives_light:
+        report.warn(world.name, "its sun is there for the camera alone", "it is left out")
+        suns = ()
+    seen = _convert_seen(world, world_id, efficacy, report, images, made, bool(suns)) or black
     lit = (made if gives_light else None) or black
     if content_digest(seen) == content_digest(lit):
-        return None if lit is black else lit
-    return replace(lit, seen=seen)
+        return None if lit is black else lit, suns
+    return replace(lit, seen=seen), suns
 
 
 def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp, when):
-    """Convert a world by what lights surfaces."""
+    """Convert a world by what lights surfaces; return it and its suns."""
     if world.lumenray.source == "CIE":
-        return convert_sky(world, world_id, report, sun_lamp, when)
+        return convert_sky(world, world_id, report, sun_lamp, when), ()
     shown = _shown(world, report, images)
     if shown is None:
-        return None
+        return None, ()
     factor = _unit_of(world, shown, efficacy)
     if factor is None:
         report.error(world.name, "the upper half of the environment is black", "it gives no light")
-        return None
-    return _of_shown(world, world_id, shown, factor, report)
+        return None, ()
+    made = _of_shown(world, world_id, shown, factor, report)
+    return made, make_suns(shown.disks, factor, world_id, world.name, report)
 
 
-def _convert_seen(world, world_id: str, efficacy: float, report, images, made):
-    """Return what the camera sees of a world, None where that is nothing. ``made``: what lights surfaces."""
+def _convert_seen(world, world_id: str, efficacy: float, report, images, made, has_sun: bool):
+    """Return what the camera sees of a world, None where that is nothing.
+
+    ``made``: what lights surfaces; ``has_sun``: whether a sun does.
+    """
     if not sees_world(world):
         report.info(
             world.name,
             "the camera does not see the world",
             "pictures are black there; it gives its light",
         )
+        if has_sun:
+            report.warn(world.name, "the camera does not see the sun either", SEES_SUN)
         return None
     tree = world.node_tree if uses_nodes(world) else None
     tells_rays_apart = (
@@ -112,6 +130,8 @@ def _convert_seen(world, world_id: str, efficacy: float, report, images, made):
         lit = _shown(world, ConversionReport(), images) or shown
         factor = _unit_of(world, lit, efficacy) or _unit_of(world, shown, efficacy) or 0.0
         seen = _of_shown(world, world_id, shown, factor, own)
+    if has_sun and not (shown is not None and shown.disks):
+        report.warn(world.name, "the nodes hide the sun from the camera", SEES_SUN)
     before, after = (None if each is None else content_digest(each) for each in (made, seen))
     if before == after:
         return made
@@ -134,6 +154,8 @@ def _unit_of(world, shown: "_Shown", efficacy: float) -> float | None:
     else:
         given = math.pi * float(np.ravel(luminance(shown.colour))[0])
     given *= shown.strength
+    # Only a world that is evaluated as a whole has disks, and then its strength is in them.
+    given += sum(illuminance_of(disk) * max(disk.towards[2], 0.0) for disk in shown.disks)
     return settings.illuminance / given if given > 0.0 else None
 
 
@@ -175,12 +197,13 @@ class _Shown:
     """What a world's nodes show.
 
     ``colour``: (3,) array, or an equirectangular `ImageTexture`; ``strength``: what it is multiplied by; ``rotation``: from
-    the world's directions to those of the picture. (3, 3)
+    the world's directions to those of the picture, (3, 3); ``disks``: of suns, which are not in the colour.
     """
 
     colour: object
     strength: float = 1.0
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
+    disks: tuple[Disk, ...] = ()
 
 
 def _shown(world, report, images, is_camera: bool = False) -> _Shown | None:
@@ -212,7 +235,13 @@ def _shown(world, report, images, is_camera: bool = False) -> _Shown | None:
         )
     context = DirectionContext(world.name, report, images, height, is_camera)
     radiance = world_radiance(surface, context)
-    return None if radiance is None else _of_field(radiance, world.name, report)
+    if radiance is None:
+        return None
+    shown = _of_field(radiance, world.name, report)
+    if shown is None or not context.skies:
+        return shown
+    disks = find_disks(surface, context.skies, world.name, report, images, is_camera)
+    return replace(shown, disks=disks)
 
 
 def _of_field(radiance: Field, name: str, report) -> _Shown | None:
@@ -263,7 +292,8 @@ def _height_of(tree) -> int:
         for node in nodes_of(tree)
         if node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None
     ]
-    return max([LEAST_HEIGHT, *heights])
+    has_sky = any(node.bl_idname == "ShaderNodeTexSky" for node in nodes_of(tree))
+    return max([SKY_HEIGHT if has_sky else LEAST_HEIGHT, *heights])
 
 
 def _plain_background(origin, name, report, images) -> _Shown | None:
@@ -275,6 +305,8 @@ def _plain_background(origin, name, report, images) -> _Shown | None:
     texture = colour.socket.node
     rotation = _rotation(find_socket(texture.inputs, "Vector"), colour.groups)
     if texture.projection != "EQUIRECTANGULAR" or rotation is None:
+        return None
+    if legacy_matrix(texture) is not None:
         return None
     strength = trace(find_socket(node.inputs, "Strength"), groups)
     context = Context(name, ConversionReport(), images)

@@ -7,19 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from ...blender_addon import assumptions
+from ...blender_addon.daylight_year.job import SUN_ANGLE, YearJob
 from ...engine.errors import SceneError
-from ..blend_file import open_session
+from ..blend_file import open_blend
 from ..options import add_rule, add_scene, real, rule_of, seed_of, share, transport_of, whole
-from ..output import add_output, check_free, say
-from .answers import MATRIX, make_sheet, write
+from ..output import add_output, check_free, say, sheet
+from ..progress import Bar
+from .answers import MATRIX, write
 from .places import find_places
-from .states import trace
+from .states import find_blinds, keep_states
 
 SAMPLES = 8192
 """Paths of a sensor where nothing is asked for."""
-
-SUN_ANGLE = np.radians(0.533)
-"""Diameter of the sun's disk. [rad]"""
 
 SUNLIGHT_STEP = 300.0
 """Between moments of the day whose sunlight is judged. [s]"""
@@ -168,11 +167,14 @@ def _day(text: str) -> tuple[int, int]:
 
 def run(options) -> int:
     """Judge the daylight of a year; return the exit code."""
+    from ...blender_addon.sync.scene import convert_scene
     from ...blender_addon.sync.walk import NO_LIGHT
     from ...engine.accuracy.stopping import StopRule
     from ...engine.daylight.coefficients import DaylightOrder
-    from ...engine.daylight.study import judge, shade
+    from ...engine.daylight.words import describe
     from ...engine.daylight.year import make_year
+    from ...engine.scene.scene import Scene
+    from ...engine.session import Session
     from ...engine.sky.weather_file import read_weather
 
     names = [*TABLES, *PICTURES, *([MATRIX] if options.hourly else [])]
@@ -183,11 +185,15 @@ def run(options) -> int:
     if not len(year.lit):
         raise SceneError(f"{options.weather}: no hour has any daylight")
     question, notes = _ask(options, weather)
-    settings, report, session = open_session(options)
+    depsgraph = open_blend(options.file)
+    converted = convert_scene(depsgraph)
+    settings, report = depsgraph.scene.lumenray, converted.report
     # Sky and sun are those of the weather.
     report.forget(NO_LIGHT)
+    assumptions.refuse_missing(report, options.accept_missing)
     assumptions.refuse_media(report)
-    places = find_places(options, session)
+    scene = Scene()
+    scene.apply(converted.delta)
     order = DaylightOrder(
         np.concatenate([year.suns, question.day.sun.directions(options.north)]),
         SUN_ANGLE,
@@ -195,15 +201,25 @@ def run(options) -> int:
         options.rows,
         seed=seed_of(options, settings),
     )
-    opened, *closed = trace(options, session, places, order, transport_of(options, settings))
-    light = shade(year, opened, tuple(closed), places.areas)
-    figures = judge(light, question, places.areas)
-    notes = (*map(str, year.remarks), *notes, *opened.provenance.notes, *figures.notes)
-    write(options, light, figures, places, question, assumptions.lines_of(report, notes))
-    shortfall = _find_shortfall(order.rule, opened)
+    job = YearJob(
+        scene,
+        find_blinds(options, converted.objects),
+        find_places(options, scene, converted.objects),
+        year,
+        question,
+        order,
+        transport_of(options, settings),
+    )
+    with Bar("daylight") as bar:
+        job.run(Session(), bar, keep_states(options, job))
+    light, figures = job.answer.light, job.answer.figures
+    notes = (*notes, *job.answer.notes)
+    write(options, light, figures, job.places, question, assumptions.lines_of(report, notes))
+    traced = light.opened.coefficients
+    shortfall = order.rule.shortfall(traced.error_of_even_sky())
     assumptions.tell(report, notes, shortfall)
-    say(make_sheet(options, light, figures, question))
-    say(f"{light.sensors} sensors, {opened.samples} paths each, written to {options.output}")
+    say(sheet(str(options.file), describe(light, figures, question)))
+    say(f"{light.sensors} sensors, {traced.samples} paths each, written to {options.output}")
     return assumptions.exit_code(report, options.accept_missing, shortfall)
 
 
@@ -244,8 +260,3 @@ def _ask(options, weather):
         ground_reflectance=options.ground,
         day=make_day(day, place, least, SUNLIGHT_STEP),
     ), notes
-
-
-def _find_shortfall(rule, made) -> str:
-    """What is to be said where the wanted error was not reached."""
-    return rule.shortfall(made.error_of_even_sky())

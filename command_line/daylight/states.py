@@ -1,63 +1,36 @@
-"""Tracing of every state of the blinds, and what of it an earlier run has left."""
+"""States of the blinds: their objects, and what an earlier run has traced of them."""
 
+from ...blender_addon.daylight_year.job import YearJob, find_keys, meshes_of
 from ...engine.errors import SceneError
-from ..progress import Bar
-from .places import Places, find_keys
 
 
-def trace(options, session, places: Places, order, transport: str):
-    """Coefficients with all blinds open, and with those of one group closed, by group."""
-    from ...engine.scene.scene import SceneDelta
+def find_blinds(options, objects: dict[str, str]) -> list[tuple[str, ...]]:
+    """Return the ids of the closed blinds of each group of windows; ``objects``: ids of the scene's by name."""
+    import bpy
 
-    groups = [find_keys(session, _members(options, name), options.file) for name in options.blinds]
-    blinds = {key: session.scene.meshes[key] for keys in groups for key in keys}
     made = []
-    for number, shown in enumerate([(), *groups]):
-        hidden = tuple(key for key in blinds if key not in shown)
-        session.apply(
-            SceneDelta(
-                changed=tuple(blinds[key] for key in shown),
-                removed=tuple(k for k in hidden if k in session.scene.meshes),
-            )
-        )
-        made.append(_trace_state(options, session, places, order, transport, number))
-    session.apply(SceneDelta(changed=tuple(blinds.values())))
+    for name in options.blinds:
+        collection = bpy.data.collections.get(name)
+        if collection is None:
+            raise SceneError(f"{options.file}: there is no collection named '{name}'")
+        made.append(find_keys(objects, meshes_of(collection), f"{options.file}: the scene"))
     return made
 
 
-def _members(options, collection: str) -> set[str]:
-    """Names of a collection's objects."""
-    import bpy
-
-    found = bpy.data.collections.get(collection)
-    if found is None:
-        raise SceneError(f"{options.file}: there is no collection named '{collection}'")
-    names = {item.name_full for item in found.all_objects if item.type == "MESH"}
-    if not names:
-        raise SceneError(
-            f"{options.file}: the collection '{collection}' holds no mesh that could be a blind"
-        )
-    return names
-
-
-def _trace_state(options, session, places: Places, order, transport: str, number: int):
-    """Coefficients of one state of the blinds, of an earlier run if they are of the same scene and order."""
+def keep_states(options, job: YearJob):
+    """Return what traces a state for a job, and keeps it in a file, or finds it there if ``options.resume`` is on."""
     from ...engine.daylight.kept import read_coefficients, write_coefficients
     from ...engine.formats.checkpoint import digest
 
-    path = options.output / f"traced_{number}.lumenray"
-    facts = {"scene": session.scene.hash(), "order": digest((order, places.sensors, transport))}
-    if options.resume and path.exists():
-        return read_coefficients(path, **facts)
-    title = (
-        "daylight"
-        if not options.blinds
-        else f"daylight, state {number + 1} of {len(options.blinds) + 1}"
-    )
-    with Bar(title) as bar:
-        made = session.find_daylight(
-            places.sensors[:, :3], places.sensors[:, 3:], order, transport, bar
-        )
-    options.output.mkdir(parents=True, exist_ok=True)
-    write_coefficients(path, made, **facts)
-    return made
+    order = digest((job.order, job.places.sensors, job.transport))
+
+    def find(number: int, scene: str, trace):
+        path = options.output / f"traced_{number}.lumenray"
+        if options.resume and path.exists():
+            return read_coefficients(path, scene, order)
+        made = trace()
+        options.output.mkdir(parents=True, exist_ok=True)
+        write_coefficients(path, made, scene, order)
+        return made
+
+    return find

@@ -100,13 +100,28 @@ class SpotLight(_Positioned):
 
 @dataclass(frozen=True, eq=False)
 class SunLight(Light):
-    """Parallel light, or a disk at infinity of angular diameter ``angle`` [rad]. ``direction``: the way light travels."""
+    """Parallel light, or a disk at infinity.
+
+    Parameters
+    ----------
+    direction : (3,) array    The way light travels.
+    angle : float    Angular diameter. [rad]
+    limb_darkening : float    Part of the middle's luminance that the edge lacks, 0 to 1; the true sun has some 0.6. [-]
+    """
 
     id: str
     name: str
     output: Output
     direction: np.ndarray
     angle: float = 0.0
+    limb_darkening: float = 0.0
+
+    @property
+    def fault(self) -> str:
+        """As of `Light`."""
+        if 0.0 <= self.limb_darkening <= 1.0:
+            return ""
+        return f"its limb darkening is {self.limb_darkening:g}, expected 0 to 1"
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,9 @@ B. A. Bodhaine, N. B. Wood, E. G. Dutton, J. R. Slusser: On Rayleigh optical dep
 Oceanic Technology 16(11), 1999, 1854-1861, equation 30
 A. Ångström: On the atmospheric transmission of sun radiation and on dust in the air, Geografiska Annaler 11, 1929, 156-166
 IAU 2015 resolution B3, effective temperature of the sun
+ASTM G173-03, Standard tables for reference solar spectral irradiances, extraterrestrial spectrum (C. A. Gueymard, 2004)
+S. Darula, R. Kittler, C. A. Gueymard: Reference luminous solar constant and solar luminance for illuminance calculations,
+Solar Energy 79(5), 2005, 559-565
 """
 
 import numpy as np
@@ -22,7 +25,8 @@ from ..scene.spectrum import Tabulated
 from .perez import air_mass
 
 LUMINOUS_SOLAR_CONSTANT = 133_100.0
-"""Illuminance by the sun outside the atmosphere at one astronomical unit; handbooks have 127 500 to 134 000. [lx]"""
+"""Illuminance by the sun outside the atmosphere at one astronomical unit: that of the spectrum in ASTM G173-03. Darula and
+others have 133 334, older handbooks 127 500 to 134 000. [lx]"""
 
 TEMPERATURE = 5772.0
 """Of a black body with the sun's power. [K]"""

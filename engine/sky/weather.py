@@ -17,7 +17,9 @@ TWILIGHT = 20.0
 """Diffuse horizontal irradiance that a sky may give while the sun is down. [W/m2]"""
 
 FARTHEST_NOON = 0.4
-"""By which a year's diffuse irradiance may be centred before or after noon; mornings with fog make 0.3. [h]"""
+"""By which a year's diffuse irradiance may be centred before or after noon. A clock that is wrong is so by half an hour or
+more (the end or the beginning of an hour taken for its middle, daylight saving); fog and clouds in the mornings move it by
+0.13 in the real years that tests read. [h]"""
 
 WHOLE_YEAR = 3500.0
 """Daylight of a year, nearly. [h]"""

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy.stopping import Progress, StopRule
+from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
 from ..measurements import Measurement
 from ..scene.camera import Camera
@@ -162,6 +163,20 @@ class RemoteSession:
         """Illuminance at the sensors of a set of the scene, by its id. Raises as `render`. [lx]"""
         options = {"seed": seed, "transport": transport, "method": method}
         return self._wait("measure_sensors", (key, rule), options, _states_only(progress), idle)
+
+    def find_daylight(
+        self,
+        positions,
+        normals,
+        order: DaylightOrder,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        idle: Callable[[], None] | None = None,
+    ) -> DaylightCoefficients:
+        """What points have of sky and sun, as `Session.find_daylight`. Raises as `render`. (n, 3), (n, 3) [m]"""
+        points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
+        options = {"transport": transport}
+        return self._wait("find_daylight", (*points, order), options, _states_only(progress), idle)
 
     def bake_objects(
         self,

@@ -15,6 +15,7 @@ import numpy as np
 from .. import light_mix, measurements, views
 from ..accuracy import extremes, history, stopping
 from ..baking import order
+from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
 from ..scene import (
     camera,
@@ -55,7 +56,8 @@ DTYPES = {
 
 _MODULES = (
     camera, distribution, film, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene,
-    sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
+    sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order,
+    backend, coefficients,
 )  # fmt: skip
 
 

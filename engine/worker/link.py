@@ -35,6 +35,7 @@ JOB_NAMES = {
     "render": "render",
     "measure": "measurement",
     "measure_sensors": "measurement",
+    "find_daylight": "daylight of the year",
     "bake_objects": "bake",
 }
 """What people call the jobs."""

@@ -26,6 +26,7 @@ JOBS = {
     "write_spectral": 1,
     "measure": 2,
     "measure_sensors": 2,
+    "find_daylight": 3,
     "bake_objects": 3,
 }
 """Jobs that are answered, and how urgent they are: the lower, the sooner."""

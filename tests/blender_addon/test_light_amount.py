@@ -150,6 +150,16 @@ def test_a_tube_lies_along_the_x_axis_of_its_point_light_and_has_its_flux():
     assert "tube_length" in draw("LUMENRAY_PT_light", where)
 
 
+def test_a_sun_is_darkened_at_its_limb_where_that_is_asked_for():
+    where = new_light("SUN")
+    source, light = where.object, where.light
+    given = [source, "x", "x", source.matrix_world, 1.0, 10.0, ConversionReport()]
+    assert convert_light(*given).limb_darkening == 0.0
+    light.lumenray.limb_darkening = True
+    assert convert_light(*given).limb_darkening == 0.6
+    assert "limb_darkening" in draw("LUMENRAY_PT_light", where)
+
+
 def test_the_3d_view_draws_a_tube_where_the_engine_has_it():
     from lumenray.ui import tube_overlay
 

@@ -90,6 +90,7 @@ BLENDERS = {
     "Show Emitter",
     "Shutter",
     "Sidebar",
+    "Sky Texture",
     "Strands",
     "View Layer",
     "Volume Absorption",

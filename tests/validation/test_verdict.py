@@ -260,9 +260,9 @@ def test_few_values_are_checked_for_identity_only():
 
 def test_the_reference_is_complete():
     groups = load_groups()
-    assert len(groups) == 460
-    assert sum(group.values.size for group in groups.values()) == 3894
-    assert sorted({group.case for group in groups.values()}) == [f"C{n:02d}" for n in range(1, 46)]
+    assert len(groups) == 490
+    assert sum(group.values.size for group in groups.values()) == 4164
+    assert sorted({group.case for group in groups.values()}) == [f"C{n:02d}" for n in range(1, 49)]
     assert [k for k, g in groups.items() if g.is_informative] == ["C04.Bproj", "C34.rgb"]
 
 

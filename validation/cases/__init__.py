@@ -29,6 +29,7 @@ def all_cases() -> dict[str, Case]:
         specular,
         stability,
         sun,
+        weather_skies,
     )
 
     return dict(sorted(CASES.items()))

@@ -264,6 +264,30 @@ MUTATIONS = (
         ("C14.2x1.ceiling",),
     ),
     Mutation(
+        "cloudiness",
+        "clear and overcast skies are mixed by the luminance of their zenith instead of their illuminance",
+        (
+            Rewrite(
+                "sky.cie:pattern_of_cloudiness",
+                "(1.0 - cloudiness) / integrate(clear, weigh=True)",
+                "(1.0 - cloudiness) / integrate(overcast, weigh=True)",
+            ),
+        ),
+        ("C46.open.c0.25", "C46.room.c0.5"),
+    ),
+    Mutation(
+        "classes of weather",
+        "a sky has the coefficients of the next darker class",
+        (Replace("sky.perez:LUMINANCE", "np.concatenate([LUMINANCE[:1], LUMINANCE[:-1]])"),),
+        ("C47.open.class3", "C47.room.class8"),
+    ),
+    Mutation(
+        "first patch",
+        "the first of Tregenza's patches begins in the north instead of having its middle there",
+        (Rewrite("sky.measured:find_patches", "/ 360.0 + 0.5)", "/ 360.0)"),),
+        ("C48.open.patches",),
+    ),
+    Mutation(
         "rows for nodes",
         "the first and last row of pixels of a picture of the surroundings lie at the poles",
         (

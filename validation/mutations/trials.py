@@ -135,6 +135,10 @@ def examine_apart(
 
 def _send_trials(connection, mutation: Mutation | None, groups: Sequence[str]) -> None:
     """Send trials, and what broke them off."""
+    from lumenray.engine.transport import backend
+
+    # Putting a fault in loads modules that load Dr.Jit, which looks for LLVM then.
+    backend.start(spectral=False)
     try:
         for trial in examine(mutation, groups):
             connection.send(trial)

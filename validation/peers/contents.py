@@ -7,9 +7,12 @@ import numpy as np
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
+    CloudySky,
+    FormulaSky,
     ImageWorld,
     Luminaire,
     Output,
+    PerezSky,
     PointLight,
     Quantity,
     SpotLight,
@@ -73,7 +76,7 @@ class Contents:
 
     parts: list[Part] = field(default_factory=list)
     lights: list = field(default_factory=list)
-    world: UniformWorld | CieSky | None = None
+    world: UniformWorld | FormulaSky | ImageWorld | None = None
 
 
 def sort_items(items: Sequence) -> Contents:
@@ -91,10 +94,8 @@ def sort_items(items: Sequence) -> Contents:
                 contents.parts += _parts(item, materials)
             case PointLight() | SpotLight() | SunLight() | AreaLight() | Luminaire():
                 contents.lights.append(item)
-            case UniformWorld() | CieSky():
+            case UniformWorld() | CieSky() | CloudySky() | PerezSky() | ImageWorld():
                 contents.world = item
-            case ImageWorld():
-                raise CannotStateError("surroundings from a picture are not translated")
             case _:
                 raise CannotStateError(f"{type(item).__name__} is not translated")
     return contents

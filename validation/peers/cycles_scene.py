@@ -9,6 +9,7 @@ from lumenray.engine.scene.light import (
     PointLight,
     SpotLight,
     SunLight,
+    UniformWorld,
 )
 from lumenray.engine.scene.material import (
     Black,
@@ -245,6 +246,8 @@ def _frame(position, direction, middle: np.ndarray, unit: float) -> np.ndarray:
 def _world(world) -> dict | None:
     if world is None:
         return None
+    if not isinstance(world, UniformWorld | CieSky):
+        raise CannotStateError("skies of weather and of measurements are not translated for Cycles")
     if isinstance(world, CieSky):
         return {
             "kind": "sky",

@@ -9,6 +9,8 @@ from lumenray.engine.luminaires.formats.record import LuminaireFile
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
+    FormulaSky,
+    ImageWorld,
     Luminaire,
     PointLight,
     SpotLight,
@@ -37,7 +39,7 @@ from .contents import (
     sun_illuminance,
 )
 from .flat_lights import SMALL_MESH, box_around, cut, ellipse_strips, triangle_strips
-from .skies import OVERCAST, PARAMETERS, ground_luminance, luminance_scale, unit_sun
+from .skies import OVERCAST, ground_luminance, letters_of, luminance_scale, parts_of, unit_sun
 
 LUMENS_PER_WATT = 179.0
 """Radiance's own factor between its white radiance and luminance, which ies2rad divides by. [lm/W]"""
@@ -381,33 +383,71 @@ class _Writer:
     def _world(self, world) -> None:
         modifier = "void"
         level = 1.0
-        if isinstance(world, CieSky):
+        if isinstance(world, FormulaSky):
             modifier = self._sky(world)
+        elif isinstance(world, ImageWorld):
+            modifier = self._picture(world)
         else:
             level = world.luminance
         glow = self._define("glow", [], [level] * 3 + [0], modifier)
         self._add(glow, "source", [], [0, 0, 1, 360])
         self.scene.has_glow = self.scene.is_open = True
 
-    def _sky(self, sky: CieSky) -> str:
+    def _sky(self, sky: FormulaSky) -> str:
         scale = luminance_scale(sky)
-        if sky.type == OVERCAST:
-            above = f"{scale:.12g} * (1 + 2 * Dz) / 3"
-            lines = []
-        else:
-            a, b, c, d, e = PARAMETERS[sky.type]
-            x, y, z = unit_sun(sky)
-            lines = [
-                f"cosine = Dx * {x:.12g} + Dy * {y:.12g} + Dz * {z:.12g};",
-                "chi = Acos(cosine);",
-                f"scattered = {c} * (exp({d} * chi) - exp({d} * PI / 2)) + {e} * cosine * cosine;",
-                f"gradation = 1 + {a} * exp({b} / if(Dz - 1e-9, Dz, 1e-9));",
-            ]
-            above = f"{scale:.12g} * gradation * (1 + scattered)"
+        x, y, z = unit_sun(sky)
+        lines = [
+            f"cosine = Dx * {x:.12g} + Dy * {y:.12g} + Dz * {z:.12g};",
+            "chi = Acos(cosine);",
+        ]
+        terms = []
+        for number, (share, part) in enumerate(parts_of(sky)):
+            if isinstance(part, CieSky) and part.type == OVERCAST:
+                lines.append(f"part{number} = (1 + 2 * Dz) / 3;")
+            else:
+                a, b, c, d, e, edge, floor = letters_of(part)
+                lines += [
+                    f"scattered = {c:.12g} * (exp({d:.12g} * chi) - {edge:.12g}) + {e:.12g} * cosine * cosine;",
+                    f"gradation = 1 + {a:.12g} * exp({b:.12g} / if(Dz - {floor:g}, Dz, {floor:g}));",
+                    f"part{number} = gradation * (1 + scattered);",
+                ]
+            terms.append(f"{scale * share:.12g} * part{number}")
+        above = " + ".join(terms)
         lines.append(f"bright = if(Dz, {above}, {ground_luminance(sky):.12g});")
         name = self._name("s")
         self.scene.files[f"{name}.cal"] = "\n".join([*lines, ""]).encode()
         self.scene.text.append(f"void brightfunc {name}\n2 bright {name}.cal\n0\n0\n")
+        return name
+
+    def _picture(self, world: ImageWorld) -> str:
+        """Even cells of one colour, looked up by the whole numbers of row and column."""
+        pixels = np.asarray(world.image.pixels, dtype=np.float64)
+        if world.image.interpolation != "closest" or np.ptp(pixels[..., :3], axis=-1).any():
+            raise CannotStateError("pictures of the surroundings with colours are not translated")
+        rows, columns = pixels.shape[:2]
+        values = world.luminance_per_unit * pixels[..., 0]
+        name = self._name("s")
+        x, y, z = (
+            f"(Dx * {r[0]:.12g} + Dy * {r[1]:.12g} + Dz * {r[2]:.12g})" for r in world.rotation
+        )
+        self.scene.files[f"{name}.cal"] = "\n".join(
+            [
+                f"px = {x};",
+                f"py = {y};",
+                f"pz = {z};",
+                f"row_at = floor((0.5 + atan2(pz, sqrt(px * px + py * py)) / PI) * {rows});",
+                f"column_at = floor((0.5 - atan2(py, px) / (2 * PI)) * {columns});",
+                f"row = if(row_at - {rows - 1}, {rows - 1}, row_at);",
+                f"column = if(column_at - {columns - 1}, {columns - 1}, column_at);",
+                "",
+            ]
+        ).encode()
+        numbers = "\n".join(_numbers(line) for line in values)
+        head = f"2\n0 {rows - 1} {rows}\n0 {columns - 1} {columns}\n"
+        self.scene.files[f"{name}.dat"] = f"{head}{numbers}\n".encode()
+        self.scene.text.append(
+            f"void brightdata {name}\n5 noop {name}.dat {name}.cal row column\n0\n0\n"
+        )
         return name
 
     # ---- text ----

@@ -16,6 +16,7 @@ from ....engine.scene.light import (
     SpotLight,
     SunLight,
 )
+from ....engine.sky.atmosphere.scattered_sky import LIMB
 from .readings import Reading, read_area, read_line, read_point, read_spot, read_sun
 
 UNEVEN = 1.001
@@ -216,7 +217,7 @@ class Sun(Kind):
 
     makes = SunLight
     quantities = ("ILLUMINANCE", "LUMINANCE", "RADIANT_FLUX")
-    settings = ("angle",)
+    settings = ("angle", "limb_darkening")
     whole = Quantity.ILLUMINANCE
     radiant = "Irradiance", "W/m²"
     place_of_illuminance = "Facing the sun"
@@ -234,7 +235,8 @@ class Sun(Kind):
         return Quantity.ILLUMINANCE, lumens * factor
 
     def make(self, data, place, output) -> SunLight:
-        return SunLight(place.id, place.name, output, -place.axes[:, 2], data.angle)
+        limb = LIMB if data.lumenray.limb_darkening else 0.0
+        return SunLight(place.id, place.name, output, -place.axes[:, 2], data.angle, limb)
 
     def read(self, light: SunLight):
         quantity, value = light.output.quantity.name, light.output.value

@@ -116,7 +116,7 @@ def _image(at, context) -> Field | None:
     vector = _placed(at) if is_linked else context.uv()
     if vector is None or node.projection != "FLAT":
         return None
-    before = legacy_matrix(node.texture_mapping)
+    before = legacy_matrix(node)
     reading = context.images.read(node.image, True, at.note)
     if reading is None:
         return None

@@ -11,6 +11,7 @@ from .evaluation import Context
 from .fields import Field, Layout, constant, map_fields, rgb
 from .graph import trace
 from .mapping import legacy_matrix
+from .sky_texture import show_sky
 
 LAYOUT = Layout("directions", np.eye(3), name="directions")
 """Layout of what depends on the direction; it lies on no surface."""
@@ -44,8 +45,13 @@ class DirectionContext(Context):
     Parameters
     ----------
     datablock, report, images    As of `Context`.
-    height : int    Of the picture.
+    height : int or (h, w, 3) float32 array    Of the picture; or the directions themselves, unit vectors.
     is_camera : bool
+    shown_sun : tuple or None    Of Sky Textures, whose disk is shown (`sky_texture.sun_of`); None: no disk.
+
+    Attributes
+    ----------
+    skies : set of ScatteredSky    Of Sky Textures that were met, those with a sun.
     """
 
     def __init__(
@@ -53,11 +59,14 @@ class DirectionContext(Context):
         datablock: str,
         report: ConversionReport,
         images: ImageCache | None,
-        height: int,
+        height: int | np.ndarray,
         is_camera: bool = False,
+        shown_sun: tuple | None = None,
     ):
         super().__init__(datablock, report, images)
-        self._height, self.is_camera = height, is_camera
+        self._directions = directions(height) if isinstance(height, int) else height
+        self.is_camera, self.shown_sun = is_camera, shown_sun
+        self.skies: set = set()
 
     def take_output(self, at) -> Field | None:
         """Return what a node gives for every direction; None: it gives the same as on a surface."""
@@ -66,7 +75,7 @@ class DirectionContext(Context):
 
     def coordinates(self) -> Field:
         """Return the directions themselves, by which textures go where nothing is linked."""
-        return Field(directions(self._height), LAYOUT)
+        return Field(self._directions, LAYOUT)
 
     def is_ray(self, name: str) -> float:
         """Whether the rays that look are of the kind that an output of the Light Path node names."""
@@ -93,7 +102,7 @@ def _environment(at, context) -> Field:
     node, socket = at.node, at.node.inputs["Vector"]
     is_linked = trace(socket, at.groups).is_output
     vector = at.field(socket) if is_linked else context.coordinates()
-    before = legacy_matrix(node.texture_mapping)
+    before = legacy_matrix(node)
     reading = context.images.read(node.image, True, at.note)
     if reading is None:
         file = f" ({node.image.filepath})" if node.image and node.image.filepath else ""
@@ -151,5 +160,6 @@ _SOURCES = {
     "ShaderNodeNewGeometry": _coordinates,
     "ShaderNodeLightPath": _light_path,
     "ShaderNodeTexEnvironment": _environment,
+    "ShaderNodeTexSky": show_sky,
 }
 """What a world's nodes give by the direction, by their ``bl_idname``."""

@@ -6,6 +6,7 @@ Emitters give spectral radiance in W/(m2 sr nm), or luminance in cd/m2 in photom
 import drjit as dr
 import mitsuba as mi
 
+from .limb import Limb, darken
 from .luminaire_plugin import luminaires_class
 from .rectangles import draw_place, find_density, find_solid_angle, into_axes
 from .tubes import find_tube_density, sample_tube
@@ -227,8 +228,9 @@ def _surroundings_class():
 
         A receiver whose time is `SUNS_ONLY` asks for samples of the suns alone, if there are any, and never aims at portals.
 
-        ``sun_i`` is a sun's radiance, ``towards_i`` the direction to it, ``cap_i`` = 1 - cos(angular radius), ``share_i``
-        the probability of sampling it; ``world_share`` that of the nested emitter ``world``.
+        ``sun_i`` is a sun's mean radiance, ``limb_i`` its limb darkening, ``towards_i`` the direction to it, ``cap_i`` =
+        1 - cos(angular radius), ``share_i`` the probability of sampling it; ``world_share`` that of the nested emitter
+        ``world``.
         """
 
         def __init__(self, props):
@@ -242,7 +244,8 @@ def _surroundings_class():
                 share = mi.Float(props[f"share_{i}"])
                 reach = dr.square(dr.sqrt(2.0 * cap) + CHORD_ERROR)
                 dr.make_opaque(towards, cap, reach, share)
-                self.suns.append((props[f"sun_{i}"], towards, cap, reach, share))
+                limb = Limb.of(float(props.get(f"limb_{i}", 0.0)), float(props[f"cap_{i}"]))
+                self.suns.append((props[f"sun_{i}"], towards, cap, reach, share, limb))
             self.world_share = self._all_world = float(props.get("world_share", 1.0))
             self._left_out = frozenset()
             self.portals = None
@@ -267,7 +270,8 @@ def _surroundings_class():
             if len(kept) == len(self.suns):
                 return kept
             total = sum((sun[4] for sun in kept[1:]), kept[0][4]) if kept else 1.0
-            return [(*sun[:4], sun[4] * ((1.0 - self.world_share) / total)) for sun in kept]
+            factor = (1.0 - self.world_share) / total
+            return [(*sun[:4], sun[4] * factor, sun[5]) for sun in kept]
 
         def traverse(self, callback):
             if self.world is not None:
@@ -302,9 +306,10 @@ def _surroundings_class():
             value = mi.Spectrum(0.0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wavelengths = wavelengths
-            for radiance, towards, _, reach, _ in suns:
+            for radiance, towards, cap, reach, _, limb in suns:
                 inside = self._inside(direction, towards, reach)
-                value += mi.Spectrum(dr.select(inside, radiance.eval(si, active), 0.0))
+                given = darken(radiance.eval(si, active), limb, direction, towards, cap)
+                value += mi.Spectrum(dr.select(inside, given, 0.0))
             return value
 
         def _shares(self, it):
@@ -332,7 +337,7 @@ def _surroundings_class():
                     lambda point, direction: mi.Float(0.0),
                 )
                 pdf += world_share * portal_share * aimed
-            for _, towards, cap, reach, share in self._shining():
+            for _, towards, cap, reach, share, _ in self._shining():
                 inside = self._inside(ds.d, towards, reach)
                 pdf += dr.select(inside, share * sun_factor * dr.inv_two_pi / cap, 0.0)
             return pdf
@@ -367,7 +372,7 @@ def _surroundings_class():
                 plain, _ = self.world.sample_direction(it, mi.Point2f(stretched, sample.y), active)
                 direction = dr.select(aims, direction, plain.d)
                 start = world_share
-            for _, towards, cap, _, plain_share in self._shining():
+            for _, towards, cap, _, plain_share, _ in self._shining():
                 share = plain_share * sun_factor
                 height = dr.clip((u - start) / share, 0.0, 0.9999999) * cap
                 sine = dr.safe_sqrt(height * (2.0 - height))

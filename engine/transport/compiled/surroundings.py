@@ -126,6 +126,7 @@ def make_surroundings(world: World | None, suns: list[SunLight], radius: float, 
         ).texture()
         plugin[f"towards_{i}"] = [-float(x) for x in sun.direction]
         plugin[f"cap_{i}"] = float(2.0 * np.sin(0.5 * half) ** 2)
+        plugin[f"limb_{i}"] = float(sun.limb_darkening)
         plugin[f"share_{i}"] = float((1.0 - world_share) * illuminance.amount / total)
         flux += illuminance.amount * np.pi * reach**2
     emitter = mi.load_dict(plugin)

@@ -13,6 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
+from ...luminaires.emitters.limb import darken
 from ..compiled import emission
 from ..compiled.textures import is_spectral
 from ..paths.gather import photometric
@@ -325,7 +326,7 @@ class AllLights:
 
     def _draw_suns(self, which, lanes, _host):
         scene, place = self._scene, int(which[0])
-        radiance, towards, cap, _, _ = scene.surroundings.suns[self.origins[place].number]
+        radiance, towards, cap, _, _, limb = scene.surroundings.suns[self.origins[place].number]
         x, y = self.maps[place].draw(lanes.stream.next_float32(), lanes.pair())
         # The map's axes belong to the sun, not to the ray, so that cells keep their place.
         frame = mi.Frame3f(towards)
@@ -352,7 +353,8 @@ class AllLights:
         if lanes.wavelengths is not None:
             si.wavelengths = lanes.wavelengths
         cosine = dr.abs(dr.dot(direction, towards))
-        value = radiance.eval(si, mi.Bool(True)) * (dr.two_pi * cap) * cosine
+        value = darken(radiance.eval(si, mi.Bool(True)), limb, -direction, towards, cap)
+        value *= dr.two_pi * cap * cosine
         power = value / dr.maximum(density, 1e-20)
         return start, direction, power, lanes.response(), cell
 

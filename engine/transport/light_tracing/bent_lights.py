@@ -19,6 +19,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import table_size, upload
+from ...luminaires.emitters.limb import darken
 from ..compiled.textures import is_spectral
 from ..paths.left_out import LeftOut
 from ..paths.visibility import closest_hit
@@ -386,10 +387,11 @@ class BentLights:
         size, value = self._number(index, 11), mi.Spectrum(0.0)
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.wavelengths = ray.wavelengths
-        for k, (radiance, towards, cap, _, _) in enumerate(scene.surroundings.suns):
+        for k, (radiance, towards, cap, _, _, limb) in enumerate(scene.surroundings.suns):
             inside = 0.5 * dr.squared_norm(ray.d - towards) <= size
             met = active & (number == k) & inside
-            value += dr.select(met, radiance.eval(si, met) * (cap / size), 0.0)
+            given = darken(radiance.eval(si, met), limb, ray.d, towards, size)
+            value += dr.select(met, given * (cap / size), 0.0)
         return value
 
 

@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import average, table_size, upload
+from ...luminaires.emitters.limb import darken
 from ...luminaires.emitters.opening_sampling import POINT
 from ..compiled.lights import Source
 from ..paths.gather import typical_wavelengths
@@ -303,9 +304,10 @@ class EmissionRays:
             si = dr.zeros(mi.SurfaceInteraction3f)
             if wavelengths is not None:
                 si.wavelengths = wavelengths
-            for k, (radiance, _, cap, _, _) in enumerate(scene.surroundings.suns):
+            for k, (radiance, towards, cap, _, _, limb) in enumerate(scene.surroundings.suns):
                 mine = is_sun & (number == k)
-                value = radiance.eval(si, mine) * (dr.two_pi * cap)
+                value = darken(radiance.eval(si, mine), limb, -direction, towards, cap)
+                value *= dr.two_pi * cap
                 amount = dr.select(mine, value, amount)
         return amount
 

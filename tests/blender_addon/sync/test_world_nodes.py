@@ -131,7 +131,15 @@ def clouds(world):
     return world.add("AddShader", _0=first, _1=second)
 
 
+def turned_as_of_old(world):
+    """By the mapping that textures had themselves before Blender 2.81."""
+    colour = world.environment(world.direction())
+    colour.node.texture_mapping.rotation = (0.2, 0.1, 0.8)
+    return world.background(colour)
+
+
 GRAPHS = (
+    turned_as_of_old,
     clouds,
     scaled,
     mirror_ball,
@@ -263,7 +271,7 @@ def test_shaders_that_are_none_of_a_world_are_told():
 
 def test_what_is_known_by_samples_only_counts_by_its_mean_and_is_an_error():
     world = World()
-    world.show(world.background(world.add("TexSky")))
+    world.show(world.background(world.add("LayerWeight").node.outputs["Facing"]))
     made, messages = converted()
     assert isinstance(made, UniformWorld)
     assert "The world's light depends on what cannot be taken over" in messages

@@ -4,6 +4,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+from lumenray.benchmarks.daylight.sun import meeus_direction
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky import solar_position
 from lumenray.engine.sky.place import Place, from_local, to_local
@@ -66,35 +67,6 @@ def test_time_of_dynamics_has_no_step():
 # ---- a shorter theory ----
 
 
-def meeus_direction(seconds, latitude, longitude):
-    """East, north, up by J. Meeus, Astronomical algorithms, 2nd edition, chapter 25, lower accuracy (0.01 degree)."""
-    day = seconds / 86400.0 + 2440587.5 - 2451545.0
-    t = (day + 60.0 / 86400.0) / 36525.0
-    mean = 280.46646 + 36000.76983 * t + 0.0003032 * t**2
-    anomaly = np.radians(357.52911 + 35999.05029 * t - 0.0001537 * t**2)
-    centre = (
-        (1.914602 - 0.004817 * t) * np.sin(anomaly)
-        + (0.019993 - 0.000101 * t) * np.sin(2.0 * anomaly)
-        + 0.000289 * np.sin(3.0 * anomaly)
-    )
-    node = np.radians(125.04 - 1934.136 * t)
-    longitude_of_sun = np.radians(mean + centre - 0.00569 - 0.00478 * np.sin(node))
-    tilt = np.radians(23.439291 - 0.0130042 * t + 0.00256 * np.cos(node))
-    ascension = np.arctan2(np.cos(tilt) * np.sin(longitude_of_sun), np.cos(longitude_of_sun))
-    declination = np.arcsin(np.sin(tilt) * np.sin(longitude_of_sun))
-    sidereal = 280.46061837 + 360.98564736629 * day - 0.00478 * np.sin(node) * np.cos(tilt)
-    hour = np.radians(sidereal + longitude) - ascension
-    phi = np.radians(latitude)
-    return np.stack(
-        [
-            -np.cos(declination) * np.sin(hour),
-            np.sin(declination) * np.cos(phi) - np.cos(declination) * np.sin(phi) * np.cos(hour),
-            np.sin(declination) * np.sin(phi) + np.cos(declination) * np.cos(phi) * np.cos(hour),
-        ],
-        axis=-1,
-    )
-
-
 def test_thousand_places_and_times_agree_with_a_shorter_theory():
     rng = np.random.default_rng(28)
     first, last = (datetime(year, 1, 1).timestamp() for year in (1950, 2050))
@@ -105,7 +77,7 @@ def test_thousand_places_and_times_agree_with_a_shorter_theory():
         ours = find_sun(seconds, place).directions()
         chord = np.linalg.norm(ours - meeus_direction(seconds, place.latitude, place.longitude))
         worst = max(worst, np.degrees(chord))
-    # 0.01 of the theory, 0.0024 of the parallax that it leaves out.
+    # 0.01 of the theory (J. Meeus, Astronomical algorithms, chapter 25), 0.0024 of the parallax that it leaves out.
     assert worst < 0.0125
 
 

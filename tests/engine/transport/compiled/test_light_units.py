@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
+from lumenray.engine.scene.checks import check_item
 from lumenray.engine.scene.light import (
     AreaLight,
     Output,
@@ -21,7 +22,7 @@ from lumenray.engine.scene.light import (
 )
 from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
-from small_scenes import quad, session_of
+from small_scenes import paint, quad, session_of
 
 FLUX = Quantity.LUMINOUS_FLUX
 SPECTRA = [
@@ -129,6 +130,38 @@ def test_a_sun_gives_the_stated_illuminance_of_a_facing_plane(transport, angle):
     value, error = read([light], transport)
     # The disk's own foreshortening is part of the definition, so any angle gives the same.
     assert abs(value - 10000.0) < 3.0 * error + 2.0
+
+
+@pytest.mark.parametrize("limb", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("part", [None, -0.6, 0.0, 0.7])
+def test_a_sun_darkened_at_its_limb_gives_all_its_light_and_less_from_its_edge(
+    limb, part, transport
+):
+    """Behind a straight edge that covers what lies beyond a part of the radius, by an integral over the disk."""
+    half, height = math.radians(4.0), 100.0
+    output = Output(Quantity.ILLUMINANCE, 10000.0)
+    sun = SunLight("s", "s", output, np.array([0, 0, -1.0]), 2.0 * half, limb)
+    items, expected = [sun], 10000.0
+    if part is not None:
+        x, y = np.meshgrid(*2 * [(np.arange(1000) + 0.5) / 500 - 1.0])
+        square = x**2 + y**2
+        profile = np.where(
+            square < 1.0, 1.0 - limb + limb * np.sqrt(np.maximum(1.0 - square, 0)), 0
+        )
+        expected *= profile[x < part].sum() / profile.sum()
+        edge = height * math.tan(part * half)
+        items += [quad("screen", (edge, -50, height), (50, 0, 0), (0, 100, 0), "black")]
+        items += [paint(0.0, "black")]
+    value, error = read(items, transport)
+    # Chords and tangents are told apart by half a part of a thousand at 4 degrees.
+    assert abs(value - expected) < 3.5 * error + 2e-3 * 10000.0
+
+
+def test_limb_darkening_beyond_all_light_is_refused():
+    output = Output(Quantity.ILLUMINANCE, 1.0)
+    for limb in (-0.1, 1.1):
+        with pytest.raises(SceneError, match="limb darkening"):
+            check_item(SunLight("s", "s", output, np.array([0, 0, -1.0]), 0.1, limb))
 
 
 def test_a_uniform_world_gives_pi_times_its_luminance(transport):

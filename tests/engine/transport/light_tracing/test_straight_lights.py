@@ -144,10 +144,11 @@ def test_what_falls_around_the_spot_of_a_close_lamp_is_found(height):
     assert_mean(made, 1000.0 / 54.0, 1e-3)
 
 
-@pytest.mark.parametrize("width", [0.005, 0.03])
-def test_a_sun_through_a_keyhole_lights_the_whole_box(width):
+@pytest.mark.parametrize(("width", "limb"), [(0.005, 0.0), (0.03, 0.0), (0.03, 0.6)])
+def test_a_sun_through_a_keyhole_lights_the_whole_box(width, limb):
     direction = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
-    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1e5), direction, np.radians(0.53))
+    output = Output(Quantity.ILLUMINANCE, 1e5)
+    sun = SunLight("sun", "sun", output, direction, np.radians(0.53), limb)
     made = bake((paint(0.5), pierced_box(width), sun), ("room",), 256)
     entered = -1e5 * direction[2] * width**2
     assert_mean(made, 2.0 * entered / (6.0 - width**2), 0.03)

@@ -182,10 +182,10 @@ def test_a_pattern_weighs_the_places_of_a_glowing_mesh():
     assert_within(*flux_of(made, "box"), 500.0 * np.pi * 0.5)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.1])
-def test_a_sun_lights_a_plane_by_the_cosine(angle, transport):
+@pytest.mark.parametrize(("angle", "limb"), [(0.0, 0.0), (0.1, 0.0), (0.1, 0.8)])
+def test_a_sun_lights_a_plane_by_the_cosine(angle, limb, transport):
     towards = np.array([0.0, np.sin(0.7), np.cos(0.7)])
-    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), -towards, angle)
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 1000.0), -towards, angle, limb)
     floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 3, 0), "black")
     made, _ = report_of(BLACK, floor, sun, transport=transport)
     assert_within(*flux_of(made, "floor"), 6000.0 * np.cos(0.7))

@@ -1,0 +1,76 @@
+"""Answers of a year in Blender: pictures as images, figures as a text."""
+
+import bpy
+import numpy as np
+
+from ...engine.daylight.pictures import draw_all
+from ...engine.daylight.words import describe
+from .job import YearJob
+
+TEXT = "Lumenray Daylight Year"
+"""Name of the text."""
+
+IMAGES = {
+    "hours.png": "Daylight Hours",
+    "autonomy.png": "Daylight Autonomy",
+    "factor.png": "Daylight Factor",
+    "sunlight.png": "Daylight Sunlight",
+}
+"""Names of the images, by those of the pictures."""
+
+LABEL = 22
+"""Room for labels. [character]"""
+
+
+def store(job: YearJob, notes) -> list:
+    """Keep the answer of a job as images and a text, in the place of an earlier one; return the images."""
+    answer = job.answer
+    place = answer.light.year.weather.place
+    pictures = draw_all(
+        answer.light, answer.figures, job.places.sensors[:, :3], job.question.zone or place.zone
+    )
+    lines = []
+    for label, texts in describe(answer.light, answer.figures, job.question):
+        lines += [f"{'' if i else label:<{LABEL}}{text}" for i, text in enumerate(texts)]
+    provenance = answer.light.opened.coefficients.provenance
+    lines += [
+        f"{'sensors':<{LABEL}}{answer.light.sensors}, {provenance.samples} paths each, seed {provenance.seed}",
+        f"{'scene':<{LABEL}}{provenance.scene_hash}",
+        "",
+        *(f"note: {note}" for note in (*notes, *answer.notes)),
+    ]
+    text = bpy.data.texts.get(TEXT) or bpy.data.texts.new(TEXT)
+    text.from_string("\n".join(lines) + "\n")
+    return [_to_image(IMAGES[name], picture) for name, picture in pictures.items()]
+
+
+def read_figures(text) -> list[tuple[str, str]]:
+    """Return labels and values of a text's figures, up to its notes."""
+    made: list[tuple[str, str]] = []
+    for line in text.lines:
+        if not line.body:
+            break
+        made.append((line.body[:LABEL].strip(), line.body[LABEL:].strip()))
+    return made
+
+
+def find_images() -> list:
+    """Return the images that there are."""
+    found = map(bpy.data.images.get, IMAGES.values())
+    return [image for image in found if image is not None]
+
+
+def _to_image(name: str, picture):
+    """Put a picture of Pillow into an image of Blender, which the file keeps."""
+    width, height = picture.size
+    image = bpy.data.images.get(name)
+    if image is None or (image.source != "GENERATED" and not image.packed_file):
+        image = bpy.data.images.new(name, width, height)
+    if tuple(image.size) != (width, height):
+        image.scale(width, height)
+    values = np.ones((height, width, 4), dtype=np.float32)
+    values[..., :3] = np.asarray(picture.convert("RGB"), dtype=np.float32)[::-1] / 255.0
+    image.pixels.foreach_set(values.reshape(-1))
+    image.update()
+    image.pack()
+    return image

@@ -1,0 +1,93 @@
+"""The operator that computes a year of daylight, in this process, on a floor in the open."""
+
+import bpy
+import numpy as np
+import pytest
+from lumenray.blender_addon.daylight_year import asked, results
+from lumenray.engine.errors import SceneError
+
+from tests.helpers.blender_objects import add_quad, new_paint
+from tests.helpers.weather_files import sunny_year
+
+pytestmark = pytest.mark.usefixtures("extension")
+
+
+@pytest.fixture
+def floor(tmp_path):
+    """A floor of 4 m, a weather file of the world's place, and a year to be asked for."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("World")
+    item = add_quad("Floor", material=new_paint())
+    item.scale = (4.0, 4.0, 1.0)
+    bpy.context.view_layer.update()
+    weather = tmp_path / "year.epw"
+    weather.write_text(sunny_year(), encoding="latin-1")
+    settings = scene.lumenray.year
+    settings.weather_file, settings.floor = str(weather), item
+    settings.spacing, settings.samples = 2.0, 600
+    return item
+
+
+def test_clocks_are_those_of_the_place_where_it_is_near_the_weather(floor):
+    place = bpy.context.scene.world.lumenray.place
+    place.latitude, place.longitude, place.zone = np.radians(49.0), np.radians(8.0), "Europe/Paris"
+    job, _, notes = asked.prepare(bpy.context)
+    assert job.question.zone == "Europe/Paris"
+    assert not any("standard" in note or "daylight saving" in note for note in notes)
+    place.latitude = np.radians(-30.0)
+    job, _, notes = asked.prepare(bpy.context)
+    assert job.question.zone is None
+    assert any("daylight saving" in note for note in notes)
+
+
+def test_every_collection_in_the_blinds_is_a_group(floor):
+    blinds = bpy.data.collections.new("Blinds")
+    bpy.context.scene.collection.children.link(blinds)
+    for name in ("South", "West"):
+        group = bpy.data.collections.new(name)
+        blinds.children.link(group)
+        plate = add_quad(f"Blind {name}", material=floor.data.materials[0])
+        bpy.context.scene.collection.objects.unlink(plate)
+        group.objects.link(plate)
+    bpy.context.scene.lumenray.year.blinds = blinds
+    bpy.context.view_layer.update()
+    job, _, _ = asked.prepare(bpy.context)
+    assert [len(keys) for keys in job.blinds] == [1, 1]
+    assert job.states == 3
+
+
+@pytest.mark.mitsuba
+def test_a_year_becomes_images_and_a_text(floor):
+    from lumenray.engine.session import Session
+
+    job, report, notes = asked.prepare(bpy.context)
+    assert not any(row.message == "the scene has no light" for row, _ in report.rows)
+    job.run(Session())
+    images = results.store(job, notes)
+    assert [image.name for image in images] == list(results.IMAGES.values())
+    assert all(image.packed_file for image in images)
+    values = np.empty(len(images[0].pixels), dtype=np.float32)
+    images[0].pixels.foreach_get(values)
+    assert values.std() > 0.1
+    figures = dict(results.read_figures(bpy.data.texts[results.TEXT]))
+    assert figures["sDA 300/50 %"].startswith("100 %")
+    assert "paths each" in figures["sensors"]
+    # Again: in the place of the first.
+    assert [image.name for image in results.store(job, notes)] == [image.name for image in images]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda settings: setattr(settings, "weather_file", ""), "no weather file"),
+        (lambda settings: setattr(settings, "floor", None), "no floor"),
+        (lambda settings: setattr(settings, "spacing", 50.0), "smaller"),
+    ],
+)
+def test_what_is_missing_is_said(floor, change, words):
+    change(bpy.context.scene.lumenray.year)
+    with pytest.raises(SceneError, match=words):
+        asked.prepare(bpy.context)
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.lumenray.daylight_year()

@@ -1,0 +1,43 @@
+"""The daylight of a year: what is asked, and what came out."""
+
+import bpy
+
+from ..blender_addon.daylight_year import results, running
+from .parts import draw_lines
+from .world import WorldPanel
+
+
+class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):
+    """Settings and button of a year, and its figures."""
+
+    bl_label = "Daylight of a Year"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.scene.lumenray.year
+        column = layout.column()
+        column.prop(settings, "weather_file", text="Weather")
+        column.prop(settings, "floor")
+        column.prop(settings, "spacing", text="Spacing [m]")
+        column.prop(settings, "height", text="Height [m]")
+        column.prop(settings, "blinds")
+        column.prop(settings, "target", text="Target [lx]")
+        column.prop(settings, "samples")
+        row = layout.row()
+        row.scale_y = 1.4
+        if running.is_running():
+            row.label(text="Computing; Esc cancels", icon="TIME")
+        else:
+            row.operator("lumenray.daylight_year", icon="LIGHT_SUN")
+        text = bpy.data.texts.get(results.TEXT)
+        if text is None:
+            return
+        draw_lines(layout.box(), results.read_figures(text))
+        for image in results.find_images():
+            layout.label(text=image.name, icon="IMAGE_DATA")
+
+
+CLASSES = (LUMENRAY_PT_daylight_year,)
+"""For registration."""
