@@ -57,7 +57,7 @@ class LumenrayYearSettings(PropertyGroup):
     )
     target: FloatProperty(
         name="Target",
-        description="Illuminance in lx that a place needs, for the daylight autonomy. Default 300: LM-83's",
+        description="Illuminance in lx that a place needs, for the daylight autonomy. Default 300: the target of LM-83",
         default=300.0,
         min=1.0,
         max=100000.0,
@@ -66,7 +66,7 @@ class LumenrayYearSettings(PropertyGroup):
     )
     samples: IntProperty(
         name="Samples",
-        description="Paths of every sensor. Default 4096: errors of sensors of about 1 % in rooms with windows",
+        description="Number of paths of every sensor. Default 4096: errors of sensors of about 1 % in rooms with windows",
         default=4096,
         min=64,
         max=1 << 24,
