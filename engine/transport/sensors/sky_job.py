@@ -42,6 +42,10 @@ LARGEST_BATCH = 1 << 16
 FIRST = 32
 """Paths of a sensor in a group before its error is asked for."""
 
+FEWEST = 2048
+"""Paths of a sensor from which on groups of them tell errors well: with 512 intervals of 95 % held 77 % of the daylight
+factors of a room, with 4096 95 to 98 % of all figures of sensors."""
+
 STAGE = "daylight"
 """What the job is called while it runs."""
 
@@ -124,12 +128,22 @@ class _Job:
             fields["samples"] = max(fields["samples"], samples)
             fields["lost"] += lost
             fields["direct"][part], fields["direct_error"][part] = self._see_suns(part)
-        notes = ()
-        if not len(self.sides) and self.count:
-            notes = ("no surface is matt: the sun over surfaces is known by parts of the sky",)
-        return Found(fields, notes)
+        return Found(fields, self._notes(fields["samples"]))
 
     # ---- private ----
+
+    def _notes(self, samples: int) -> tuple[str, ...]:
+        """What is to be said."""
+        notes = []
+        if self.count and not len(self.sides):
+            notes.append(
+                "no surface is matt: the sun over surfaces is known by parts of the sky alone"
+            )
+        if self.count and samples < FEWEST:
+            notes.append(
+                f"{samples} paths of a sensor are few: stated errors may be too small; they are right from {FEWEST} on"
+            )
+        return tuple(notes)
 
     def _divide(self):
         """Cells, and the sides of them that sensors may see."""

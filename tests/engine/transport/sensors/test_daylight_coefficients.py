@@ -255,6 +255,12 @@ def test_a_cancelled_job_leaves_the_scene_as_it_was():
     assert session.scene.hash() == before
 
 
+def test_few_paths_are_told():
+    few, enough = (find(session_of(), [[0, 0, 0]], [[0, 0, 1]], samples=n) for n in (500, 4400))
+    assert any("are few" in note for note in few.provenance.notes)
+    assert not any("are few" in note for note in enough.provenance.notes)
+
+
 def test_bad_sensors_are_named():
     with pytest.raises(SceneError, match="sensor 2"):
         find(session_of(), [[0, 0, 0], [np.nan, 0, 0]], [[0, 0, 1], [0, 0, 1]])
