@@ -21,7 +21,7 @@ SAMPLES = 8192
 """Paths of a sensor where nothing is asked for."""
 
 ROWS, FINE_ROWS, FINE_ERROR = 15, 30, 0.005
-"""Rows of the sky, and those where a smaller error is asked for: what 15 of them do not resolve is some 0.3 % of clear skies."""
+"""Rows of the sky, and those where a smaller error is asked for."""
 
 SUNLIGHT_STEP = 300.0
 """Between moments of the day whose sunlight is judged. [s]"""
@@ -59,7 +59,7 @@ def add_command(commands) -> None:
         "--rows",
         type=whole(6, 45),
         metavar="N",
-        help="rows of the sky from the horizon to the zenith (default: 15, which is 600 nodes; 30, 2300 nodes, where an error "
+        help="rows of the sky from the horizon to the zenith (default: 15, of 600 nodes; 30, of 2300 nodes, where an error "
         "below 0.5%% is asked for)",
     )
     assumptions.add_option(daylight)
