@@ -5,11 +5,10 @@ import json
 import bpy
 import numpy as np
 import pytest
+from blender_objects import add_quad, new_paint
+from commands import run_command
 from PIL import Image
-
-from tests.helpers.blender_objects import add_quad, new_paint
-from tests.helpers.commands import run_command
-from tests.helpers.weather_files import epw, epw_year, sunny_year
+from weather_files import epw, epw_year, sunny_year
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -3,11 +3,10 @@
 import bpy
 import numpy as np
 import pytest
+from blender_objects import add_quad, new_paint
 from lumenray.blender_addon.daylight_year import asked, results
 from lumenray.engine.errors import SceneError
-
-from tests.helpers.blender_objects import add_quad, new_paint
-from tests.helpers.weather_files import sunny_year
+from weather_files import sunny_year
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from lumenray.engine.daylight.grid import lay_grid
 from lumenray.engine.errors import SceneError
-
-from tests.helpers.small_scenes import box, quad
+from small_scenes import box, quad
 
 
 def test_a_rectangle_is_covered_evenly():

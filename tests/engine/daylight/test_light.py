@@ -16,8 +16,7 @@ from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.scene.provenance import Provenance
 from lumenray.engine.sky.nodes import SkyNodes, find_projection
 from lumenray.engine.sky.weather_file import read_weather
-
-from tests.helpers.weather_files import sunny_year
+from weather_files import sunny_year
 
 GROUPS = 11
 

@@ -13,8 +13,7 @@ from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.sky.cie import pattern_of_type
 from lumenray.engine.sky.nodes import find_projection, unit_vectors
 from lumenray.engine.sky.pattern import evaluate, integrate
-
-from tests.helpers.small_scenes import paint, quad, session_of
+from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
