@@ -134,7 +134,6 @@ class SkyPathLoop(PathLoop):
         if wavelengths is not None:
             away.wavelengths = wavelengths
         self._even = scene.surroundings.eval(away, mi.Bool(True))
-        self._found: tuple | None = None
 
     def put(self, direction, value, rest, active) -> None:
         """Put down spectral light of an even world."""
@@ -149,7 +148,11 @@ class SkyPathLoop(PathLoop):
         leaves = path.active & ~at.si.is_valid()
         competes = leaves & (path.pdf > 0.0)
         found = surroundings_density(scene, at.origin, direction, competes)
-        value = path.throughput * self._even * _ray_weight(path.pdf, found)
+        weight = _ray_weight(path.pdf, found)
+        if scene.mirrors is not None:
+            # Behind known mirrors vertices do not ask for the world, so that rays alone find it.
+            weight = dr.select(path.chain[0] > 0, 1.0, weight)
+        value = path.throughput * self._even * weight
         self.put(direction, value, path.rest, leaves)
 
     def _ask_lights(self, path: SkyPath, at: Vertex) -> None:

@@ -128,6 +128,17 @@ def test_the_sun_in_a_mirror_is_put_down_by_the_sky():
     assert reflected.mean() == pytest.approx(expected, abs=4.0 * error)
 
 
+def test_the_sky_in_a_mirror_counts_whole():
+    mirror = quad("mirror", [3.0, -4000, -4000], [0, 0, 8000], [0, 8000, 0], "mirror")
+    silver = Material("mirror", "mirror", Glossy(Constant(0.8), 0.0))
+    made = find(session_of(silver, mirror), [[0, 0, 0]], [[1, 0, 0]], samples=22_000)
+    light, errors = of_even_sky(made)
+    # The mirror shows the other half of the sky and of the ground.
+    agree(light, errors, 0.8 * 0.5 * np.pi, bias=2e-3)
+    ground = made.sky[..., -1]
+    agree(ground.mean(axis=0), ground.std(axis=0) / np.sqrt(10), 0.8 * 0.5 * np.pi, bias=2e-3)
+
+
 def test_the_sun_on_a_coated_floor_is_that_of_its_hour():
     floor = quad("floor", [-4, -4, 0], [8, 0, 0], [0, 8, 0], "lacquer")
     lacquer = Material("lacquer", "lacquer", Coated(Constant(0.5), 1.5, 1.0, 0.3))
