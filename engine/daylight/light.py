@@ -42,10 +42,10 @@ class Light:
         """Illuminances of some sensors at the lit hours and by how much every cause changes them. (b, h), (c, b, h) [lx]"""
         raise NotImplementedError
 
-    def blocks(self, bytes_each: int = BLOCK_BYTES) -> Iterator[slice]:
+    def blocks(self) -> Iterator[slice]:
         """Yield ranges of sensors whose illuminances, and how causes change them, fit into memory."""
         each = 4 * max(len(self.year.lit), 1) * (MOST_CAUSES + 6)
-        size = max(bytes_each // each, 1)
+        size = max(BLOCK_BYTES // each, 1)
         for first in range(0, self.sensors, size):
             yield slice(first, min(first + size, self.sensors))
 

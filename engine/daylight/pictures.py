@@ -1,5 +1,7 @@
 """Pictures of a daylight year: the hours as a heat map, and plans of the figures of sensors."""
 
+from dataclasses import replace
+
 import numpy as np
 from PIL import Image
 
@@ -19,8 +21,6 @@ def draw_all(light: Light, figures: Figures, places, zone: str) -> dict[str, Ima
     places : (n, 3) array    Of the sensors. [m]
     zone : str    Of the clocks.
     """
-    from dataclasses import replace
-
     year = light.year
     hourly = np.zeros(year.count)
     hourly[year.lit] = figures.hourly.value
@@ -28,7 +28,7 @@ def draw_all(light: Light, figures: Figures, places, zone: str) -> dict[str, Ima
     made = {
         "hours.png": draw_heat_map(
             hourly,
-            year.hours.times,
+            year.middles,
             place,
             "Mean illuminance over the sensors",
             interval=min(year.weather.interval, 1.0),

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import SceneError
-from ..sky.weather import find_middles
 from . import en17037, lm83, metrics
 from .coefficients import DaylightCoefficients
 from .factors import find_factors
@@ -98,7 +97,7 @@ def judge(light: Light, question: Question, areas=None) -> Figures:
     """
     year, opened = light.year, light.opened
     interval = year.weather.interval
-    times, place = find_middles(year.weather, year.calendar), year.weather.place
+    times, place = year.middles, year.weather.place
     zone = place.zone if question.zone is None else question.zone
     occupied = occupied_hours(times, zone, question.schedule)
     counted = CountedHours.of_year(occupied, year.lit, interval)

@@ -48,8 +48,8 @@ def write_hours(path, light: Light, figures: Figures, zone: str, remarks=()):
             "standard_error_lx",
         )
         writer.writerow([*names, *(f"blinds_{group}" for group in groups)])
-        for number, record in enumerate(year.lit):
-            clock = to_local(year.hours.times[record], zone)
+        for number, time in enumerate(year.middles[year.lit]):
+            clock = to_local(time, zone)
             values = (
                 year.direct_normal[number],
                 year.diffuse_horizontal[number],
@@ -72,9 +72,9 @@ def write_matrix(path, light: Light, zone: str, remarks=()):
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["clock", *heads])
-        for number, record in enumerate(year.lit):
+        for number, time in enumerate(year.middles[year.lit]):
             row = np.stack([values[:, number], errors[:, number]], axis=1).reshape(-1)
-            clock = to_local(year.hours.times[record], zone).isoformat(timespec="minutes")
+            clock = to_local(time, zone).isoformat(timespec="minutes")
             writer.writerow([clock, *(f"{v:.5g}" for v in row)])
     return Path(path)
 

@@ -9,7 +9,7 @@ from ..scene.light import PerezSky
 from ..sky.hour import find_daylight_hours
 from ..sky.nodes import Projection, find_projection
 from ..sky.perez import LOWEST, pattern_of
-from ..sky.weather import Weather, WeatherHours, find_hours
+from ..sky.weather import Weather, WeatherHours, find_hours, find_middles
 
 HOURS = 256
 """Hours of which skies are evaluated at a time."""
@@ -60,6 +60,11 @@ class Year:
     def count(self) -> int:
         """Records of the weather."""
         return len(self.weather)
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Middles of the records' intervals, universal time since 1970. (n,) [s]"""
+        return find_middles(self.weather, self.calendar)
 
 
 def make_year(

@@ -177,7 +177,7 @@ class _Job:
         start = dr.opaque(mi.UInt32, part.start)
 
         def make_surface(row, number):
-            si = self._sensor(start + row, mi.UInt32(0), number, None)
+            si = self.places.choose(start + row, mi.UInt32(0), number, None)
             return si, lambda cosine, lit: mi.Float(1.0), mi.Bool(True)
 
         rays = self._suns_of(self.order.suns, 2 + part.start)
@@ -187,9 +187,6 @@ class _Job:
         order = self.order
         seed = order.seed + 7919 * salt
         return SunRays(self.scene, suns, order.angle, self.sampler, seed, self.cancelled)
-
-    def _sensor(self, who, sample, seed, wavelengths):
-        return self.places.choose(who, sample, seed, wavelengths)
 
     def _trace(self, part: slice):
         """Paths of a block of sensors: what they have of nodes, the same for the sun, and of cells, by group."""
@@ -254,7 +251,7 @@ class _Job:
             self.scene,
             table,
             self.cells,
-            self._sensor(who, sample, own_seed, wavelengths),
+            self.places.choose(who, sample, own_seed, wavelengths),
             row,
             wavelengths,
             self.sampler,
