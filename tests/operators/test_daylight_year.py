@@ -76,6 +76,14 @@ def test_a_year_becomes_images_and_a_text(floor):
     assert [image.name for image in results.store(job, notes)] == [image.name for image in images]
 
 
+@pytest.mark.mitsuba
+def test_the_operator_computes_in_the_engines_process(floor):
+    assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
+    figures = dict(results.read_figures(bpy.data.texts[results.TEXT]))
+    assert figures["sDA 300/50 %"].startswith("100 %")
+    assert len(results.find_images()) == len(results.IMAGES)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
