@@ -220,7 +220,7 @@ def run(options) -> int:
     notes = (*notes, *job.answer.notes)
     write(options, light, figures, job.places, question, assumptions.lines_of(report, notes))
     traced = light.opened.coefficients
-    shortfall = order.rule.shortfall(traced.error_of_even_sky())
+    shortfall = order.rule.shortfall(traced.error_of_even_world())
     assumptions.tell(report, notes, shortfall)
     say(sheet(str(options.file), describe(light, figures, question)))
     say(f"{light.sensors} sensors, {traced.samples} paths each, written to {options.output}")

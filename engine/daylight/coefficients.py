@@ -27,8 +27,8 @@ class DaylightOrder:
     ----------
     suns : (k, 3) float64 array    Unit vectors to the sun, of every hour that has one.
     angle : float    Diameter of the sun's disk. [rad]
-    rule : StopRule    ``samples``: paths of every sensor; ``error``: relative standard error of the light of an even sky,
-        root mean square over sensors. The first that is met ends the job.
+    rule : StopRule    ``samples``: paths of every sensor; ``error``: relative standard error of the light of a world that is
+        evenly bright all around, root mean square over sensors. The first that is met ends the job.
     steps : int    Rows of the sky, as of `SkyNodes`.
     cells : int    About how many parts surfaces have, on each of which the sun is looked for.
     spacing : float    Suns closer together share what surfaces send on of them. [degree]
@@ -39,7 +39,7 @@ class DaylightOrder:
     angle: float
     rule: StopRule = StopRule(samples=4096)
     steps: int = 15
-    cells: int = 3000
+    cells: int = 2000
     spacing: float = 3.0
     seed: int = 0
 
@@ -57,6 +57,8 @@ class DaylightCoefficients:
         the horizon. [lx m2/cd]
     reflected : (g, n, m) float32 array    Illuminance by the sun over surfaces for 1 lx on a plane that faces it. [-]
     doubts : (d, n, m) float32 array    By how much this may be off beyond what groups show, one cause each. [-]
+    reading : (n,) float32 array    What ending paths at cells may change, relative to all light but that of the sun straight,
+        one cause. [-]
     direct, direct_error : (n, k) float32 array    The same by the sun straight, with its standard error. [-]
     neighbours : (k, 3) int array    Which of the ``m`` suns stand for a sun.
     shares : (k, 3) array    What each of them counts, of sum 1. [-]
@@ -69,6 +71,7 @@ class DaylightCoefficients:
     sky: np.ndarray
     reflected: np.ndarray
     doubts: np.ndarray
+    reading: np.ndarray
     direct: np.ndarray
     direct_error: np.ndarray
     neighbours: np.ndarray
@@ -82,9 +85,9 @@ class DaylightCoefficients:
         """Number of sensors."""
         return self.sky.shape[1]
 
-    def error_of_even_sky(self) -> float:
-        """Relative standard error of the light of an even sky, root mean square over sensors. [-]"""
-        light = self.sky[..., :-1].sum(axis=2, dtype=np.float64)
+    def error_of_even_world(self) -> float:
+        """Relative standard error of the light of an even world, root mean square over sensors. [-]"""
+        light = self.sky.sum(axis=2, dtype=np.float64)
         return Estimate.from_groups(light, self.samples).relative_error()
 
 

@@ -41,5 +41,5 @@ def find_factors(
     count = len(found)
     mean = found.mean(axis=0, dtype=np.float64)
     doubt = coefficients.sky[..., :-1].mean(axis=0) @ (0.5 * (best - means)[0])
-    causes = [*((found - mean) / np.sqrt(count * (count - 1))), doubt]
+    causes = [*((found - mean) / np.sqrt(count * (count - 1))), doubt, coefficients.reading * mean]
     return np.concatenate([mean[None], mean + balanced_signs(len(causes)) @ np.stack(causes)])

@@ -6,7 +6,7 @@ from ..formats.checkpoint import read_checkpoint, write_checkpoint
 from ..scene.provenance import Provenance
 from .coefficients import DaylightCoefficients
 
-ARRAYS = ("sky", "reflected", "doubts", "direct", "direct_error", "neighbours", "shares")
+ARRAYS = ("sky", "reflected", "doubts", "reading", "direct", "direct_error", "neighbours", "shares")
 NUMBERS = ("steps", "samples", "lost")
 
 

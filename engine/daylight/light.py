@@ -114,7 +114,7 @@ class YearLight(Light):
         sun = year.sun[has_sun]
         beam = year.direct_normal[has_sun].astype(np.float32)
         count, hours = own.sky[0, part].shape[0], len(year.lit)
-        causes = np.zeros((groups + len(own.doubts) + 3, count, hours), dtype=np.float32)
+        causes = np.zeros((groups + len(own.doubts) + 4, count, hours), dtype=np.float32)
         by_group = causes[:groups]
         np.matmul(own.sky[:, part], year.sky.T, out=by_group)
         # What suns near to one another make of surfaces, in its place.
@@ -127,6 +127,7 @@ class YearLight(Light):
             causes[groups + k][:, has_sun] = (doubt[part] @ turn) * beam
         reflected = own.reflected[:, part].mean(axis=0)
         square = (reflected**2) @ turn - (reflected @ turn) ** 2
+        np.multiply(mean, own.reading[part][:, None], out=causes[-4])
         causes[-3][:, has_sun] = UNKNOWN_PLACE * np.sqrt(np.maximum(square, 0.0)) * beam
         np.matmul(own.sky[:, part].mean(axis=0), year.doubt.T, out=causes[-2])
         mean[:, has_sun] += own.direct[part][:, sun] * beam

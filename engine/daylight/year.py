@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..reading.remarks import Remark
-from ..scene.light import PerezSky
 from ..sky.hour import find_daylight_hours
 from ..sky.nodes import Projection, find_projection
-from ..sky.perez import LOWEST, pattern_of
+from ..sky.perez import LOWEST, coefficients
 from ..sky.weather import Weather, WeatherHours, find_hours, find_middles
 
 HOURS = 256
@@ -101,7 +100,9 @@ def make_year(
     level /= np.linalg.norm(level, axis=1, keepdims=True)
     nodes = len(projection.node_areas)
     sky, doubt = (np.zeros((len(lit), nodes + 1), dtype=np.float32) for _ in range(2))
-    patterns = _patterns(daylight.clearness[lit], daylight.brightness[lit], level)
+    zenith = np.arccos(np.clip(level[:, 2], 0.0, 1.0))
+    clearness = np.maximum(daylight.clearness[lit], 1.0)
+    patterns = np.stack(coefficients(clearness, daylight.brightness[lit], zenith))
     for first in range(0, len(lit), HOURS):
         part = slice(first, first + HOURS)
         found = _skies(projection, patterns[:, part], level[part], diffuse[lit][part])
@@ -125,16 +126,6 @@ def make_year(
         year,
         remarks,
     )
-
-
-def _patterns(clearness, brightness, towards) -> np.ndarray:
-    """Numbers a to e of the hours' skies. (5, h)"""
-    made = np.zeros((5, len(clearness)))
-    for i in range(len(clearness)):
-        sky = PerezSky(max(float(clearness[i]), 1.0), float(brightness[i]), towards[i], 1.0)
-        pattern = pattern_of(sky)
-        made[:, i] = pattern.a, pattern.b, pattern.c, pattern.d, pattern.e
-    return made
 
 
 def _skies(projection: Projection, numbers, towards, illuminance):

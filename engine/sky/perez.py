@@ -183,40 +183,40 @@ def find_class(clearness) -> np.ndarray:
     return np.searchsorted(CLEARNESS_BOUNDS, np.asarray(clearness, dtype=np.float64), side="right")
 
 
-def coefficients(clearness: float, brightness: float, zenith: float) -> tuple[float, ...]:
+def coefficients(clearness, brightness, zenith) -> tuple[np.ndarray, ...]:
     """Return a to e of the luminances.
 
     Parameters
     ----------
-    clearness, brightness : float    [-]
-    zenith : float    Zenith angle of the sun. [rad]
+    clearness, brightness : array    [-]
+    zenith : array    Zenith angle of the sun. [rad]
 
     Returns
     -------
-    tuple of five float    [-]
+    tuple of five arrays    [-]
     """
-    kind = int(find_class(clearness))
-    brightness = float(np.clip(brightness, *BRIGHTNESS))
-    if CORRECTED[0] < clearness < CORRECTED[1]:
-        brightness = max(brightness, LEAST_BRIGHTNESS)
-    x = LUMINANCE[kind]
+    kind, clearness = find_class(clearness), np.asarray(clearness, dtype=np.float64)
+    brightness = np.clip(brightness, *BRIGHTNESS)
+    is_corrected = (clearness > CORRECTED[0]) & (clearness < CORRECTED[1])
+    brightness = np.where(is_corrected, np.maximum(brightness, LEAST_BRIGHTNESS), brightness)
+    x = np.moveaxis(LUMINANCE[kind], (-2, -1), (0, 1))
     a, b, c, d, e = x[:, 0] + x[:, 1] * zenith + brightness * (x[:, 2] + x[:, 3] * zenith)
-    if kind == 0:
-        (c1, c2, c3, c4), (d1, d2, d3, d4) = x[2], x[3]
-        c = np.exp((brightness * (c1 + c2 * zenith)) ** c3) - c4
-        d = -np.exp(brightness * (d1 + d2 * zenith)) + d3 + brightness * d4
-    return tuple(map(float, (a, b, c, d, e)))
+    (c1, c2, c3, c4), (d1, d2, d3, d4) = np.moveaxis(
+        np.broadcast_to(LUMINANCE[0, 2:4], (*np.shape(kind), 2, 4)), (-2, -1), (0, 1)
+    )
+    overcast_c = np.exp(np.maximum(brightness * (c1 + c2 * zenith), 0.0) ** c3) - c4
+    overcast_d = -np.exp(brightness * (d1 + d2 * zenith)) + d3 + brightness * d4
+    c, d = np.where(kind == 0, overcast_c, c), np.where(kind == 0, overcast_d, d)
+    # Above 0 the horizon would have no bound: 3 of 13 337 hours of three years of weather, a bright haze before a low sun.
+    return a, np.minimum(b, 0.0), c, d, e
 
 
 def pattern_of(sky: PerezSky) -> Pattern:
     """Return the luminances of a sky up to a factor."""
     sun = unit(sky.towards_sun)
     zenith = float(np.arccos(np.clip(sun[2], 0.0, 1.0)))
-    a, b, c, d, e = coefficients(sky.clearness, sky.brightness, zenith)
-    # Above 0 the horizon would have no bound: 3 of 13 337 hours of three years of weather, a bright haze before a low sun.
-    return Pattern(
-        a, min(b, 0.0), c, d, e, edge=0.0, level=1.0, base=0.0, rise=0.0, floor=LOWEST, sun=sun
-    )
+    a, b, c, d, e = map(float, coefficients(sky.clearness, sky.brightness, zenith))
+    return Pattern(a, b, c, d, e, edge=0.0, level=1.0, base=0.0, rise=0.0, floor=LOWEST, sun=sun)
 
 
 def check_numbers(sky: PerezSky) -> None:

@@ -125,11 +125,13 @@ def find_hours(weather: Weather, year: int | None = None) -> WeatherHours:
     half = 0.5 * weather.interval * 3600.0
     ends = find_sun(middle[:, None] + [-half, 0.0, half], weather.place).elevation
     times = middle.copy()
-    for i in np.flatnonzero((ends[:, 1] <= 0.0) & (ends > 0.0).any(axis=1)):
-        parts = middle[i] + half * ((2.0 * np.arange(SUBDIVISION) + 1.0) / SUBDIVISION - 1.0)
-        is_up = find_sun(parts, weather.place).elevation > 0.0
-        if is_up.any():
-            times[i] = parts[is_up].mean()
+    turning = np.flatnonzero((ends[:, 1] <= 0.0) & (ends > 0.0).any(axis=1))
+    steps = half * ((2.0 * np.arange(SUBDIVISION) + 1.0) / SUBDIVISION - 1.0)
+    parts = middle[turning, None] + steps
+    is_up = find_sun(parts, weather.place).elevation > 0.0
+    many = is_up.sum(axis=1)
+    mean = np.where(is_up, steps, 0.0).sum(axis=1) / np.maximum(many, 1)
+    times[turning] += np.where(many > 0, mean, 0.0)
     sun = find_sun(times, weather.place)
     diffuse = weather.values["diffuse_horizontal"]
     remarks = []

@@ -146,7 +146,7 @@ class CellSet:
         firsts = np.concatenate([*firsts, [counts.sum()]]).astype(np.uint32)
         # Halvings that find one of them; 0: no cell is shared.
         self._halvings = int(np.diff(firsts.astype(np.int64)).max(initial=0)).bit_length()
-        self._shared = np.diff(firsts.astype(np.int64)) > 0
+        self.shared = np.diff(firsts.astype(np.int64)) > 0
         self._first_member = upload(mi.UInt32, firsts)
         none = [np.zeros(1)]
         self._members = upload(mi.UInt32, _join([m.members for m in made] + none))
@@ -206,7 +206,7 @@ class CellSet:
         width = high - low
         is_small = (many >= FEWEST_DEPOSITS) & (width.prod(axis=1) < MOST_BOX)
         # Triangles that share a cell have no sides to count by.
-        is_small &= ~self._shared[found // 2]
+        is_small &= ~self.shared[found // 2]
         found, low, high, width = (each[is_small] for each in (found, low, high, width))
         cell = found // 2
         across, up, begin = self._corner[cell].T

@@ -1,4 +1,7 @@
-"""The job that finds daylight coefficients: paths for the sky, rays for the sun, sensors block by block."""
+"""The job that finds daylight coefficients: paths for the sky, rays for the sun, sensors block by block.
+
+Where light has no colours sensors look no farther than to the cells, which have been looked at before (`sky_cells`).
+"""
 
 import time
 from dataclasses import dataclass
@@ -14,17 +17,17 @@ from ...daylight.coefficients import DaylightOrder, gather_suns
 from ...errors import Cancelled
 from ...sky.nodes import SkyNodes, find_projection
 from ..compiled.textures import is_spectral
-from ..lux_maps.cell_division import PLACES
 from ..paths import gather
 from ..paths.illuminance import Places, Receivers
 from ..paths.sampler import hash_words, random_stream, sobol_pair
 from ..paths.visible_surfaces import Sight
 from ..paths.wavelengths import WavelengthSampler
 from ..pictures.view_cells import Division
-from .sky_paths import UNIT, SkyTable, trace_sensors
+from .sky_cells import CellSky, CellTracer
+from .sky_paths import SkyTable, read_sums, trace_sensors
 from .sun_rays import SunRays
 
-GROUPS = 11
+GROUPS = 10
 """Independent groups of paths: with what else is not known these are the sixteen causes of error of `daylight.light`."""
 
 LOOKS = 1 << 14
@@ -101,32 +104,39 @@ class _Job:
         """All sensors."""
         sunlit = self._find_sunlit()
         turn = _node_matrices(self.nodes, self.middles)
+        behind = self._trace_cells(sunlit, turn)
         width, many = self.nodes.count + 1, len(self.middles)
         fields = {
             "steps": self.order.steps,
             "sky": np.zeros((GROUPS, self.count, width), dtype=np.float32),
             "reflected": np.zeros((GROUPS, self.count, many), dtype=np.float32),
             "doubts": np.zeros((2, self.count, many), dtype=np.float32),
+            "reading": np.zeros(self.count, dtype=np.float32),
             "direct": np.zeros((self.count, len(self.order.suns)), dtype=np.float32),
             "direct_error": np.zeros((self.count, len(self.order.suns)), dtype=np.float32),
             "neighbours": self.neighbours,
             "shares": self.shares,
             "samples": 0,
-            "lost": 0,
+            "lost": 0 if behind is None else behind.lost,
         }
-        row_bytes = 8 * (2 * width + max(len(self.sides), 1)) * GROUPS
+        row_bytes = 8 * (2 * width + max(len(self.sides), 1) * (1 + self._reads)) * GROUPS
         block = max(min(TABLE_BYTES // row_bytes, self.count), 1)
         for first in range(0, self.count, block):
             part = slice(first, min(first + block, self.count))
-            sky, rest, cells, samples, lost = self._trace(part)
-            fields["sky"][:, part] = sky
-            by_nodes = rest[..., :-1] @ turn[0]
-            fields["reflected"][:, part] = cells @ sunlit.mean(axis=0) + by_nodes
-            mean, coarse = by_nodes.mean(axis=0), rest[..., :-1].mean(axis=0) @ turn[1]
+            found = self._trace(part, behind)
+            fields["sky"][:, part] = found.sky
+            by_nodes = found.rest[..., :-1] @ turn[0]
+            fields["reflected"][:, part] = found.cells @ sunlit.mean(axis=0) + by_nodes
+            mean, coarse = by_nodes.mean(axis=0), found.rest[..., :-1].mean(axis=0) @ turn[1]
             fields["doubts"][0, part] = mean - coarse
-            fields["doubts"][1, part] = cells.mean(axis=0) @ (0.5 * (sunlit[0] - sunlit[1]))
-            fields["samples"] = max(fields["samples"], samples)
-            fields["lost"] += lost
+            fields["doubts"][1, part] = found.cells.mean(axis=0) @ (0.5 * (sunlit[0] - sunlit[1]))
+            if behind is not None:
+                fields["sky"][:, part] += found.read @ behind.light[..., :width]
+                fields["reflected"][:, part] += found.read @ behind.light[..., width:]
+                fields["doubts"][:, part] += found.read.mean(axis=0) @ behind.doubts
+                fields["reading"][part] = found.reading
+            fields["samples"] = max(fields["samples"], found.samples)
+            fields["lost"] += found.lost
             fields["direct"][part], fields["direct_error"][part] = self._see_suns(part)
         return Found(fields, self._notes(fields["samples"]))
 
@@ -155,19 +165,49 @@ class _Job:
         sides = division.sides if len(division.cells.sides) else np.zeros(0, dtype=np.uint32)
         return division.cells, sides
 
+    @property
+    def _reads(self) -> bool:
+        """Whether paths of sensors end at cells: what these have is known for all wavelengths together."""
+        return len(self.sides) > 0 and self.sampler is None
+
+    def _trace_cells(self, sunlit, turn) -> CellSky | None:
+        """What the sides of cells have; None where paths do not end there."""
+        if not self._reads:
+            return None
+        tracer = CellTracer(
+            self.scene,
+            self.cells,
+            self.sides,
+            self.nodes,
+            sunlit,
+            turn,
+            self.order.seed,
+            GROUPS,
+            self.cancelled,
+        )
+        made = tracer.find(
+            self.rule,
+            self.count,
+            lambda share: self._tell(0, float("inf"), 0.0, "daylight on surfaces"),
+        )
+        flags = np.ones(max(2 * self.cells.count, 1), dtype=bool)
+        flags[self.sides] = made.uneven
+        self.cells.uneven = upload(mi.Bool, flags)
+        dr.eval(self.cells.uneven)
+        return made
+
     def _find_sunlit(self) -> np.ndarray:
         """What of the sun passes the coats of cells, for 1 lx on a plane that faces it. (2, sides, m) [-]"""
         sides, cells = upload(mi.UInt32, self.sides), self.cells
 
-        def make_surface(row, number):
-            side = dr.gather(mi.UInt32, sides, row)
-            si, matt = cells.place(side, number % PLACES)
+        def make_surface(row, point):
+            si, matt, is_inside = cells.point(dr.gather(mi.UInt32, sides, row), point)
             is_matt = matt > 0
 
             def passes(cosine, lit):
                 return 1.0 - cells.matt.coat(matt, cosine, lit & is_matt)
 
-            return si, passes, is_matt
+            return si, passes, is_matt & is_inside
 
         self._tell(0, float("inf"), 0.0, "sun on surfaces")
         return self._suns_of(self.middles, 1).glance(make_surface, len(self.sides))
@@ -176,7 +216,8 @@ class _Job:
         """What sensors have of every sun straight, with standard errors. (n, k), (n, k) [-]"""
         start = dr.opaque(mi.UInt32, part.start)
 
-        def make_surface(row, number):
+        def make_surface(row, point):
+            number = mi.UInt32(point.x * 65536.0)
             si = self.places.choose(start + row, mi.UInt32(0), number, None)
             return si, lambda cosine, lit: mi.Float(1.0), mi.Bool(True)
 
@@ -188,27 +229,53 @@ class _Job:
         seed = order.seed + 7919 * salt
         return SunRays(self.scene, suns, order.angle, self.sampler, seed, self.cancelled)
 
-    def _trace(self, part: slice):
-        """Paths of a block of sensors: what they have of nodes, the same for the sun, and of cells, by group."""
-        count = part.stop - part.start
-        table = SkyTable(self.nodes, GROUPS * count, self.cells.count, self.sides)
+    def _trace(self, part: slice, behind: CellSky | None) -> "_Traced":
+        """Paths of a block of sensors."""
+        count, sides = part.stop - part.start, len(self.sides)
+        read = {}
+        if behind is not None:
+            beyond = behind.beyond
+            # Nothing tells in which quarter of a cell that many triangles share a path ends.
+            beyond[self.cells.shared[self.sides // 2]] = 0.0
+            read = {"even": behind.even, "beyond": beyond}
+        table = SkyTable(self.nodes, GROUPS * count, self.cells.count, self.sides, **read)
         done, batch = 0, self._within_rule(FIRST, 0)
         while True:
             self._pass(table, part.start, count, batch, done)
             done += batch
-            sky = _read(table.sky, GROUPS, count, table.width) / np.float32(done)
-            light = sky[..., :-1].sum(axis=2, dtype=np.float64)
+            light = _by_group(table.parts, count, 1, done)[..., 0]
             error = Estimate.from_groups(light, done * GROUPS).relative_error()
             needed = self._needed(done, error)
             self._tell(done * GROUPS, error, (part.start + count * min(done / needed, 1.0)))
             if done >= needed:
                 break
             batch = self._within_rule(min(done, LARGEST_BATCH), done)
-        rest = _read(table.rest, GROUPS, count, table.width) / np.float32(done)
-        cells = np.zeros((GROUPS, count, 0), dtype=np.float32)
-        if len(self.sides):
-            cells = _read(table.cells, GROUPS, count, len(self.sides)) / np.float32(done)
-        return sky, rest, cells, done * GROUPS, int(np.array(table.lost).sum())
+        made = _Traced(
+            _by_group(table.sky, count, table.width, done),
+            _by_group(table.rest, count, table.width, done),
+            np.zeros((GROUPS, count, 0), dtype=np.float32),
+            done * GROUPS,
+            int(np.array(table.lost).sum()),
+        )
+        if sides:
+            made.cells = _by_group(table.cells, count, sides, done)
+        if behind is not None:
+            made.read = _by_group(table.read, count, sides, done)
+            more, less = (_by_group(each, count, 1, done) for each in (table.more, table.less))
+            beyond = (more - less).mean(axis=(0, 2))
+            made.reading = self._doubt_reading(made.read.mean(axis=0), beyond, behind) / np.maximum(
+                light.mean(axis=0), 1e-30
+            )
+        return made
+
+    def _doubt_reading(self, read, beyond, behind: CellSky) -> np.ndarray:
+        """What reading cells may change of the light of an even world of 1 cd/m2. (n,) [lx]
+
+        ``read``: (n, s); ``beyond``: by how much it changes with quarters of cells (n,) [lx]
+        """
+        is_shared = self.cells.shared[self.sides // 2]
+        spread = behind.quarters[is_shared].std(axis=1)
+        return np.sqrt(beyond**2 + (read[:, is_shared] ** 2) @ spread**2)
 
     def _within_rule(self, batch: int, done: int) -> int:
         """Paths of a sensor and group that the next pass adds, not beyond what the rule has."""
@@ -252,6 +319,7 @@ class _Job:
             table,
             self.cells,
             self.places.choose(who, sample, own_seed, wavelengths),
+            lambda cosine: mi.Float(1.0),
             row,
             wavelengths,
             self.sampler,
@@ -261,7 +329,7 @@ class _Job:
                 sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
             ),
         )
-        dr.eval(table.sky, table.rest, table.cells, table.lost)
+        table.evaluate()
 
     def _tell(self, samples: int, error: float, sensors: float, stage: str = STAGE) -> None:
         """Report. ``sensors``: so many are done, in parts too."""
@@ -272,9 +340,26 @@ class _Job:
         self.progress(Progress(share, samples, error, spent, left, stage))
 
 
-def _read(sums, groups: int, count: int, width: int) -> np.ndarray:
-    """Sums of a table as numbers. (groups, count, width) float32"""
-    return (np.array(sums).reshape(groups, count, width) * (1.0 / UNIT)).astype(np.float32)
+@dataclass(eq=False)
+class _Traced:
+    """What paths of sensors have found, by group: of nodes, the same for the sun, of cells, and of those where paths end.
+
+    ``reading``: what that may change, relative to the light. (n,) [-]
+    """
+
+    sky: np.ndarray
+    rest: np.ndarray
+    cells: np.ndarray
+    samples: int
+    lost: int
+    read: np.ndarray | None = None
+    reading: np.ndarray | None = None
+
+
+def _by_group(sums, count: int, width: int, done: int) -> np.ndarray:
+    """Sums of a table by group, over the paths. (groups, count, width) float32"""
+    made = read_sums(sums, GROUPS * count, width) / np.float32(done)
+    return made.reshape(GROUPS, count, width)
 
 
 def _node_matrices(nodes: SkyNodes, suns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

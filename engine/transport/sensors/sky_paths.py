@@ -27,6 +27,9 @@ from ..rays import spawn_ray
 UNIT = float(1 << 30)
 """Parts of 1 in which sums are kept as whole numbers: the order of the sums must not change them."""
 
+QUARTERS = 4
+"""Of a cell, whose light is compared."""
+
 LARGEST = float(1 << 22)
 """More than that a single path cannot bring. [lx m2/cd]"""
 
@@ -40,9 +43,22 @@ class SkyTable:
     rows : int    Sensors, or anything that sums are kept apart for.
     cells : int    Of the scene.
     sides : (s,) uint32 array    Sides of them that are known.
+    parts : int    In which all light of a row is put down too.
+    even : (g, s) array or None    Light of an even world of 1 cd/m2 on sides that paths end at, for every group of rows;
+        None: they do not. [lx]
+    beyond : (s, q) array or None    By how much that on quarters of them differs from it. [lx]
     """
 
-    def __init__(self, nodes: SkyNodes, rows: int, cells: int, sides: np.ndarray):
+    def __init__(
+        self,
+        nodes: SkyNodes,
+        rows: int,
+        cells: int,
+        sides: np.ndarray,
+        parts: int = 1,
+        even=None,
+        beyond=None,
+    ):
         self.nodes, self.rows, self.sides = nodes, rows, sides
         # One more for all that is below the horizon.
         self.width = nodes.count + 1
@@ -51,6 +67,15 @@ class SkyTable:
         self.sky = dr.zeros(mi.UInt64, rows * self.width)
         self.rest = dr.zeros(mi.UInt64, rows * self.width)
         self.cells = dr.zeros(mi.UInt64, max(rows * len(sides), 1))
+        self._part_count, self.reads = parts, even is not None
+        self.parts = dr.zeros(mi.UInt64, rows * parts)
+        self.read = dr.zeros(mi.UInt64, rows * len(sides) if self.reads else 1)
+        # What quarters have more and less than their cells.
+        self.more, self.less = (dr.zeros(mi.UInt64, rows) for _ in range(2))
+        if self.reads:
+            self._even, self._beyond = upload(mi.Float, even), upload(mi.Float, beyond)
+            self._rows_of_group = rows // len(even)
+            dr.eval(self._even, self._beyond)
         column, is_known = (
             np.zeros(max(2 * cells, 1), dtype=np.uint32),
             np.zeros(max(2 * cells, 1), bool),
@@ -58,14 +83,26 @@ class SkyTable:
         column[sides], is_known[sides] = np.arange(len(sides)), True
         self._column, self._is_known = upload(mi.UInt32, column), upload(mi.Bool, is_known)
         self.lost = dr.zeros(mi.UInt32, rows)
-        dr.eval(self._counts, self._starts, self.sky, self.rest, self.cells, self.lost)
+        dr.eval(self._counts, self._starts)
+        self.evaluate()
 
-    def put(self, row, direction, amount, share, active) -> None:
-        """Put down light from a direction. ``share``: of it that counts for the sun too, by nodes."""
+    def evaluate(self) -> None:
+        """Have all sums in memory."""
+        dr.eval(
+            self.sky, self.rest, self.cells, self.parts, self.read, self.more, self.less, self.lost
+        )
+
+    def put(self, row, direction, amount, share, part, active) -> None:
+        """Put down light from a direction.
+
+        ``share``: of it that counts for the sun too, by nodes. ``part``: of the row, where there are any.
+        """
         is_lost = active & ~dr.isfinite(amount)
         dr.scatter_add(self.lost, mi.UInt32(1), row, is_lost)
         active = active & dr.isfinite(amount) & (amount > 0.0)
         amount = dr.minimum(amount, LARGEST)
+        whole = row * self._part_count + part
+        dr.scatter_add(self.parts, mi.UInt64(amount * UNIT), whole, active)
         for node, weight in self._around(direction, active):
             index = row * self.width + node
             part = amount * weight
@@ -74,12 +111,37 @@ class SkyTable:
             dr.scatter_add(self.rest, mi.UInt64(some * UNIT), index, active & (some > 0.0))
 
     def put_cell(self, row, side, amount, active) -> None:
-        """Put down what the light on a side of a cell counts for."""
-        active = active & dr.isfinite(amount) & (amount > 0.0)
-        active &= dr.gather(mi.Bool, self._is_known, side, active)
-        column = dr.gather(mi.UInt32, self._column, side, active)
-        fixed = mi.UInt64(dr.minimum(amount, LARGEST) * UNIT)
+        """Put down what the sun on a side of a cell counts for."""
+        active, column, fixed = self._find_side(side, amount, active)
         dr.scatter_add(self.cells, fixed, row * len(self.sides) + column, active)
+
+    def put_read(self, row, side, amount, quarter, active) -> None:
+        """Put down what all light on a side of a cell counts for, where a path ends there.
+
+        ``quarter``: of the cell.
+        """
+        active, column, fixed = self._find_side(side, amount, active)
+        dr.scatter_add(self.read, fixed, row * len(self.sides) + column, active)
+        amount = dr.minimum(amount, LARGEST)
+        group = row // dr.opaque(mi.UInt32, self._rows_of_group)
+        even = dr.gather(mi.Float, self._even, group * len(self.sides) + column, active)
+        light = amount * even
+        dr.scatter_add(self.parts, mi.UInt64(light * UNIT), row, active)
+        beyond = amount * dr.gather(mi.Float, self._beyond, column * QUARTERS + quarter, active)
+        for sums, sign in ((self.more, 1.0), (self.less, -1.0)):
+            part = dr.maximum(sign * beyond, 0.0)
+            dr.scatter_add(sums, mi.UInt64(part * UNIT), row, active & (part > 0.0))
+
+    def knows(self, side, active):
+        """Whether a side is one of those that are known."""
+        return dr.gather(mi.Bool, self._is_known, side, active)
+
+    def _find_side(self, side, amount, active):
+        """Which amounts count for known sides, the column of each, and the amount as a whole number."""
+        active = active & dr.isfinite(amount) & (amount > 0.0)
+        active &= self.knows(side, active)
+        column = dr.gather(mi.UInt32, self._column, side, active)
+        return active, column, mi.UInt64(dr.minimum(amount, LARGEST) * UNIT)
 
     def _around(self, direction, active):
         """The nodes around a direction and their weights, as `SkyNodes.locate`; below the horizon the last one alone."""
@@ -123,12 +185,14 @@ class SkyPathLoop(PathLoop):
     wavelengths : Spectrum or None    [nm]
     sampler : WavelengthSampler or None
     scale : Float    What a path's throughput counts for at its sensor.
+    part : UInt32    Of the row, where the table has any.
     """
 
-    def __init__(self, scene, table: SkyTable, cells, row, wavelengths, sampler, scale):
+    def __init__(self, scene, table: SkyTable, cells, row, wavelengths, sampler, scale, part):
         super().__init__(scene)
         self._table, self._cells, self._row = table, cells, row
         self._wavelengths, self._sampler, self._scale = wavelengths, sampler, scale
+        self._part = part
         away = dr.zeros(mi.SurfaceInteraction3f, dr.width(row))
         away.wi = mi.Vector3f(0.0, 0.0, -1.0)
         if wavelengths is not None:
@@ -137,8 +201,12 @@ class SkyPathLoop(PathLoop):
 
     def put(self, direction, value, rest, active) -> None:
         """Put down spectral light of an even world."""
-        amount = gather.photometric(self._sampler, value, self._wavelengths) * self._scale
-        self._table.put(self._row, direction, amount, rest, active)
+        amount = self._amount(value)
+        self._table.put(self._row, direction, amount, rest, self._part, active)
+
+    def _amount(self, value):
+        """What a spectral value counts for. [lx m2/cd]"""
+        return gather.photometric(self._sampler, value, self._wavelengths) * self._scale
 
     def _count_emitter(self, path: SkyPath, at: Vertex) -> None:
         """No lamp shines."""
@@ -157,14 +225,23 @@ class SkyPathLoop(PathLoop):
 
     def _ask_lights(self, path: SkyPath, at: Vertex) -> None:
         scene, cells, si = self._scene, self._cells, at.si
-        row, coat, side, _, _ = locate(cells, at.hit, si, path.reference, path.active)
+        row, coat, side, local, readable = locate(cells, at.hit, si, path.reference, path.active)
         is_matt = row > 0
         at.row = row
         at.matte = matt_response(cells, at.bsdf, si, row, coat, is_matt)
+        at.is_readable = mi.Bool(False)
         if len(self._table.sides):
-            value = path.throughput * at.matte * self._even
-            amount = gather.photometric(self._sampler, value, self._wavelengths) * self._scale
-            self._table.put_cell(self._row, side, amount, is_matt & at.smooth)
+            amount = self._amount(path.throughput * at.matte * self._even)
+            if self._table.reads:
+                at.is_readable = readable & at.smooth & self._table.knows(side, readable)
+                quarter = dr.select(local.x > 0.5, mi.UInt32(1), 0) + dr.select(
+                    local.y > 0.5, mi.UInt32(2), 0
+                )
+                self._table.put_read(self._row, side, amount, quarter, at.is_readable)
+                # Of what is read only coats send paths on.
+                path.active &= ~at.is_readable | (coat > 0.0)
+                at.smooth &= path.active
+            self._table.put_cell(self._row, side, amount, is_matt & at.smooth & ~at.is_readable)
 
         ds, value = sample_emitter(scene, si, at.light_sample, at.smooth)
         lit = at.smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
@@ -172,6 +249,8 @@ class SkyPathLoop(PathLoop):
         amount = path.throughput * response * value * power_heuristic(ds.pdf, response_pdf)
         lit &= dr.any(amount != 0.0)
         rest = self._rest_of(at, si.to_local(ds.d), response)
+        amount *= dr.select(at.is_readable, rest, 1.0)
+        rest = dr.select(at.is_readable, 1.0, rest)
         self.put(ds.d, amount * transmittance(scene, si, ds, lit), rest, lit)
 
     def _rest_of(self, at: Vertex, wo, response):
@@ -190,30 +269,37 @@ class SkyPathLoop(PathLoop):
         is_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
         response = path.throughput / dr.maximum(before, 1e-20) * bs.pdf
         rest = dr.select(is_delta, 1.0, self._rest_of(at, bs.wo, response))
+        path.throughput *= dr.select(at.is_readable, rest, 1.0)
+        rest = dr.select(at.is_readable, 1.0, rest)
         path.rest = dr.select(turned, rest, path.rest)
         return bs, turned
 
 
-def trace_sensors(scene, table: SkyTable, cells, si, row, wavelengths, sampler, stream, samples):
+def trace_sensors(
+    scene, table: SkyTable, cells, si, passes, row, wavelengths, sampler, stream, samples, part=0
+):
     """Follow one path of every lane's sensor, and put down what it finds.
 
     Parameters
     ----------
     si : SurfaceInteraction3f    Sensors, as of `gather.receiver`.
+    passes : callable    What of the light at a cosine counts. [-]
     row : UInt32    Of the table.
     wavelengths : Spectrum or None    [nm]
     sampler : WavelengthSampler or None
     stream : PCG32
     samples : (Point2f, Point2f)    Well-distributed, for the world and for the ray.
+    part : UInt32    Of the row, where the table has any.
     """
+    part = mi.UInt32(part)
 
     def answer(direction, asked):
         facing = dr.select(dr.dot(direction, si.n) > 0.0, dr.dot(direction, si.sh_frame.n), 0.0)
         facing = dr.maximum(facing, 0.0)
-        return facing, facing * dr.inv_pi
+        return facing * passes(facing), facing * dr.inv_pi
 
     active = mi.Bool(True)
-    direct = SkyPathLoop(scene, table, cells, row, wavelengths, sampler, mi.Float(1.0))
+    direct = SkyPathLoop(scene, table, cells, row, wavelengths, sampler, mi.Float(1.0), part)
     ds, value = sample_emitter(scene, si, samples[0], active)
     lit = active & (ds.pdf > 0.0) & dr.any(value != 0.0)
     response, density = answer(ds.d, lit)
@@ -238,4 +324,10 @@ def trace_sensors(scene, table: SkyTable, cells, si, row, wavelengths, sampler, 
         rest=mi.Float(0.0),
     )
     scale = dr.select(active, response / density, 0.0)
-    SkyPathLoop(scene, table, cells, row, wavelengths, sampler, scale).run(path)
+    SkyPathLoop(scene, table, cells, row, wavelengths, sampler, scale, part).run(path)
+
+
+def read_sums(sums, rows: int, width: int) -> np.ndarray:
+    """Sums of a table as numbers. (rows, width) float32"""
+    found = np.asarray(sums).reshape(rows, width)
+    return np.multiply(found, np.float32(1.0 / UNIT), dtype=np.float32, casting="unsafe")

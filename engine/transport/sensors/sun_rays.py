@@ -26,7 +26,7 @@ AROUND = 2.0
 ALIKE = 0.02
 """By how much they may differ, relative to the largest: glass lets a little more or less through. [-]"""
 
-SIDE = 8
+SIDE = 12
 """Rings of a disk that is seen in part, and sectors of each; a ray goes to a random point of every one."""
 
 INSIDE = SIDE * SIDE
@@ -34,6 +34,11 @@ INSIDE = SIDE * SIDE
 SPREAD_OUT = 0.7
 """Error of the mean of points that are spread out over a disk with an edge across it, relative to that of independent ones:
 0.41 to 0.68 by the edge's place. [-]"""
+
+GLANCE_SIDE = 3
+"""A surface is divided into so many parts along both sides, and `SunRays.glance` looks from a point of each."""
+
+GLANCES = GLANCE_SIDE * GLANCE_SIDE
 
 HALVES = 2
 """Independent answers of `SunRays.glance`."""
@@ -66,8 +71,8 @@ class SunRays:
         Parameters
         ----------
         make_surface : callable
-            Given numbers of surfaces and a random number for each lane, returns an interaction, a function of the cosine to
-            the sun that tells what part of its light counts, and which exist.
+            Given numbers of surfaces and a random point of a unit square for each lane, returns an interaction, a function of
+            the cosine to the sun that tells what part of its light counts, and whether the point is one of the surface.
         rows : int    Surfaces.
 
         Returns
@@ -80,32 +85,36 @@ class SunRays:
         """
         made, error = (np.zeros((rows, self.count), dtype=np.float32) for _ in range(2))
         for part, row, sun in self._pairs(rows, CORNERS):
-            around = self._launch(make_surface, row, sun, CORNERS, 0, is_inside=False)
+            around, _ = self._launch(make_surface, row, sun, CORNERS, 0, is_inside=False)
             mean, own = around.mean(axis=1), np.zeros(len(row), dtype=np.float32)
             spread = around.max(axis=1) - around.min(axis=1)
             cut = np.flatnonzero(spread > ALIKE * around.max(axis=1))
             each = LANES // INSIDE
             for start in range(0, len(cut), each):
                 some = cut[start : start + each]
-                inside = self._launch(make_surface, row[some], sun[some], INSIDE, 1, is_inside=True)
+                rays = row[some], sun[some], INSIDE
+                inside, _ = self._launch(make_surface, *rays, 1, is_inside=True)
                 mean[some] = inside.mean(axis=1)
-
                 own[some] = SPREAD_OUT * inside.std(axis=1, ddof=1) / np.sqrt(INSIDE)
             made[part], error[part] = mean.reshape(-1, self.count), own.reshape(-1, self.count)
         return made, error
 
     def glance(self, make_surface, rows: int) -> np.ndarray:
-        """As `see`, by a ray to one random point of the disk for each of two independent answers: for what many look at.
+        """As `see`, by few rays to random points of the disk for each of two independent answers: for what many look at.
+
+        They come from all over a surface, one from each of `GLANCES` parts of it.
 
         Returns
         -------
         (2, rows, k) float32 array
         """
         made = np.zeros((HALVES, rows, self.count), dtype=np.float32)
-        for part, row, sun in self._pairs(rows, 1):
+        for part, row, sun in self._pairs(rows, GLANCES):
             for half in range(HALVES):
-                found = self._launch(make_surface, row, sun, 1, 2 + half, is_inside=True)
-                made[half, part] = found.reshape(-1, self.count)
+                rays = row, sun, GLANCES
+                found, exists = self._launch(make_surface, *rays, 2 + half, is_inside=True)
+                mean = found.sum(axis=1) / np.maximum(exists.sum(axis=1), 1)
+                made[half, part] = mean.reshape(-1, self.count)
         return made
 
     def _pairs(self, rows: int, times: int):
@@ -117,8 +126,8 @@ class SunRays:
             sun = np.tile(np.arange(self.count, dtype=np.uint32), part.stop - part.start)
             yield part, row, sun
 
-    def _launch(self, make_surface, row, sun, times: int, salt: int, is_inside: bool) -> np.ndarray:
-        """Rays from surfaces to suns, so many for each pair of both. (n, times)"""
+    def _launch(self, make_surface, row, sun, times: int, salt: int, is_inside: bool):
+        """Rays from surfaces to suns, so many for each pair of both, and which there are. (n, times), (n, times)"""
         if self._cancelled():
             raise Cancelled("cancelled")
         many = dr.opaque(mi.UInt32, times)
@@ -134,9 +143,13 @@ class SunRays:
         turn = common.next_float32()
         if self._sampler is not None:
             wavelengths = self._sampler.sample(common.next_float32())
-        surface_number = mi.UInt32(common.next_float32() * 65536.0)
+        point = mi.Point2f(common.next_float32(), common.next_float32())
         if is_inside:
             stream = random_stream(number, own)
+            if times == GLANCES:
+                part = mi.Point2f(mi.Float(number % GLANCE_SIDE), mi.Float(number // GLANCE_SIDE))
+                point = mi.Point2f(stream.next_float32(), stream.next_float32())
+                point = (part + point) / GLANCE_SIDE
             side = SIDE if times == INSIDE else 1
             ring = (mi.Float(number % side) + stream.next_float32()) / side
             chord = self._radius * dr.sqrt(ring)
@@ -145,7 +158,7 @@ class SunRays:
             chord = self._radius * AROUND
             turn += mi.Float(number) / times
         towards = mi.Frame3f(axis).to_world(_beside(chord, dr.two_pi * turn))
-        si, passes, exists = make_surface(row, surface_number)
+        si, passes, exists = make_surface(row, point)
         if wavelengths is not None:
             si.wavelengths = wavelengths
         facing = dr.maximum(dr.dot(si.sh_frame.n, towards), 0.0)
@@ -159,7 +172,8 @@ class SunRays:
             arrives *= self._scene.surroundings.eval(away, lit)
         amount = gather.photometric(self._sampler, arrives, wavelengths) * passes(facing, lit)
         amount = dr.select(lit & dr.isfinite(amount), amount * facing, 0.0)
-        return np.array(mi.Float(amount)).reshape(-1, times)
+        found = (np.array(each) for each in (mi.Float(amount), mi.Bool(exists)))
+        return tuple(np.broadcast_to(each, len(lane)).reshape(-1, times) for each in found)
 
 
 def _beside(chord, turn):

@@ -18,7 +18,7 @@ from lumenray.engine.sky.nodes import SkyNodes, find_projection
 from lumenray.engine.sky.weather_file import read_weather
 from weather_files import sunny_year
 
-GROUPS = 11
+GROUPS = 10
 
 PROVENANCE = Provenance("0", "llvm_ad_rgb", "", 0, 0, 0.0)
 
@@ -48,6 +48,7 @@ def open_coefficients(year, factors=(1.0,), noise=0.0, seed=0, suns=None):
         sky.astype(np.float32),
         np.zeros((GROUPS, count, many), np.float32),
         np.zeros((2, count, many), np.float32),
+        np.zeros(count, np.float32),
         (np.maximum(suns[:, 2], 0.0) * np.array(factors)[:, None]).astype(np.float32),
         np.zeros((count, len(suns)), np.float32),
         neighbours,
