@@ -57,8 +57,8 @@ class DaylightCoefficients:
         the horizon. [lx m2/cd]
     reflected : (g, n, m) float32 array    Illuminance by the sun over surfaces for 1 lx on a plane that faces it. [-]
     doubts : (d, n, m) float32 array    By how much this may be off beyond what groups show, one cause each. [-]
-    reading : (n,) float32 array    What ending paths at cells may change, relative to all light but that of the sun straight,
-        one cause. [-]
+    reading : (n,) float32 array    What ending paths at cells may change, relative to all light but the sun's own, one
+        cause. [-]
     direct, direct_error : (n, k) float32 array    The same by the sun straight, with its standard error. [-]
     neighbours : (k, 3) int array    Which of the ``m`` suns stand for a sun.
     shares : (k, 3) array    What each of them counts, of sum 1. [-]

@@ -1,4 +1,4 @@
-"""What the sides of cells have of the sky and of suns, as sensors do: then sensors need to look no farther than to the cells.
+"""What the sides of cells have of the sky and of suns, as sensors do: so sensors need not look farther than to them.
 
 Cells are traced like sensors, by paths from points all over them, and every group has its own. What a cell has is the same
 for all that look at it, so what scatters behind it is found once, for any number of sensors.

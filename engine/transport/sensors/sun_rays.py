@@ -71,8 +71,8 @@ class SunRays:
         Parameters
         ----------
         make_surface : callable
-            Given numbers of surfaces and a random point of a unit square for each lane, returns an interaction, a function of
-            the cosine to the sun that tells what part of its light counts, and whether the point is one of the surface.
+            Given numbers of surfaces and a random point of a unit square for each lane, returns an interaction, a function
+            of the cosine to the sun that tells what part of its light counts, and whether the point is one of the surface.
         rows : int    Surfaces.
 
         Returns
