@@ -214,7 +214,7 @@ def _add_pictures(kinds) -> None:
     pictures.add_argument(
         "--processor-time",
         action="store_true",
-        help="make and judge forecasts by the processor time of this process, on a machine that others share",
+        help="count the processors' time, added up over their cores, on a machine that others share",
     )
     pictures.add_argument(
         "--resume",

@@ -64,6 +64,11 @@ over what it took, for pictures of a {shrink}th of the width and of the height d
 """
 
 
+BY_PROCESSOR = """
+All times are of the processors, added up over their cores, since others shared the machine: that a program leaves a core
+idle does not count.
+"""
+
 PICTURES = """## What equal time gives
 
 Lumenray to the left, Cycles to the right, both with the exposure of the left one; nothing is smoothed.
@@ -103,7 +108,12 @@ def _machine(result: dict) -> str:
         f"## Machine\n\n{machine['cpu']}, {machine['cores']} cores, {machine['memory_gib']} GiB, {machine['system']}; "
         f"Python {machine['python']}, Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}. Pictures of "
         f"{width} x {height} pixels, at most {result['budget']:g} s for each program in a scene.\n"
+        f"{BY_PROCESSOR if _is_by_processor(result) else ''}"
     )
+
+
+def _is_by_processor(result: dict) -> bool:
+    return any(scene.get("by_processor") for scene in result["scenes"])
 
 
 def _warnings(result: dict) -> str:
@@ -111,7 +121,7 @@ def _warnings(result: dict) -> str:
     if result["size"] != list(SIZE):
         said.append(f"This was a short run; whole ones are of {SIZE[0]} x {SIZE[1]} pixels.")
     loads = [scene["other_load"] for scene in result["scenes"] if scene["other_load"] is not None]
-    if max(loads, default=0.0) > BEARABLE_LOAD:
+    if max(loads, default=0.0) > BEARABLE_LOAD and not _is_by_processor(result):
         said.append(
             f"Times are not to be relied on: other processes took up to "
             f"{100 * max(loads):.0f} % of the processors meanwhile."
@@ -238,8 +248,7 @@ def _tell_forecast(row: dict) -> str:
     """Forecast over what it took, and when it was made."""
     if row["share"] is None:
         return "none"
-    clock = " of processor time" if row.get("by_processor") else ""
-    return f"{row['share']:.2f} (at {100 * row['at']:.0f} %{clock})"
+    return f"{row['share']:.2f} (at {100 * row['at']:.0f} %)"
 
 
 def _calibration(scenes: list[dict]) -> list[str]:

@@ -1,11 +1,10 @@
 """How good the forecast is of the time that a picture still takes."""
 
 import math
-from contextlib import nullcontext
 from dataclasses import replace
 
 from ...engine.accuracy.stopping import StopRule
-from .programs import OURS, Lumenray, processor_time
+from .programs import OURS, Lumenray
 from .scenes import PictureScene, resize
 
 ROUNDS = 3
@@ -28,22 +27,17 @@ SHARE = 1.0 / 8.0
 FIRST_SEED = 700_000
 
 
-def measure_forecasts(
-    scene: PictureScene, budget: float, say, by_processor: bool = False
-) -> list[dict]:
+def measure_forecasts(scene: PictureScene, budget: float, say) -> list[dict]:
     """Render a small picture of a scene down to an error.
-
-    ``by_processor``: whether time is that of this process on the processor, instead of the time of day.
 
     Returns
     -------
-    list of dict    See `judge_forecast`, with ``target`` [-] and ``by_processor``.
+    list of dict    See `judge_forecast`, with ``target`` [-].
     """
-    with processor_time() if by_processor else nullcontext():
-        rows = _follow(scene, budget)
+    rows = _follow(scene, budget)
     told = ", ".join("none" if each["share"] is None else f"x {each['share']:.2f}" for each in rows)
     say(f"forecast over true time: {told}")
-    return [row | {"by_processor": by_processor} for row in rows]
+    return rows
 
 
 def _follow(scene: PictureScene, budget: float) -> list[dict]:

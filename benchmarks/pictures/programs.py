@@ -118,7 +118,7 @@ class Lumenray:
 
 @contextmanager
 def processor_time() -> Iterator[None]:
-    """Follow our pictures, and make their forecasts, by the processor time of this process.
+    """Follow all pictures, and make the forecasts of ours, by the processor time of the process that makes them.
 
     Where other programs share the machine, the time of day tells of them too, and no forecast knows of these.
     """
@@ -165,7 +165,9 @@ class Cycles:
 
     def render(self, samples: int, seed: int) -> Made:
         """Render with so many samples per pixel."""
-        linear, seconds = self._process.ask({"samples": samples, "seed": seed})
+        by_processor = stopping.read_clock is time.process_time
+        asked = {"samples": samples, "seed": seed, "by_processor": by_processor}
+        linear, seconds = self._process.ask(asked)
         return Made(linear, linear @ REC709_LUMINANCE, seconds)
 
     def refer(self, samples: int, seed: int) -> Made:

@@ -1,6 +1,7 @@
 """Pictures beside Cycles and plain paths: time to an error, bias, stated errors and forecasts; in one run."""
 
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 from ...validation.bench import CannotStateError
@@ -33,7 +34,7 @@ def measure(
     with_peers : bool    Whether Cycles is run too, where it is installed.
     earlier : dict or None    Results that are gone on with: scenes that they have in this size are not measured again.
     say : callable or None    Told in one line what was done.
-    by_processor : bool    Whether forecasts are of processor time.
+    by_processor : bool    Whether all times, and the budget, are of the processors, added up over their cores.
 
     Returns
     -------
@@ -87,7 +88,7 @@ def measure_scene(
     """
     from .bias import measure_bias
     from .forecast import measure_forecasts
-    from .programs import BEFORE, CYCLES, OURS, Cycles, Lumenray, has_methods
+    from .programs import BEFORE, CYCLES, OURS, Cycles, Lumenray, has_methods, processor_time
     from .race import pair_at_equal_time, race
     from .scenes import build
 
@@ -104,11 +105,12 @@ def measure_scene(
             say(f"Cycles: {error}")
     load = OtherLoad(pid)
     try:
-        made, pictures = race(programs, budget, say)
-        pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
-        del pictures
-        forecasts = measure_forecasts(scene, budget, say, by_processor)
-        bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_methods() else None
+        with processor_time() if by_processor else nullcontext():
+            made, pictures = race(programs, budget, say)
+            pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
+            del pictures
+            forecasts = measure_forecasts(scene, budget, say)
+            bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_methods() else None
         share = load.share()
     finally:
         for program in programs:
@@ -125,6 +127,7 @@ def measure_scene(
         "pair": None if pair is None else [each.seconds for each in pair],
         "seconds": round(time.perf_counter() - begin, 1),
         "other_load": share,
+        "by_processor": by_processor,
     }, pair
 
 
