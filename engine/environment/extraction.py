@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..photometry.colour import REC709_LUMINANCE
-from ..scene.memo import recall
+from ..scene.memo import recall_latest
 from ..scene.texture import ImageTexture
 from ..sky.picture import clean
 from .sources import Coefficients, Search, find_sources
@@ -27,8 +27,10 @@ def clip_sources(image: ImageTexture, coefficients: Coefficients | None = None) 
     search = find_sources(image, coefficients)
     if not search.sources:
         return image
-    key = ("clipped", image.interpolation, coefficients or Coefficients())
-    pixels = recall(image.pixels, key, lambda _: scale_sources(image, search, 0.0))
+    state = (image.interpolation, coefficients or Coefficients())
+    (pixels,) = recall_latest(
+        image.pixels, "clipped", (), state, lambda: (scale_sources(image, search, 0.0),)
+    )
     return ImageTexture(pixels, interpolation=image.interpolation, name=image.name)
 
 

@@ -5,15 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..formats import exr, radiance_picture
+from ..formats import exr, exr_structure, radiance_picture
 from ..reading.content import read_bytes
 from ..scene.texture import ImageTexture
 
 MAXIMUM_SIZE = 4 << 30
 """Larger files are not read. [byte]"""
-
-EXR_MAGIC = b"\x76\x2f\x31\x01"
-"""How an OpenEXR file begins."""
 
 
 def read_map(path) -> tuple[ImageTexture, tuple[str, ...]]:
@@ -36,7 +33,7 @@ def read_map(path) -> tuple[ImageTexture, tuple[str, ...]]:
     data = read_bytes(path, MAXIMUM_SIZE)
     if data.startswith(radiance_picture.MAGIC):
         pixels, remarks = _read_radiance(path, data)
-    elif data.startswith(EXR_MAGIC):
+    elif data.startswith(exr_structure.MAGIC):
         pixels, remarks = exr.read_colours(path, data), []
     else:
         raise FileFormatError(path, "expected a Radiance picture (.hdr) or an OpenEXR file (.exr)")

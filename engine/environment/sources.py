@@ -17,13 +17,14 @@ import numpy as np
 
 from ..errors import SceneError
 from ..photometry.colour import REC709_LUMINANCE
-from ..scene.memo import recall
+from ..scene.memo import recall_latest
 from ..scene.texture import ImageTexture
 from ..sky.picture import ROWS_AT_ONCE, Grid, clean, find_luminances, grid_of
 from .cells import Moments, azimuths, cell_sizes, directions, find_moments, first_row_above
 
 SOURCE, EDGE = 20.0, 10.0
-"""Luminances over the mean that make a source, and that belong to one: no sky of the CIE has as much beside its sun."""
+"""Luminances over the mean that make a source, and that belong to one. Beside their sun the CIE's clear skies have up to 16,
+its most turbid ones up to 30 where the sun is lower than 10 degrees."""
 
 RADIUS = np.radians(3.0)
 """Largest radius of a bright area. [rad]"""
@@ -33,6 +34,13 @@ MOST = 16
 
 LEAST = 0.02
 """Part of the light of all directions that a source gives at least; stars and faulty pixels stay in the picture. [-]"""
+
+FAINT, ALONE = 1e-4, 2.0
+"""Part of that light from which on a single source counts where none gives so much, as a sun does that is clipped most, if
+it gives so many times the light of any other bright place."""
+
+STEPS = 8
+"""Steps in which the middle of a source is found."""
 
 BORDER = 1.25
 """Width of the ring about a source by which it is judged whether it goes on there, over its radius. [-]"""
@@ -110,7 +118,7 @@ class Search:
     edge : float    Luminance from which on pixels belong to sources, in the picture's values.
     sources : tuple of Source    The one that gives most first.
     wide : int    Bright places that are parts of something larger than the radius, such as a window; they stay.
-    small : int    Bright places that give too little; they stay.
+    small : int    Bright places that give too little, or are too many; they stay.
     """
 
     mean: float
@@ -153,8 +161,8 @@ def find_sources(image: ImageTexture, coefficients: Coefficients | None = None) 
     """
     coefficients = coefficients or Coefficients()
     check_coefficients(coefficients)
-    key = ("sources", image.interpolation, coefficients)
-    return recall(image.pixels, key, lambda _: _search(image, coefficients))
+    state = (image.interpolation, coefficients)
+    return recall_latest(image.pixels, "sources", (), state, lambda: _search(image, coefficients))
 
 
 def _search(image: ImageTexture, coefficients: Coefficients) -> Search:
@@ -167,9 +175,9 @@ def _search(image: ImageTexture, coefficients: Coefficients) -> Search:
     if mean <= 0.0:
         return search
     bright = _Bright.of(luminances, grid, first, search.edge)
-    limit = LEAST * float(cell_sizes(grid) @ luminances.sum(axis=1, dtype=np.float64))
+    whole = float(cell_sizes(grid) @ luminances.sum(axis=1, dtype=np.float64))
     moments = find_moments(grid)
-    found, wide, small, passed = [], 0, 0, []
+    found, wide, passed = [], 0, []
     for _ in range(PLACES):
         peak = bright.brightest()
         if peak is None or bright.luminances[peak] <= coefficients.source * mean:
@@ -183,15 +191,19 @@ def _search(image: ImageTexture, coefficients: Coefficients) -> Search:
         if bright.goes_on(part, middle, coefficients, mean):
             wide += 1
             continue
-        source = _measure(bright, part, pixels, grid, moments, search.edge)
-        if source.illuminance < limit:
-            small += 1
-            continue
-        found.append(source)
-        if len(found) == MOST:
-            break
+        found.append(_measure(bright, part, pixels, grid, moments, search.edge))
     found.sort(key=lambda source: -source.illuminance)
-    return Search(mean, search.edge, tuple(found), wide, small)
+    kept = _keep(found, whole)
+    return Search(mean, search.edge, tuple(kept), wide, len(found) - len(kept))
+
+
+def _keep(found: list[Source], whole: float) -> list[Source]:
+    """Return the sources that give enough of all light, or the one that stands alone."""
+    kept = [source for source in found[:MOST] if source.illuminance >= LEAST * whole]
+    if kept or not found or found[0].illuminance < FAINT * whole:
+        return kept
+    others = found[1].illuminance if len(found) > 1 else 0.0
+    return found[:1] if found[0].illuminance >= ALONE * others else []
 
 
 def find_mean_luminance(luminances: np.ndarray, grid: Grid, first: int, edge: float) -> float:
@@ -259,13 +271,18 @@ class _Bright:
 
     def gather(self, peak: int, coefficients: Coefficients, mean: float):
         """Numbers of the pixels about a peak that belong to its source, and the middle of the bright ones of them."""
-        near = self._within(self.directions[peak], coefficients.radius)
-        core = near[self.luminances[near] > coefficients.source * mean]
-        # A clipped sun is even: the first of its brightest pixels lies at its edge.
-        light = self.sizes[core] * (self.luminances[core] - coefficients.edge * mean)
-        middle = light @ self.directions[core].astype(np.float64)
-        middle /= np.linalg.norm(middle)
-        return self._within(middle.astype(np.float32), coefficients.radius), middle
+        middle = self.directions[peak].astype(np.float64)
+        # A clipped sun is even: the first of its brightest pixels lies at its edge, so the middle moves inwards.
+        for _ in range(STEPS):
+            near = self._within(middle, coefficients.radius)
+            core = near[self.luminances[near] > coefficients.source * mean]
+            light = self.sizes[core] * (self.luminances[core] - coefficients.edge * mean)
+            before = middle
+            middle = light @ self.directions[core].astype(np.float64)
+            middle /= np.linalg.norm(middle)
+            if np.linalg.norm(middle - before) < 0.1 * self.pixel:
+                break
+        return self._within(middle, coefficients.radius), middle
 
     def _within(self, middle, radius: float) -> np.ndarray:
         return np.flatnonzero(self.is_free & (self._chords(middle) <= 2.0 * np.sin(0.5 * radius)))

@@ -12,6 +12,7 @@ from .. import llvm
 from ..errors import FileFormatError
 from ..photometry.colour import scene_linear
 from ..reading.whole_file import write_whole
+from .exr_structure import check_whole
 
 
 def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
@@ -93,6 +94,7 @@ def read_colours(path, data: bytes) -> np.ndarray:
     ------
     FileFormatError    It is damaged, ends early or holds no such channels.
     """
+    check_whole(path, data)
     llvm.settle()
     import mitsuba as mi
 
