@@ -136,7 +136,7 @@ class LumenrayEnvironmentSettings(PropertyGroup):
         update=tag_owner,
     )
     sun_ratio: FloatProperty(
-        name="Sun over Sky",
+        name="Sun to Sky",
         description=(
             "Horizontal illuminance of the sun over that of the rest of the picture, a factor. Default 4: clear weather"
         ),

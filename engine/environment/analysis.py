@@ -240,7 +240,7 @@ def judge_sun(analysis: Analysis) -> tuple[bool, float | None]:
 
 
 def _tell_range(analysis: Analysis) -> str:
-    shown = f"range {analysis.range:.2g} : 1"
+    shown = f"range {format_range(analysis.range)}"
     if analysis.range >= SUNNY_RANGE:
         return f"{shown}, as surroundings with a visible sun have"
     if analysis.range >= CLOUDY_RANGE:
@@ -261,3 +261,8 @@ def format_ratio(ratio: float) -> str:
     if ratio >= 1.0:
         return f"{ratio:.2g} : 1"
     return f"1 : {1.0 / ratio:.2g}" if ratio > 0.0 else "0 : 1"
+
+
+def format_range(value: float) -> str:
+    """Return a range of luminances as people read it: 12 000 000 : 1."""
+    return f"{float(f'{value:.2g}'):,.0f} : 1".replace(",", " ")

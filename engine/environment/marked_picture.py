@@ -9,7 +9,7 @@ from ..analysis.letters import plain_letters
 from ..reading.printable import printable
 from ..scene.texture import ImageTexture
 from ..sky.picture import clean
-from .analysis import Analysis, format_ratio
+from .analysis import Analysis, format_range, format_ratio
 
 GREY = 0.35
 """Display value, linear, that the mean luminance is shown as. [-]"""
@@ -55,7 +55,7 @@ def draw_marked(
     canvas.write((left, 20 * unit), printable(title), 16, "lm", room=room)
     words = (
         f"{analysis.width} x {analysis.height}, horizontal {_lux(analysis.horizontal)}, all but the sources "
-        f"{_lux(analysis.rest)}, range {analysis.range:.2g} : 1"
+        f"{_lux(analysis.rest)}, range {format_range(analysis.range)}"
     )
     canvas.write((left, 39 * unit), words, 11, "lm", is_caption=True, room=room)
     _paste(canvas, image, analysis, (left, top), wide)
