@@ -91,11 +91,11 @@ def take_sources(world, image: ImageTexture, rotation: np.ndarray, report) -> Ta
             )
         return Taken(clipped, tuple(disks))
     try:
-        mended = _mend(world, sun, others, clipped, rotation)
+        towards, mended = _mend(world, sun, others, clipped, rotation)
     except SceneError as error:
         report.fault(world.name, error, "the sun gives what the picture says")
-        mended = sun.irradiance
-    disk = Disk(mended, rotation.T @ sun.towards, SUN_ANGLE, 0.0)
+        towards, mended = sun.towards, sun.irradiance
+    disk = Disk(mended, rotation.T @ towards, SUN_ANGLE, 0.0)
     return Taken(clipped, (disk, *disks), sun)
 
 
@@ -117,27 +117,30 @@ def _disk(source: Source, rotation) -> Disk:
     )
 
 
-def _mend(world, sun: Source, others, clipped: ImageTexture, rotation) -> np.ndarray:
-    """Return the components of a plane that faces the sun, mended as the settings say. (3,)"""
+def _mend(world, sun: Source, others, clipped: ImageTexture, rotation):
+    """Return the picture's direction to the sun, and its components on a plane facing it, as the settings say. (3,) each"""
     settings, up = world.lumenray.environment, rotation @ UPWARDS
     if settings.repair == "RATIO":
         rest = find_illuminance(clipped, rotation, UPWARDS)
         rest += sum(source.on(up) for source in others)
-        return sun.irradiance * sun_factor(sun, rest, settings.sun_ratio, up)
+        # Its light is no longer that of its glare.
+        factor = sun_factor(sun, rest, settings.sun_ratio, up) * (sun.towards @ up)
+        return sun.core, sun.irradiance * (factor / (sun.core @ up))
     if settings.repair == "MODEL":
         u, v = settings.sky_point
         if u == v == 0.0:
             raise SceneError("no place of the sky is picked by which the sun is to be mended")
-        return rebuild_sun(
+        made = rebuild_sun(
             clipped,
-            rotation.T @ sun.towards,
+            rotation.T @ sun.core,
             rotation.T @ direction_at(u, v),
             world.lumenray.sun.turbidity,
             _distance(world),
             world.lumenray.place.elevation,
             rotation=rotation,
-        ).irradiance
-    return sun.irradiance
+        )
+        return sun.core, made.irradiance
+    return sun.towards, sun.irradiance
 
 
 def _distance(world) -> float:

@@ -169,13 +169,13 @@ def _by_model(options, sun, clipped):
     x, y = options.sky
     if not (0.0 <= x < width and 0.0 <= y < height):
         raise SceneError(f"the pixel {x:g},{y:g} is not in the picture of {width} x {height}")
-    elevation = float(np.degrees(np.arcsin(np.clip(sun.towards[2], -1.0, 1.0))))
+    elevation = float(np.degrees(np.arcsin(np.clip(sun.core[2], -1.0, 1.0))))
     day = options.date
     times = find_times(elevation, place, day.year, day.month, day.day)
     chosen = choose_time(times, options.half == "morning")
     distance = float(find_sun(chosen.seconds, place).distance)
     towards = direction_at((x + 0.5) / width, 1.0 - (y + 0.5) / height)
-    made = rebuild_sun(clipped, sun.towards, towards, options.turbidity, distance, place.elevation)
+    made = rebuild_sun(clipped, sun.core, towards, options.turbidity, distance, place.elevation)
     if min(sun.irradiance) <= 0.0:
         raise SceneError(
             "the sun lacks a primary colour in the picture, so that its own cannot be given to it"
@@ -183,7 +183,7 @@ def _by_model(options, sun, clipped):
     told = (
         f"{place.name or 'place'}, {chosen.clock:%Y-%m-%d %H:%M} ({chosen.clock.tzname()}): the sun is "
         f"{elevation:.2f}° high; 0.1° of that are {0.1 / max(chosen.speed, 1e-6):.1f} minutes",
-        f"the picture's +Y lies {find_north(sun.towards, chosen.azimuth) % 360.0:.1f}° from north over east",
+        f"the picture's +Y lies {find_north(sun.core, chosen.azimuth) % 360.0:.1f}° from north over east",
         f"the model's sun gives {made.model:.5g} lx facing it, and a value of 1 is {made.scale:.4g} cd/m² by the model",
     )
     return made.irradiance / sun.irradiance, told

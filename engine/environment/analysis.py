@@ -45,7 +45,7 @@ class SourceRow:
 
     Parameters
     ----------
-    elevation, azimuth : float    Of its middle in the world, the azimuth from +y over +x. [degree]
+    elevation, azimuth : float    Of its brightest part in the world, the azimuth from +y over +x. [degree]
     row, column : float    Place in the picture, from its top and from its left. [pixel]
     diameter : float    Of an even disk as wide. [degree]
     luminance : float    The largest. [cd/m2]
@@ -175,9 +175,9 @@ def analyse(
 
 
 def _describe(source: Source, image, per_unit: float, is_sun: bool, rotation) -> SourceRow:
-    x, y, z = (float(each) for each in rotation.T @ source.towards)
+    x, y, z = (float(each) for each in rotation.T @ source.core)
     grid = grid_of(image)
-    row, column = place_of(source.towards, grid)
+    row, column = place_of(source.core, grid)
     return SourceRow(
         float(np.degrees(np.arcsin(np.clip(z, -1.0, 1.0)))),
         float(np.degrees(np.arctan2(x, y)) % 360.0),

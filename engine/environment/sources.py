@@ -35,9 +35,9 @@ MOST = 16
 LEAST = 0.02
 """Part of the light of all directions that a source gives at least; stars and faulty pixels stay in the picture. [-]"""
 
-FAINT, ALONE = 1e-4, 2.0
-"""Part of that light from which on a single source counts where none gives so much, as a sun does that is clipped most, if
-it gives so many times the light of any other bright place."""
+FAINT, ALONE, FEW = 1e-4, 2.0, 4
+"""Part of that light from which on sources count where none gives so much, as a sun does that is clipped most, if at most so
+many stand out: the last of them gives so many times the light of the next bright place."""
 
 STEPS = 8
 """Steps in which the middle of a source is found."""
@@ -82,7 +82,8 @@ class Source:
 
     Parameters
     ----------
-    towards : (3,) array    Unit vector of the picture's directions to the middle of its light.
+    towards : (3,) array    Unit vector of the picture's directions to the middle of its light, its glare included.
+    core : (3,) array    To the middle of its brightest part: where a sun stands, whatever glows about it.
     irradiance : (3,) array    Linear Rec. 709 components of a plane that faces it, by the excess over the edge.
     angle : float    Diameter of an even disk with the same mean square of angles. [rad]
     peak : float    Largest luminance.
@@ -91,6 +92,7 @@ class Source:
     """
 
     towards: np.ndarray
+    core: np.ndarray
     irradiance: np.ndarray
     angle: float
     peak: float
@@ -198,12 +200,17 @@ def _search(image: ImageTexture, coefficients: Coefficients) -> Search:
 
 
 def _keep(found: list[Source], whole: float) -> list[Source]:
-    """Return the sources that give enough of all light, or the one that stands alone."""
+    """Return the sources that give enough of all light, or else the few that stand out."""
     kept = [source for source in found[:MOST] if source.illuminance >= LEAST * whole]
-    if kept or not found or found[0].illuminance < FAINT * whole:
+    if kept:
         return kept
-    others = found[1].illuminance if len(found) > 1 else 0.0
-    return found[:1] if found[0].illuminance >= ALONE * others else []
+    light = [source.illuminance for source in found]
+    for count in range(1, min(FEW, len(found)) + 1):
+        if light[count - 1] < FAINT * whole:
+            break
+        if count == len(found) or light[count - 1] >= ALONE * light[count]:
+            return found[:count]
+    return []
 
 
 def find_mean_luminance(luminances: np.ndarray, grid: Grid, first: int, edge: float) -> float:
@@ -327,6 +334,10 @@ def _measure(bright: _Bright, part, pixels, grid: Grid, moments: Moments, edge: 
     vectors = excess.T @ weights
     towards = REC709_LUMINANCE @ vectors
     towards = towards / np.linalg.norm(towards)
+    # The glow of a low sun covers more of the sky than its disk, which is brighter than the mean of its light.
+    above, sizes = luminances - edge, bright.sizes[part]
+    level = (sizes @ above**2) / (sizes @ above)
+    core = np.where(above >= 0.5 * level, above * sizes, 0.0) @ bright.directions[part]
     apart = 2.0 * np.arcsin(
         np.clip(0.5 * np.linalg.norm(bright.directions[part] - towards, axis=1), 0.0, 1.0)
     )
@@ -334,6 +345,7 @@ def _measure(bright: _Bright, part, pixels, grid: Grid, moments: Moments, edge: 
     spread = float(light @ apart**2) / float(light.sum())
     return Source(
         towards,
+        core / np.linalg.norm(core),
         np.maximum(vectors @ towards, 0.0),
         float(min(2.0 * np.sqrt(2.0 * spread), np.pi)),
         float(luminances.max()),

@@ -13,7 +13,7 @@ from lumenray.engine.sky.picture import find_illuminance
 from lumenray.engine.sky.skies import find_luminances
 from lumenray.engine.sky.sunlight import direct_illuminance
 from PIL import Image
-from sunny_maps import Spot, make_map
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 pytestmark = pytest.mark.mitsuba
 

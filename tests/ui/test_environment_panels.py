@@ -13,7 +13,7 @@ from lumenray.operators.environment_picture import LUMENRAY_OT_pick_sky as Pick
 from panels import context, draw
 from picture_worlds import image_of, show
 from radiance_files import write_picture
-from sunny_maps import Spot, make_map
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 
 def sunny(light=1.0, elevation=40.0, azimuth=120.0):

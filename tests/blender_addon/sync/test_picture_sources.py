@@ -12,7 +12,7 @@ from lumenray.engine.scene.texture import Pixels
 from lumenray.engine.session import Session
 from lumenray.engine.sky.picture import find_illuminance
 from picture_worlds import image_of, show
-from sunny_maps import Spot, make_map
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 UP = np.array([0.0, 0.0, 1.0])
 

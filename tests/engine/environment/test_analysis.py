@@ -9,7 +9,7 @@ from lumenray.engine.environment.marked_picture import draw_marked
 from lumenray.engine.environment.scale import Scale, find_scale
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.texture import ImageTexture
-from sunny_maps import Spot, make_map
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 MAPS = WILD / "hdr"
 

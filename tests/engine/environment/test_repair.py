@@ -20,7 +20,7 @@ from lumenray.engine.sky.place import Place
 from lumenray.engine.sky.skies import find_luminances
 from lumenray.engine.sky.solar_position import find_sun
 from lumenray.engine.sky.sunlight import direct_illuminance
-from sunny_maps import Spot, make_map
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 BERLIN = Place(52.52, 13.405, "Europe/Berlin", 34.0)
 
@@ -49,13 +49,13 @@ def test_a_clipped_sun_is_rebuilt_by_a_place_of_its_sky(elevation, clip):
     image, spot = clear_map(elevation, 130.0, clip)
     (source,) = find_sources(image).sources
     for place in (Spot(60.0, 310.0), Spot(25.0, 20.0), Spot(15.0, 200.0)):
-        made = rebuild_sun(image, source.towards, place.towards)
+        made = rebuild_sun(image, source.core, place.towards)
         assert made.illuminance == pytest.approx(spot.illuminance, rel=0.01)
         assert made.scale == pytest.approx(1000.0, rel=0.01)
     # Seen through a map that is turned and tipped.
     c, s = np.cos(0.7), np.sin(0.7)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    made = rebuild_sun(image, turn.T @ source.towards, turn.T @ place.towards, rotation=turn)
+    made = rebuild_sun(image, turn.T @ source.core, turn.T @ place.towards, rotation=turn)
     assert made.illuminance == pytest.approx(spot.illuminance, rel=0.01)
 
 
@@ -82,13 +82,13 @@ def test_the_time_follows_from_a_sun_in_a_map(hour):
     spot = Spot(float(sun.elevation), 77.0, illuminance=20.0)
     image = ImageTexture(make_map(1024, [spot], clip=2000.0))
     (source,) = find_sources(image).sources
-    elevation = np.degrees(np.arcsin(source.towards[2]))
+    elevation = np.degrees(np.arcsin(source.core[2]))
     times = find_times(elevation, BERLIN, 2026, 5, 20, is_lifted=False)
     assert len(times) == 2
     found = choose_time(times, hour < 11)
     assert abs(found.seconds - wanted) < 180.0
     assert found.clock.hour == hour + 2
-    north = find_north(source.towards, found.azimuth)
+    north = find_north(source.core, found.azimuth)
     assert north == pytest.approx((float(sun.azimuth) - 77.0 + 180.0) % 360.0 - 180.0, abs=0.5)
 
 
