@@ -37,8 +37,8 @@ REPAIR = """## Suns mended
 
 Clear skies of the CIE with their suns for random moments of four places, 2026, drawn, turned and clipped; time, and sun by
 one place of the sky, found again. Nearer to noon than {noon:.0f} minutes the sun's height says little of the time, and of
-suns lower than {low:g}° the light changes by more than 5 % a degree, where the place of a clipped sun is known to half a pixel:
-the demands do not count these.
+suns lower than {low:g}° the light changes by more than 5 % a degree, where the place of a clipped sun is known to half a
+pixel: the demands do not count these.
 
 """
 

@@ -337,7 +337,7 @@ def _measure(bright: _Bright, part, pixels, grid: Grid, moments: Moments, edge: 
     # The glow of a low sun covers more of the sky than its disk, which is brighter than the mean of its light.
     above, sizes = luminances - edge, bright.sizes[part]
     level = (sizes @ above**2) / (sizes @ above)
-    core = np.where(above >= 0.5 * level, above * sizes, 0.0) @ bright.directions[part]
+    core = (sizes * np.maximum(above - 0.25 * level, 0.0)) @ bright.directions[part]
     apart = 2.0 * np.arcsin(
         np.clip(0.5 * np.linalg.norm(bright.directions[part] - towards, axis=1), 0.0, 1.0)
     )

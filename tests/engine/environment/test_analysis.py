@@ -21,7 +21,7 @@ def image_of(spots, height=128, **options):
 def test_sun_and_sky_are_weighed_on_a_horizontal_plane():
     """An even sky of 2000 cd/m2 gives 2000 pi lx, the disk its illuminance times the sine of its height."""
     sun = Spot(30.0, 45.0, 3.0, illuminance=30.0)
-    made = analyse(image_of([sun], sky=2.0, ground=0.5), 1000.0)
+    made = analyse(image_of([sun], 512, sky=2.0, ground=0.5), 1000.0)
     assert made.horizontal == pytest.approx(1000.0 * (2.0 * np.pi + 15.0), rel=5e-3)
     assert made.rest == pytest.approx(2000.0 * np.pi, rel=0.02)
     assert made.below == pytest.approx(500.0 * np.pi, rel=5e-3)
@@ -29,7 +29,9 @@ def test_sun_and_sky_are_weighed_on_a_horizontal_plane():
     assert made.conserved == pytest.approx(1.0, abs=1e-5)
     row = made.sun
     assert (row.elevation, row.azimuth) == pytest.approx((30.0, 45.0), abs=0.1)
-    assert (row.row, row.column) == pytest.approx((128 * 60 / 180, 256 * (0.5 - 45 / 360)), abs=0.2)
+    assert (row.row, row.column) == pytest.approx(
+        (512 * 60 / 180, 1024 * (0.5 - 45 / 360)), abs=0.2
+    )
     turned = analyse(image_of([sun]), 1.0, rotation=np.diag([-1.0, -1.0, 1.0]))
     assert turned.sun.azimuth == pytest.approx(225.0, abs=0.1)
 
