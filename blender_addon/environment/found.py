@@ -41,6 +41,7 @@ class Found:
     ----------
     analysis : Analysis    Of the picture as it is, by the world's unit and coefficients.
     picture, lights : float    Horizontal illuminance by the picture as it lights, and by the lights in it. [lx]
+    sun : float    Of that by the sun; 0 without one. [lx]
     notes : tuple of str    What is odd, a sentence each.
     image : ImageTexture
     """
@@ -48,6 +49,7 @@ class Found:
     analysis: Analysis
     picture: float
     lights: float
+    sun: float
     notes: tuple[str, ...]
     image: ImageTexture
 
@@ -72,15 +74,17 @@ def analyse_world(world, efficacy: float) -> Found:
     settings = world.lumenray.environment
     choose = partial(choose_sun, settings)
     analysis = analyse(image, per_unit, read_coefficients(settings), choose, rotation)
-    picture, lights = analysis.horizontal, 0.0
+    picture, lights, sun = analysis.horizontal, 0.0, 0.0
     if settings.use_sources:
         taken = take_sources(world, image, rotation, report)
         picture = per_unit * find_illuminance(taken.image, rotation, UPWARDS)
-        lights = per_unit * sum(
-            illuminance_of(disk) * max(disk.towards[2], 0.0) for disk in taken.disks
-        )
+        given = [
+            per_unit * illuminance_of(disk) * max(disk.towards[2], 0.0) for disk in taken.disks
+        ]
+        lights = sum(given)
+        sun = sum(amount for amount, disk in zip(given, taken.disks, strict=True) if disk.is_sun)
     notes = tuple(f"{row.message}: {row.remedy}" for row, _ in report.rows)
-    return Found(analysis, picture, lights, notes, image)
+    return Found(analysis, picture, lights, sun, notes, image)
 
 
 def keep(world, found: Found) -> None:
@@ -155,6 +159,9 @@ def _tell(settings, found: Found):
     if settings.use_sources:
         yield "Horizontal, as lit", format_amount(found.picture + found.lights, "lx")
         yield "Of this by lights", format_amount(found.lights, "lx")
+        rest = found.picture + found.lights - found.sun
+        if settings.repair != "NONE" and found.sun > 0.0 and rest > 0.0:
+            yield "Mended sun : all else", format_ratio(found.sun / rest)
     for row in analysis.sources[:LISTED]:
         name = "Sun" if row.is_sun else "Lamp"
         where = f"{row.elevation:.1f}° high, azimuth {row.azimuth:.1f}°"

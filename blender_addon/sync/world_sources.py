@@ -139,7 +139,7 @@ def _mend(world, sun: Source, others, clipped: ImageTexture, rotation):
             world.lumenray.place.elevation,
             rotation=rotation,
         )
-        return sun.core, made.irradiance
+        return sun.core, sun.irradiance * (made.illuminance / sun.illuminance)
     return sun.towards, sun.irradiance
 
 

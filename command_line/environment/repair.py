@@ -97,7 +97,7 @@ def run(options) -> int:
         factor, told = _by_sky(options, sun, search, clipped)
     else:
         factor, told = _by_model(options, sun, clipped)
-    factors = [factor if source is sun else np.ones(3) for source in search.sources]
+    factors = [factor if source is sun else 1.0 for source in search.sources]
     pixels = scale_sources(image, search, factors)
     pixels.flags.writeable = False
     mended = ImageTexture(pixels)
@@ -107,9 +107,8 @@ def run(options) -> int:
     )
     for sentence in told:
         say(sentence)
-    grown = float(_luminance(factor * sun.irradiance)) / sun.illuminance
     own = per_unit * sun.on(UPWARDS)
-    say(f"sun, horizontal: {own:.5g} lx before, {own * grown:.5g} lx after")
+    say(f"sun, horizontal: {own:.5g} lx before, {own * factor:.5g} lx after")
     say(f"horizontal: {before:.5g} lx before, {after:.5g} lx after")
     say(f"written to {write_map(options.output, pixels)}")
     return 0
@@ -134,14 +133,8 @@ def _check(options) -> None:
         raise SceneError("--sky needs a place and --date")
 
 
-def _luminance(components):
-    from ...engine.photometry.colour import REC709_LUMINANCE
-
-    return REC709_LUMINANCE @ components
-
-
 def _by_sky(options, sun, search, clipped):
-    """Factors of the sun's components, and nothing to say."""
+    """Factor of the sun's light, and nothing to say."""
     import numpy as np
 
     from ...engine.environment.repair import RATIO, sun_factor
@@ -151,11 +144,11 @@ def _by_sky(options, sun, search, clipped):
     rest = find_illuminance(clipped, np.eye(3), np.array(UPWARDS))
     rest += sum(source.on(UPWARDS) for source in search.sources if source is not sun)
     ratio = RATIO if options.ratio is None else options.ratio
-    return np.full(3, sun_factor(sun, rest, ratio)), ()
+    return sun_factor(sun, rest, ratio), ()
 
 
 def _by_model(options, sun, clipped):
-    """Factors of the sun's components, and when the picture was taken."""
+    """Factor of the sun's light, and when the picture was taken."""
     import numpy as np
 
     from ...engine.environment.cells import direction_at
@@ -176,14 +169,10 @@ def _by_model(options, sun, clipped):
     distance = float(find_sun(chosen.seconds, place).distance)
     towards = direction_at((x + 0.5) / width, 1.0 - (y + 0.5) / height)
     made = rebuild_sun(clipped, sun.core, towards, options.turbidity, distance, place.elevation)
-    if min(sun.irradiance) <= 0.0:
-        raise SceneError(
-            "the sun lacks a primary colour in the picture, so that its own cannot be given to it"
-        )
     told = (
         f"{place.name or 'place'}, {chosen.clock:%Y-%m-%d %H:%M} ({chosen.clock.tzname()}): the sun is "
         f"{elevation:.2f}° high; 0.1° of that are {0.1 / max(chosen.speed, 1e-6):.1f} minutes",
         f"the picture's +Y lies {find_north(sun.core, chosen.azimuth) % 360.0:.1f}° from north over east",
         f"the model's sun gives {made.model:.5g} lx facing it, and a value of 1 is {made.scale:.4g} cd/m² by the model",
     )
-    return made.irradiance / sun.irradiance, told
+    return made.illuminance / sun.illuminance, told

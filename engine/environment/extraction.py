@@ -41,7 +41,7 @@ def scale_sources(image: ImageTexture, search: Search, factors) -> np.ndarray:
     ----------
     image : ImageTexture
     search : Search    Of this picture.
-    factors : float, or sequence of float or (3,) array    For all of them, or for each: of its light, or of its components.
+    factors : float or sequence of float    For all of them, or for each.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def scale_sources(image: ImageTexture, search: Search, factors) -> np.ndarray:
         held = pixels[source.rows, source.columns].astype(np.float64)
         luminance = held @ _weights(held.shape[1])
         base = held * (search.edge / luminance)[:, None]
-        pixels[source.rows, source.columns] = base + (held - base) * np.asarray(factor)
+        pixels[source.rows, source.columns] = base + (held - base) * factor
     return pixels
 
 

@@ -17,8 +17,6 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from ..errors import SceneError
-from ..photometry.light_colour import light_colour
-from ..photometry.colour import REC709_LUMINANCE
 from ..scene.light import CieSky
 from ..scene.texture import ImageTexture
 from ..sky.air import standard_air
@@ -28,7 +26,7 @@ from ..sky.picture import ROWS_AT_ONCE, clean, find_luminances, grid_of
 from ..sky.place import Place, from_local, to_local
 from ..sky.skies import find_luminances as find_sky_luminances
 from ..sky.solar_position import find_sun
-from ..sky.sunlight import direct_illuminance, sunlight_spectrum
+from ..sky.sunlight import direct_illuminance
 from .cells import cell_sizes, directions
 from .scale import UPWARDS
 from .sources import Search, Source
@@ -112,20 +110,13 @@ class ModelSun:
     Parameters
     ----------
     illuminance : float    Of a plane that faces it, in units of the picture's values.
-    colour : (3,) array    Linear Rec. 709 with a luminance of 1. [-]
     model : float    The same in the model. [lx]
     scale : float    Luminance of the model over that of a value of 1. [cd/m2]
     """
 
     illuminance: float
-    colour: np.ndarray
     model: float
     scale: float
-
-    @property
-    def irradiance(self) -> np.ndarray:
-        """Components of a plane that faces it, as of `Source`. (3,)"""
-        return self.illuminance * self.colour
 
 
 def rebuild_sun(
@@ -139,6 +130,8 @@ def rebuild_sun(
     rotation: np.ndarray | None = None,
 ) -> ModelSun:
     """Return the sun of a sky of the CIE that is as bright as a picture at one place.
+
+    Its colour is the picture's: whoever took that chose what is white in it.
 
     Parameters
     ----------
@@ -176,8 +169,7 @@ def rebuild_sun(
     sky = CieSky(kind, towards_sun, usual_illuminance(condition_of_type(kind), elevation))
     scale = _sky_luminance(image, sky, towards_sky, rotation) / seen
     sun = direct_illuminance(elevation, turbidity, distance, standard_air(height).pressure)
-    colour = light_colour(sunlight_spectrum(elevation, turbidity))
-    return ModelSun(sun / scale, colour / (REC709_LUMINANCE @ colour), sun, scale)
+    return ModelSun(sun / scale, sun, scale)
 
 
 def find_patch_luminance(image: ImageTexture, towards) -> float:

@@ -88,7 +88,8 @@ def read_colours(path, data: bytes) -> np.ndarray:
 
     Returns
     -------
-    (height, width, 3) float32 array    R, G and B, or luminance three times; row 0 is the bottom row.
+    (height, width, 3) float32 array    R, G and B of the first layer that has them, or luminance three times; row 0 is the
+        bottom row.
 
     Raises
     ------
@@ -110,6 +111,10 @@ def read_colours(path, data: bytes) -> np.ndarray:
         words = " ".join(str(error).rpartition("]")[2].split()).strip('". ')
         raise FileFormatError(path, f"is damaged or ends early ({words})") from None
     if bitmap.pixel_format() == mi.Bitmap.PixelFormat.MultiChannel:
-        raise FileFormatError(path, "expected channels R, G and B, or Y")
+        kinds = {mi.Bitmap.PixelFormat.RGB, mi.Bitmap.PixelFormat.RGBA}
+        layers = [layer for _, layer in bitmap.split() if layer.pixel_format() in kinds]
+        if not layers:
+            raise FileFormatError(path, "expected channels R, G and B, or Y")
+        bitmap = layers[0]
     bitmap = bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
     return np.ascontiguousarray(np.array(bitmap, dtype=np.float32)[::-1])

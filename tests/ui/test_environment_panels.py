@@ -51,7 +51,9 @@ def test_the_panel_says_what_the_picture_holds(world):
     assert "sun_ratio" in draw("LUMENRAY_PT_world_picture", where)
     bpy.ops.lumenray.analyse_environment(use_picture=False)
     seen = draw("LUMENRAY_PT_world_picture", where)
-    assert {"Horizontal, as Lit", "Of This by Lights"} <= set(seen)
+    assert {"Horizontal, as Lit", "Of This by Lights", "Mended Sun : All Else", "4 : 1"} <= set(
+        seen
+    )
     assert not any("analyse again" in text for text in seen)
     assert "edge_factor" in draw("LUMENRAY_PT_world_picture_limits", where)
 
