@@ -12,6 +12,9 @@ from ..scene.texture import ImageTexture
 MAXIMUM_SIZE = 4 << 30
 """Larger files are not read. [byte]"""
 
+LEAST_EXPOSURE = 1e-12
+"""Exposures are above this, and below its inverse. [-]"""
+
 
 def read_map(path) -> tuple[ImageTexture, tuple[str, ...]]:
     """Read an equirectangular picture.
@@ -51,6 +54,10 @@ def _read_radiance(path: Path, data: bytes) -> tuple[np.ndarray, list[str]]:
     pixels = radiance_picture.decode(data, header, path)
     remarks = []
     multiplier = header.exposure * np.array(header.correction)
+    if not ((multiplier > LEAST_EXPOSURE) & (multiplier < 1.0 / LEAST_EXPOSURE)).all():
+        raise FileFormatError(
+            path, f"its EXPOSURE lines come to {header.exposure:g}, which is none of a camera"
+        )
     if (multiplier != 1.0).any():
         pixels /= multiplier.astype(np.float32)
         remarks.append(f"it states EXPOSURE {header.exposure:g}, and its values are divided by it")
