@@ -224,8 +224,8 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
         if settings.unit == "ILLUMINANCE":
             draw_wide(layout, settings, "illuminance", "Illuminance [lx]")
             column = layout.column(align=True)
-            column.prop(settings.environment, "meter_elevation")
-            column.prop(settings.environment, "meter_azimuth")
+            draw_wide(column, settings.environment, "meter_elevation", "Meter's Elevation")
+            draw_wide(column, settings.environment, "meter_azimuth", "Meter's Azimuth")
         elif settings.unit == "WHITE":
             draw_wide(layout, settings, "white", "White [cd/m²]")
         elif settings.unit == "BLENDER":
@@ -262,7 +262,7 @@ class LUMENRAY_PT_world_picture(BackgroundPanel, bpy.types.Panel):
         if settings.repair == "RATIO":
             layout.prop(settings, "sun_ratio")
         elif settings.repair == "MODEL":
-            layout.prop(settings, "sky_point")
+            layout.column().prop(settings, "sky_point", text="Sky at")
             layout.prop(world.lumenray.sun, "turbidity")
         column = layout.column()
         column.prop(settings, "half")

@@ -152,16 +152,16 @@ def state_time(scene, world) -> str:
 def _tell(settings, found: Found):
     """Lines (label, value) about what was found."""
     analysis = found.analysis
-    yield "Horizontal, picture", format_amount(analysis.horizontal, "lx")
+    yield "Horizontal", format_amount(analysis.horizontal, "lx")
     if analysis.ratio is not None:
-        yield "Sun : all else", format_ratio(analysis.ratio)
+        yield "Sun : rest", format_ratio(analysis.ratio)
     yield "Range", format_range(analysis.range)
     if settings.use_sources:
-        yield "Horizontal, as lit", format_amount(found.picture + found.lights, "lx")
-        yield "Of this by lights", format_amount(found.lights, "lx")
+        yield "As rendered", format_amount(found.picture + found.lights, "lx")
+        yield "By lights", format_amount(found.lights, "lx")
         rest = found.picture + found.lights - found.sun
         if settings.repair != "NONE" and found.sun > 0.0 and rest > 0.0:
-            yield "Mended sun : all else", format_ratio(found.sun / rest)
+            yield "Mended sun", format_ratio(found.sun / rest)
     for row in analysis.sources[:LISTED]:
         name = "Sun" if row.is_sun else "Lamp"
         where = f"{row.elevation:.1f}° high, azimuth {row.azimuth:.1f}°"

@@ -34,7 +34,7 @@ def test_the_panel_says_what_the_picture_holds(world):
     world.lumenray.unit = "LUMINANCE"
     assert bpy.ops.lumenray.analyse_environment() == {"FINISHED"}
     seen = draw("LUMENRAY_PT_world_picture", where)
-    assert {"Horizontal, Picture", "Sun : All Else", "Range", "Sun"} <= set(seen)
+    assert {"Horizontal", "Sun : Rest", "Range", "Sun"} <= set(seen)
     assert any("A sun clipped at 1 : 5" in text for text in seen)
     # pi lx by the sky, and a little less than the sun's sine.
     given = next(text for text in seen if text.endswith("lx") and "°" not in text)
@@ -51,9 +51,7 @@ def test_the_panel_says_what_the_picture_holds(world):
     assert "sun_ratio" in draw("LUMENRAY_PT_world_picture", where)
     bpy.ops.lumenray.analyse_environment(use_picture=False)
     seen = draw("LUMENRAY_PT_world_picture", where)
-    assert {"Horizontal, as Lit", "Of This by Lights", "Mended Sun : All Else", "4 : 1"} <= set(
-        seen
-    )
+    assert {"As Rendered", "By Lights", "Mended Sun", "4 : 1"} <= set(seen)
     assert not any("analyse again" in text for text in seen)
     assert "edge_factor" in draw("LUMENRAY_PT_world_picture_limits", where)
 
