@@ -252,7 +252,9 @@ class LUMENRAY_PT_world_picture(BackgroundPanel, bpy.types.Panel):
             draw_description(box, context, description)
             for sentence in words:
                 draw_text(box, context, sentence[:1].upper() + sentence[1:])
-        layout.prop(settings, "use_sources")
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(settings, "use_sources")
         if not settings.use_sources:
             return
         layout.prop(settings, "sun")
@@ -265,7 +267,7 @@ class LUMENRAY_PT_world_picture(BackgroundPanel, bpy.types.Panel):
             layout.column().prop(settings, "sky_point", text="Sky at")
             layout.prop(world.lumenray.sun, "turbidity")
         column = layout.column()
-        column.prop(settings, "half")
+        column.prop(settings, "half", text="Taken in")
         column.operator("lumenray.time_from_sun")
 
 
@@ -280,9 +282,9 @@ class LUMENRAY_PT_world_picture_limits(BackgroundPanel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split = True
         settings = context.world.lumenray.environment
-        layout.prop(settings, "source_factor")
-        layout.prop(settings, "edge_factor")
-        layout.prop(settings, "radius")
+        layout.prop(settings, "source_factor", text="Source")
+        layout.prop(settings, "edge_factor", text="Edge")
+        layout.prop(settings, "radius", text="Radius")
         layout.prop(settings, "use_lower")
 
 

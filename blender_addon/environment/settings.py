@@ -38,14 +38,14 @@ REPAIRS = [
     ("NONE", "None", "The sun gives what the picture says", 0),
     (
         "RATIO",
-        "By the Sky",
+        "Sky Ratio",
         "The sun gives a multiple of the horizontal illuminance by all the rest of the picture",
         1,
     ),
     (
         "MODEL",
-        "By Place and Date",
-        "Sun and sky of the CIE's clear sky for the sun's height, as bright as the picture at a place of the sky that you "
+        "Sky Model",
+        "The sun of the CIE's clear sky for its height, with that sky as bright as the picture at a place of the sky that you "
         "pick; for pictures in which buildings or trees hide the sky",
         2,
     ),

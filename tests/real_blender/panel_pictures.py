@@ -17,6 +17,14 @@ from window import PACKAGE, module, override, region_of, show_tab, start, wait_f
 
 FOLDER = Path("/out/panels")
 
+TALL = {
+    "LUMENRAY_PT_world_preview",
+    "LUMENRAY_PT_world_place",
+    "LUMENRAY_PT_world_sun",
+    "LUMENRAY_PT_world_study",
+}
+"""Panels of the world that are left out of the pictures of its picture."""
+
 DRAWN = 1.5
 """How long drawing may take, twice where texts follow from a file. [s]"""
 
@@ -213,10 +221,16 @@ def worlds():
     show_sunny_picture(bpy.context.scene.world)
     settings.environment.use_sources, settings.environment.repair = True, "RATIO"
     bpy.ops.lumenray.analyse_environment()
+    # The window is not high enough for all panels at once.
+    hidden = [kind for kind in module("ui").CLASSES if kind.__name__ in TALL]
+    for kind in reversed(hidden):
+        bpy.utils.unregister_class(kind)
     yield from tab("world_picture", "WORLD")
     settings.environment.repair = "MODEL"
     yield from tab("world_picture_model", "WORLD")
     settings.environment.use_sources, settings.environment.repair = False, "NONE"
+    for kind in hidden:
+        bpy.utils.register_class(kind)
     settings.source, settings.sky.type = "CIE", "12"
     yield from tab("world_sky", "WORLD")
     for kind in ("CLOUDINESS", "WEATHER", "MEASURED"):
