@@ -45,8 +45,8 @@ REPAIRS = [
     (
         "MODEL",
         "Sky Model",
-        "The sun of the CIE's clear sky for its height, with that sky as bright as the picture at a place of the sky that you "
-        "pick; for pictures in which buildings or trees hide the sky",
+        "The sun of the CIE's clear sky for its height, with that sky as bright as the picture at a place that you pick; "
+        "for pictures in which buildings or trees hide the sky",
         2,
     ),
 ]

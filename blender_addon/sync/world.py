@@ -327,7 +327,10 @@ def _of_field(radiance: Field, name: str, report) -> _Shown | None:
         if colour.min() < 0.0:
             report.warn(name, "a part of the world's colour is negative", "0 is used")
         return _Shown(np.maximum(colour, 0.0))
-    image = ImageTexture(np.ascontiguousarray(rgb(radiance.values), dtype=np.float32), name=name)
+    pixels = np.ascontiguousarray(rgb(radiance.values), dtype=np.float32).view()
+    # What follows from it is then found once.
+    pixels.flags.writeable = False
+    image = ImageTexture(pixels, name=name)
     for message, remedy in describe_faults(image):
         report.warn(name, message, remedy)
     return _Shown(image)

@@ -121,6 +121,35 @@ def test_a_sun_is_mended_by_a_place_of_the_sky():
     assert suns[0].output.value == pytest.approx(plain)
 
 
+def test_pictures_that_nodes_change_are_taken_apart_as_they_are_shown():
+    """Also where the camera alone sees another world, which keeps its own."""
+    world, texture = show(image_of(sunny()))
+    world.lumenray.unit = "LUMINANCE"
+    tree = world.node_tree
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    twice = tree.nodes.new("ShaderNodeHueSaturation")
+    twice.inputs["Value"].default_value = 2.0
+    tree.links.new(texture.outputs["Color"], twice.inputs["Color"])
+    tree.links.new(twice.outputs["Color"], background.inputs["Color"])
+    whole = horizontal(parts()[0], [])[0]
+    world.lumenray.environment.use_sources = True
+    shown, suns, _ = parts()
+    assert len(suns) == 1
+    assert sum(horizontal(shown, suns)) == pytest.approx(whole, rel=1e-5)
+    mix, path = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeLightPath")
+    black = tree.nodes.new("ShaderNodeBackground")
+    black.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(background.outputs[0], mix.inputs[1])
+    tree.links.new(black.outputs[0], mix.inputs[2])
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_WORLD")
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    shown, suns, said = parts()
+    assert sum(horizontal(shown, suns)) == pytest.approx(whole, rel=1e-5)
+    assert shown.seen is not None
+    assert "hide the sun from the camera" in said
+
+
 @pytest.mark.mitsuba
 def test_sensors_see_the_light_that_was_there_and_a_sharp_shadow():
     """A plate over the sensor hides the sun's disk and nearly none of the sky."""
