@@ -207,7 +207,8 @@ def _read_line(data: bytes, place: int, line: np.ndarray, path) -> int:
     if 8 <= length < 32768 and data[place : place + 4] == begins:
         return _read_runs(data, place + 4, line, path)
     flat = np.frombuffer(data, np.uint8, min(4 * length, len(data) - place), place)
-    if len(flat) == 4 * length and not (flat.reshape(-1, 4)[:, :3] == 1).all(axis=1).any():
+    # As numbers of four bytes: three of 1 are a repeat, whatever the exponent.
+    if len(flat) == 4 * length and not ((flat.view("<u4") & 0xFFFFFF) == 0x010101).any():
         line[:] = flat.reshape(-1, 4)
         return place + 4 * length
     return _read_repeats(data, place, line, path)
