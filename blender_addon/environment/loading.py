@@ -31,7 +31,8 @@ def show_picture(scene, path: str) -> bpy.types.Image:
     except RuntimeError:
         raise FileFormatError(path, "cannot be read as a picture") from None
     if image.size[0] * image.size[1] == 0:
-        bpy.data.images.remove(image)
+        if image.users == 0:
+            bpy.data.images.remove(image)
         raise FileFormatError(path, "holds no picture that can be read; is it damaged?")
     world = scene.world
     if world is None or world.library is not None:

@@ -37,7 +37,7 @@ RATIO = 4.0
 ALONE = 2.0
 """Part of the second brightest source's light that a sun gives at least; of two alike neither is taken for the sun. [-]"""
 
-LARGEST_SUN = np.radians(5.0)
+LARGEST_SUN = np.radians(4.0)
 """Diameter up to which a bright area may be a sun and what the lens made of it. [rad]"""
 
 PATCH = np.radians(0.5)

@@ -116,6 +116,7 @@ def test_a_file_is_loaded_into_the_world_and_a_damaged_one_refused(world, tmp_pa
     broken.write_bytes(b"no picture")
     with pytest.raises(RuntimeError, match=r"broken\.exr"):
         bpy.ops.lumenray.load_environment(filepath=str(broken))
+    assert "broken.exr" not in bpy.data.images
     with pytest.raises(RuntimeError, match=r"none\.hdr"):
         bpy.ops.lumenray.load_environment(filepath=str(tmp_path / "none.hdr"))
 

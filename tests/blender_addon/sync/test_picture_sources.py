@@ -19,7 +19,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 def sunny(light=40.0, **options):
     """A map of an even sky of luminance 1 over a ground of 0.2 with a sun at 40 degrees; light facing it: ``light``."""
-    return make_map(64, [Spot(40.0, 120.0, 3.0, light)], sky=1.0, ground=0.2, **options)
+    return make_map(128, [Spot(40.0, 120.0, 2.5, light)], sky=1.0, ground=0.2, **options)
 
 
 def parts():
@@ -54,9 +54,9 @@ def test_a_sun_becomes_a_light_and_the_illuminance_stays(turn):
     # Where the nodes show it: from the world's directions to the picture's.
     towards = before.rotation.T @ Spot(40.0, 120.0).towards
     # A tenth of a pixel.
-    assert np.degrees(np.arccos(-sun.direction @ towards)) < 0.1 * 180.0 / 64.0
+    assert np.degrees(np.arccos(-sun.direction @ towards)) < 0.1 * 180.0 / 128.0
     assert np.degrees(sun.angle) == pytest.approx(0.533, abs=0.01)
-    assert node.image.size[0] == 128
+    assert node.image.size[0] == 256
 
 
 def test_both_units_and_the_strength_hold_for_picture_and_lights():

@@ -101,7 +101,9 @@ def test_two_suns_are_two_sources(clip):
 def test_a_lamp_is_a_source_as_wide_as_it_is():
     lamp = Spot(60.0, 200.0, 5.0, 3.0)
     image = image_of(make_map(HEIGHT, [lamp], sky=0.3))
-    (source,) = find_sources(image).sources
+    search = find_sources(image)
+    (source,) = search.sources
+    assert find_sun_of(search) is None
     assert np.degrees(source.angle) == pytest.approx(5.0, abs=0.15)
     assert source.illuminance == pytest.approx(3.0, rel=0.05)
     assert off(source, lamp) < 0.1
