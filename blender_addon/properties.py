@@ -26,6 +26,8 @@ from .daylight.settings import (
 )
 from .daylight_year import settings as year_settings
 from .daylight_year.settings import LumenrayYearSettings
+from .environment import settings as environment_settings
+from .environment.settings import LumenrayEnvironmentSettings
 from .foundation.settings import (
     identity_property,
     light_group_property,
@@ -83,6 +85,7 @@ class LumenrayWorldSettings(PropertyGroup):
     time: PointerProperty(type=LumenrayTimeSettings)
     sun: PointerProperty(type=LumenraySunSettings)
     arc: PointerProperty(type=LumenrayArcSettings)
+    environment: PointerProperty(type=LumenrayEnvironmentSettings)
     unit: EnumProperty(
         name="Unit",
         description=(
@@ -94,16 +97,38 @@ class LumenrayWorldSettings(PropertyGroup):
             (
                 "ILLUMINANCE",
                 "lx",
-                "Scale the background so that the upper half gives this horizontal illuminance",
+                "Scale the background so that a horizontal plane, or one that faces elsewhere, has this illuminance",
                 2,
             ),
+            (
+                "RADIANCE",
+                "Radiance",
+                "Radiance in W/(m² sr), times the 179 lm/W by which Radiance reads its own pictures",
+                3,
+            ),
+            ("WHITE", "White", "Luminance of a white pixel times the strength, which you state", 4),
         ],
         default="BLENDER",
         update=tag_owner,
     )
+    white: FloatProperty(
+        name="White Luminance",
+        description=(
+            "Luminance that a white pixel, of 1, times the strength stands for, in cd/m². Default 1000: white paper by a "
+            "window"
+        ),
+        default=1000.0,
+        min=0.0,
+        max=1e9,
+        soft_max=1e5,
+        update=tag_owner,
+    )
     illuminance: FloatProperty(
         name="Horizontal Illuminance",
-        description="On an unobstructed horizontal plane, in lx. Default 10000: an overcast day",
+        description=(
+            "On an unobstructed horizontal plane, or on one that faces where the meter did, in lx, bright sources and "
+            "a mended sun included. Default 10000: an overcast day"
+        ),
         default=10000.0,
         min=0.0,
         max=1e6,
@@ -280,6 +305,7 @@ CLASSES = (
     LumenrayMaterialSettings,
     LumenraySkySettings,
     *daylight_settings.CLASSES,
+    *environment_settings.CLASSES,
     *year_settings.CLASSES,
     LumenrayWorldSettings,
     LumenrayObjectSettings,

@@ -97,6 +97,22 @@ def add_command(commands) -> None:
         "--files", type=words, metavar="A,B", help="only these, by their names (default: all)"
     )
     _add_daylight(kinds)
+    environment = _add(
+        kinds,
+        "environment",
+        _run_environment,
+        "pictures of the surroundings: bright sources as lights, suns mended, files",
+        "of a part",
+    )
+    environment.add_argument(
+        "--parts",
+        type=words,
+        metavar="A,B",
+        help="only these of maps, shadow, repair, noise, files, collection (default: all)",
+    )
+    environment.add_argument(
+        "--maps", type=Path, metavar="FOLDER", help="pictures that are analysed (default: none)"
+    )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     _add_with_peers(kinds)
@@ -283,6 +299,17 @@ def _run_hidden(options, say) -> int:
     is_part = options.scene is not None or options.seeds < hidden_light.SEEDS
     _write(hidden_light, made, options, is_part)
     return int(not all(row["passed"] for row in hidden_light.summarise(made)))
+
+
+def _run_environment(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.environment import run as environment
+
+    result = environment.run(options.parts, options.maps, say=say)
+    bars = environment.check_bars(result)
+    tell(tell_bars(bars))
+    _write(environment, result, options, options.parts is not None)
+    return int(any(bar.passed is False for bar in bars))
 
 
 def _run_sync(options, say) -> int:

@@ -8,8 +8,10 @@ from ..blender_addon.daylight.readout import (
     describe_sky,
     describe_sun,
 )
+from ..blender_addon.environment.found import describe_found
 from ..blender_addon.foundation.node_trees import uses_nodes
 from ..blender_addon.sky import depends_on_sun, find_sun_lamp, states_level, takes_lamp
+from .compatibility import ENGINE
 from .parts import PropertiesPanel, draw_description, draw_surface, draw_text, draw_wide
 
 
@@ -221,8 +223,93 @@ class LUMENRAY_PT_world_unit(BackgroundPanel, bpy.types.Panel):
         layout.prop(settings, "unit")
         if settings.unit == "ILLUMINANCE":
             draw_wide(layout, settings, "illuminance", "Illuminance [lx]")
+            column = layout.column(align=True)
+            draw_wide(column, settings.environment, "meter_elevation", "Meter's Elevation")
+            draw_wide(column, settings.environment, "meter_azimuth", "Meter's Azimuth")
+        elif settings.unit == "WHITE":
+            draw_wide(layout, settings, "white", "White [cd/m²]")
         elif settings.unit == "BLENDER":
             layout.prop(context.scene.lumenray, "efficacy", text="lm per Watt")
+
+
+class LUMENRAY_PT_world_picture(BackgroundPanel, bpy.types.Panel):
+    """Picture of the surroundings as light: what it holds, its bright sources as lights, its sun mended."""
+
+    bl_label = "Picture as Light"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        world = context.world
+        settings = world.lumenray.environment
+        row = layout.row(align=True)
+        row.operator("lumenray.load_environment", text="Load", icon="FILE_FOLDER")
+        row.operator("lumenray.analyse_environment", text="Analyse", icon="VIEWZOOM")
+        description, words = describe_found(world)
+        if description.lines:
+            box = layout.box()
+            draw_description(box, context, description)
+            for sentence in words:
+                draw_text(box, context, sentence[:1].upper() + sentence[1:])
+        row = layout.row()
+        row.use_property_split = False
+        row.prop(settings, "use_sources")
+        if not settings.use_sources:
+            return
+        layout.prop(settings, "sun")
+        if settings.sun == "NONE":
+            return
+        layout.prop(settings, "repair")
+        if settings.repair == "RATIO":
+            layout.prop(settings, "sun_ratio")
+        elif settings.repair == "MODEL":
+            layout.column().prop(settings, "sky_point", text="Sky at")
+            layout.prop(world.lumenray.sun, "turbidity")
+        column = layout.column()
+        column.prop(settings, "half", text="Taken in")
+        column.operator("lumenray.time_from_sun")
+
+
+class LUMENRAY_PT_world_picture_limits(BackgroundPanel, bpy.types.Panel):
+    """What makes a bright source of a picture."""
+
+    bl_label = "Bright Sources"
+    bl_parent_id = "LUMENRAY_PT_world_picture"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.world.lumenray.environment
+        layout.prop(settings, "source_factor", text="Source")
+        layout.prop(settings, "edge_factor", text="Edge")
+        layout.prop(settings, "radius", text="Radius")
+        layout.prop(settings, "use_lower")
+
+
+class LUMENRAY_PT_image_sky(bpy.types.Panel):
+    """Place of the sky in the world's picture, in the sidebar of the Image Editor."""
+
+    bl_label = "Sky of the World's Picture"
+    bl_space_type = "IMAGE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Lumenray"
+
+    @classmethod
+    def poll(cls, context):
+        world = context.scene.world
+        return (
+            context.engine == ENGINE
+            and world is not None
+            and world.lumenray.source == "NODES"
+            and world.lumenray.environment.repair == "MODEL"
+        )
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator("lumenray.pick_sky", icon="EYEDROPPER")
+        layout.prop(context.scene.world.lumenray.environment, "sky_point")
 
 
 CLASSES = (
@@ -233,4 +320,7 @@ CLASSES = (
     LUMENRAY_PT_world_study,
     LUMENRAY_PT_world_surface,
     LUMENRAY_PT_world_unit,
+    LUMENRAY_PT_world_picture,
+    LUMENRAY_PT_world_picture_limits,
+    LUMENRAY_PT_image_sky,
 )

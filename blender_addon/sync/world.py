@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from mathutils import Euler
 
+from ...engine.photometry.units import RADIANCE_EFFICACY
 from ...engine.scene.checks import LARGEST_AMOUNT
 from ...engine.scene.light import ImageWorld, UniformWorld
 from ...engine.scene.scene import content_digest
 from ...engine.scene.texture import ImageTexture
+from ...engine.sky.cie import sun_direction
 from ...engine.sky.picture import describe_faults, find_illuminance
 from ..daylight.moment import follows_frames
 from ..foundation.node_trees import uses_nodes
@@ -26,6 +28,7 @@ from .skies import SkyTime, convert_sky
 from .spectra import light_spectrum
 from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
+from .world_sources import take_sources, tell_brightness
 from .world_suns import Disk, find_disks, illuminance_of, make_suns
 
 LEAST_HEIGHT, LARGEST_HEIGHT = 256, 2048
@@ -90,7 +93,7 @@ def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp
     """Convert a world by what lights surfaces; return it and its suns."""
     if world.lumenray.source == "CIE":
         return convert_sky(world, world_id, report, sun_lamp, when), ()
-    shown = _shown(world, report, images)
+    shown = _taken(world, _shown(world, report, images), report)
     if shown is None:
         return None, ()
     factor = _unit_of(world, shown, efficacy)
@@ -98,7 +101,9 @@ def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp
         report.error(world.name, "the upper half of the environment is black", "it gives no light")
         return None, ()
     made = _of_shown(world, world_id, shown, factor, report)
-    return made, make_suns(shown.disks, factor, world_id, world.name, report)
+    suns = make_suns(shown.disks, factor, world_id, world.name, report)
+    tell_brightness(world, suns, report)
+    return made, suns
 
 
 def _convert_seen(world, world_id: str, efficacy: float, report, images, made, has_sun: bool):
@@ -128,6 +133,10 @@ def _convert_seen(world, world_id: str, efficacy: float, report, images, made, h
     seen = None
     if shown is not None:
         lit = _shown(world, ConversionReport(), images) or shown
+        if _is_same_picture(shown, lit):
+            # The light that shines in the place of a source is seen as well.
+            shown = _taken(world, shown, ConversionReport())
+        lit = _taken(world, lit, ConversionReport())
         factor = _unit_of(world, lit, efficacy) or _unit_of(world, shown, efficacy) or 0.0
         seen = _of_shown(world, world_id, shown, factor, own)
     if has_sun and not (shown is not None and shown.disks):
@@ -148,15 +157,68 @@ def _unit_of(world, shown: "_Shown", efficacy: float) -> float | None:
     """Luminance that 1 in a world's nodes stands for; None where none gives the illuminance that is asked for. [cd/m2]"""
     settings = world.lumenray
     if settings.unit != "ILLUMINANCE":
-        return efficacy if settings.unit == "BLENDER" else 1.0
+        plain = {"BLENDER": efficacy, "RADIANCE": RADIANCE_EFFICACY, "WHITE": settings.white}
+        return plain.get(settings.unit, 1.0)
+    normal = meter_normal(settings.environment)
     if isinstance(shown.colour, ImageTexture):
-        given = find_illuminance(shown.colour, shown.rotation, UPWARDS)
+        given = find_illuminance(shown.colour, shown.rotation, normal)
     else:
         given = math.pi * float(np.ravel(luminance(shown.colour))[0])
     given *= shown.strength
-    # Only a world that is evaluated as a whole has disks, and then its strength is in them.
-    given += sum(illuminance_of(disk) * max(disk.towards[2], 0.0) for disk in shown.disks)
+    # The strength is in the disks.
+    given += sum(illuminance_of(disk) * max(disk.towards @ normal, 0.0) for disk in shown.disks)
     return settings.illuminance / given if given > 0.0 else None
+
+
+def meter_normal(settings) -> np.ndarray:
+    """Return the unit vector in which the plane faces whose illuminance is stated, by a world's environment settings."""
+    if settings.meter_elevation >= 0.5 * math.pi - 1e-6:
+        return UPWARDS
+    return sun_direction(settings.meter_elevation, settings.meter_azimuth)
+
+
+def _is_same_picture(shown: "_Shown", lit: "_Shown") -> bool:
+    first, second = shown.colour, lit.colour
+    if not (isinstance(first, ImageTexture) and isinstance(second, ImageTexture)):
+        return False
+    return first.pixels is second.pixels or np.array_equal(first.pixels, second.pixels)
+
+
+def _taken(world, shown: "_Shown | None", report) -> "_Shown | None":
+    """Return what a world shows with the bright sources of its picture as disks, where that is asked for."""
+    if shown is None or not world.lumenray.environment.use_sources:
+        return shown
+    if not isinstance(shown.colour, ImageTexture):
+        return shown
+    taken = take_sources(world, shown.colour, shown.rotation, report)
+    disks = tuple(
+        replace(disk, irradiance=shown.strength * disk.irradiance) for disk in taken.disks
+    )
+    return replace(shown, colour=taken.image, disks=(*shown.disks, *disks))
+
+
+def find_picture(world, efficacy: float, report) -> "tuple[ImageTexture, np.ndarray, float] | None":
+    """Return the picture that lights a world's surfaces, its rotation as of `ImageWorld`, and what a value of 1 is.
+
+    Parameters
+    ----------
+    world : bpy.types.World
+    efficacy : float    Lumens per Blender watt. [lm/W]
+    report : ConversionReport    Told what is odd about it.
+
+    Returns
+    -------
+    ImageTexture, (3, 3) array, float [cd/m2], or None where the world shows no picture, or a black one
+    """
+    if world.lumenray.source == "CIE":
+        return None
+    shown = _shown(world, report, ImageCache())
+    if shown is None or not isinstance(shown.colour, ImageTexture):
+        return None
+    factor = _unit_of(world, _taken(world, shown, ConversionReport()), efficacy)
+    if factor is None or shown.strength <= 0.0:
+        return None
+    return shown.colour, shown.rotation, shown.strength * factor
 
 
 def _of_shown(world, world_id: str, shown: "_Shown", factor: float, report):
@@ -265,7 +327,10 @@ def _of_field(radiance: Field, name: str, report) -> _Shown | None:
         if colour.min() < 0.0:
             report.warn(name, "a part of the world's colour is negative", "0 is used")
         return _Shown(np.maximum(colour, 0.0))
-    image = ImageTexture(np.ascontiguousarray(rgb(radiance.values), dtype=np.float32), name=name)
+    pixels = np.ascontiguousarray(rgb(radiance.values), dtype=np.float32).view()
+    # What follows from it is then found once.
+    pixels.flags.writeable = False
+    image = ImageTexture(pixels, name=name)
     for message, remedy in describe_faults(image):
         report.warn(name, message, remedy)
     return _Shown(image)

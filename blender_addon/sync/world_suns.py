@@ -1,4 +1,4 @@
-"""The suns of Sky Textures as lights of their own: what a world's nodes make of each disk, added up over it."""
+"""Suns and bright sources of a world as lights of their own; suns of Sky Textures are what nodes make of each disk."""
 
 from dataclasses import dataclass
 
@@ -35,12 +35,16 @@ class Disk:
     towards : (3,) array    Unit vector to the middle of its light.
     angle : float    Angular diameter. [rad]
     unlikeness : float    Root of the mean square by which it differs from a disk that is darkened at its limb alone. [-]
+    limb_darkening : float    As of `SunLight`. [-]
+    is_sun : bool    Whether it is one, and no lamp.
     """
 
     irradiance: np.ndarray
     towards: np.ndarray
     angle: float
     unlikeness: float
+    limb_darkening: float = LIMB
+    is_sun: bool = True
 
 
 def find_disks(surface, skies, name: str, report: ConversionReport, images, is_camera: bool):
@@ -99,8 +103,8 @@ def make_suns(disks, factor: float, world_id: str, name: str, report) -> tuple[S
         # The end is how light groups know whose it is.
         key = f"{world_id}/sun {number}/{WORLD}"
         output = Output(Quantity.ILLUMINANCE, amount, light_spectrum(disk.irradiance))
-        sun = SunLight(key, f"sun of {name}", output, -disk.towards, disk.angle, LIMB)
-        made.append(sun)
+        called = f"{'sun' if disk.is_sun else 'bright source'} of {name}"
+        made.append(SunLight(key, called, output, -disk.towards, disk.angle, disk.limb_darkening))
         if disk.unlikeness > UNLIKE:
             report.info(
                 name,

@@ -1,4 +1,4 @@
-"""OpenEXR files, written by Mitsuba's own copy of the library.
+"""OpenEXR files, written and read by Mitsuba's own copy of the library.
 
 The OpenEXR package for Python must not be loaded into Blender's process: both export the same C names, and the calls of
 one end up in the other. Mitsuba's copy has names of its own.
@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from .. import llvm
+from ..errors import FileFormatError
 from ..photometry.colour import scene_linear
 from ..reading.whole_file import write_whole
+from .exr_structure import check_whole
 
 
 def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
@@ -74,3 +76,45 @@ def write_spectral(path, picture) -> Path:
 
 SPECTRAL_ATTRIBUTES = {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1", "EV": 0.0}
 """Header of a spectral picture; the radiance is a density per nanometre, as the layout's own software integrates it."""
+
+
+def read_colours(path, data: bytes) -> np.ndarray:
+    """Read the colours of a file.
+
+    Parameters
+    ----------
+    path : str or Path    For errors.
+    data : bytes    The whole file.
+
+    Returns
+    -------
+    (height, width, 3) float32 array    R, G and B of the first layer that has them, or luminance three times; row 0 is the
+        bottom row.
+
+    Raises
+    ------
+    FileFormatError    It is damaged, ends early or holds no such channels.
+    """
+    check_whole(path, data)
+    llvm.settle()
+    import mitsuba as mi
+
+    if mi.variant() is None:
+        mi.set_variant("scalar_rgb")
+    stream = mi.MemoryStream(len(data))
+    stream.write(data)
+    stream.seek(0)
+    try:
+        bitmap = mi.Bitmap(stream, mi.Bitmap.FileFormat.OpenEXR)
+    except RuntimeError as error:
+        # The last sentence says why, those before it which stream.
+        words = " ".join(str(error).rpartition("]")[2].split()).strip('". ')
+        raise FileFormatError(path, f"is damaged or ends early ({words})") from None
+    if bitmap.pixel_format() == mi.Bitmap.PixelFormat.MultiChannel:
+        kinds = {mi.Bitmap.PixelFormat.RGB, mi.Bitmap.PixelFormat.RGBA}
+        layers = [layer for _, layer in bitmap.split() if layer.pixel_format() in kinds]
+        if not layers:
+            raise FileFormatError(path, "expected channels R, G and B, or Y")
+        bitmap = layers[0]
+    bitmap = bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
+    return np.ascontiguousarray(np.array(bitmap, dtype=np.float32)[::-1])

@@ -25,6 +25,9 @@ MAXIMUM_HEADER = 1 << 20
 MAXIMUM_PIXELS = 1 << 28
 """Pictures are never larger than this."""
 
+LINES_AT_ONCE = 256
+"""Rows that are decoded together, so that large pictures need little memory beside their own."""
+
 PLAIN = "-Y +X"
 """The usual order: rows from the top down, each from left to right."""
 
@@ -181,22 +184,20 @@ def decode(data: bytes, header: Header, path) -> np.ndarray:
     place = header.start
     for line in stored:
         place = _read_line(data, place, line, path)
-    scale = np.ldexp(np.float32(1.0), stored[..., 3].astype(np.int32) - 136)
-    scale[stored[..., 3] == 0] = 0.0
-    pixels = stored[..., :3] * scale[..., None]
-    if header.encoding == XYZE:
-        pixels = pixels @ XYZ_TO_REC709.T.astype(np.float32)
-    return np.ascontiguousarray(_upright(pixels, header.order))
-
-
-def _upright(pixels: np.ndarray, order: str) -> np.ndarray:
-    """Turn an array of stored rows so that row 0 is the bottom one and column 0 the left one."""
-    first, second = order.split()
-    if first[0] == "-":
-        pixels = pixels[::-1]
-    if second[0] == "-":
-        pixels = pixels[:, ::-1]
-    return pixels if first[1] == "Y" else pixels.transpose(1, 0, 2)
+    pixels = np.empty((*stored.shape[:2], 3), dtype=np.float32)
+    first, second = header.order.split()
+    # Row 0 is to be the bottom one, column 0 the left one.
+    rows = pixels[::-1] if first[0] == "-" else pixels
+    rows = rows[:, ::-1] if second[0] == "-" else rows
+    for start in range(0, header.lines, LINES_AT_ONCE):
+        part = stored[start : start + LINES_AT_ONCE]
+        scale = np.ldexp(np.float32(1.0), part[..., 3].astype(np.int32) - 136)
+        scale[part[..., 3] == 0] = 0.0
+        values = part[..., :3] * scale[..., None]
+        if header.encoding == XYZE:
+            values = values @ XYZ_TO_REC709.T.astype(np.float32)
+        rows[start : start + LINES_AT_ONCE] = values
+    return pixels if first[1] == "Y" else np.ascontiguousarray(pixels.transpose(1, 0, 2))
 
 
 def _read_line(data: bytes, place: int, line: np.ndarray, path) -> int:
@@ -206,7 +207,8 @@ def _read_line(data: bytes, place: int, line: np.ndarray, path) -> int:
     if 8 <= length < 32768 and data[place : place + 4] == begins:
         return _read_runs(data, place + 4, line, path)
     flat = np.frombuffer(data, np.uint8, min(4 * length, len(data) - place), place)
-    if len(flat) == 4 * length and not (flat.reshape(-1, 4)[:, :3] == 1).all(axis=1).any():
+    # As numbers of four bytes: three of 1 are a repeat, whatever the exponent.
+    if len(flat) == 4 * length and not ((flat.view("<u4") & 0xFFFFFF) == 0x010101).any():
         line[:] = flat.reshape(-1, 4)
         return place + 4 * length
     return _read_repeats(data, place, line, path)

@@ -8,6 +8,9 @@ LUMINOUS_EFFICACY = 683.002
 BLENDER_EFFICACY = 177.83
 """Luminous efficacy that Cycles assumes for its own watts (D65). [lm/W]"""
 
+RADIANCE_EFFICACY = 179.0
+"""Luminous efficacy by which Radiance turns its pictures' values, in W/(m2 sr), into luminances. [lm/W]"""
+
 MINIMUM_WAVELENGTH = 360.0
 """Shortest wavelength carried. [nm]"""
 

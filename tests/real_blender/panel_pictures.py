@@ -12,9 +12,18 @@ sys.path.insert(0, str(Path(__file__).parent))
 import subprocess
 
 import bpy
+import numpy as np
 from window import PACKAGE, module, override, region_of, show_tab, start, wait_for, window
 
 FOLDER = Path("/out/panels")
+
+TALL = {
+    "LUMENRAY_PT_world_preview",
+    "LUMENRAY_PT_world_place",
+    "LUMENRAY_PT_world_sun",
+    "LUMENRAY_PT_world_study",
+}
+"""Panels of the world that are left out of the pictures of its picture."""
 
 DRAWN = 1.5
 """How long drawing may take, twice where texts follow from a file. [s]"""
@@ -189,12 +198,39 @@ def materials():
     settings.use_override = False
 
 
+def show_sunny_picture(world):
+    """Let a world show an even sky with a clipped sun over a dark ground."""
+    image = bpy.data.images.new("street.hdr", 256, 128, float_buffer=True)
+    pixels = np.ones((128, 256, 4), np.float32)
+    pixels[:64, :, :3] = 0.2
+    pixels[92:94, 150:152, :3] = 300.0
+    image.pixels.foreach_set(pixels.ravel())
+    tree = world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = image
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+
+
 def worlds():
     """The world's nodes, and a sky."""
     settings = bpy.context.scene.world.lumenray
     yield from tab("world_nodes", "WORLD")
     settings.unit = "ILLUMINANCE"
     yield from tab("world_lux", "WORLD")
+    show_sunny_picture(bpy.context.scene.world)
+    settings.environment.use_sources, settings.environment.repair = True, "RATIO"
+    bpy.ops.lumenray.analyse_environment()
+    # The window is not high enough for all panels at once.
+    hidden = [kind for kind in module("ui").CLASSES if kind.__name__ in TALL]
+    for kind in reversed(hidden):
+        bpy.utils.unregister_class(kind)
+    yield from tab("world_picture", "WORLD")
+    settings.environment.repair = "MODEL"
+    yield from tab("world_picture_model", "WORLD")
+    settings.environment.use_sources, settings.environment.repair = False, "NONE"
+    for kind in hidden:
+        bpy.utils.register_class(kind)
     settings.source, settings.sky.type = "CIE", "12"
     yield from tab("world_sky", "WORLD")
     for kind in ("CLOUDINESS", "WEATHER", "MEASURED"):

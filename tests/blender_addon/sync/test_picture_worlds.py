@@ -13,6 +13,7 @@ from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
 from lumenray.engine.sky.picture import find_illuminance
 from mathutils import Vector
+from picture_worlds import image_of, show
 from radiance_files import XYZE, write_picture
 
 REC709 = np.array([0.2126, 0.7152, 0.0722])
@@ -31,34 +32,6 @@ def picture(height=32, seed=2):
     made[height // 2 :] *= 3.0
     made[height * 3 // 4, height // 3] = 40.0
     return made
-
-
-def image_of(pixels, name="Sky"):
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height, float_buffer=True)
-    full = np.ones((height, width, 4), np.float32)
-    full[..., :3] = pixels
-    image.pixels.foreach_set(full.ravel())
-    image.update()
-    return image
-
-
-def show(image, turn=(0.0, 0.0, 0.0)):
-    """Make a world that shows an image; returns it with the texture's node."""
-    world = bpy.context.scene.world = bpy.data.worlds.new("Outside")
-    if bpy.app.version < (5, 0, 0):
-        world.use_nodes = True
-    tree = world.node_tree
-    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
-    node = tree.nodes.new("ShaderNodeTexEnvironment")
-    node.image = image
-    place = tree.nodes.new("ShaderNodeMapping")
-    place.inputs["Rotation"].default_value = turn
-    where = tree.nodes.new("ShaderNodeTexCoord")
-    tree.links.new(where.outputs["Generated"], place.inputs["Vector"])
-    tree.links.new(place.outputs["Vector"], node.inputs["Vector"])
-    tree.links.new(node.outputs["Color"], background.inputs["Color"])
-    return world, node
 
 
 def said():
