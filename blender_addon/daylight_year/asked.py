@@ -19,6 +19,7 @@ from .. import assumptions
 from ..foundation.report import ConversionReport
 from ..sync.scene import convert_scene
 from ..sync.walk import NO_LIGHT
+from .blind_rules import find_rules
 from .job import SUN_ANGLE, Places, YearJob, find_keys, meshes_of
 
 NEAR = 1.5
@@ -70,7 +71,13 @@ def prepare(context) -> tuple[YearJob, ConversionReport, list[str]]:
         _blinds_of(settings, converted.objects),
         _places_of(settings, own, converted.objects),
         year,
-        Question(zone, target=settings.target, ground_reflectance=ground, day=day),
+        Question(
+            zone,
+            target=settings.target,
+            ground_reflectance=ground,
+            day=day,
+            blinds=find_rules(settings, north),
+        ),
         order,
         scene.lumenray.transport.lower(),
     )

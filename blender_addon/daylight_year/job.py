@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...engine.daylight.blinds import check_rules
 from ...engine.daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ...engine.daylight.light import Light
 from ...engine.daylight.study import Figures, Question, judge, shade
@@ -80,6 +81,7 @@ class YearJob:
         Cancelled    After `cancel`.
         LumenrayError    The scene or the machine does not allow it.
         """
+        check_rules(self.question.blinds, len(self.blinds), self.year)
         self._session = session
         session.apply(SceneDelta(changed=_all_items(self.scene)))
         own = Scene()
@@ -105,7 +107,7 @@ class YearJob:
 
             found.append(trace() if find is None else find(number, own.hash(), trace))
         opened, *closed = found
-        light = shade(self.year, opened, tuple(closed), self.places.areas)
+        light = shade(self.year, opened, tuple(closed), self.places.areas, self.question)
         figures = judge(light, self.question, self.places.areas)
         remarks = map(str, self.year.remarks)
         self.answer = Answer(light, figures, (*remarks, *opened.provenance.notes, *figures.notes))

@@ -15,7 +15,7 @@ from ..output import add_output, check_free, say, sheet
 from ..progress import Bar
 from .answers import MATRIX, write
 from .places import find_places
-from .states import find_blinds, keep_states
+from .states import RULES, find_blinds, find_rules, keep_states, read_rule
 
 SAMPLES = 8192
 """Paths of a sensor where nothing is asked for."""
@@ -35,7 +35,7 @@ def add_command(commands) -> None:
     daylight = commands.add_parser(
         "daylight",
         help="daylight of a whole year at sensors: daylight factors, autonomy, LM-83, EN 17037",
-        epilog=assumptions.CODES,
+        epilog=f"{RULES}\n\n{assumptions.CODES}",
     )
     add_scene(daylight)
     daylight.add_argument(
@@ -115,7 +115,15 @@ def _add_building(group) -> None:
         action="append",
         default=[],
         metavar="COLLECTION",
-        help="its objects are the closed blinds of a group of windows, which LM-83's rule closes; may be given again",
+        help="its objects are the closed blinds of a group of windows; may be given again",
+    )
+    group.add_argument(
+        "--blinds-when",
+        action="append",
+        default=[],
+        type=read_rule,
+        metavar="RULE",
+        help="when they are closed, see below (default: by LM-83's rule)",
     )
     group.add_argument("--roof", action="store_true", help="EN 17037: daylight comes from above")
 
@@ -263,4 +271,5 @@ def _ask(options, weather):
         is_from_above=options.roof,
         ground_reflectance=options.ground,
         day=make_day(day, place, least, SUNLIGHT_STEP),
+        blinds=find_rules(options),
     ), notes

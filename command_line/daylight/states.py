@@ -1,7 +1,24 @@
-"""States of the blinds: their objects, and what an earlier run has traced of them."""
+"""States of the blinds: their objects, when they are closed, and what an earlier run has traced of them."""
+
+import argparse
+import math
+import re
 
 from ...blender_addon.daylight_year.job import YearJob, find_keys, meshes_of
 from ...engine.errors import SceneError
+from ..options import real, whole
+
+RULES = """when the blinds of a group are closed, once for all groups or as often as --blinds:
+  lm83                       where the sun lights more than 2 % of the area with more than 1000 lx (default)
+  closed                     always
+  months=4-9,hours=9-17      by the clock; add ",workdays" for Monday to Friday
+  table=STATES.csv           0 or 1 for every record of the weather file, a column for each group or one for all
+  sun=200                    while the direct normal irradiance is above so many W/m2
+  horizontal=400             while that of a horizontal plane in the open is, by sun and sky
+  facade=180:250             while that of a vertical plane in the open is, which faces so many degrees of the compass
+  sensors=3000               while the mean illuminance of the sensors, blinds open, is above so many lx"""
+
+_BOUND = re.compile(r"(sun|horizontal|sensors|facade)=(?:([^:]+):)?([^:]+)")
 
 
 def find_blinds(options, objects: dict[str, str]) -> list[tuple[str, ...]]:
@@ -15,6 +32,86 @@ def find_blinds(options, objects: dict[str, str]) -> list[tuple[str, ...]]:
             raise SceneError(f"{options.file}: there is no collection named '{name}'")
         made.append(find_keys(objects, meshes_of(collection), f"{options.file}: the scene"))
     return made
+
+
+def read_rule(text: str):
+    """Read a rule for blinds; return a function that makes `blinds.Rule` objects of it, given --north. [degree]"""
+    found = _BOUND.fullmatch(text)
+    if found is not None:
+        kind, azimuth, bound = found.groups()
+        if (kind == "facade") != (azimuth is not None):
+            raise argparse.ArgumentTypeError(f"expected facade=AZIMUTH:BOUND, found '{text}'")
+        return _of_bound(kind, real(-360.0, 360.0)(azimuth or "0"), real(0.0)(bound))
+    if text in {"lm83", "closed"}:
+        return _of_word(text)
+    name, _, path = text.partition("=")
+    if name == "table" and path:
+        return _of_table(path)
+    return _of_clock(text)
+
+
+def _of_bound(kind: str, azimuth: float, bound: float):
+    def make(north: float):
+        from ...engine.daylight.blinds import PlaneBound, SensorBound, SunBound
+
+        if kind == "horizontal":
+            return (PlaneBound(bound),)
+        if kind == "sun":
+            return (SunBound(bound),)
+        if kind == "sensors":
+            return (SensorBound(bound),)
+        turn = math.radians(azimuth - north)
+        return (PlaneBound(bound, (math.sin(turn), math.cos(turn), 0.0)),)
+
+    return make
+
+
+def _of_word(word: str):
+    def make(north: float):
+        from ...engine.daylight.blinds import FixedTimes, StandardRule
+
+        return (StandardRule() if word == "lm83" else FixedTimes(),)
+
+    return make
+
+
+def _of_table(path: str):
+    def make(north: float):
+        from ...engine.daylight.blinds import read_state_tables
+
+        return read_state_tables(path)
+
+    return make
+
+
+def _of_clock(text: str):
+    readers = {"months": whole(1, 12), "hours": real(0.0, 24.0)}
+    given, is_workdays = {}, False
+    for part in text.split(","):
+        name, _, values = part.strip().partition("=")
+        first, _, last = values.partition("-")
+        if name == "workdays" and not values:
+            is_workdays = True
+        elif name in readers and first:
+            given[name] = readers[name](first), readers[name](last or first)
+        else:
+            raise argparse.ArgumentTypeError(
+                f"expected a rule such as hours=9-17 or sun=200, found '{text}'"
+            )
+
+    def make(north: float):
+        from ...engine.daylight.blinds import FixedTimes
+        from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS
+        from ...engine.sky.clock_range import ClockRange
+
+        return (FixedTimes(ClockRange(**given), WORKDAYS if is_workdays else EVERY_DAY),)
+
+    return make
+
+
+def find_rules(options) -> tuple:
+    """Return the rules for blinds that were asked for, in the order of their groups."""
+    return tuple(rule for make in options.blinds_when for rule in make(options.north))
 
 
 def keep_states(options, job: YearJob):

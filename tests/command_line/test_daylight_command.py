@@ -93,11 +93,51 @@ def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
     assert {name.name: name.stat().st_mtime_ns for name in out.glob("traced_*")} == kept
 
 
+@pytest.mark.mitsuba
+def test_blinds_by_rules_of_ones_own(open_floor, tmp_path, capsys):
+    path, weather = open_floor
+    out = tmp_path / "out"
+    code, _, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "4", "--blinds", "Blinds",
+        "--blinds-when", "months=6-8,hours=0-24",
+    )  # fmt: skip
+    assert code == 0, errors
+    assert "sDA, whose blinds are those of LM-83" in errors
+    hours = read_table(out / "hours.csv")
+    in_summer = np.array([clock[5:7] in {"06", "07", "08"} for clock in hours["clock"]])
+    np.testing.assert_array_equal(hours["blinds_1"] == "closed", in_summer)
+    # Under the plate there is little light, of what the ground below sends up.
+    assert hours["mean_lx"][in_summer].mean() < 0.1 * hours["mean_lx"][~in_summer].mean()
+
+    # The same states from a table, without tracing anew.
+    table = tmp_path / "states.csv"
+    months = [day // (24 * 30.4) for day in range(8760)]
+    table.write_text("".join(f"{int(5 <= month < 8)}\n" for month in months))
+    code, _, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "4", "--blinds", "Blinds",
+        "--blinds-when", f"table={table}", "--resume",
+    )  # fmt: skip
+    assert code == 0, errors
+    again = read_table(out / "hours.csv")
+    assert 0.95 < ((again["blinds_1"] == "closed") == in_summer).mean() <= 1.0
+
+
+@pytest.mark.parametrize(
+    "rule", ["hours=25-3", "noon", "facade=200", "sun=180:200", "sun=-5", "workdays=1"]
+)
+def test_rules_for_blinds_that_are_none_are_refused(open_floor, tmp_path, capsys, rule):
+    path, weather = open_floor
+    with pytest.raises(SystemExit):
+        ask(capsys, path, weather, tmp_path / "out", "--floor", "Floor", "--blinds-when", rule)
+    assert "blinds-when" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [
         (("--floor", "Attic"), "no object named Attic"),
         (("--floor", "Floor", "--blinds", "Curtains"), "no collection named 'Curtains'"),
+        (("--floor", "Floor", "--blinds-when", "closed"), "there are none"),
         (("--floor", "Floor", "--sun-day", "6-21"), "between 1 February and 21 March"),
         (("--floor", "Floor", "--sun-day", "2-31"), "no day 02-31"),
         (("--floor", "Floor", "--hours", "18-8"), "18 to 8 h"),

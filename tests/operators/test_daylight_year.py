@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 from blender_objects import add_quad, new_paint
 from lumenray.blender_addon.daylight_year import asked, results
+from lumenray.engine.daylight.blinds import FixedTimes, PlaneBound, SensorBound, SunBound
 from lumenray.engine.errors import SceneError
+from lumenray.engine.sky.clock_range import ClockRange
 from weather_files import sunny_year
 
 pytestmark = pytest.mark.usefixtures("extension")
@@ -54,6 +56,56 @@ def test_every_collection_in_the_blinds_is_a_group(floor):
     job, _, _ = asked.prepare(bpy.context)
     assert [len(keys) for keys in job.blinds] == [1, 1]
     assert job.states == 3
+
+
+@pytest.fixture
+def blinds(floor):
+    """A plate high above the floor as the blinds of one group."""
+    group = bpy.data.collections.new("Blinds")
+    bpy.context.scene.collection.children.link(group)
+    plate = add_quad("Plate", material=floor.data.materials[0])
+    bpy.context.scene.collection.objects.unlink(plate)
+    group.objects.link(plate)
+    settings = bpy.context.scene.lumenray.year
+    settings.blinds = group
+    bpy.context.view_layer.update()
+    return settings
+
+
+@pytest.mark.parametrize(
+    ("rule", "expected"),
+    [
+        ("STANDARD", ()),
+        ("TIMES", (FixedTimes(ClockRange((4, 9), (9.0, 17.0))),)),
+        ("SUN", (SunBound(200.0),)),
+        ("HORIZONTAL", (PlaneBound(200.0),)),
+        ("SENSORS", (SensorBound(3000.0),)),
+    ],
+)
+def test_what_closes_blinds_is_asked_for(blinds, rule, expected):
+    blinds.blinds_rule = rule
+    assert asked.prepare(bpy.context)[0].question.blinds == expected
+
+
+def test_a_facade_is_turned_with_the_building(blinds):
+    blinds.blinds_rule = "FACADE"
+    bpy.context.scene.world.lumenray.place.north = np.radians(90.0)
+    (rule,) = asked.prepare(bpy.context)[0].question.blinds
+    # +Y is east, so that south is +X.
+    np.testing.assert_allclose(rule.facing, (1.0, 0.0, 0.0), atol=1e-6)
+
+
+def test_states_come_from_a_file(blinds, tmp_path):
+    blinds.blinds_rule = "TABLE"
+    with pytest.raises(SceneError, match="no file with the states"):
+        asked.prepare(bpy.context)
+    path = tmp_path / "states.csv"
+    path.write_text("1\n0\n")
+    blinds.blinds_file = str(path)
+    job, _, _ = asked.prepare(bpy.context)
+    assert job.question.blinds[0].is_closed.tolist() == [True, False]
+    with pytest.raises(SceneError, match="has 2 states"):
+        job.run(None)
 
 
 @pytest.mark.mitsuba
