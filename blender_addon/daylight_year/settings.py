@@ -124,7 +124,7 @@ class LumenrayYearSettings(PropertyGroup):
     )
     blinds_first_month: IntProperty(
         name="First Month",
-        description="From whose first day on blinds are closed. Default 4: April, when the sun gets high",
+        description="Number of the month from whose first day on blinds are closed. Default 4: the sun gets high",
         default=4,
         min=1,
         max=12,
@@ -132,8 +132,8 @@ class LumenrayYearSettings(PropertyGroup):
     blinds_last_month: IntProperty(
         name="Last Month",
         description=(
-            "Up to whose last day blinds are closed; it may be before the first one, over the turn of the year. Default 9: "
-            "September"
+            "Number of the month up to whose last day blinds are closed; one before the first: over the turn of the year. "
+            "Default 9: the sun gets low"
         ),
         default=9,
         min=1,
@@ -141,7 +141,7 @@ class LumenrayYearSettings(PropertyGroup):
     )
     blinds_start: FloatProperty(
         name="Start",
-        description="Hour of the day, by the clocks, from which on blinds are closed. Default 9",
+        description="Time of the day, in hours by the clocks, from which on blinds are closed. Default 9: people are there",
         default=9.0,
         min=0.0,
         max=24.0,
@@ -151,7 +151,8 @@ class LumenrayYearSettings(PropertyGroup):
     blinds_end: FloatProperty(
         name="End",
         description=(
-            "Hour of the day, by the clocks, until which blinds are closed; before the start: over midnight. Default 17"
+            "Time of the day, in hours by the clocks, until which blinds are closed; before the start: over midnight. "
+            "Default 17: people leave"
         ),
         default=17.0,
         min=0.0,
@@ -198,7 +199,7 @@ class LumenrayYearSettings(PropertyGroup):
     )
     blinds_azimuth: FloatProperty(
         name="Facade Faces",
-        description="Compass direction that the facade faces: 0° is north, 90° east. Default 180°: south",
+        description="Compass direction that the facade faces: 0° is north, 90° east. Default 180°: south, where most sun comes from",
         default=math.radians(180.0),
         min=math.radians(-360.0),
         max=math.radians(360.0),
