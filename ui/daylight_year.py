@@ -26,6 +26,9 @@ class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):
         column.prop(settings, "blinds")
         if settings.blinds is not None:
             _draw_rule(column, settings)
+        column.prop(settings, "maps")
+        if settings.maps is not None:
+            column.prop(settings, "map_density")
         column.prop(settings, "target", text="Target [lx]")
         column.prop(settings, "samples")
         row = layout.row()

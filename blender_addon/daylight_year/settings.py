@@ -199,11 +199,30 @@ class LumenrayYearSettings(PropertyGroup):
     )
     blinds_azimuth: FloatProperty(
         name="Facade Faces",
-        description="Compass direction that the facade faces: 0° is north, 90° east. Default 180°: south, where most sun comes from",
+        description="Compass direction that the facade faces: 0° is north, 90° east. Default 180°: south, sunny at noon",
         default=math.radians(180.0),
         min=math.radians(-360.0),
         max=math.radians(360.0),
         subtype="ANGLE",
+    )
+    maps: PointerProperty(
+        name="Maps On",
+        description=(
+            "Collection whose meshes get maps of all figures, besides those of the floor's sensors: a UV map and images of "
+            "the daylight autonomy, useful and mean illuminance and others. Empty: none"
+        ),
+        type=Collection,
+    )
+    map_density: FloatProperty(
+        name="Lumels per m",
+        description=(
+            "Lumels of the maps per metre on the surface; every lumel is a sensor of its own. Default 2: as dense as the "
+            "usual sensors"
+        ),
+        default=2.0,
+        min=0.01,
+        max=100.0,
+        soft_max=10.0,
     )
     target: FloatProperty(
         name="Target",

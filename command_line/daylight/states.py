@@ -119,9 +119,8 @@ def keep_states(options, job: YearJob):
     from ...engine.daylight.kept import read_coefficients, write_coefficients
     from ...engine.formats.checkpoint import digest
 
-    order = digest((job.order, job.places.sensors, job.transport))
-
-    def find(number: int, scene: str, trace):
+    def find(number: int, scene: str, sensors, trace):
+        order = digest((job.order, sensors, job.transport))
         path = options.output / f"traced_{number}.lumenray"
         if options.resume and path.exists():
             return read_coefficients(path, scene, order)

@@ -43,6 +43,15 @@ def read_table(path):
     return np.genfromtxt(lines, delimiter=",", names=True, dtype=None, encoding="utf-8")
 
 
+def read_channels(path):
+    """Channels of an OpenEXR file by name, row 0 at the top."""
+    import mitsuba as mi
+
+    bitmap = mi.Bitmap(str(path))
+    names = [entry.name for entry in bitmap.struct_()]
+    return dict(zip(names, np.moveaxis(np.array(bitmap), -1, 0), strict=True))
+
+
 @pytest.mark.mitsuba
 def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
     path, weather = open_floor
@@ -91,6 +100,36 @@ def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
     assert code == 0, errors
     assert (out / "sensors.csv").read_text() == before
     assert {name.name: name.stat().st_mtime_ns for name in out.glob("traced_*")} == kept
+
+
+@pytest.mark.mitsuba
+def test_maps_of_a_year(open_floor, tmp_path, capsys):
+    path, weather = open_floor
+    out = tmp_path / "out"
+    code, said, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "2", "--blinds", "Blinds",
+        "--blinds-when", "closed", "--maps", "Floor", "--lumels-per-m", "1",
+    )  # fmt: skip
+    assert code == 0, errors
+    assert "maps of 1 objects with 16 lumels" in said
+    found = json.loads((out / "summary.json").read_text())
+    (row,) = found["maps"]
+    assert (row["object"], row["lumels"], row["filled"]) == ("Floor", 16, 0)
+    # Under the plate, as the sensors are that stand a little higher; daylight factors are those of open blinds.
+    means = [each["mean_lx"]["value"] for each in (row["figures"], found["figures"])]
+    assert means[0] == pytest.approx(means[1], rel=0.1)
+    assert row["figures"]["daylight_factor_median"]["value"] == pytest.approx(1.0, rel=0.1)
+    channels = read_channels(out / "maps" / "daylight_factor.1001.exr")
+    covered = channels["covered.Y"] > 0.0
+    assert covered.sum() == 16
+    factor, error = channels["Y"][covered], channels["standard_error.Y"][covered]
+    assert (np.abs(factor - 1.0) < 5.0 * error + 0.01).all()
+    assert len(list((out / "maps").glob("*.exr"))) == len(list((out / "maps").glob("*.png"))) == 13
+    code, _, errors = ask(
+        capsys, path, weather, tmp_path / "other", "--floor", "Floor", "--maps", "Attic"
+    )
+    assert code == 1
+    assert "no object named Attic" in errors
 
 
 @pytest.mark.mitsuba

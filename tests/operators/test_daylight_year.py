@@ -136,6 +136,46 @@ def test_the_operator_computes_in_the_engines_process(floor):
     assert len(results.find_images()) == len(results.IMAGES)
 
 
+@pytest.mark.mitsuba
+def test_maps_lie_on_the_objects_of_a_collection(floor):
+    """Half of a table under a plate: its map is dark there."""
+    shown = bpy.data.collections.new("Shown")
+    bpy.context.scene.collection.children.link(shown)
+    table = add_quad("Table", material=floor.data.materials[0])
+    table.scale, table.location = (4.0, 4.0, 1.0), (6.0, 0.0, 0.0)
+    shown.objects.link(table)
+    plate = add_quad("Plate", material=floor.data.materials[0])
+    plate.scale, plate.location = (2.0, 40.0, 1.0), (6.0, -18.0, 0.1)
+    settings = bpy.context.scene.lumenray.year
+    settings.maps, settings.map_density = shown, 2.0
+    bpy.context.view_layer.update()
+    assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
+    image = bpy.data.images["Daylight Map Daylight autonomy"]
+    assert image.packed_file
+    width, height = image.size
+    values = np.empty(len(image.pixels), dtype=np.float32)
+    image.pixels.foreach_get(values)
+    values = values.reshape(height, width, 4)[..., 0]
+    # By the UV map, the autonomy in the middles of the two halves.
+    uv = np.empty(2 * len(table.data.loops), dtype=np.float32)
+    table.data.uv_layers["Lumenray Year"].uv.foreach_get("vector", uv)
+    corner = np.array([table.data.vertices[loop.vertex_index].co[:2] for loop in table.data.loops])
+    affine = np.linalg.lstsq(
+        np.column_stack([corner, np.ones(len(corner))]), uv.reshape(-1, 2), rcond=None
+    )[0]
+    for place, expected in (((0.25, 0.5), (0.0, 0.1)), ((0.75, 0.5), (0.8, 1.0))):
+        u, v = np.array([*place, 1.0]) @ affine
+        found = values[int(v * height), int(u * width)]
+        assert expected[0] <= found <= expected[1], place
+    figures = dict(results.read_figures(bpy.data.texts[results.TEXT]))
+    assert "64 lumels" in figures["Table"]
+    names = [image.name for image in results.find_images()]
+    assert "Daylight Map Daylight autonomy, Colours 1" in names
+    # Without maps the old ones stay until there are new ones; again with them none is there twice.
+    assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
+    assert sorted(image.name for image in results.find_images()) == sorted(names)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
