@@ -4,7 +4,14 @@ import math
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import PropertyGroup
 
 from .daylight.following import follow_edit
@@ -66,6 +73,12 @@ MEANS = [
         "Mean of the Month",
         "The mean sky, and the mean sunlight, of this hour over all days of the month",
         1,
+    ),
+    (
+        "RANGE",
+        "Mean of Hours",
+        "The mean sky of chosen hours of chosen months, with the sun in it as a band of light along its ways",
+        2,
     ),
 ]
 
@@ -162,6 +175,62 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=MEANS,
         default="HOUR",
+        update=follow_edit,
+    )
+    mean_first_month: IntProperty(
+        name="First Month",
+        description=(
+            "Number of the month from whose first day on hours count. Default 1: the whole year, with the last month"
+        ),
+        default=1,
+        min=1,
+        max=12,
+        update=follow_edit,
+    )
+    mean_last_month: IntProperty(
+        name="Last Month",
+        description=(
+            "Number of the month up to whose last day hours count; one before the first: over the turn of the year. "
+            "Default 12: the whole year, with the first month"
+        ),
+        default=12,
+        min=1,
+        max=12,
+        update=follow_edit,
+    )
+    mean_start: FloatProperty(
+        name="Start",
+        description=(
+            "Time of the day from which on records count, in hours of the weather file's standard time. Default 8: people "
+            "are at work"
+        ),
+        default=8.0,
+        min=0.0,
+        max=24.0,
+        precision=1,
+        step=100,
+        update=follow_edit,
+    )
+    mean_end: FloatProperty(
+        name="End",
+        description=(
+            "Time of the day until which records count, in hours of the weather file's standard time; before the start: "
+            "over midnight. Default 18: people leave"
+        ),
+        default=18.0,
+        min=0.0,
+        max=24.0,
+        precision=1,
+        step=100,
+        update=follow_edit,
+    )
+    use_mean_sun: BoolProperty(
+        name="Sun in the Sky",
+        description=(
+            "Let the mean sky hold the sunlight of its hours, along the ways of the sun; a Sun light has but one place. "
+            "Default on: all daylight of these hours"
+        ),
+        default=True,
         update=follow_edit,
     )
     measured_file: StringProperty(

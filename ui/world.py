@@ -76,6 +76,14 @@ def _draw_kind(layout, settings) -> None:
     elif settings.kind == "WEATHER":
         layout.prop(settings, "weather_file", text="File")
         layout.prop(settings, "weather_mean")
+        if settings.weather_mean == "RANGE":
+            column = layout.column(align=True)
+            column.prop(settings, "mean_first_month")
+            column.prop(settings, "mean_last_month")
+            column = layout.column(align=True)
+            column.prop(settings, "mean_start", text="Start [h]")
+            column.prop(settings, "mean_end", text="End [h]")
+            layout.prop(settings, "use_mean_sun")
     else:
         layout.prop(settings, "measured_text", text="Text")
         if settings.measured_text is None:

@@ -118,7 +118,7 @@ def make_patch_world(luminances, ground_reflectance: float = 0.0) -> ImageWorld:
     luminances = _checked(luminances, (PATCHES,))
     illuminance = float(horizontal_weights() @ luminances)
     directions = _pixel_directions(PATCH_ROWS, PATCH_COLUMNS)
-    return _world(luminances[find_patches(directions)], illuminance, ground_reflectance)
+    return make_world(luminances[find_patches(directions)], illuminance, ground_reflectance)
 
 
 def make_grid_world(grid: SkyGrid, ground_reflectance: float = 0.0) -> ImageWorld:
@@ -160,7 +160,7 @@ def make_grid_world(grid: SkyGrid, ground_reflectance: float = 0.0) -> ImageWorl
     weights = 0.5 * np.diff(np.sin(edges) ** 2) * 2.0 * np.pi
     illuminance = float(weights @ above.mean(axis=1))
     pixels = np.concatenate([np.zeros_like(above), above])
-    return _world(pixels, illuminance, ground_reflectance)
+    return make_world(pixels, illuminance, ground_reflectance)
 
 
 def find_luminances(measured, directions) -> np.ndarray:
@@ -191,6 +191,29 @@ def find_luminances(measured, directions) -> np.ndarray:
     return pixels[row, np.floor(turn * columns).astype(np.int64) % columns].astype(np.float64)
 
 
+def make_world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) -> ImageWorld:
+    """Return the sky of a picture over an evenly bright ground.
+
+    Parameters
+    ----------
+    pixels : (rows, columns) array    Luminances, from the lowest row up; the lower half does not count. [cd/m2]
+    illuminance : float    Horizontal illuminance by which the ground is lit. [lx]
+    ground_reflectance : float    As of `CieSky`. [-]
+
+    Raises
+    ------
+    SceneError    The reflectance is none.
+    """
+    if not 0.0 <= ground_reflectance <= 1.0:
+        raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
+    pixels = np.array(pixels, dtype=np.float32)
+    pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
+    pixels = np.repeat(pixels[..., None], 3, axis=-1)
+    # What follows from them is found once.
+    pixels.flags.writeable = False
+    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
+
+
 def _checked(luminances, shape) -> np.ndarray:
     luminances = np.asarray(luminances, dtype=np.float64)
     if luminances.shape != shape:
@@ -212,17 +235,6 @@ def _pixel_directions(rows: int, columns: int) -> np.ndarray:
         ),
         axis=-1,
     )
-
-
-def _world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) -> ImageWorld:
-    if not 0.0 <= ground_reflectance <= 1.0:
-        raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
-    pixels = np.array(pixels, dtype=np.float32)
-    pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
-    pixels = np.repeat(pixels[..., None], 3, axis=-1)
-    # What follows from them is found once.
-    pixels.flags.writeable = False
-    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
 
 
 # ---- files ----

@@ -11,6 +11,7 @@ from kept_scenes import KeptScene
 from lumenray.blender_addon.daylight import following
 from lumenray.blender_addon.daylight.moment import find_moment
 from lumenray.blender_addon.daylight.readout import describe_sky
+from lumenray.blender_addon.daylight.weather import weather_mean
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.skies import convert_sky
 from lumenray.engine.scene.light import CloudySky, ImageWorld, PerezSky, SunLight
@@ -169,6 +170,35 @@ def test_the_mean_of_a_month_is_brighter_than_its_dullest_day_and_turns_with_nor
     world.lumenray.place.north = math.radians(90)
     # +y of the scene is the compass's east.
     np.testing.assert_allclose(converted()[0].rotation @ (0, 1, 0), (1, 0, 0), atol=1e-6)
+
+
+def test_the_mean_of_hours_holds_the_sun_that_a_lamp_cannot(world, weather, session):
+    """Four days of July at 9 and 10 h have 100 to 400 W/m2 of direct irradiance."""
+    sky = world.lumenray.sky
+    sky.weather_mean = "RANGE"
+    sky.mean_first_month = sky.mean_last_month = 7
+    made, told = converted()
+    assert isinstance(made, ImageWorld)
+    assert any("mean of" in text and "month 7, 8 to 18 h, UTC+1" in text for text in told)
+    mean = weather_mean(world, find_moment(world, 1))
+    assert mean.direct_horizontal > 0.0
+    value, error = measure_sky(session, [(0, 0, 1)])
+    expected = mean.diffuse_horizontal + mean.direct_horizontal
+    assert abs(value[0] - expected) < 4 * error[0] + 3e-3 * expected
+    sky.use_mean_sun = False
+    value, error = measure_sky(session, [(0, 0, 1)])
+    assert abs(value[0] - mean.diffuse_horizontal) < 4 * error[0] + 3e-3 * expected
+    # The lamp of the weather file is dark, as the sun is in the sky; one that shines all the same is told.
+    lamp = following.add_lamp(bpy.context.scene, None)
+    world.lumenray.sun.amount = "WEATHER"
+    assert lamp.data.lumenray.value == 0.0
+    assert not any("shines besides" in text for text in converted()[1])
+    world.lumenray.sun.amount = "TURBIDITY"
+    assert any("shines besides" in text for text in converted()[1])
+    sky.mean_start = sky.mean_end
+    made, told = converted()
+    assert made is None
+    assert any("two different ones" in text for text in told)
 
 
 def test_a_weather_file_of_another_place_is_told(world, weather):
