@@ -64,6 +64,29 @@ LEVELS = [
         "the sky gives what the sun leaves of it",
         2,
     ),
+    (
+        "MODEL",
+        "Clear Sky's Own",
+        "The illuminance that the spectral sky itself has, by turbidity, ground and height of the sun; its spectrum has to "
+        "be that of a clear sky",
+        3,
+    ),
+]
+
+SPECTRA = [
+    (
+        "TEMPERATURE",
+        "Colour Temperature",
+        "Average daylight of a colour temperature, the same for every sky",
+        0,
+    ),
+    (
+        "CLEAR",
+        "Clear Sky",
+        "Light of a cloudless sky by the turbidity of the air, the ground and the height of the sun (Hosek and Wilkie, as "
+        "Mitsuba's spectral sky), for skies without clouds and a sun above the horizon alone",
+        1,
+    ),
 ]
 
 MEANS = [
@@ -354,6 +377,27 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=follow_edit,
+    )
+    spectrum: EnumProperty(
+        name="Spectrum",
+        description=(
+            "What spectrum sky and ground have; it never changes the illuminance that is stated. Default Colour "
+            "Temperature: it is defined for every sky"
+        ),
+        items=SPECTRA,
+        default="TEMPERATURE",
+        update=follow_edit,
+    )
+    turbidity: FloatProperty(
+        name="Turbidity",
+        description=(
+            "Turbidity of the air by Hosek and Wilkie, a factor of 1 to 10: 2 is clean and cold, 6 warm and moist, 10 hazy. "
+            "Default 3: a clear day"
+        ),
+        default=3.0,
+        min=1.0,
+        max=10.0,
         update=follow_edit,
     )
     colour_temperature: FloatProperty(

@@ -58,7 +58,11 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         _draw_kind(layout, settings)
         column = layout.column()
         _draw_level(column, settings)
-        column.prop(settings, "colour_temperature", text="Daylight [K]")
+        column.prop(settings, "spectrum")
+        if settings.spectrum == "CLEAR":
+            column.prop(settings, "turbidity")
+        if settings.spectrum != "CLEAR" or settings.kind == "CLOUDINESS":
+            column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
         lamp = _draw_sun_of_sky(layout, context, settings)
         draw_description(layout.box(), context, describe_sky(world, lamp, context.scene))
@@ -97,6 +101,8 @@ def _draw_level(column, settings) -> None:
     if not states_level(settings):
         return
     column.prop(settings, "level")
+    if settings.level == "MODEL":
+        return
     name, text = {
         "ILLUMINANCE": ("illuminance", "Illuminance [lx]"),
         "ZENITH": ("zenith_luminance", "Zenith [cd/m²]"),

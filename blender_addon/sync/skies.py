@@ -28,6 +28,7 @@ from ..daylight.sunlight import find_sunlight
 from ..daylight.weather import has_band, path_of, weather_mean, weather_moment, weather_of
 from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, needs_moment, onto_horizon, states_level, takes_lamp
+from .sky_spectra import find_spectrum, own_illuminance, refuse_picture
 
 FAR = 1.0
 """Difference of latitude or longitude from which on a weather file is one of another place. [degree]"""
@@ -121,7 +122,7 @@ def _convert(world, report, sun_lamp, when):
         "towards_sun": sun,
         "illuminance": 1.0,
         "ground_reflectance": settings.ground_reflectance,
-        "spectrum": Daylight(settings.colour_temperature),
+        "spectrum": find_spectrum(settings, sun),
     }
     if settings.kind == "CLOUDINESS":
         sky = CloudySky(settings.cloudiness, **common)
@@ -170,6 +171,8 @@ def _levelled(sky, world, moment, when):
         if settings.zenith_luminance <= 0.0:
             return None
         sky = with_zenith_luminance(sky, settings.zenith_luminance)
+    elif settings.level == "MODEL":
+        sky = replace(sky, illuminance=own_illuminance(settings, sky.towards_sun))
     else:
         sky = replace(sky, illuminance=_horizontal(world, moment, when))
     if sky.illuminance <= 0.0:
@@ -181,6 +184,8 @@ def _levelled(sky, world, moment, when):
 def _horizontal(world, moment, when) -> float:
     """Horizontal illuminance by the sky alone that is stated. [lx]"""
     settings = world.lumenray.sky
+    if settings.level == "MODEL":
+        raise SceneError("a sky that is a picture has no level of a clear sky's own; state it")
     if settings.level != "TOTAL":
         return settings.illuminance
     by_sun = 0.0
@@ -233,7 +238,7 @@ def _of_weather(world, moment: Moment, report, when):
         onto_horizon(moment.towards_sun),
         stated.diffuse_horizontal,
         settings.ground_reflectance,
-        Daylight(settings.colour_temperature),
+        find_spectrum(settings, onto_horizon(moment.towards_sun), stated.clearness),
     )
     if states_level(settings):
         return _levelled(sky, world, moment, when)
@@ -325,6 +330,7 @@ def _of_mean(mean: WeatherMean, reflectance: float, has_sun: bool) -> ImageWorld
 def _of_picture(made: ImageWorld, world, moment, when):
     """Turn, colour and level a sky that is a picture by compass directions."""
     settings = world.lumenray.sky
+    refuse_picture(settings)
     illuminance = find_illuminance(made.image, made.rotation, UPWARDS)
     if not illuminance > 0.0:
         raise SceneError("its table gives no light")
