@@ -6,7 +6,7 @@ import re
 
 from ...blender_addon.daylight_year.job import YearJob, find_keys, meshes_of
 from ...engine.errors import SceneError
-from ..options import real, whole
+from ..options import real, stretch
 
 RULES = """when the blinds of a group are closed, once for all groups or as often as --blinds:
   lm83                       where the sun lights more than 2 % of the area with more than 1000 lx (default)
@@ -17,6 +17,9 @@ RULES = """when the blinds of a group are closed, once for all groups or as ofte
   horizontal=400             while that of a horizontal plane in the open is, by sun and sky
   facade=180:250             while that of a vertical plane in the open is, which faces so many degrees of the compass
   sensors=3000               while the mean illuminance of the sensors, blinds open, is above so many lx"""
+
+WORKDAYS = "workdays"
+"""Word for Monday to Friday."""
 
 _BOUND = re.compile(r"(sun|horizontal|sensors|facade)=(?:([^:]+):)?([^:]+)")
 
@@ -85,26 +88,18 @@ def _of_table(path: str):
 
 
 def _of_clock(text: str):
-    readers = {"months": whole(1, 12), "hours": real(0.0, 24.0)}
-    given, is_workdays = {}, False
-    for part in text.split(","):
-        name, _, values = part.strip().partition("=")
-        first, _, last = values.partition("-")
-        if name == "workdays" and not values:
-            is_workdays = True
-        elif name in readers and first:
-            given[name] = readers[name](first), readers[name](last or first)
-        else:
-            raise argparse.ArgumentTypeError(
-                f"expected a rule such as hours=9-17 or sun=200, found '{text}'"
-            )
+    parts = [part.strip() for part in text.split(",")]
+    is_workdays = WORKDAYS in parts
+    parts = [part for part in parts if part != WORKDAYS]
+    given = stretch(",".join(parts)) if parts else {}
 
     def make(north: float):
         from ...engine.daylight.blinds import FixedTimes
-        from ...engine.daylight.occupancy import EVERY_DAY, WORKDAYS
+        from ...engine.daylight import occupancy
         from ...engine.sky.clock_range import ClockRange
 
-        return (FixedTimes(ClockRange(**given), WORKDAYS if is_workdays else EVERY_DAY),)
+        days = occupancy.WORKDAYS if is_workdays else occupancy.EVERY_DAY
+        return (FixedTimes(ClockRange(**given), days),)
 
     return make
 

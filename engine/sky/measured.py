@@ -183,7 +183,13 @@ def find_luminances(measured, directions) -> np.ndarray:
     if not isinstance(measured, SkyGrid):
         patch = find_patches(directions)
         return np.where(patch >= 0, _checked(measured, (PATCHES,))[patch], 0.0)
-    pixels = make_grid_world(measured).image.pixels[..., 0]
+    return look_up(make_grid_world(measured), directions)
+
+
+def look_up(world: ImageWorld, directions) -> np.ndarray:
+    """Return the luminance that the picture of a sky has in directions. (..., 3) -> (...) [cd/m2]"""
+    directions = np.asarray(directions, dtype=np.float64)
+    pixels = world.image.pixels[..., 0]
     rows, columns = pixels.shape
     polar = np.arccos(np.clip(-directions[..., 2], -1.0, 1.0))
     turn = np.arctan2(directions[..., 0], directions[..., 1]) / (2.0 * np.pi) + 0.25
