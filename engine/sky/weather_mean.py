@@ -19,8 +19,8 @@ from .solar_position import find_sun
 from .weather import Weather, find_hours, find_middles
 from .weather_moment import AZIMUTHS, ELEVATIONS, find_directions, select
 
-STEPS = 12
-"""Places of the sun in an hour, at least: 1.25 degrees from each other, less than three widths of its disk."""
+STEPS = 30
+"""Places of the sun in an hour: half a degree from each other at most, about the width of its disk."""
 
 AT_ONCE = 256
 """Records whose skies are evaluated together."""
