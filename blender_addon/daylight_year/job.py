@@ -130,7 +130,13 @@ class YearJob:
         if sheet is None:
             return Answer(light, figures, notes)
         maps = make_year_maps(sheet, found, first, light, self.question, self.maps.margin)
-        return Answer(light, figures, (*notes, *maps.notes), maps)
+        departures = [
+            f"{self.names.get(each.name, each.name)}: {each.message}; it has no map"
+            if each.is_error
+            else f"{self.names.get(each.name, each.name)}: {each.message}; {each.remedy}"
+            for each in maps.departures
+        ]
+        return Answer(light, figures, (*notes, *departures), maps)
 
     def cancel(self) -> None:
         """End it; may be called from any thread."""

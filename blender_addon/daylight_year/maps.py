@@ -23,8 +23,15 @@ PICTURED = ("daylight_autonomy", "useful_enough", COVERAGE, "mean_lx", "daylight
 NOT_SHOWN = "its map of the year is in the images, but cannot be shown on it"
 
 
+def remove_maps() -> None:
+    """Take the images of an earlier year out of the file."""
+    for image in list(bpy.data.images):
+        if FACTS in image:
+            bpy.data.images.remove(image)
+
+
 def store_maps(maps: YearMaps, names: dict[str, str], report: ConversionReport) -> list:
-    """Put the maps of a year into the file, in the place of earlier ones.
+    """Put the maps of a year into the file.
 
     Parameters
     ----------
@@ -36,9 +43,6 @@ def store_maps(maps: YearMaps, names: dict[str, str], report: ConversionReport) 
     -------
     list of bpy.types.Image    Those with the numbers.
     """
-    for image in list(bpy.data.images):
-        if FACTS in image:
-            bpy.data.images.remove(image)
     with unchanged(bpy.context.scene):
         for each in maps.objects:
             source = bpy.data.objects.get(names.get(each.surface.id, ""))

@@ -7,7 +7,7 @@ from ...engine.daylight.pictures import draw_all
 from ...engine.daylight.words import describe
 from ..foundation.report import ConversionReport
 from .job import YearJob
-from .maps import FACTS, draw_maps, store_maps
+from .maps import FACTS, draw_maps, remove_maps, store_maps
 
 TEXT = "Lumenray Daylight Year"
 """Name of the text."""
@@ -48,6 +48,7 @@ def store(job: YearJob, notes, report: ConversionReport | None = None) -> list:
     text = bpy.data.texts.get(TEXT) or bpy.data.texts.new(TEXT)
     text.from_string("\n".join(lines) + "\n")
     images = [_to_image(IMAGES[name], picture) for name, picture in pictures.items()]
+    remove_maps()
     if answer.maps is None:
         return images
     store_maps(answer.maps, job.names, ConversionReport() if report is None else report)

@@ -239,7 +239,7 @@ def run(options) -> int:
         question,
         order,
         transport_of(options, settings),
-        find_maps(options, converted.objects),
+        *find_maps(options, converted.objects),
     )
     with Bar("daylight") as bar:
         job.run(Session(), bar, keep_states(options, job))

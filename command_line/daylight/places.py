@@ -24,11 +24,16 @@ def find_places(options, scene, objects: dict[str, str]) -> Places:
 
 
 def find_maps(options, objects: dict[str, str]):
-    """Return what maps of the year are asked for, a `BakeOrder`; None: none. ``objects``: ids of the scene's by name."""
+    """Return what maps of the year are asked for, a `BakeOrder` or None, and the names of their objects by ids.
+
+    ``objects``: ids of the scene's by name.
+    """
     if options.maps is None:
-        return None
+        return None, {}
     from ...engine.accuracy.stopping import StopRule
     from ...engine.baking.order import BakeOrder
 
-    keys = find_keys(objects, words(options.maps), f"{options.file}: the scene")
-    return BakeOrder(keys, StopRule(samples=1), density=options.lumels_per_m)
+    names = tuple(dict.fromkeys(words(options.maps)))
+    keys = find_keys(objects, names, f"{options.file}: the scene")
+    order = BakeOrder(keys, StopRule(samples=1), density=options.lumels_per_m)
+    return order, dict(zip(keys, names, strict=True))

@@ -13,6 +13,7 @@ from ..daylight.other_sensors import follow_states, take_sensors
 from ..daylight.replicated import MetricEstimate
 from ..daylight.study import Figures, Question, judge
 from .lumel_sheet import LumelSheet, SheetSurface
+from .order import Departure
 
 
 @dataclass(frozen=True)
@@ -100,12 +101,12 @@ class YearMaps:
     ----------
     objects : tuple of ObjectYear
     pages : tuple of YearPage
-    notes : tuple of str    For people.
+    departures : tuple of Departure    What is not as ordered.
     """
 
     objects: tuple[ObjectYear, ...]
     pages: tuple[YearPage, ...]
-    notes: tuple[str, ...] = ()
+    departures: tuple[Departure, ...] = ()
 
 
 def make_year_maps(
@@ -150,8 +151,7 @@ def make_year_maps(
         for name in (made[0] if made else ())
     }
     pages = tuple(_lay_out(number, sheet, columns, margin) for number in range(len(sheet.sizes)))
-    notes = tuple(f"{each.name}: {each.message}; {each.remedy}" for each in sheet.departures)
-    return YearMaps(tuple(objects), pages, notes)
+    return YearMaps(tuple(objects), pages, sheet.departures)
 
 
 def find_columns(figures: Figures) -> dict[str, MetricEstimate]:

@@ -108,9 +108,11 @@ def test_maps_of_a_year(open_floor, tmp_path, capsys):
     out = tmp_path / "out"
     code, said, errors = ask(
         capsys, path, weather, out, "--floor", "Floor", "--spacing", "2", "--blinds", "Blinds",
-        "--blinds-when", "closed", "--maps", "Floor", "--lumels-per-m", "1",
+        "--blinds-when", "closed", "--maps", "Floor,Plate,Floor", "--lumels-per-m", "1",
     )  # fmt: skip
     assert code == 0, errors
+    assert "Plate: the object has no surface that is rendered; it has no map" in errors
+    assert "100 % of the hours with light" in said
     assert "maps of 1 objects with 16 lumels" in said
     found = json.loads((out / "summary.json").read_text())
     (row,) = found["maps"]

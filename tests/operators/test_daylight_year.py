@@ -1,5 +1,7 @@
 """The operator that computes a year of daylight, in this process, on a floor in the open."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
@@ -130,10 +132,16 @@ def test_a_year_becomes_images_and_a_text(floor):
 
 @pytest.mark.mitsuba
 def test_the_operator_computes_in_the_engines_process(floor):
+    shown = bpy.data.collections.new("Shown")
+    bpy.context.scene.collection.children.link(shown)
+    shown.objects.link(floor)
+    settings = bpy.context.scene.lumenray.year
+    settings.maps, settings.map_density = shown, 1.0
     assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
     figures = dict(results.read_figures(bpy.data.texts[results.TEXT]))
     assert figures["sDA 300/50 %"].startswith("100 %")
-    assert len(results.find_images()) == len(results.IMAGES)
+    assert "16 lumels" in figures["Floor"]
+    assert len(results.find_images()) > len(results.IMAGES)
 
 
 @pytest.mark.mitsuba
@@ -149,7 +157,12 @@ def test_maps_lie_on_the_objects_of_a_collection(floor):
     settings = bpy.context.scene.lumenray.year
     settings.maps, settings.map_density = shown, 2.0
     bpy.context.view_layer.update()
-    assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
+    from lumenray.engine.session import Session
+
+    job, _, notes = asked.prepare(bpy.context)
+    assert job.names == {job.maps.objects[0]: "Table"}
+    job.run(Session())
+    results.store(job, notes)
     image = bpy.data.images["Daylight Map Daylight autonomy"]
     assert image.packed_file
     width, height = image.size
@@ -171,9 +184,12 @@ def test_maps_lie_on_the_objects_of_a_collection(floor):
     assert "64 lumels" in figures["Table"]
     names = [image.name for image in results.find_images()]
     assert "Daylight Map Daylight autonomy, Colours 1" in names
-    # Without maps the old ones stay until there are new ones; again with them none is there twice.
-    assert bpy.ops.lumenray.daylight_year() == {"FINISHED"}
+    # Again none is there twice, and a year without maps has none.
+    results.store(job, notes)
     assert sorted(image.name for image in results.find_images()) == sorted(names)
+    job.answer = replace(job.answer, maps=None)
+    results.store(job, notes)
+    assert len(results.find_images()) == len(results.IMAGES)
 
 
 @pytest.mark.parametrize(
