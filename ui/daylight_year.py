@@ -41,6 +41,10 @@ class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):
         if text is None:
             return
         draw_lines(layout.box(), results.read_figures(text))
+        if results.has_maps():
+            row = layout.row(align=True)
+            row.operator_menu_enum("lumenray.show_year_map", "figure", icon="SHADING_TEXTURE")
+            row.operator("lumenray.hide_baked", text="", icon="LOOP_BACK")
         for image in results.find_images():
             layout.label(text=image.name, icon="IMAGE_DATA")
 

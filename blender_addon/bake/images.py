@@ -79,6 +79,8 @@ def facts_of(image) -> dict:
 def atlas_of(image) -> list:
     """Return all images of the atlas that an image belongs to, in the order of their names."""
     number = facts_of(image).get("atlas")
+    if number is None:
+        return []
     return [other for other in bpy.data.images if facts_of(other).get("atlas") == number]
 
 

@@ -6,28 +6,14 @@ import numpy as np
 from ...engine.analysis.false_colour import draw_false_colour, nice_maximum
 from ...engine.baking.year_maps import COVERAGE, KINDS, Kind, YearMaps
 from ..bake.images import Content, make_image
-from ..bake.results import unchanged
 from ..bake.uv_maps import name_map, place_layout
+from ..bake.year_images import FACTS, UV_MAP
 from ..foundation.report import ConversionReport
-from ..sync.meshes import BAKED_MAP
-
-UV_MAP = f"{BAKED_MAP} Year"
-"""Name of the UV map that the maps lie on."""
-
-FACTS = "lumenray_year"
-"""Custom property of an image that tells what it holds."""
 
 PICTURED = ("daylight_autonomy", "useful_enough", COVERAGE, "mean_lx", "daylight_factor")
 """Figures that are drawn in false colours too."""
 
 NOT_SHOWN = "its map of the year is in the images, but cannot be shown on it"
-
-
-def remove_maps() -> None:
-    """Take the images of an earlier year out of the file."""
-    for image in list(bpy.data.images):
-        if FACTS in image:
-            bpy.data.images.remove(image)
 
 
 def store_maps(maps: YearMaps, names: dict[str, str], report: ConversionReport) -> list:
@@ -43,13 +29,12 @@ def store_maps(maps: YearMaps, names: dict[str, str], report: ConversionReport) 
     -------
     list of bpy.types.Image    Those with the numbers.
     """
-    with unchanged(bpy.context.scene):
-        for each in maps.objects:
-            source = bpy.data.objects.get(names.get(each.surface.id, ""))
-            if source is not None:
-                name = name_map(source, UV_MAP)
-                layout, pages = each.surface.layout, len(maps.pages)
-                place_layout(source, layout, pages, name, report, NOT_SHOWN)
+    for each in maps.objects:
+        source = bpy.data.objects.get(names.get(each.surface.id, ""))
+        if source is not None:
+            name = name_map(source, UV_MAP)
+            layout, pages = each.surface.layout, len(maps.pages)
+            place_layout(source, layout, pages, name, report, NOT_SHOWN)
     return [_store(kind, maps) for kind in KINDS]
 
 
@@ -73,10 +58,14 @@ def _name(kind: Kind) -> str:
 
 
 def _store(kind: Kind, maps: YearMaps):
-    pages = tuple(page.values[kind.name] for page in maps.pages)
-    unit = "1" if kind.unit == "%" else kind.unit
-    image = make_image(Content(_name(kind), kind.title, unit, "", pages))
-    image[FACTS] = {"figure": kind.name, "unit": unit, "uv_map": UV_MAP, "pages": len(pages)}
+    pages = tuple(kind.factor * page.values[kind.name] for page in maps.pages)
+    covered = [values[page.covered] for page, values in zip(maps.pages, pages, strict=True)]
+    image = make_image(Content(_name(kind), kind.title, kind.unit, "", pages))
+    image[FACTS] = {
+        "figure": kind.name,
+        "unit": kind.unit,
+        "high": kind.high or nice_maximum(np.concatenate(covered)),
+    }
     # They have no user of their own, and what has none is not saved.
     image.use_fake_user = True
     return image

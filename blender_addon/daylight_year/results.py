@@ -5,9 +5,12 @@ import numpy as np
 
 from ...engine.daylight.pictures import draw_all
 from ...engine.daylight.words import describe
+from ..bake.look import hide
+from ..bake.results import unchanged
+from ..bake.year_images import FACTS, remove_maps
 from ..foundation.report import ConversionReport
 from .job import YearJob
-from .maps import FACTS, draw_maps, remove_maps, store_maps
+from .maps import draw_maps, store_maps
 
 TEXT = "Lumenray Daylight Year"
 """Name of the text."""
@@ -48,10 +51,15 @@ def store(job: YearJob, notes, report: ConversionReport | None = None) -> list:
     text = bpy.data.texts.get(TEXT) or bpy.data.texts.new(TEXT)
     text.from_string("\n".join(lines) + "\n")
     images = [_to_image(IMAGES[name], picture) for name, picture in pictures.items()]
-    remove_maps()
+    scene = bpy.context.scene
+    with unchanged(scene):
+        if scene.lumenray.look.figure:
+            hide()
+        remove_maps()
+        if answer.maps is not None:
+            store_maps(answer.maps, job.names, ConversionReport() if report is None else report)
     if answer.maps is None:
         return images
-    store_maps(answer.maps, job.names, ConversionReport() if report is None else report)
     for name, picture in draw_maps(answer.maps).items():
         image = _to_image(name, picture)
         image[FACTS] = {"figure": "picture"}
@@ -75,6 +83,11 @@ def find_images() -> list:
     return [image for image in found if image is not None] + [
         image for image in bpy.data.images if FACTS in image
     ]
+
+
+def has_maps() -> bool:
+    """Whether the file holds maps of a year; cheap enough for every redraw."""
+    return any(FACTS in image for image in bpy.data.images)
 
 
 def _lines_of_maps(maps) -> list[str]:

@@ -176,7 +176,7 @@ def test_maps_lie_on_the_objects_of_a_collection(floor):
     affine = np.linalg.lstsq(
         np.column_stack([corner, np.ones(len(corner))]), uv.reshape(-1, 2), rcond=None
     )[0]
-    for place, expected in (((0.25, 0.5), (0.0, 0.1)), ((0.75, 0.5), (0.8, 1.0))):
+    for place, expected in (((0.25, 0.5), (0.0, 10.0)), ((0.75, 0.5), (80.0, 100.0))):
         u, v = np.array([*place, 1.0]) @ affine
         found = values[int(v * height), int(u * width)]
         assert expected[0] <= found <= expected[1], place
@@ -184,11 +184,35 @@ def test_maps_lie_on_the_objects_of_a_collection(floor):
     assert "64 lumels" in figures["Table"]
     names = [image.name for image in results.find_images()]
     assert "Daylight Map Daylight autonomy, Colours 1" in names
+    # It can be shown on the object in false colours, and taken away again.
+    look = bpy.context.scene.lumenray.look
+    nodes = [node.name for node in table.active_material.node_tree.nodes]
+    look.low, look.high = 5.0, 700.0
+    assert bpy.ops.lumenray.show_year_map(figure="mean_lx") == {"FINISHED"}
+    assert (look.kind, look.unit, look.low) == ("FALSE", "lx", 0.0)
+    assert bpy.ops.lumenray.show_year_map(figure="daylight_autonomy") == {"FINISHED"}
+    assert (look.unit, look.high) == ("%", 100.0)
+    used = {
+        node.image
+        for tree in bpy.data.node_groups
+        for node in tree.nodes
+        if node.bl_idname == "ShaderNodeTexImage"
+    }
+    assert used == {image}
+    assert bpy.ops.lumenray.hide_baked() == {"FINISHED"}
+    assert [node.name for node in table.active_material.node_tree.nodes] == nodes
+    # Baked light has its own scale again.
+    assert (look.figure, look.unit, look.low, look.high) == ("", "lx", 5.0, 700.0)
+    assert bpy.ops.lumenray.show_year_map(figure="sda_coverage") == {"FINISHED"}
     # Again none is there twice, and a year without maps has none.
     results.store(job, notes)
     assert sorted(image.name for image in results.find_images()) == sorted(names)
+    assert not look.is_shown
     job.answer = replace(job.answer, maps=None)
     results.store(job, notes)
+    assert "Lumenray Year" not in table.data.uv_layers
+    with pytest.raises(RuntimeError, match="a year with maps"):
+        bpy.ops.lumenray.show_year_map(figure="mean_lx")
     assert len(results.find_images()) == len(results.IMAGES)
 
 
