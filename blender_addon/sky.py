@@ -76,7 +76,7 @@ LEVELS = [
 SPECTRA = [
     (
         "TEMPERATURE",
-        "Colour Temperature",
+        "Daylight",
         "Average daylight of a colour temperature, the same for every sky",
         0,
     ),
@@ -382,8 +382,8 @@ class LumenraySkySettings(PropertyGroup):
     spectrum: EnumProperty(
         name="Spectrum",
         description=(
-            "What spectrum sky and ground have; it never changes the illuminance that is stated. Default Colour "
-            "Temperature: it is defined for every sky"
+            "What spectrum sky and ground have; it never changes the illuminance that is stated. Default Daylight: "
+            "it is defined for every sky"
         ),
         items=SPECTRA,
         default="TEMPERATURE",

@@ -62,9 +62,9 @@ def _draw_rule(column, settings) -> None:
     elif rule == "TABLE":
         column.prop(settings, "blinds_file")
     elif rule == "SENSORS":
-        column.prop(settings, "blinds_illuminance", text="Closed Above [lx]")
+        column.prop(settings, "blinds_illuminance", text="Above [lx]")
     elif rule in IRRADIANCES:
-        column.prop(settings, "blinds_irradiance", text="Closed Above [W/m²]")
+        column.prop(settings, "blinds_irradiance", text="Above [W/m²]")
     if rule == "FACADE":
         column.prop(settings, "blinds_azimuth")
 

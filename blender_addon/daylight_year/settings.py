@@ -24,13 +24,13 @@ RULES = [
     ),
     (
         "TIMES",
-        "Hours and Months",
+        "Schedule",
         "Closed in chosen hours of chosen months, by the clocks of the place",
         1,
     ),
     (
         "TABLE",
-        "Table of States",
+        "Table",
         "Closed as a file says: 0 or 1 for every record of the weather file",
         2,
     ),
@@ -42,19 +42,19 @@ RULES = [
     ),
     (
         "HORIZONTAL",
-        "Horizontal Irradiance",
+        "Horizontal",
         "Closed while the irradiance of a horizontal plane in the open, by sun and sky, is above a bound",
         4,
     ),
     (
         "FACADE",
-        "Facade Irradiance",
+        "Facade",
         "Closed while the irradiance of a vertical plane in the open, by sun, sky and ground, is above a bound",
         5,
     ),
     (
         "SENSORS",
-        "Light of Sensors",
+        "Sensors",
         "Closed while the mean illuminance of the sensors, all blinds open, is above a bound",
         6,
     ),
