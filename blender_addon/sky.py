@@ -4,7 +4,14 @@ import math
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 from bpy.types import PropertyGroup
 
 from .daylight.following import follow_edit
@@ -57,6 +64,29 @@ LEVELS = [
         "the sky gives what the sun leaves of it",
         2,
     ),
+    (
+        "MODEL",
+        "Clear Sky's Own",
+        "The illuminance that the spectral sky itself has, by turbidity, ground and height of the sun; its spectrum has to "
+        "be that of a clear sky",
+        3,
+    ),
+]
+
+SPECTRA = [
+    (
+        "TEMPERATURE",
+        "Daylight",
+        "Average daylight of a colour temperature, the same for every sky",
+        0,
+    ),
+    (
+        "CLEAR",
+        "Clear Sky",
+        "Light of a cloudless sky by the turbidity of the air, the ground and the height of the sun (Hosek and Wilkie, as "
+        "Mitsuba's spectral sky), for skies without clouds and a sun above the horizon alone",
+        1,
+    ),
 ]
 
 MEANS = [
@@ -66,6 +96,12 @@ MEANS = [
         "Mean of the Month",
         "The mean sky, and the mean sunlight, of this hour over all days of the month",
         1,
+    ),
+    (
+        "RANGE",
+        "Mean of Hours",
+        "The mean sky of chosen hours of chosen months, with the sun in it as a band of light along its ways",
+        2,
     ),
 ]
 
@@ -162,6 +198,62 @@ class LumenraySkySettings(PropertyGroup):
         ),
         items=MEANS,
         default="HOUR",
+        update=follow_edit,
+    )
+    mean_first_month: IntProperty(
+        name="First Month",
+        description=(
+            "Number of the month from whose first day on hours count. Default 1: the whole year, with the last month"
+        ),
+        default=1,
+        min=1,
+        max=12,
+        update=follow_edit,
+    )
+    mean_last_month: IntProperty(
+        name="Last Month",
+        description=(
+            "Number of the month up to whose last day hours count; one before the first: over the turn of the year. "
+            "Default 12: the whole year, with the first month"
+        ),
+        default=12,
+        min=1,
+        max=12,
+        update=follow_edit,
+    )
+    mean_start: FloatProperty(
+        name="Start",
+        description=(
+            "Time of the day from which on records count, in hours of the weather file's standard time. Default 8: people "
+            "are at work"
+        ),
+        default=8.0,
+        min=0.0,
+        max=24.0,
+        precision=1,
+        step=100,
+        update=follow_edit,
+    )
+    mean_end: FloatProperty(
+        name="End",
+        description=(
+            "Time of the day until which records count, in hours of the weather file's standard time; before the start: "
+            "over midnight. Default 18: people leave"
+        ),
+        default=18.0,
+        min=0.0,
+        max=24.0,
+        precision=1,
+        step=100,
+        update=follow_edit,
+    )
+    use_mean_sun: BoolProperty(
+        name="Sun in the Sky",
+        description=(
+            "Let the mean sky hold the sunlight of its hours, along the ways of the sun; a Sun light has but one place. "
+            "Default on: all daylight of these hours"
+        ),
+        default=True,
         update=follow_edit,
     )
     measured_file: StringProperty(
@@ -285,6 +377,27 @@ class LumenraySkySettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=follow_edit,
+    )
+    spectrum: EnumProperty(
+        name="Spectrum",
+        description=(
+            "What spectrum sky and ground have; it never changes the illuminance that is stated. Default Daylight: "
+            "it is defined for every sky"
+        ),
+        items=SPECTRA,
+        default="TEMPERATURE",
+        update=follow_edit,
+    )
+    turbidity: FloatProperty(
+        name="Turbidity",
+        description=(
+            "Turbidity of the air by Hosek and Wilkie, a factor of 1 to 10: 2 is clean and cold, 6 warm and moist, 10 hazy. "
+            "Default 3: a clear day"
+        ),
+        default=3.0,
+        min=1.0,
+        max=10.0,
         update=follow_edit,
     )
     colour_temperature: FloatProperty(

@@ -171,6 +171,20 @@ def size(least: int, most: int):
     return read
 
 
+def stretch(text: str) -> dict:
+    """Read months and hours such as months=4-9,hours=9-17 or hours=22-6: what `ClockRange` is made of."""
+    readers, made = {"months": whole(1, 12), "hours": real(0.0, 24.0)}, {}
+    for part in text.split(","):
+        name, _, values = part.strip().partition("=")
+        first, _, last = values.partition("-")
+        if name not in readers or not first:
+            raise argparse.ArgumentTypeError(
+                f"expected months or hours such as months=4-9,hours=9-17, found '{text}'"
+            )
+        made[name] = readers[name](first), readers[name](last or first)
+    return made
+
+
 def level(text: str) -> tuple[str, float]:
     """Read the level of a light group such as Ceiling=0.5, Ceiling=50% or Ceiling=off: its name and its factor."""
     name, _, value = text.rpartition("=")

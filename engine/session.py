@@ -17,6 +17,7 @@ from . import VERSION
 from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
+from .baking.lumel_sheet import LumelSheet
 from .baking.order import BakeOrder, BakeResult
 from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import SceneError
@@ -295,6 +296,28 @@ class Session:
             self.apply(SceneDelta(**back))
         return DaylightCoefficients(**made.fields, provenance=provenance)
 
+    def find_lumels(
+        self,
+        order: BakeOrder,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+    ) -> LumelSheet:
+        """Unwrap objects and find the places of their lumels, without any light.
+
+        Parameters
+        ----------
+        order : BakeOrder    Of which objects, densities, pages and charts count.
+        progress : callable or None    Gets a `Progress`.
+
+        Raises
+        ------
+        SceneError    None of the objects has a surface, or there are too many lumels.
+        Cancelled    After `cancel`.
+        """
+        from .baking.lumel_sensors import find_lumel_sensors
+
+        return find_lumel_sensors(self._host(), replace(order, transport=transport), progress)
+
     def probe(
         self,
         surface: Surface,
@@ -380,21 +403,12 @@ class Session:
         Cancelled    After `cancel`; the order's checkpoint stays.
         """
         self._cancel = False
-        from .baking.host import Host
         from .baking.run import bake
 
         if not self._has_witness:
             order = replace(order, witness=False)
-        host = Host(
-            self.scene,
-            self._engine,
-            self._compile_aside,
-            self._cancelled,
-            self._provenance,
-            lambda: self._stop,
-        )
         try:
-            return bake(host, order, progress, options)
+            return bake(self._host(), order, progress, options)
         finally:
             self._stop = False
 
@@ -452,6 +466,18 @@ class Session:
             return view.frame(self.commit) if is_new or is_due else None
 
     # ---- private ----
+
+    def _host(self):
+        from .baking.host import Host
+
+        return Host(
+            self.scene,
+            self._engine,
+            self._compile_aside,
+            self._cancelled,
+            self._provenance,
+            lambda: self._stop,
+        )
 
     def _render(self, compiled, camera: Camera, settings: ViewSettings, progress) -> Rendered:
         """Render what shines of a compiled scene."""

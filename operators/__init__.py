@@ -18,6 +18,7 @@ from . import (
     restart_engine,
     scattering_files,
     show_baked,
+    show_year_map,
     sun_lamp,
     try_devices,
 )
@@ -40,6 +41,7 @@ CLASSES = (
     *restart_engine.CLASSES,
     *scattering_files.CLASSES,
     *show_baked.CLASSES,
+    *show_year_map.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
 )

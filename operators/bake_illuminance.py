@@ -134,7 +134,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._bake.begin_signals(manager, context.window)
+        self._bake.wake(manager, context.window)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 

@@ -78,7 +78,7 @@ class LUMENRAY_OT_daylight_year(bpy.types.Operator):
         self._job, self._report, self._notes = asked.prepare(context)
 
     def _finish(self, context):
-        results.store(self._job, self._notes)
+        results.store(self._job, self._notes, self._report)
         feedback.show_report(context.window_manager, self._report)
         self.report(
             {"INFO"},

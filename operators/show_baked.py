@@ -44,31 +44,39 @@ class LUMENRAY_OT_show_baked(bpy.types.Operator):
         return self.execute(context)
 
     def execute(self, context):
-        context.scene.lumenray.look.kind = self.look
+        look = context.scene.lumenray.look
+        baked_look.choose_light(look)
+        look.kind = self.look
         try:
             with baked_results.unchanged(context.scene):
                 report = baked_look.show(context.scene)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._tell(report)
-        space = context.space_data
-        if space is not None and space.type == "VIEW_3D":
-            space.shading.type = "MATERIAL"
-            # Else glass mirrors Blender's own studio.
-            space.shading.use_scene_lights = space.shading.use_scene_world = True
+        tell(self, report)
+        show_materials(context)
         return {"FINISHED"}
 
-    def _tell(self, report):
-        """Say which materials do not show baked light."""
-        if not report.rows:
-            return
-        names = ", ".join(row.datablock for row, _ in report.rows[:MOST_NAMES])
-        more = " and others" if len(report.rows) > MOST_NAMES else ""
-        is_grave = any(row.severity is not Severity.INFO for row, _ in report.rows)
-        self.report(
-            {"WARNING" if is_grave else "INFO"}, f"{names}{more}: {report.rows[0][0].remedy}"
-        )
+
+def show_materials(context) -> None:
+    """Let the 3D view that a button stands in show materials."""
+    space = context.space_data
+    if space is not None and space.type == "VIEW_3D":
+        space.shading.type = "MATERIAL"
+        # Else glass mirrors Blender's own studio.
+        space.shading.use_scene_lights = space.shading.use_scene_world = True
+
+
+def tell(operator, report) -> None:
+    """Say which materials do not show what was asked for."""
+    if not report.rows:
+        return
+    names = ", ".join(row.datablock for row, _ in report.rows[:MOST_NAMES])
+    more = " and others" if len(report.rows) > MOST_NAMES else ""
+    is_grave = any(row.severity is not Severity.INFO for row, _ in report.rows)
+    operator.report(
+        {"WARNING" if is_grave else "INFO"}, f"{names}{more}: {report.rows[0][0].remedy}"
+    )
 
 
 class LUMENRAY_OT_hide_baked(bpy.types.Operator):
@@ -88,6 +96,7 @@ class LUMENRAY_OT_hide_baked(bpy.types.Operator):
     def execute(self, context):
         with baked_results.unchanged(context.scene):
             baked_look.hide()
+            baked_look.choose_light(context.scene.lumenray.look)
         return {"FINISHED"}
 
 

@@ -41,7 +41,7 @@ class LUMENRAY_OT_try_devices(bpy.types.Operator):
     def modal(self, context, event):
         """Hear Esc, wait for the answers."""
         if event.type == "ESC" and event.value == "PRESS":
-            self._running.stop()
+            self._running.ask_to_end()
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         if self._running.is_alive:

@@ -331,7 +331,7 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return baked_images.has_atlas()
+        return baked_images.has_atlas() or bool(context.scene.lumenray.look.figure)
 
     def draw(self, context):
         layout = self.layout
@@ -345,7 +345,8 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
         shading = context.space_data.shading
         if shading.type not in {"MATERIAL", "RENDERED"}:
             draw_choice(layout, shading, "type", "MATERIAL", "Show Material Preview")
-        layout.row().prop(settings, "kind", expand=True)
+        if not settings.figure:
+            layout.row().prop(settings, "kind", expand=True)
         if settings.kind == "FALSE":
             self._draw_scale(layout, context)
         elif settings.layers and settings.kind == "LIGHT":
@@ -358,8 +359,8 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(align=True)
-        column.prop(settings, "low", text="From [lx]")
-        column.prop(settings, "high", text="To [lx]")
+        column.prop(settings, "low", text=f"From [{settings.unit}]")
+        column.prop(settings, "high", text=f"To [{settings.unit}]")
         view = context.scene.view_settings
         if view.view_transform != PLAIN_VIEW:
             draw_text(

@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon.daylight_year import results, running
+from ..blender_addon.daylight_year.settings import IRRADIANCES
 from .parts import draw_lines
 from .world import WorldPanel
 
@@ -23,6 +24,11 @@ class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):
         column.prop(settings, "spacing", text="Spacing [m]")
         column.prop(settings, "height", text="Height [m]")
         column.prop(settings, "blinds")
+        if settings.blinds is not None:
+            _draw_rule(column, settings)
+        column.prop(settings, "maps")
+        if settings.maps is not None:
+            column.prop(settings, "map_density")
         column.prop(settings, "target", text="Target [lx]")
         column.prop(settings, "samples")
         row = layout.row()
@@ -35,8 +41,32 @@ class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):
         if text is None:
             return
         draw_lines(layout.box(), results.read_figures(text))
+        if results.has_maps():
+            row = layout.row(align=True)
+            row.operator_menu_enum("lumenray.show_year_map", "figure", icon="SHADING_TEXTURE")
+            row.operator("lumenray.hide_baked", text="", icon="LOOP_BACK")
         for image in results.find_images():
             layout.label(text=image.name, icon="IMAGE_DATA")
+
+
+def _draw_rule(column, settings) -> None:
+    """Draw when blinds are closed."""
+    rule = settings.blinds_rule
+    column.prop(settings, "blinds_rule")
+    if rule == "TIMES":
+        column.prop(settings, "blinds_first_month")
+        column.prop(settings, "blinds_last_month")
+        column.prop(settings, "blinds_start", text="Start [h]")
+        column.prop(settings, "blinds_end", text="End [h]")
+        column.prop(settings, "blinds_workdays")
+    elif rule == "TABLE":
+        column.prop(settings, "blinds_file")
+    elif rule == "SENSORS":
+        column.prop(settings, "blinds_illuminance", text="Above [lx]")
+    elif rule in IRRADIANCES:
+        column.prop(settings, "blinds_irradiance", text="Above [W/m²]")
+    if rule == "FACADE":
+        column.prop(settings, "blinds_azimuth")
 
 
 CLASSES = (LUMENRAY_PT_daylight_year,)

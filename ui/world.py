@@ -60,7 +60,11 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
         _draw_kind(layout, settings)
         column = layout.column()
         _draw_level(column, settings)
-        column.prop(settings, "colour_temperature", text="Daylight [K]")
+        column.prop(settings, "spectrum")
+        if settings.spectrum == "CLEAR":
+            column.prop(settings, "turbidity")
+        if settings.spectrum != "CLEAR" or settings.kind == "CLOUDINESS":
+            column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
         lamp = _draw_sun_of_sky(layout, context, settings)
         draw_description(layout.box(), context, describe_sky(world, lamp, context.scene))
@@ -78,6 +82,14 @@ def _draw_kind(layout, settings) -> None:
     elif settings.kind == "WEATHER":
         layout.prop(settings, "weather_file", text="File")
         layout.prop(settings, "weather_mean")
+        if settings.weather_mean == "RANGE":
+            column = layout.column(align=True)
+            column.prop(settings, "mean_first_month")
+            column.prop(settings, "mean_last_month")
+            column = layout.column(align=True)
+            column.prop(settings, "mean_start", text="Start [h]")
+            column.prop(settings, "mean_end", text="End [h]")
+            layout.prop(settings, "use_mean_sun")
     else:
         layout.prop(settings, "measured_text", text="Text")
         if settings.measured_text is None:
@@ -91,6 +103,8 @@ def _draw_level(column, settings) -> None:
     if not states_level(settings):
         return
     column.prop(settings, "level")
+    if settings.level == "MODEL":
+        return
     name, text = {
         "ILLUMINANCE": ("illuminance", "Illuminance [lx]"),
         "ZENITH": ("zenith_luminance", "Zenith [cd/m²]"),

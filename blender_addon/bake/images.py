@@ -57,7 +57,7 @@ def store_images(result: BakeResult, placed, report: ConversionReport) -> list:
     number = 1 + max((facts_of(image).get("atlas", 0) for image in bpy.data.images), default=0)
     made = []
     for content in _contents(result, report):
-        image = _make(content)
+        image = make_image(content)
         image[FACTS] = _facts(result, content) | {"atlas": number, "objects": len(placed)}
         # Layers have no other user, and what has none is not saved.
         image.use_fake_user = True
@@ -79,6 +79,8 @@ def facts_of(image) -> dict:
 def atlas_of(image) -> list:
     """Return all images of the atlas that an image belongs to, in the order of their names."""
     number = facts_of(image).get("atlas")
+    if number is None:
+        return []
     return [other for other in bpy.data.images if facts_of(other).get("atlas") == number]
 
 
@@ -91,6 +93,15 @@ def layers_of(image) -> dict:
 def exitance_of(image):
     """Return the image with the exitance of an atlas, None if it has none."""
     return next((o for o in atlas_of(image) if facts_of(o)["quantity"] == LEAVING), None)
+
+
+def make_image(content: Content):
+    """Make a float image of the file, packed; several pages are its tiles."""
+    if len(content.pages) == 1:
+        image = _paint(content.name, content.pages[0])
+        image.pack()
+        return image
+    return _make_tiles(content)
 
 
 def _remove_unused() -> None:
@@ -171,14 +182,6 @@ def _mean(pages, content: Content) -> float:
         total += float((values * area).sum())
         weight += float(area.sum())
     return total / weight if weight > 0.0 else 0.0
-
-
-def _make(content: Content):
-    if len(content.pages) == 1:
-        image = _paint(content.name, content.pages[0])
-        image.pack()
-        return image
-    return _make_tiles(content)
 
 
 def _paint(name: str, values: np.ndarray):

@@ -335,6 +335,7 @@ def _store(job: BakeJob, scene) -> list:
     for source in placed:
         source.lumenray.baked_image = images[0]
     look = scene.lumenray.look
+    baked_look.choose_light(look)
     baked_look.list_layers(look, images)
     look.low = 0.0
     look.high = _scale_top(result)

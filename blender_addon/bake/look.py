@@ -27,7 +27,9 @@ from ..sync.materials.materials import DEFAULT_REFLECTANCE
 from ..sync.materials.overrides import convert_override
 from . import images as baked_images
 from . import nodes as baked_nodes
+from . import year_images
 from .nodes import MARK, PLACE, Place
+from .uv_maps import name_map
 
 PLACEHOLDER = "Lumenray Default"
 """Name of the material that objects without one get while baked light is shown."""
@@ -104,19 +106,17 @@ def list_layers(settings, images) -> None:
 def show(scene) -> ConversionReport:
     """Let all materials of baked objects show baked light in EEVEE; what was shown before is replaced.
 
+    Where the scene's look names a figure of a year, objects with maps of that show it in its place.
+
     Raises
     ------
-    SceneError    Nothing is baked.
+    SceneError    Nothing is baked, or the year has no such map.
     """
-    sources = baked_objects(scene)
-    if not sources:
-        raise SceneError("nothing to show: bake objects of this scene first")
+    lying = _find_places(scene)
     hide()
     report, shown = ConversionReport(), _Shown()
     used: dict[object, set[int]] = {}
-    for source in sources:
-        settings = source.lumenray
-        place = Place(settings.baked_image, settings.baked_uv, settings.baked_back_uv)
+    for source, place in lying:
         if place not in shown.places:
             shown.places.append(place)
         number = shown.places.index(place) + 1
@@ -139,6 +139,29 @@ def show(scene) -> ConversionReport:
         _wire(material, [shown.groups[number - 1] for number in sorted(numbers)], report)
     scene.lumenray.look.is_shown = True
     return report
+
+
+def choose_figure(look, figure: str, unit: str, high: float) -> None:
+    """Let a scene's look show a figure of a year in false colours from 0 on.
+
+    Parameters
+    ----------
+    look : LumenrayLookSettings
+    figure : str
+    unit : str
+    high : float    Upper end of the scale. [unit]
+    """
+    if not look.figure:
+        look.lux_low, look.lux_high = look.low, look.high
+    look.kind, look.figure, look.unit = "FALSE", figure, unit
+    look.low, look.high = 0.0, high
+
+
+def choose_light(look) -> None:
+    """Let a scene's look show baked light again, on the scale that it had."""
+    if look.figure:
+        look.figure, look.unit = "", "lx"
+        look.low, look.high = look.lux_low, look.lux_high
 
 
 def hide() -> None:
@@ -175,8 +198,28 @@ def hidden(scene):
             show(scene)
 
 
+def _find_places(scene) -> list[tuple[object, Place]]:
+    """Return the objects that have something to show, and how it lies on them."""
+    figure = scene.lumenray.look.figure
+    if figure:
+        image, sources = year_images.find_image(figure), year_images.find_objects(scene)
+        if image is None or not sources:
+            raise SceneError(
+                "nothing to show: compute a year with maps of objects of this scene first"
+            )
+        return [(source, Place(image, name_map(source, year_images.UV_MAP))) for source in sources]
+    sources = baked_objects(scene)
+    if not sources:
+        raise SceneError("nothing to show: bake objects of this scene first")
+    return [
+        (source, Place(own.baked_image, own.baked_uv, own.baked_back_uv))
+        for source, own in ((source, source.lumenray) for source in sources)
+    ]
+
+
 def _automatic_white(places) -> float:
-    means = [baked_images.facts_of(place.image)["mean"] for place in places]
+    # Figures of a year are shown in false colours alone.
+    means = [baked_images.facts_of(place.image).get("mean", 1.0) for place in places]
     return automatic_white(float(np.mean(means)))
 
 

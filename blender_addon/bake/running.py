@@ -1,29 +1,20 @@
-"""The bake that runs in the background of this Blender: its thread, and how it ends.
-
-There is one at a time. It belongs to the extension and not to the operator that started it, so that it ends cleanly with
-the extension, with the file or with Blender.
-"""
-
-import logging
-import threading
+"""The bake that runs in the background of this Blender."""
 
 import bpy
 from bpy.app.handlers import persistent
 
-from ...engine.accuracy.stopping import Progress
-from ...engine.errors import Cancelled, LumenrayError
+from ...engine.errors import Cancelled
 from .. import feedback
+from ..foundation.background_work import BackgroundJob
 from ..foundation.handlers import leave, listen
 from .error_graph import graph
 
 INTERVAL = 0.1
 """How often the window looks how far the bake is. [s]"""
 
-log = logging.getLogger(__name__)
 
-
-class RunningBake:
-    """A bake on a thread of its own; all methods are for Blender's main thread.
+class RunningBake(BackgroundJob):
+    """A bake on a thread of its own.
 
     Parameters
     ----------
@@ -32,17 +23,7 @@ class RunningBake:
     """
 
     def __init__(self, job, session):
-        self.job, self.error = job, None
-        self._session = session
-        self._progress: Progress | None = None
-        self._timer = None
-        self._thread = threading.Thread(target=self._work, name="lumenray bake", daemon=True)
-        self._thread.start()
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it still works."""
-        return self._thread.is_alive()
+        super().__init__(job, session, _running, "bake", INTERVAL)
 
     def show(self, window_manager) -> None:
         """Show how far it is, until it is taken away."""
@@ -55,39 +36,10 @@ class RunningBake:
         if progress.history is not None:
             graph.note(progress.history)
 
-    def begin_signals(self, window_manager, window) -> None:
-        """Have the window wake up from time to time, and show that something is going on."""
-        window_manager.progress_begin(0, 1000)
-        self._timer = window_manager.event_timer_add(INTERVAL, window=window)
-
     def end(self, window_manager) -> None:
         """Cancel it if it still works, wait for its end, and leave nothing behind; a second time nothing is left to do."""
-        if self not in _running:
-            return
-        _running.remove(self)
-        if self.is_alive:
-            self.job.cancel()
-        self._thread.join()
-        if self._timer is not None:
-            window_manager.event_timer_remove(self._timer)
-            window_manager.progress_end()
-            self._timer = None
-        window_manager.lumenray.job.running = False
-
-    def _work(self) -> None:
-        try:
-            self.job.run(self._session, self._note)
-        except LumenrayError as error:
-            self.error = error
-        except Exception as error:
-            # A fault of ours: the log tells where, the window that it happened.
-            log.exception("the bake failed")
-            self.error = error
-        finally:
-            self._session.close()
-
-    def _note(self, progress: Progress) -> None:
-        self._progress = progress
+        if self.leave(window_manager):
+            window_manager.lumenray.job.running = False
 
 
 _running: list[RunningBake] = []
@@ -96,8 +48,7 @@ _running: list[RunningBake] = []
 def start(job, session, window_manager) -> RunningBake:
     """Begin a bake."""
     graph.note(None)
-    made = RunningBake(job, session)
-    _running.append(made)
+    made = RunningBake(job, session).start()
     feedback.begin_job(window_manager)
     return made
 

@@ -330,6 +330,28 @@ class LumenrayLookSettings(PropertyGroup):
         max=1e9,
         update=tag_owner,
     )
+    figure: StringProperty(
+        name="Figure",
+        description="Which figure of a year is shown in place of baked light; empty: none",
+        options={"HIDDEN"},
+    )
+    unit: StringProperty(
+        name="Unit",
+        description="Of the ends of the false colours",
+        default="lx",
+        options={"HIDDEN"},
+    )
+    lux_low: FloatProperty(
+        name="From",
+        description="Lower end of the scale for illuminance while a figure is shown, in lx",
+        options={"HIDDEN"},
+    )
+    lux_high: FloatProperty(
+        name="To",
+        description="Upper end of the scale for illuminance while a figure is shown, in lx",
+        default=1000.0,
+        options={"HIDDEN"},
+    )
     layers: CollectionProperty(type=LumenrayBakedLayer)
     layer_index: IntProperty(
         name="Active Layer", description="Layer whose settings are shown", min=0

@@ -72,8 +72,8 @@ def store_layouts(result: BakeResult, sources: dict, report: ConversionReport) -
         fronts.add(made.id)
         if is_back and made.id not in placed:
             continue
-        name = _name(source, BACK if is_back else UV_MAP)
-        if not _store(source, made.layout, len(result.pages), name, report):
+        name = name_map(source, BACK if is_back else UV_MAP)
+        if not place_layout(source, made.layout, len(result.pages), name, report):
             continue
         if is_back:
             source.lumenray.baked_back_uv = name
@@ -116,13 +116,29 @@ def match_corners(mesh, layout: Layout, uv: np.ndarray) -> Corners | None:
     return Corners(np.ascontiguousarray(values[first[found]], dtype=np.float32), split)
 
 
-def _name(source, name: str) -> str:
-    # Objects that share one mesh are baked one by one, so each needs a layout of its own.
-    return name if source.data.users == 1 else f"{name} {source.name}"[:60]
+def place_layout(
+    source,
+    layout: Layout,
+    pages: int,
+    name: str,
+    report: ConversionReport,
+    remedy: str = "its lux map is only written to disk",
+) -> bool:
+    """Write a layout into a UV map of an object.
 
+    Parameters
+    ----------
+    source : bpy.types.Object
+    layout : Layout
+    pages : int    Of the whole atlas.
+    name : str    Of the UV map.
+    report : ConversionReport    Gets a row where the mesh cannot hold it.
+    remedy : str    What becomes of the map then.
 
-def _store(source, layout: Layout, pages: int, name: str, report: ConversionReport) -> bool:
-    remedy = "its lux map is only written to disk"
+    Returns
+    -------
+    bool    Whether it lies on the object now.
+    """
     if source.library is not None or source.data.library is not None:
         report.warn(source.name, "it is linked from another file", f"{remedy}; make it local")
         return False
@@ -154,3 +170,9 @@ def _store(source, layout: Layout, pages: int, name: str, report: ConversionRepo
     layer.uv.foreach_set("vector", matched.uv.ravel())
     data.update()
     return True
+
+
+def name_map(source, name: str) -> str:
+    """Return the name of an object's own UV map; ``name``: that of all."""
+    # Objects that share one mesh are baked one by one, so each needs a layout of its own.
+    return name if source.data.users == 1 else f"{name} {source.name}"[:60]

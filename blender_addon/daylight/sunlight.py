@@ -14,7 +14,7 @@ from ...engine.sky.sunlight import (
     sunlight_spectrum,
 )
 from .moment import Moment
-from .weather import weather_moment
+from .weather import has_band, weather_moment
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,9 @@ def _illuminance(world, settings, moment: Moment) -> float:
             raise SceneError(
                 "the sunlight is that of a weather file, but the world's sky is of none"
             )
+        if has_band(world.lumenray.sky):
+            # It is in the sky, or not wanted.
+            return 0.0
         return weather_moment(world, moment).direct_normal
     pressure = standard_air(moment.place.elevation).pressure
     return direct_illuminance(moment.elevation, settings.turbidity, moment.distance, pressure)

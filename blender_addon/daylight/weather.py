@@ -6,8 +6,10 @@ from pathlib import Path
 import bpy
 
 from ...engine.errors import FileFormatError
+from ...engine.sky.clock_range import ClockRange
 from ...engine.sky.weather import Weather
 from ...engine.sky.weather_file import read_weather
+from ...engine.sky.weather_mean import WeatherMean, find_weather_mean
 from ...engine.sky.weather_moment import WeatherMoment, find_weather_moment
 from ..file_assets.kind import NoFileError
 from .moment import Moment
@@ -62,3 +64,26 @@ def weather_moment(world, moment: Moment) -> WeatherMoment:
 @lru_cache(maxsize=64)
 def _find(weather: Weather, seconds: float, is_mean: bool) -> WeatherMoment:
     return find_weather_moment(weather, seconds, is_mean=is_mean)
+
+
+def has_band(settings) -> bool:
+    """Tell whether a sky's settings ask for the mean of chosen hours, in which the sun is a band of light and no disk."""
+    return settings.kind == "WEATHER" and settings.weather_mean == "RANGE"
+
+
+def weather_mean(world, moment: Moment) -> WeatherMean:
+    """Return the mean of the hours that a world's sky asks for, in the year of a moment.
+
+    Raises
+    ------
+    LumenrayError    There is no such file, the hours are none, or no record of theirs has light.
+    """
+    settings = world.lumenray.sky
+    months = settings.mean_first_month, settings.mean_last_month
+    chosen = ClockRange(months, (settings.mean_start, settings.mean_end))
+    return _find_mean(weather_of(world), moment.clock.year, chosen)
+
+
+@lru_cache(maxsize=8)
+def _find_mean(weather: Weather, year: int, chosen: ClockRange) -> WeatherMean:
+    return find_weather_mean(weather, year, chosen)

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
+from ...engine.baking.order import BakeOrder
 from ...engine.daylight.coefficients import DaylightOrder
 from ...engine.daylight.grid import lay_grid
 from ...engine.daylight.study import Question
@@ -19,6 +20,7 @@ from .. import assumptions
 from ..foundation.report import ConversionReport
 from ..sync.scene import convert_scene
 from ..sync.walk import NO_LIGHT
+from .blind_rules import find_rules
 from .job import SUN_ANGLE, Places, YearJob, find_keys, meshes_of
 
 NEAR = 1.5
@@ -70,9 +72,16 @@ def prepare(context) -> tuple[YearJob, ConversionReport, list[str]]:
         _blinds_of(settings, converted.objects),
         _places_of(settings, own, converted.objects),
         year,
-        Question(zone, target=settings.target, ground_reflectance=ground, day=day),
+        Question(
+            zone,
+            target=settings.target,
+            ground_reflectance=ground,
+            day=day,
+            blinds=find_rules(settings, north),
+        ),
         order,
         scene.lumenray.transport.lower(),
+        *_maps_of(settings, converted.objects),
     )
     return job, converted.report, notes
 
@@ -116,3 +125,13 @@ def _blinds_of(settings, objects: dict[str, str]) -> list[tuple[str, ...]]:
         return []
     groups = list(settings.blinds.children) or [settings.blinds]
     return [find_keys(objects, meshes_of(group), "the scene") for group in groups]
+
+
+def _maps_of(settings, objects: dict[str, str]) -> tuple[BakeOrder | None, dict[str, str]]:
+    """Maps that are asked for, and the names of their objects by ids."""
+    if settings.maps is None:
+        return None, {}
+    names = meshes_of(settings.maps, "have a map")
+    keys = find_keys(objects, names, "the scene")
+    order = BakeOrder(keys, StopRule(samples=1), density=settings.map_density)
+    return order, dict(zip(keys, names, strict=True))

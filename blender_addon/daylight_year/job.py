@@ -5,8 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...engine.baking.order import BakeOrder
+from ...engine.baking.year_maps import YearMaps, make_year_maps
+from ...engine.daylight.blinds import check_rules
 from ...engine.daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ...engine.daylight.light import Light
+from ...engine.daylight.other_sensors import take_sensors
 from ...engine.daylight.study import Figures, Question, judge, shade
 from ...engine.daylight.year import Year
 from ...engine.errors import Cancelled, SceneError
@@ -31,6 +35,7 @@ class Answer:
     light: Light
     figures: Figures
     notes: tuple[str, ...]
+    maps: YearMaps | None = None
 
 
 @dataclass(eq=False)
@@ -46,6 +51,9 @@ class YearJob:
     question : Question
     order : DaylightOrder
     transport : str
+    maps : BakeOrder or None    Whose objects' lumels are sensors beside the places; they move no blinds, and no figure of
+        the area counts them.
+    names : dict of str    Of the objects of these maps, by their ids.
     """
 
     scene: Scene
@@ -55,6 +63,8 @@ class YearJob:
     question: Question
     order: DaylightOrder
     transport: str = "auto"
+    maps: BakeOrder | None = None
+    names: dict[str, str] = field(default_factory=dict)
     answer: Answer | None = None
     _session: object = field(default=None, repr=False)
     _is_cancelled: bool = False
@@ -72,20 +82,22 @@ class YearJob:
         session : Session or RemoteSession    An empty one.
         progress : callable or None    Gets a `Progress`.
         find : callable or None
-            Given the number of a state, its scene's hash and a function that traces it, returns the coefficients; None:
-            traces.
+            Given the number of a state, its scene's hash, all sensors and a function that traces it, returns the
+            coefficients; None: traces.
 
         Raises
         ------
         Cancelled    After `cancel`.
         LumenrayError    The scene or the machine does not allow it.
         """
+        check_rules(self.question.blinds, len(self.blinds), self.year)
         self._session = session
         session.apply(SceneDelta(changed=_all_items(self.scene)))
         own = Scene()
         own.apply(SceneDelta(changed=_all_items(self.scene)))
         blinds = {key for keys in self.blinds for key in keys}
-        there, found = set(blinds), []
+        there, found, sheet = set(blinds), [], None
+        sensors = self.places.sensors
         for number, shown in enumerate([(), *self.blinds]):
             delta = SceneDelta(
                 changed=tuple(self.scene.meshes[key] for key in shown if key not in there),
@@ -94,21 +106,37 @@ class YearJob:
             there = set(shown)
             session.apply(delta)
             own.apply(delta)
+            if self.maps is not None and sheet is None:
+                sheet = session.find_lumels(self.maps, self.transport, progress)
+                sensors = np.concatenate([sensors, sheet.sensors[sheet.is_valid]])
             if self._is_cancelled:
                 raise Cancelled("cancelled")
 
-            def trace() -> DaylightCoefficients:
-                sensors = self.places.sensors
+            def trace(at=sensors) -> DaylightCoefficients:
                 return session.find_daylight(
-                    sensors[:, :3], sensors[:, 3:], self.order, self.transport, progress
+                    at[:, :3], at[:, 3:], self.order, self.transport, progress
                 )
 
-            found.append(trace() if find is None else find(number, own.hash(), trace))
-        opened, *closed = found
-        light = shade(self.year, opened, tuple(closed), self.places.areas)
-        figures = judge(light, self.question, self.places.areas)
-        remarks = map(str, self.year.remarks)
-        self.answer = Answer(light, figures, (*remarks, *opened.provenance.notes, *figures.notes))
+            found.append(trace() if find is None else find(number, own.hash(), sensors, trace))
+        self.answer = self._judge(tuple(found), sheet)
+
+    def _judge(self, found: tuple[DaylightCoefficients, ...], sheet) -> Answer:
+        first = len(self.places.sensors)
+        opened, *closed = (take_sensors(each, slice(0, first)) for each in found)
+        areas = self.places.areas
+        light = shade(self.year, opened, tuple(closed), areas, self.question)
+        figures = judge(light, self.question, areas)
+        notes = (*map(str, self.year.remarks), *opened.provenance.notes, *figures.notes)
+        if sheet is None:
+            return Answer(light, figures, notes)
+        maps = make_year_maps(sheet, found, first, light, self.question, self.maps.margin)
+        departures = [
+            f"{self.names.get(each.name, each.name)}: {each.message}; it has no map"
+            if each.is_error
+            else f"{self.names.get(each.name, each.name)}: {each.message}; {each.remedy}"
+            for each in maps.departures
+        ]
+        return Answer(light, figures, (*notes, *departures), maps)
 
     def cancel(self) -> None:
         """End it; may be called from any thread."""
@@ -137,8 +165,8 @@ def find_keys(objects: dict[str, str], names, where: str) -> tuple[str, ...]:
     return tuple(objects[name] for name in names)
 
 
-def meshes_of(collection) -> list[str]:
-    """Return the names of a collection's meshes.
+def meshes_of(collection, use: str = "be a blind") -> list[str]:
+    """Return the names of a collection's meshes; ``use``: what they are for.
 
     Raises
     ------
@@ -146,5 +174,5 @@ def meshes_of(collection) -> list[str]:
     """
     names = [item.name_full for item in collection.all_objects if item.type == "MESH"]
     if not names:
-        raise SceneError(f"the collection '{collection.name}' holds no mesh that could be a blind")
+        raise SceneError(f"the collection '{collection.name}' holds no mesh that could {use}")
     return names

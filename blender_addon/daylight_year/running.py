@@ -1,28 +1,19 @@
-"""The year that is computed in the background of this Blender: its thread, and how it ends.
-
-There is one at a time. It belongs to the extension and not to the operator that started it, so that it ends cleanly with
-the extension, with the file or with Blender.
-"""
-
-import logging
-import threading
+"""The year that is computed in the background of this Blender."""
 
 import bpy
 from bpy.app.handlers import persistent
 
-from ...engine.accuracy.stopping import Progress
-from ...engine.errors import Cancelled, LumenrayError
+from ...engine.errors import Cancelled
+from ..foundation.background_work import BackgroundJob
 from ..foundation.handlers import leave, listen
 from .job import YearJob
 
 INTERVAL = 0.2
 """How often the window looks how far it is. [s]"""
 
-log = logging.getLogger(__name__)
 
-
-class RunningYear:
-    """A year on a thread of its own; all methods are for Blender's main thread.
+class RunningYear(BackgroundJob):
+    """A year on a thread of its own.
 
     Parameters
     ----------
@@ -31,22 +22,11 @@ class RunningYear:
     """
 
     def __init__(self, job: YearJob, session):
-        self.job, self.error = job, None
-        self._session, self._timer = session, None
-        self._progress: Progress | None = None
-        self._thread = threading.Thread(target=self._work, name="lumenray year", daemon=True)
-        self._thread.start()
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it still works."""
-        return self._thread.is_alive()
+        super().__init__(job, session, _running, "year", INTERVAL)
 
     def begin_signals(self, context) -> None:
         """Have the window wake up from time to time."""
-        manager = context.window_manager
-        manager.progress_begin(0, 1000)
-        self._timer = manager.event_timer_add(INTERVAL, window=context.window)
+        self.wake(context.window_manager, context.window)
 
     def show(self, context) -> None:
         """Show how far it is in the status bar."""
@@ -57,33 +37,8 @@ class RunningYear:
 
     def end(self, context) -> None:
         """Cancel it if it still works, wait for its end, and leave nothing behind; a second time nothing is left to do."""
-        if self not in _running:
-            return
-        _running.remove(self)
-        if self.is_alive:
-            self.job.cancel()
-        self._thread.join()
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            context.window_manager.progress_end()
-            self._timer = None
-        if context.workspace is not None:
+        if self.leave(context.window_manager) and context.workspace is not None:
             context.workspace.status_text_set(None)
-
-    def _work(self) -> None:
-        try:
-            self.job.run(self._session, self._note)
-        except LumenrayError as error:
-            self.error = error
-        except Exception as error:
-            # A fault of ours: the log tells where, the window that it happened.
-            log.exception("the daylight of the year failed")
-            self.error = error
-        finally:
-            self._session.close()
-
-    def _note(self, progress: Progress) -> None:
-        self._progress = progress
 
 
 _running: list[RunningYear] = []
@@ -91,9 +46,7 @@ _running: list[RunningYear] = []
 
 def start(job: YearJob, session) -> RunningYear:
     """Begin a year."""
-    made = RunningYear(job, session)
-    _running.append(made)
-    return made
+    return RunningYear(job, session).start()
 
 
 def is_running() -> bool:

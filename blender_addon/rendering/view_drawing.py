@@ -80,7 +80,7 @@ def _baked_scale() -> Scale | None:
     kind = bpy.context.space_data.shading.type
     if kind != "MATERIAL" and (kind != "RENDERED" or bpy.context.engine not in EEVEE):
         return None
-    return Scale(look.low, look.high, "lx")
+    return Scale(look.low, look.high, look.unit)
 
 
 def _view_in_false_colours():

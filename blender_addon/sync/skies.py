@@ -21,12 +21,14 @@ from ...engine.sky.measured import (
 )
 from ...engine.sky.picture import find_illuminance
 from ...engine.sky.skies import check_sky, with_zenith_luminance
+from ...engine.sky.weather_mean import WeatherMean, make_mean_world
 from ..daylight.following import lamp_of
 from ..daylight.moment import Moment, find_moment
 from ..daylight.sunlight import find_sunlight
-from ..daylight.weather import path_of, weather_moment, weather_of
+from ..daylight.weather import has_band, path_of, weather_mean, weather_moment, weather_of
 from ..foundation.report import ConversionReport
 from ..sky import UPWARDS, depends_on_sun, needs_moment, onto_horizon, states_level, takes_lamp
+from .sky_spectra import find_spectrum, own_illuminance, refuse_picture
 
 FAR = 1.0
 """Difference of latitude or longitude from which on a weather file is one of another place. [degree]"""
@@ -120,7 +122,7 @@ def _convert(world, report, sun_lamp, when):
         "towards_sun": sun,
         "illuminance": 1.0,
         "ground_reflectance": settings.ground_reflectance,
-        "spectrum": Daylight(settings.colour_temperature),
+        "spectrum": find_spectrum(settings, sun),
     }
     if settings.kind == "CLOUDINESS":
         sky = CloudySky(settings.cloudiness, **common)
@@ -169,6 +171,8 @@ def _levelled(sky, world, moment, when):
         if settings.zenith_luminance <= 0.0:
             return None
         sky = with_zenith_luminance(sky, settings.zenith_luminance)
+    elif settings.level == "MODEL":
+        sky = replace(sky, illuminance=own_illuminance(settings, sky.towards_sun))
     else:
         sky = replace(sky, illuminance=_horizontal(world, moment, when))
     if sky.illuminance <= 0.0:
@@ -180,6 +184,8 @@ def _levelled(sky, world, moment, when):
 def _horizontal(world, moment, when) -> float:
     """Horizontal illuminance by the sky alone that is stated. [lx]"""
     settings = world.lumenray.sky
+    if settings.level == "MODEL":
+        raise SceneError("a sky that is a picture has no level of a clear sky's own; state it")
     if settings.level != "TOTAL":
         return settings.illuminance
     by_sun = 0.0
@@ -205,6 +211,8 @@ def _of_weather(world, moment: Moment, report, when):
     settings = world.lumenray.sky
     weather = weather_of(world)
     _tell_weather(world, weather, moment, report)
+    if has_band(settings):
+        return _of_hours(world, moment, report, when)
     stated = weather_moment(world, moment)
     if stated.note:
         report.info(world.name, stated.note, "it is taken so")
@@ -230,12 +238,37 @@ def _of_weather(world, moment: Moment, report, when):
         onto_horizon(moment.towards_sun),
         stated.diffuse_horizontal,
         settings.ground_reflectance,
-        Daylight(settings.colour_temperature),
+        find_spectrum(settings, onto_horizon(moment.towards_sun), stated.clearness),
     )
     if states_level(settings):
         return _levelled(sky, world, moment, when)
     check_sky(sky)
     return sky
+
+
+def _of_hours(world, moment: Moment, report, when):
+    """The mean of chosen hours of a weather file, with the sun in it or without."""
+    settings = world.lumenray.sky
+    mean = weather_mean(world, moment)
+    if mean.note:
+        report.info(world.name, mean.note, "it is taken so")
+    held = "the sun is a band of light in it" if settings.use_mean_sun else "the sun is left out"
+    report.info(world.name, f"the sky is the mean of {mean.hours:g} hours: {mean.label}", held)
+    if states_level(settings) and settings.use_mean_sun:
+        report.info(
+            world.name,
+            "the level that is stated is that of the mean sky with the sun in it",
+            "switch the sun of the sky off for that of the sky alone",
+        )
+    lamp = None if when is None else lamp_of(when.scene, _original(world))
+    if lamp is not None and find_sunlight(world, moment).illuminance > 0.0:
+        report.warn(
+            world.name,
+            "the Sun light of its place and time shines besides the mean of hours, which has no one place of the sun",
+            "both are lit; let its illuminance be that of the weather file, which is in the sky then",
+        )
+    picture = _of_mean(mean, settings.ground_reflectance, settings.use_mean_sun)
+    return _of_picture(picture, world, moment, when)
 
 
 def _tell_weather(world, weather, moment: Moment, report) -> None:
@@ -289,9 +322,15 @@ def _of_grid(grid: SkyGrid, reflectance: float) -> ImageWorld:
     return make_grid_world(grid, reflectance)
 
 
+@lru_cache(maxsize=KEPT)
+def _of_mean(mean: WeatherMean, reflectance: float, has_sun: bool) -> ImageWorld:
+    return make_mean_world(mean, reflectance, has_sun=has_sun)
+
+
 def _of_picture(made: ImageWorld, world, moment, when):
     """Turn, colour and level a sky that is a picture by compass directions."""
     settings = world.lumenray.sky
+    refuse_picture(settings)
     illuminance = find_illuminance(made.image, made.rotation, UPWARDS)
     if not illuminance > 0.0:
         raise SceneError("its table gives no light")

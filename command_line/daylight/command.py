@@ -13,9 +13,10 @@ from ..blend_file import open_blend
 from ..options import add_rule, add_scene, real, rule_of, seed_of, share, transport_of, whole
 from ..output import add_output, check_free, say, sheet
 from ..progress import Bar
-from .answers import MATRIX, write
-from .places import find_places
-from .states import find_blinds, keep_states
+from .answers import MAPS, MATRIX, write
+from .map_files import first_map
+from .places import find_maps, find_places
+from .states import RULES, find_blinds, find_rules, keep_states, read_rule
 
 SAMPLES = 8192
 """Paths of a sensor where nothing is asked for."""
@@ -35,13 +36,14 @@ def add_command(commands) -> None:
     daylight = commands.add_parser(
         "daylight",
         help="daylight of a whole year at sensors: daylight factors, autonomy, LM-83, EN 17037",
-        epilog=assumptions.CODES,
+        epilog=f"{RULES}\n\n{assumptions.CODES}",
     )
     add_scene(daylight)
     daylight.add_argument(
         "--weather", required=True, type=Path, metavar="W.epw", help="weather file, EPW or WEA"
     )
     _add_places(daylight.add_argument_group("sensors (one of --sensors and --floor)"))
+    _add_maps(daylight.add_argument_group("maps"))
     _add_building(daylight.add_argument_group("building and year"))
     _add_question(daylight.add_argument_group("what is asked"))
     words = "folder for tables (CSV, JSON) and pictures"
@@ -89,6 +91,21 @@ def _add_places(group) -> None:
     )
 
 
+def _add_maps(group) -> None:
+    group.add_argument(
+        "--maps",
+        metavar="OBJECTS",
+        help=f"also write maps of all figures on these objects, by name, with commas between, into {MAPS}/",
+    )
+    group.add_argument(
+        "--lumels-per-m",
+        type=real(),
+        default=2.0,
+        metavar="N",
+        help="of the maps; every lumel is a sensor (default: 2)",
+    )
+
+
 def _add_building(group) -> None:
     group.add_argument(
         "--year",
@@ -115,7 +132,15 @@ def _add_building(group) -> None:
         action="append",
         default=[],
         metavar="COLLECTION",
-        help="its objects are the closed blinds of a group of windows, which LM-83's rule closes; may be given again",
+        help="its objects are the closed blinds of a group of windows; may be given again",
+    )
+    group.add_argument(
+        "--blinds-when",
+        action="append",
+        default=[],
+        type=read_rule,
+        metavar="RULE",
+        help="when they are closed, see below (default: by LM-83's rule)",
     )
     group.add_argument("--roof", action="store_true", help="EN 17037: daylight comes from above")
 
@@ -182,7 +207,8 @@ def run(options) -> int:
 
     names = [*TABLES, *PICTURES, *([MATRIX] if options.hourly else [])]
     if not options.resume:
-        check_free(options, *(options.output / name for name in names))
+        maps = [first_map(options.output / MAPS)] if options.maps is not None else []
+        check_free(options, *(options.output / name for name in names), *maps)
     weather = read_weather(options.weather)
     rows = options.rows or (FINE_ROWS if (options.error or 1.0) < FINE_ERROR else ROWS)
     year = make_year(weather, options.north, options.ground, rows, options.year)
@@ -213,17 +239,23 @@ def run(options) -> int:
         question,
         order,
         transport_of(options, settings),
+        *find_maps(options, converted.objects),
     )
     with Bar("daylight") as bar:
         job.run(Session(), bar, keep_states(options, job))
-    light, figures = job.answer.light, job.answer.figures
+    light, figures, maps = job.answer.light, job.answer.figures, job.answer.maps
     notes = (*notes, *job.answer.notes)
-    write(options, light, figures, job.places, question, assumptions.lines_of(report, notes))
+    write(options, job.answer, job.places, question, assumptions.lines_of(report, notes))
     traced = light.opened.coefficients
     shortfall = order.rule.shortfall(traced.error_of_even_world())
     assumptions.tell(report, notes, shortfall)
     say(sheet(str(options.file), describe(light, figures, question)))
     say(f"{light.sensors} sensors, {traced.samples} paths each, written to {options.output}")
+    if maps is not None:
+        lumels = sum(each.lumels for each in maps.objects)
+        say(
+            f"maps of {len(maps.objects)} objects with {lumels} lumels, written to {options.output / MAPS}"
+        )
     return assumptions.exit_code(report, options.accept_missing, shortfall)
 
 
@@ -263,4 +295,5 @@ def _ask(options, weather):
         is_from_above=options.roof,
         ground_reflectance=options.ground,
         day=make_day(day, place, least, SUNLIGHT_STEP),
+        blinds=find_rules(options),
     ), notes

@@ -1,4 +1,4 @@
-"""Where the daylight of a year is asked for: sensors from a list, or in a grid above floors."""
+"""Where the daylight of a year is asked for: sensors from a list, or in a grid above floors, and lumels of maps."""
 
 import numpy as np
 
@@ -21,3 +21,19 @@ def find_places(options, scene, objects: dict[str, str]) -> Places:
     )
     up = np.tile([0.0, 0.0, 1.0], (len(grid), 1))
     return Places(np.column_stack([grid, up]), np.full(len(grid), options.spacing**2))
+
+
+def find_maps(options, objects: dict[str, str]):
+    """Return what maps of the year are asked for, a `BakeOrder` or None, and the names of their objects by ids.
+
+    ``objects``: ids of the scene's by name.
+    """
+    if options.maps is None:
+        return None, {}
+    from ...engine.accuracy.stopping import StopRule
+    from ...engine.baking.order import BakeOrder
+
+    names = tuple(dict.fromkeys(words(options.maps)))
+    keys = find_keys(objects, names, f"{options.file}: the scene")
+    order = BakeOrder(keys, StopRule(samples=1), density=options.lumels_per_m)
+    return order, dict(zip(keys, names, strict=True))

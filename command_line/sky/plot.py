@@ -4,9 +4,12 @@ from pathlib import Path
 
 from ...engine.errors import SceneError
 from ..luminaire.plot import LARGEST_PICTURE, SMALLEST_PICTURE
-from ..options import real, size, whole
+from ..options import real, size, stretch, whole
 from ..output import add_picture, check_free, save_picture, say
 from .place import add_place, find_moment, find_place, find_record
+
+YEAR = 2001
+"""In which the sun goes where no time is told."""
 
 
 def add_command(tasks) -> None:
@@ -27,6 +30,12 @@ def add_command(tasks) -> None:
         type=Path,
         metavar="FILE",
         help="luminances of 145 patches, or of elevations and azimuths, in cd/m2",
+    )
+    kind.add_argument(
+        "--mean",
+        type=stretch,
+        metavar="HOURS",
+        help="mean of the weather file over hours of its standard time, with the sun's ways: months=4-9,hours=9-17",
     )
     plot.add_argument(
         "--illuminance",
@@ -54,15 +63,18 @@ def run(options) -> int:
     check_free(options, options.output)
     weather = None if options.weather is None else read_weather(options.weather)
     is_chosen = any(
-        each is not None for each in (options.cie, options.cloudiness, options.measured)
+        each is not None
+        for each in (options.cie, options.cloudiness, options.measured, options.mean)
     )
+    if options.mean is not None and weather is None:
+        raise SceneError("expected --weather, whose hours the mean is of")
     if weather is None and not is_chosen:
         raise SceneError("expected a sky: --cie, --cloudiness, --measured or --weather with --time")
     place = find_place(options, weather)
     if place is None and (options.time is not None or options.measured is None):
         raise SceneError("expected a place: --place, --latitude with --longitude, or --weather")
     moment = None if place is None else find_moment(options, place)
-    if moment is None and options.measured is None:
+    if moment is None and options.measured is None and options.mean is None:
         raise SceneError("expected --time, such as 2026-06-21T12:00")
     sun = None
     if moment is not None:
@@ -70,14 +82,16 @@ def run(options) -> int:
             say(moment.note)
         found = find_sun(moment.seconds, place)
         sun = ShownSun(float(found.elevation), float(found.azimuth))
-    if options.measured is not None:
+    if options.mean is not None:
+        luminances, words = _mean(weather, options.mean, moment)
+    elif options.measured is not None:
         luminances, words = _measured(options.measured)
     elif is_chosen:
         luminances, words = _by_formula(options, sun)
     else:
         luminances, words, sun = _of_weather(weather, moment)
     title = options.measured.name if place is None else _title(place, moment)
-    year = 2001 if moment is None else moment.clock.year
+    year = YEAR if moment is None else moment.clock.year
     picture = draw_sky(
         luminances, title, words, sun, place, year, size=options.size, dark=options.dark
     )
@@ -100,6 +114,23 @@ def _measured(path):
     measured = read_measured_sky(path)
     words = "measured on a grid" if isinstance(measured, SkyGrid) else "measured, 145 patches"
     return (lambda directions: find_luminances(measured, directions)), words
+
+
+def _mean(weather, hours: dict, moment):
+    from ...engine.sky.clock_range import ClockRange
+    from ...engine.sky.measured import look_up
+    from ...engine.sky.weather_mean import find_weather_mean, make_mean_world
+
+    year = YEAR if moment is None else moment.clock.year
+    mean = find_weather_mean(weather, year, ClockRange(**hours))
+    if mean.note:
+        say(mean.note)
+    world = make_mean_world(mean)
+    words = (
+        f"mean of {mean.hours:g} hours ({mean.label}): sky {mean.diffuse_horizontal:.0f} lx, sun "
+        f"{mean.direct_horizontal:.0f} lx horizontal"
+    )
+    return (lambda directions: look_up(world, directions)), words
 
 
 def _by_formula(options, sun):

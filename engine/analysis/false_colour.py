@@ -59,21 +59,37 @@ def write_false_colour(
     high: float | None = None,
     captions=(),
 ) -> Path:
-    """Write a map as a PNG with legend.
+    """Write a map as a PNG with legend; ``path``: str or Path, the others as of `draw_false_colour`."""
+    from .canvas import save_picture
+
+    picture = draw_false_colour(values, shown, title, unit, high, captions)
+    return save_picture(picture, path)
+
+
+def draw_false_colour(
+    values: np.ndarray,
+    shown: np.ndarray,
+    title: str,
+    unit: str = "lx",
+    high: float | None = None,
+    captions=(),
+):
+    """Draw a map with legend.
 
     Parameters
     ----------
-    path : str or Path
     values : (h, w) array    Row 0 is the bottom row.
     shown : (h, w) bool array    Elsewhere the background is left.
     title : str    Over the legend.
     unit : str
     high : float or None    Top of the scale; None: a round number from the values.
     captions : list of (text, x, y)    Texts whose lower left corner is at a pixel of the map.
+
+    Returns
+    -------
+    PIL.Image.Image    RGB.
     """
     from PIL import Image, ImageDraw, ImageFont
-
-    from .canvas import save_picture
 
     high = nice_maximum(values[shown]) if high is None else high
     picture = colours(values, 0.0, high)
@@ -97,7 +113,7 @@ def write_false_colour(
         y = top + round(bar * (1.0 - i / 8.0))
         draw.line((left + 18, y, left + 23, y), fill=(230, 230, 230))
         draw.text((left + 27, y - 7), f"{high * i / 8.0:.4g}", fill=(230, 230, 230), font=font)
-    return save_picture(canvas, path)
+    return canvas
 
 
 def write_display(path, linear: np.ndarray, words: str = "") -> Path:

@@ -61,10 +61,23 @@ def make_maps(
                 area=own.area,
                 invalid=own.count - len(rows),
                 provenance=provenance,
-                layout=_layout_of(surface, layout, ground.atlas.sizes),
+                layout=layout_of(surface, layout, ground.atlas.sizes),
             )
         )
     return maps
+
+
+def layout_of(surface: BakedSurface, layout, sizes: np.ndarray) -> Layout:
+    """Return where a surface's triangles lie, from its layout on pages of such sizes (p, 2). [lumel]"""
+    page = np.maximum(layout.page, 0)
+    uv = layout.uv / sizes[page][:, None, :]
+    return Layout(
+        uv.astype(np.float32),
+        layout.page.astype(np.int32),
+        surface.mesh.triangles,
+        surface.mesh.polygon,
+        len(surface.mesh.vertices),
+    )
 
 
 def _whole_error(estimates: Estimates, own: ObjectMean) -> float:
@@ -99,15 +112,3 @@ def _extremes(
     common = error / mean if mean > 0.0 else 0.0
     ends = find_least(halves, common), find_largest(halves, common)
     return part_by_mean(*ends, mean, error, estimates.freedom)
-
-
-def _layout_of(surface: BakedSurface, layout, sizes: np.ndarray) -> Layout:
-    page = np.maximum(layout.page, 0)
-    uv = layout.uv / sizes[page][:, None, :]
-    return Layout(
-        uv.astype(np.float32),
-        layout.page.astype(np.int32),
-        surface.mesh.triangles,
-        surface.mesh.polygon,
-        len(surface.mesh.vertices),
-    )

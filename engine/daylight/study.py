@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import SceneError
+from ..sky.place import Place
 from . import en17037, lm83, metrics
+from .blinds import Rule, RuledLight, check_rules, follows_standard, move_blinds
 from .coefficients import DaylightCoefficients
 from .factors import find_factors
 from .light import Light, ShadedLight, YearLight, find_closed
@@ -13,6 +15,10 @@ from .occupancy import CountedHours, Schedule, occupied_hours
 from .replicated import MetricEstimate, estimate, find_by_sensor, over_area
 from .sunlight import SunlitDay, day_hours, year_hours
 from .year import Year
+
+
+OWN_RULES = "blinds follow rules of one's own in all figures but sDA, whose blinds are those of LM-83 always"
+"""What has to be known of a year with such rules."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +34,7 @@ class Question:
     is_from_above : bool    Whether the openings are in the roof, for EN 17037.
     ground_reflectance : float    For daylight factors. [-]
     day : SunlitDay or None    Whose sunlight is judged; its suns follow those of the year in the coefficients.
+    blinds : tuple of blinds.Rule    When those of each group of windows are closed, or of all groups; none: by LM-83.
     """
 
     zone: str | None = None
@@ -37,6 +44,11 @@ class Question:
     is_from_above: bool = False
     ground_reflectance: float = 0.2
     day: SunlitDay | None = None
+    blinds: tuple[Rule, ...] = ()
+
+    def zone_at(self, place: Place) -> str:
+        """Clocks that people live by at a place."""
+        return place.zone if self.zone is None else self.zone
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +76,13 @@ class Figures:
 
 
 def shade(
-    year: Year, opened: DaylightCoefficients, closed: tuple[DaylightCoefficients, ...], areas=None
+    year: Year,
+    opened: DaylightCoefficients,
+    closed: tuple[DaylightCoefficients, ...],
+    areas=None,
+    question: Question | None = None,
 ) -> Light:
-    """Return the light of a year whose blinds are closed by the rule of LM-83.
+    """Return the light of a year whose blinds are closed by LM-83, or by rules of one's own.
 
     Parameters
     ----------
@@ -74,12 +90,21 @@ def shade(
     opened : DaylightCoefficients    All blinds open, or none there.
     closed : tuple of DaylightCoefficients    By group of windows, with the blinds of it alone closed.
     areas : (n,) array or None    That sensors stand for. [m2]
+    question : Question or None    Whose rules count; None: LM-83.
+
+    Raises
+    ------
+    SceneError    As of `blinds.check_rules`.
     """
     light = YearLight(opened, year)
+    rules = () if question is None else question.blinds
+    check_rules(rules, len(closed), year)
     if not closed:
         return light
     shaded = tuple(YearLight(each, year) for each in closed)
-    return ShadedLight(light, shaded, find_closed(light, shaded, areas))
+    if follows_standard(rules):
+        return ShadedLight(light, shaded, find_closed(light, shaded, areas))
+    return move_blinds(rules, light, shaded, question.zone_at(year.weather.place), areas)
 
 
 def judge(light: Light, question: Question, areas=None) -> Figures:
@@ -98,7 +123,7 @@ def judge(light: Light, question: Question, areas=None) -> Figures:
     year, opened = light.year, light.opened
     interval = year.weather.interval
     times, place = year.middles, year.weather.place
-    zone = place.zone if question.zone is None else question.zone
+    zone = question.zone_at(place)
     occupied = occupied_hours(times, zone, question.schedule)
     counted = CountedHours.of_year(occupied, year.lit, interval)
     standard = CountedHours.of_year(occupied_hours(times, zone), year.lit, interval)
@@ -116,6 +141,7 @@ def judge(light: Light, question: Question, areas=None) -> Figures:
             f"useful_{name}": of_sensors("useful", each_hour, column)
             for column, name in enumerate(("too_little", "supplemented", "enough", "too_much"))
         },
+        "lm83_autonomy": of_sensors("lm83", 1.0 / max(standard.count, 1)),
         "mean_lx": of_sensors("mean"),
         "exposure_lx_h": of_sensors("exposure"),
         "sunlit_h": MetricEstimate.exact(by_sun["sunlit"]),
@@ -137,6 +163,8 @@ def judge(light: Light, question: Question, areas=None) -> Figures:
     provision, notes = {}, []
     if not isinstance(light, ShadedLight):
         notes.append("no blinds are told: sDA is that of windows without any")
+    if isinstance(light, RuledLight):
+        notes += [OWN_RULES, *light.notes]
     factors = find_factors(opened.coefficients, question.ground_reflectance)
     kept["daylight_factor"] = estimate(factors, freedom)
     for name, metric in (
@@ -207,6 +235,9 @@ def _judge_sensors(light, opened, question, counted, standard, areas):
             yield version
 
     versions = find_by_sensor(of_sensors, (follow(part) for part in light.blocks()))
+    if isinstance(light, RuledLight):
+        own = {"lm83": of_sensors["lm83"]}
+        versions |= find_by_sensor(own, (light.standard.versions(part) for part in light.blocks()))
     hourly = estimate(np.stack(sums) / areas.sum(), light.freedom)
     return versions, _judge_sun(opened, standard), hourly
 

@@ -25,6 +25,9 @@ def describe(light: Light, figures: Figures, question: Question) -> list[tuple[s
         ("sDA 300/50 %", [_share(figures, "sda")]),
         ("ASE 1000, 250 h", [_share(figures, "ase")]),
     ]
+    closed = [100.0 * float(group.mean()) for group in figures.is_closed]
+    if closed:
+        rows.append(("blinds closed", [f"{each:.3g} % of the hours with light" for each in closed]))
     for method, label in METHODS.items():
         found = figures.provision.get(method)
         if found is not None:

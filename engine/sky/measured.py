@@ -118,7 +118,7 @@ def make_patch_world(luminances, ground_reflectance: float = 0.0) -> ImageWorld:
     luminances = _checked(luminances, (PATCHES,))
     illuminance = float(horizontal_weights() @ luminances)
     directions = _pixel_directions(PATCH_ROWS, PATCH_COLUMNS)
-    return _world(luminances[find_patches(directions)], illuminance, ground_reflectance)
+    return make_world(luminances[find_patches(directions)], illuminance, ground_reflectance)
 
 
 def make_grid_world(grid: SkyGrid, ground_reflectance: float = 0.0) -> ImageWorld:
@@ -160,7 +160,7 @@ def make_grid_world(grid: SkyGrid, ground_reflectance: float = 0.0) -> ImageWorl
     weights = 0.5 * np.diff(np.sin(edges) ** 2) * 2.0 * np.pi
     illuminance = float(weights @ above.mean(axis=1))
     pixels = np.concatenate([np.zeros_like(above), above])
-    return _world(pixels, illuminance, ground_reflectance)
+    return make_world(pixels, illuminance, ground_reflectance)
 
 
 def find_luminances(measured, directions) -> np.ndarray:
@@ -183,12 +183,41 @@ def find_luminances(measured, directions) -> np.ndarray:
     if not isinstance(measured, SkyGrid):
         patch = find_patches(directions)
         return np.where(patch >= 0, _checked(measured, (PATCHES,))[patch], 0.0)
-    pixels = make_grid_world(measured).image.pixels[..., 0]
+    return look_up(make_grid_world(measured), directions)
+
+
+def look_up(world: ImageWorld, directions) -> np.ndarray:
+    """Return the luminance that the picture of a sky has in directions. (..., 3) -> (...) [cd/m2]"""
+    directions = np.asarray(directions, dtype=np.float64)
+    pixels = world.image.pixels[..., 0]
     rows, columns = pixels.shape
     polar = np.arccos(np.clip(-directions[..., 2], -1.0, 1.0))
     turn = np.arctan2(directions[..., 0], directions[..., 1]) / (2.0 * np.pi) + 0.25
     row = np.minimum((polar / np.pi * rows).astype(np.int64), rows - 1)
     return pixels[row, np.floor(turn * columns).astype(np.int64) % columns].astype(np.float64)
+
+
+def make_world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) -> ImageWorld:
+    """Return the sky of a picture over an evenly bright ground.
+
+    Parameters
+    ----------
+    pixels : (rows, columns) array    Luminances, from the lowest row up; the lower half does not count. [cd/m2]
+    illuminance : float    Horizontal illuminance by which the ground is lit. [lx]
+    ground_reflectance : float    As of `CieSky`. [-]
+
+    Raises
+    ------
+    SceneError    The reflectance is none.
+    """
+    if not 0.0 <= ground_reflectance <= 1.0:
+        raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
+    pixels = np.array(pixels, dtype=np.float32)
+    pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
+    pixels = np.repeat(pixels[..., None], 3, axis=-1)
+    # What follows from them is found once.
+    pixels.flags.writeable = False
+    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
 
 
 def _checked(luminances, shape) -> np.ndarray:
@@ -212,17 +241,6 @@ def _pixel_directions(rows: int, columns: int) -> np.ndarray:
         ),
         axis=-1,
     )
-
-
-def _world(pixels: np.ndarray, illuminance: float, ground_reflectance: float) -> ImageWorld:
-    if not 0.0 <= ground_reflectance <= 1.0:
-        raise SceneError(f"the reflectance of the ground is {ground_reflectance}, expected 0 to 1")
-    pixels = np.array(pixels, dtype=np.float32)
-    pixels[: len(pixels) // 2] = ground_reflectance * illuminance / np.pi
-    pixels = np.repeat(pixels[..., None], 3, axis=-1)
-    # What follows from them is found once.
-    pixels.flags.writeable = False
-    return ImageWorld(ImageTexture(pixels, interpolation="closest"), 1.0)
 
 
 # ---- files ----

@@ -91,7 +91,7 @@ def find_weather_moment(weather: Weather, seconds: float, *, is_mean: bool) -> W
     if left_out:
         lack = "1 day lacks" if left_out == 1 else f"{left_out} days lack"
         note = f"{lack} an irradiance, and the mean is that of the others"
-    directions = _directions()
+    directions = find_directions()
     total = np.zeros(directions.shape[:2])
     for i in np.flatnonzero(is_known & (daylight.diffuse_horizontal > 0.0)):
         sun = np.array(hours.sun.directions()[i])
@@ -117,7 +117,8 @@ def select(weather: Weather, indices: np.ndarray) -> Weather:
     return replace(weather, **columns, values=values, remarks=())
 
 
-def _directions() -> np.ndarray:
+def find_directions() -> np.ndarray:
+    """Return unit vectors to the places of a mean sky, +y north, +x east. (n, m, 3)"""
     height, turn = np.meshgrid(np.radians(ELEVATIONS), np.radians(AZIMUTHS), indexing="ij")
     plan = np.cos(height)
     # The horizon itself belongs to the sky.

@@ -19,7 +19,7 @@ from ..measurements import Measurement
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
 from ..scene.sensor import SensorKind
-from ..session import BakeOrder, BakeResult
+from ..session import BakeOrder, BakeResult, LumelSheet
 from ..transport.backend import BackendStatus
 from ..views import Display, Frame, LiveSettings, Picture, ViewSettings
 from . import faults
@@ -177,6 +177,17 @@ class RemoteSession:
         points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
         options = {"transport": transport}
         return self._wait("find_daylight", (*points, order), options, _states_only(progress), idle)
+
+    def find_lumels(
+        self,
+        order: BakeOrder,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        idle: Callable[[], None] | None = None,
+    ) -> LumelSheet:
+        """Places of lumels of objects, as `Session.find_lumels`. Raises as `render`."""
+        options = {"transport": transport}
+        return self._wait("find_lumels", (order,), options, _states_only(progress), idle)
 
     def bake_objects(
         self,

@@ -36,6 +36,7 @@ JOB_NAMES = {
     "measure": "measurement",
     "measure_sensors": "measurement",
     "find_daylight": "daylight of the year",
+    "find_lumels": "layout of maps",
     "bake_objects": "bake",
 }
 """What people call the jobs."""

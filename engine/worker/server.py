@@ -27,6 +27,7 @@ JOBS = {
     "measure": 2,
     "measure_sensors": 2,
     "find_daylight": 3,
+    "find_lumels": 3,
     "bake_objects": 3,
 }
 """Jobs that are answered, and how urgent they are: the lower, the sooner."""

@@ -43,6 +43,15 @@ def read_table(path):
     return np.genfromtxt(lines, delimiter=",", names=True, dtype=None, encoding="utf-8")
 
 
+def read_channels(path):
+    """Channels of an OpenEXR file by name, row 0 at the top."""
+    import mitsuba as mi
+
+    bitmap = mi.Bitmap(str(path))
+    names = [entry.name for entry in bitmap.struct_()]
+    return dict(zip(names, np.moveaxis(np.array(bitmap), -1, 0), strict=True))
+
+
 @pytest.mark.mitsuba
 def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
     path, weather = open_floor
@@ -93,11 +102,83 @@ def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
     assert {name.name: name.stat().st_mtime_ns for name in out.glob("traced_*")} == kept
 
 
+@pytest.mark.mitsuba
+def test_maps_of_a_year(open_floor, tmp_path, capsys):
+    path, weather = open_floor
+    out = tmp_path / "out"
+    code, said, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "2", "--blinds", "Blinds",
+        "--blinds-when", "closed", "--maps", "Floor,Plate,Floor", "--lumels-per-m", "1",
+    )  # fmt: skip
+    assert code == 0, errors
+    assert "Plate: the object has no surface that is rendered; it has no map" in errors
+    assert "100 % of the hours with light" in said
+    assert "maps of 1 objects with 16 lumels" in said
+    found = json.loads((out / "summary.json").read_text())
+    (row,) = found["maps"]
+    assert (row["object"], row["lumels"], row["filled"]) == ("Floor", 16, 0)
+    # Under the plate, as the sensors are that stand a little higher; daylight factors are those of open blinds.
+    means = [each["mean_lx"]["value"] for each in (row["figures"], found["figures"])]
+    assert means[0] == pytest.approx(means[1], rel=0.1)
+    assert row["figures"]["daylight_factor_median"]["value"] == pytest.approx(1.0, rel=0.1)
+    channels = read_channels(out / "maps" / "daylight_factor.1001.exr")
+    covered = channels["covered.Y"] > 0.0
+    assert covered.sum() == 16
+    factor, error = channels["Y"][covered], channels["standard_error.Y"][covered]
+    assert (np.abs(factor - 1.0) < 5.0 * error + 0.01).all()
+    assert len(list((out / "maps").glob("*.exr"))) == len(list((out / "maps").glob("*.png"))) == 13
+    code, _, errors = ask(
+        capsys, path, weather, tmp_path / "other", "--floor", "Floor", "--maps", "Attic"
+    )
+    assert code == 1
+    assert "no object named Attic" in errors
+
+
+@pytest.mark.mitsuba
+def test_blinds_by_rules_of_ones_own(open_floor, tmp_path, capsys):
+    path, weather = open_floor
+    out = tmp_path / "out"
+    code, _, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "4", "--blinds", "Blinds",
+        "--blinds-when", "months=6-8,hours=0-24",
+    )  # fmt: skip
+    assert code == 0, errors
+    assert "sDA, whose blinds are those of LM-83" in errors
+    hours = read_table(out / "hours.csv")
+    in_summer = np.array([clock[5:7] in {"06", "07", "08"} for clock in hours["clock"]])
+    np.testing.assert_array_equal(hours["blinds_1"] == "closed", in_summer)
+    # Under the plate there is little light, of what the ground below sends up.
+    assert hours["mean_lx"][in_summer].mean() < 0.1 * hours["mean_lx"][~in_summer].mean()
+
+    # The same states from a table, without tracing anew.
+    table = tmp_path / "states.csv"
+    months = [day // (24 * 30.4) for day in range(8760)]
+    table.write_text("".join(f"{int(5 <= month < 8)}\n" for month in months))
+    code, _, errors = ask(
+        capsys, path, weather, out, "--floor", "Floor", "--spacing", "4", "--blinds", "Blinds",
+        "--blinds-when", f"table={table}", "--resume",
+    )  # fmt: skip
+    assert code == 0, errors
+    again = read_table(out / "hours.csv")
+    assert 0.95 < ((again["blinds_1"] == "closed") == in_summer).mean() <= 1.0
+
+
+@pytest.mark.parametrize(
+    "rule", ["hours=25-3", "noon", "facade=200", "sun=180:200", "sun=-5", "workdays=1"]
+)
+def test_rules_for_blinds_that_are_none_are_refused(open_floor, tmp_path, capsys, rule):
+    path, weather = open_floor
+    with pytest.raises(SystemExit):
+        ask(capsys, path, weather, tmp_path / "out", "--floor", "Floor", "--blinds-when", rule)
+    assert "blinds-when" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [
         (("--floor", "Attic"), "no object named Attic"),
         (("--floor", "Floor", "--blinds", "Curtains"), "no collection named 'Curtains'"),
+        (("--floor", "Floor", "--blinds-when", "closed"), "there are none"),
         (("--floor", "Floor", "--sun-day", "6-21"), "between 1 February and 21 March"),
         (("--floor", "Floor", "--sun-day", "2-31"), "no day 02-31"),
         (("--floor", "Floor", "--hours", "18-8"), "18 to 8 h"),

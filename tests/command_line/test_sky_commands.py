@@ -266,6 +266,23 @@ def test_plot_draws_the_hour_of_a_weather_file(capsys, tmp_path, summer):
     assert inside[:, 1].mean() > 273
 
 
+def test_plot_draws_the_mean_of_hours(capsys, tmp_path, summer):
+    target = tmp_path / "mean.png"
+    code, _, err = run(
+        capsys, "plot", "--weather", summer, "--mean", "months=7,hours=11-13", "-o", target
+    )
+    assert (code, err) == (0, "")
+    with Image.open(target) as picture:
+        assert picture.size == (640, 640)
+    refused = refusal(
+        capsys, "plot", "--weather", summer, "--mean", "months=1", "-o", tmp_path / "b.png"
+    )
+    assert "no record of month 1" in refused
+    assert "expected --weather" in refusal(
+        capsys, "plot", *BERLIN, "--mean", "months=1", "-o", tmp_path / "b.png"
+    )
+
+
 def test_plot_draws_measured_skies_with_and_without_a_place(capsys, tmp_path):
     table = tmp_path / "scan.sky"
     table.write_text("\n".join(["4000"] * 145))

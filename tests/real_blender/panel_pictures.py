@@ -236,7 +236,19 @@ def worlds():
     for kind in ("CLOUDINESS", "WEATHER", "MEASURED"):
         settings.sky.kind = kind
         yield from tab(f"world_{kind.lower()}", "WORLD")
-    settings.sky.kind = "CIE"
+    settings.sky.kind, settings.sky.weather_mean = "WEATHER", "RANGE"
+    yield from tab("world_hours", "WORLD")
+    settings.sky.kind, settings.sky.spectrum, settings.sky.level = "CIE", "CLEAR", "MODEL"
+    settings.sky.use_place = True
+    yield from tab("world_clear_sky", "WORLD")
+    settings.sky.spectrum, settings.sky.level = "TEMPERATURE", "ILLUMINANCE"
+    settings.sky.use_place = False
+    year = bpy.context.scene.lumenray.year
+    year.blinds = year.maps = bpy.data.collections[0]
+    for rule in ("TIMES", "FACADE"):
+        year.blinds_rule = rule
+        yield from tab(f"year_{rule.lower()}", "WORLD")
+    year.blinds = year.maps = None
     bpy.ops.lumenray.add_sun()
     settings.time.follows_frames = True
     yield from tab("world_place", "WORLD")

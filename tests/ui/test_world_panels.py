@@ -67,6 +67,26 @@ def test_every_kind_of_sky_shows_what_belongs_to_it(world, kind, names):
         assert any("is chosen" in text for text in seen)
 
 
+def test_a_clear_skys_spectrum_asks_for_the_air(world):
+    sky = world.lumenray.sky
+    sky.type, sky.elevation = "12", 0.5
+    seen = set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+    assert {"spectrum", "colour_temperature"} <= seen
+    sky.spectrum, sky.level = "CLEAR", "MODEL"
+    seen = set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+    assert "turbidity" in seen
+    assert not {"colour_temperature", "illuminance"} & seen
+
+
+def test_a_mean_of_hours_asks_for_them(world):
+    sky = world.lumenray.sky
+    sky.kind = "WEATHER"
+    names = {"mean_first_month", "mean_last_month", "mean_start", "mean_end", "use_mean_sun"}
+    assert not names & set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+    sky.weather_mean = "RANGE"
+    assert names <= set(draw("LUMENRAY_PT_world_sky", context(world=world)))
+
+
 def test_the_panel_of_place_and_time_says_what_the_clock_means(world):
     where = context(world=world)
     time = world.lumenray.time

@@ -48,8 +48,36 @@ def find_light(directions, towards_sun, turbidity: float, albedo: float) -> np.n
     return LEVEL * np.stack(values, axis=-1)
 
 
+def find_radiance(directions, towards_sun, turbidity: float, albedo: float) -> np.ndarray:
+    """Return spectral radiance at the model's wavelengths, `skies.WAVELENGTHS`.
+
+    Parameters
+    ----------
+    directions : (..., 3) array    Unit vectors above the horizon.
+    towards_sun : (3,) array    Unit vector above the horizon.
+    turbidity : float    1 to 10. [-]
+    albedo : float    Of the ground, 0 to 1. [-]
+
+    Returns
+    -------
+    (11, ...) float64 array    [W/(m2 sr nm)]
+    """
+    elevation = np.arcsin(np.clip(towards_sun[2], 0.0, 1.0))
+    coefficients, radiance = (
+        _between(table, turbidity, albedo, elevation) for table in skies.spectral_hosek_wilkie()
+    )
+    cosine = np.clip(directions[..., 2], 0.0, 1.0)
+    angle = angle_to(directions, towards_sun)
+    return np.stack(
+        [
+            level * _formula(row, cosine, angle)
+            for row, level in zip(coefficients, radiance, strict=True)
+        ]
+    )
+
+
 def _between(table, turbidity: float, albedo: float, elevation: float) -> np.ndarray:
-    """Interpolate the control points, linear in turbidity and albedo. (3, 2, 10, 6, ...) -> (3, ...)"""
+    """Interpolate the control points, linear in turbidity and albedo. (n, 2, 10, 6, ...) -> (n, ...)"""
     place = np.cbrt(elevation / (0.5 * np.pi))
     powers = np.arange(len(_BINOMIAL))
     weights = _BINOMIAL * (1.0 - place) ** powers[::-1] * place**powers

@@ -11,11 +11,14 @@ from kept_scenes import KeptScene
 from lumenray.blender_addon.daylight import following
 from lumenray.blender_addon.daylight.moment import find_moment
 from lumenray.blender_addon.daylight.readout import describe_sky
+from lumenray.blender_addon.daylight.weather import weather_mean, weather_moment
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.skies import convert_sky
+from lumenray.engine.photometry.spectra import evaluate_emission, luminous_weight
 from lumenray.engine.scene.light import CloudySky, ImageWorld, PerezSky, SunLight
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Daylight
+from lumenray.engine.sky import clear_sky
 from lumenray.engine.sky.measured import find_patches, horizontal_weights
 from lumenray.engine.sky.skies import find_luminances, zenith_luminance
 from weather_files import epw, epw_record
@@ -169,6 +172,100 @@ def test_the_mean_of_a_month_is_brighter_than_its_dullest_day_and_turns_with_nor
     world.lumenray.place.north = math.radians(90)
     # +y of the scene is the compass's east.
     np.testing.assert_allclose(converted()[0].rotation @ (0, 1, 0), (1, 0, 0), atol=1e-6)
+
+
+def test_the_mean_of_hours_holds_the_sun_that_a_lamp_cannot(world, weather, session):
+    """Four days of July at 9 and 10 h have 100 to 400 W/m2 of direct irradiance."""
+    sky = world.lumenray.sky
+    sky.weather_mean = "RANGE"
+    sky.mean_first_month = sky.mean_last_month = 7
+    made, told = converted()
+    assert isinstance(made, ImageWorld)
+    assert any("mean of" in text and "month 7, 8 to 18 h, UTC+1" in text for text in told)
+    mean = weather_mean(world, find_moment(world, 1))
+    assert mean.direct_horizontal > 0.0
+    value, error = measure_sky(session, [(0, 0, 1)])
+    expected = mean.diffuse_horizontal + mean.direct_horizontal
+    assert abs(value[0] - expected) < 4 * error[0] + 3e-3 * expected
+    sky.use_mean_sun = False
+    value, error = measure_sky(session, [(0, 0, 1)])
+    assert abs(value[0] - mean.diffuse_horizontal) < 4 * error[0] + 3e-3 * expected
+    # The lamp of the weather file is dark, as the sun is in the sky; one that shines all the same is told.
+    lamp = following.add_lamp(bpy.context.scene, None)
+    world.lumenray.sun.amount = "WEATHER"
+    assert lamp.data.lumenray.value == 0.0
+    assert not any("shines besides" in text for text in converted()[1])
+    world.lumenray.sun.amount = "TURBIDITY"
+    assert any("shines besides" in text for text in converted()[1])
+    sky.mean_start = sky.mean_end
+    made, told = converted()
+    assert made is None
+    assert any("two different ones" in text for text in told)
+
+
+def test_a_clear_sky_has_its_spectrum_and_keeps_the_level(world, session):
+    sky = world.lumenray.sky
+    sky.type, sky.use_place, sky.spectrum, sky.turbidity = "12", True, "CLEAR", 2.5
+    made, _ = converted()
+    sun = float(np.degrees(np.arcsin(made.towards_sun[2])))
+    expected = clear_sky.find_spectrum(sun, 2.5, sky.ground_reflectance)
+    np.testing.assert_allclose(made.spectrum.values, expected.values)
+    # The illuminance is that which is stated, or the model's own.
+    value, error = measure_sky(session, [(0, 0, 1)])
+    assert abs(value[0] - 10000.0) < 4 * error[0] + 1e-3 * 10000.0
+    sky.level = "MODEL"
+    own = clear_sky.find_illuminance(sun, 2.5, sky.ground_reflectance)
+    value, error = measure_sky(session, [(0, 0, 1)])
+    assert abs(value[0] - own) < 4 * error[0] + 1e-3 * own
+
+
+def test_a_cloudy_sky_takes_its_clouds_part_of_the_light_from_daylight(world):
+    sky = world.lumenray.sky
+    sky.kind, sky.cloudiness, sky.use_place, sky.spectrum = "CLOUDINESS", 0.3, True, "CLEAR"
+    made, _ = converted()
+    sun = float(np.degrees(np.arcsin(made.towards_sun[2])))
+    parts = [clear_sky.find_spectrum(sun, 3.0, sky.ground_reflectance), Daylight(6500.0)]
+    blue = [
+        float(evaluate_emission(s, 450.0)) / luminous_weight(s) for s in (*parts, made.spectrum)
+    ]
+    assert blue[2] == pytest.approx(0.7 * blue[0] + 0.3 * blue[1], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"type": "16"}, "type 16 has clouds"),
+        ({"type": "7"}, "types 11 to 15"),
+        ({"kind": "CLOUDINESS", "level": "MODEL"}, "has no level of a clear sky's own"),
+        ({"type": "12", "use_place": False, "use_sun_lamp": False, "elevation": 0.0}, "a sun 0.0 degrees"),
+        ({"type": "12", "spectrum": "TEMPERATURE", "level": "MODEL"}, "its spectrum is not that of one"),
+        ({"kind": "MEASURED"}, "not known for measured skies"),
+        (
+            {"kind": "MEASURED", "spectrum": "TEMPERATURE", "level": "MODEL", "use_file_level": False},
+            "a picture has no level",
+        ),
+    ],
+)  # fmt: skip
+def test_where_there_is_no_clear_sky_its_spectrum_is_refused(world, settings, words):
+    sky = world.lumenray.sky
+    sky.use_place, sky.spectrum = True, "CLEAR"
+    sky.measured_text = measured_text(patches()[1])
+    for name, value in settings.items():
+        setattr(sky, name, value)
+    made, told = converted()
+    assert made is None
+    assert any(words in text and "left out" in text for text in told), told
+
+
+def test_a_record_with_clouds_has_no_clear_skys_spectrum(world, weather):
+    """The fourth day has the most sun beside the same diffuse light."""
+    world.lumenray.sky.spectrum = "CLEAR"
+    world.lumenray.time.day = 4
+    made, told = converted()
+    clearness = weather_moment(world, find_moment(world, 1)).clearness
+    assert (made is not None) == (clearness >= 4.5), (clearness, told)
+    world.lumenray.time.day = 1
+    assert any("expected 4.5 at least" in text for text in converted()[1])
 
 
 def test_a_weather_file_of_another_place_is_told(world, weather):

@@ -5,7 +5,7 @@ from datetime import date
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.daylight.coefficients import DaylightCoefficients, DaylightOrder, gather_suns
+from lumenray.engine.daylight.coefficients import DaylightOrder
 from lumenray.engine.daylight.factors import find_factors
 from lumenray.engine.daylight.kept import read_coefficients, write_coefficients
 from lumenray.engine.daylight.light import YearLight
@@ -13,14 +13,9 @@ from lumenray.engine.daylight.study import Question, judge, shade
 from lumenray.engine.daylight.sunlight import make_day
 from lumenray.engine.daylight.year import make_year
 from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.scene.provenance import Provenance
-from lumenray.engine.sky.nodes import SkyNodes, find_projection
 from lumenray.engine.sky.weather_file import read_weather
+from made_up_years import GROUPS, open_coefficients
 from weather_files import sunny_year
-
-GROUPS = 10
-
-PROVENANCE = Provenance("0", "llvm_ad_rgb", "", 0, 0, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -29,34 +24,6 @@ def year(tmp_path_factory):
     path = tmp_path_factory.mktemp("weather") / "made_up.epw"
     path.write_text(sunny_year(), encoding="latin-1")
     return make_year(read_weather(path), ground_reflectance=0.0)
-
-
-def open_coefficients(year, factors=(1.0,), noise=0.0, seed=0, suns=None):
-    """Horizontal sensors that see a part of everything alike, with noise by group."""
-    projection = find_projection(year.steps)
-    rng = np.random.default_rng(seed)
-    suns = year.suns if suns is None else suns
-    facing = projection.directions[:, 2] * projection.areas
-    nodes = facing @ SkyNodes(year.steps).spread(projection.directions)
-    count = len(factors)
-    share = np.array(factors) * (1.0 + noise * rng.standard_normal((GROUPS, count)))
-    sky = np.append(nodes, 0.0) * share[..., None]
-    middles, neighbours, shares = gather_suns(suns, 3.0)
-    many = len(middles)
-    return DaylightCoefficients(
-        year.steps,
-        sky.astype(np.float32),
-        np.zeros((GROUPS, count, many), np.float32),
-        np.zeros((2, count, many), np.float32),
-        np.zeros(count, np.float32),
-        (np.maximum(suns[:, 2], 0.0) * np.array(factors)[:, None]).astype(np.float32),
-        np.zeros((count, len(suns)), np.float32),
-        neighbours,
-        shares,
-        GROUPS,
-        0,
-        PROVENANCE,
-    )
 
 
 def test_an_open_sensor_has_what_the_weather_has(year):

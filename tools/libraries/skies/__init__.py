@@ -1,0 +1,1 @@
+"""Makes the spectral table of clear skies that ships, of the data in Mitsuba."""
