@@ -3,6 +3,7 @@
 from . import (
     add_luminaire,
     add_preset,
+    add_sensors,
     bake_illuminance,
     check_engine,
     copy_report,
@@ -10,6 +11,7 @@ from . import (
     drag_sun,
     list_lights,
     luminaire_files,
+    measure_sensors,
     mix_lights,
     new_lit_room,
     open_office,
@@ -24,6 +26,7 @@ from . import (
 CLASSES = (
     *add_luminaire.CLASSES,
     *add_preset.CLASSES,
+    *add_sensors.CLASSES,
     *bake_illuminance.CLASSES,
     *check_engine.CLASSES,
     *copy_report.CLASSES,
@@ -31,6 +34,7 @@ CLASSES = (
     *drag_sun.CLASSES,
     *list_lights.CLASSES,
     *luminaire_files.CLASSES,
+    *measure_sensors.CLASSES,
     *mix_lights.CLASSES,
     *new_lit_room.CLASSES,
     *open_office.CLASSES,

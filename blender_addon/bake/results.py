@@ -16,6 +16,7 @@ from ...engine.baking.order import BakeResult
 from ...engine.scene.scene import Scene
 from ..foundation import open_file
 from ..foundation.handlers import leave, listen
+from ..sensors.places import is_sensor
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
 from ..sync.visibility import LIGHT_RAYS
@@ -240,7 +241,12 @@ def _changed_shown(scene, layer) -> list:
     # What was removed is told with its collection.
     if not uids:
         return []
-    return [item for item in scene.objects if item.session_uid in uids and item.type in _SHOWN]
+    return [item for item in scene.objects if item.session_uid in uids and _may_light(item)]
+
+
+def _may_light(item) -> bool:
+    """Whether an object is of a type that gives or takes light, which sensors do not."""
+    return item.type in _SHOWN and not is_sensor(item)
 
 
 def _is_light(update, is_look: bool) -> bool:
@@ -253,7 +259,7 @@ def _is_light(update, is_look: bool) -> bool:
     if kind == "OBJECT":
         is_other = _changed_rays(block)
         is_moved = update.is_updated_transform or update.is_updated_geometry
-        return block.type in _SHOWN and (is_moved or is_other)
+        return _may_light(block) and (is_moved or is_other)
     if kind in _SHAPES or kind == "COLLECTION":
         return update.is_updated_geometry
     return kind in _SHADING

@@ -1,128 +1,17 @@
-"""The year that is computed in the background of this Blender: its thread, and how it ends.
+"""The year that is computed in the background of this Blender; there is one at a time."""
 
-There is one at a time. It belongs to the extension and not to the operator that started it, so that it ends cleanly with
-the extension, with the file or with Blender.
-"""
-
-import logging
-import threading
-
-import bpy
-from bpy.app.handlers import persistent
-
-from ...engine.accuracy.stopping import Progress
-from ...engine.errors import Cancelled, LumenrayError
-from ..foundation.handlers import leave, listen
+from ..foundation import background_job
 from .job import YearJob
 
-INTERVAL = 0.2
-"""How often the window looks how far it is. [s]"""
-
-log = logging.getLogger(__name__)
+NAME = "daylight year"
+"""Of the job."""
 
 
-class RunningYear:
-    """A year on a thread of its own; all methods are for Blender's main thread.
-
-    Parameters
-    ----------
-    job : YearJob
-    session : RemoteSession    An empty one; it is closed at the end.
-    """
-
-    def __init__(self, job: YearJob, session):
-        self.job, self.error = job, None
-        self._session, self._timer = session, None
-        self._progress: Progress | None = None
-        self._thread = threading.Thread(target=self._work, name="lumenray year", daemon=True)
-        self._thread.start()
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it still works."""
-        return self._thread.is_alive()
-
-    def begin_signals(self, context) -> None:
-        """Have the window wake up from time to time."""
-        manager = context.window_manager
-        manager.progress_begin(0, 1000)
-        self._timer = manager.event_timer_add(INTERVAL, window=context.window)
-
-    def show(self, context) -> None:
-        """Show how far it is in the status bar."""
-        progress = self._progress
-        if progress is not None:
-            context.workspace.status_text_set(f"Lumenray: {progress.text()}; Esc cancels")
-            context.window_manager.progress_update(int(progress.done * 1000))
-
-    def end(self, context) -> None:
-        """Cancel it if it still works, wait for its end, and leave nothing behind; a second time nothing is left to do."""
-        if self not in _running:
-            return
-        _running.remove(self)
-        if self.is_alive:
-            self.job.cancel()
-        self._thread.join()
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            context.window_manager.progress_end()
-            self._timer = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-
-    def _work(self) -> None:
-        try:
-            self.job.run(self._session, self._note)
-        except LumenrayError as error:
-            self.error = error
-        except Exception as error:
-            # A fault of ours: the log tells where, the window that it happened.
-            log.exception("the daylight of the year failed")
-            self.error = error
-        finally:
-            self._session.close()
-
-    def _note(self, progress: Progress) -> None:
-        self._progress = progress
-
-
-_running: list[RunningYear] = []
-
-
-def start(job: YearJob, session) -> RunningYear:
-    """Begin a year."""
-    made = RunningYear(job, session)
-    _running.append(made)
-    return made
+def start(job: YearJob, session) -> background_job.BackgroundJob:
+    """Begin a year in an empty session, which is closed at the end."""
+    return background_job.start(job, session, NAME)
 
 
 def is_running() -> bool:
     """Whether a year was begun that has not been taken away yet."""
-    return bool(_running)
-
-
-def end() -> None:
-    """End the year, whatever it is at."""
-    for year in list(_running):
-        year.end(bpy.context)
-        # Its operator may hear of it later, when there is nothing of ours left to write to.
-        year.error = year.error or Cancelled("the year ended with its file or with the extension")
-
-
-@persistent
-def _end_with_file(*_):
-    end()
-
-
-_HANDLERS = {"load_pre": _end_with_file}
-
-
-def attach():
-    """Tie the year to the file."""
-    listen(_HANDLERS)
-
-
-def detach():
-    """End the year for good."""
-    leave(_HANDLERS)
-    end()
+    return background_job.is_running(NAME)
