@@ -64,7 +64,7 @@ SENSORS = (
     ("Semicylindrical Point", "POINT", "SEMICYLINDRICAL", 1.5),
     ("Spherical Point", "POINT", "SPHERICAL", 1.2),
 )
-"""Entries of the menu: text, layout, quantity, height over the floor [m]; eyes of who sits are 1.2 m up, of who stands 1.6."""
+"""Entries of the menu: text, layout, quantity, height over the floor [m]; eyes are 1.2 m up, of who stands 1.6."""
 
 CLASSES = (LUMENRAY_MT_add_rayset, LUMENRAY_MT_add_sensors)
 

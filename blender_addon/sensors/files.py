@@ -44,7 +44,7 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
                     [
                         name,
                         readings.quantity.lower(),
-                        *(f"{v:.9g}" for v in place),
+                        *(f"{v:.7g}" for v in place),
                         f"{value:.7g}",
                         f"{error:.3g}",
                         *(f"{part:.7g}" for part in parts),

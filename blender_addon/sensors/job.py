@@ -149,7 +149,7 @@ class SensorJob:
                 samples=min(each.provenance.samples for each in found),
                 seed=first.seed,
                 scene_hash=self.scene.hash(),
-                method=first.decisions[0] if first.decisions else "",
+                method=found[0].method,
                 signature=signature,
             )
             start = end

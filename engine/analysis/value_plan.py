@@ -3,7 +3,7 @@
 import numpy as np
 
 from .canvas import LIGHT, Colours
-from .colour_scale import WIDTH, ColourScale, nice_scale
+from .colour_scale import WIDTH, ColourScale
 from .contours import choose_levels, find_contours, path_length, place_label
 from .false_colour import nice_maximum
 from .polar_diagram import round_step
@@ -127,7 +127,7 @@ def draw_map(
     values = np.asarray(values, dtype=np.float64)
     shown = np.ones(values.shape, dtype=bool) if shown is None else np.asarray(shown, dtype=bool)
     shown = shown & np.isfinite(values)
-    scale = scale or nice_scale(values[shown], unit)
+    scale = scale or even_scale(values[shown], unit)
     height, width = values.shape
     zoom = min(max(int(np.ceil(420 / max(width, height))), 1), 8)
     zoom = min(zoom, max(LARGEST / max(width, height), 1e-3))

@@ -24,9 +24,6 @@ SAME = 1e-5
 BESIDE = 1e-4
 """How far beside an edge is looked whether the surface goes on there. [m]"""
 
-PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-"""Places along an edge where that is looked."""
-
 
 def find_spacing(length: float) -> float:
     """Largest distance of points on an area of a relevant length: p = 0.2 * 5^log10(d), at most 10 m. [m]
@@ -182,19 +179,31 @@ def find_outline(triangles: np.ndarray) -> np.ndarray:
     side = np.sign(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).astype(np.int64)
     keys = np.column_stack([keys, np.tile(side, 3)])
     _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
-    edges = edges[first[count == 1]]
+    edges = _split(edges[first[count == 1]], np.unique(triangles.reshape(-1, 2), axis=0))
     along = edges[:, 1] - edges[:, 0]
     length = np.linalg.norm(along, axis=1, keepdims=True)
-    edges, along, length = (each[length[:, 0] > SAME] for each in (edges, along, length))
     aside = BESIDE * np.column_stack([-along[:, 1], along[:, 0]]) / length
-    places = edges[:, None, 0] + PARTS[:, None] * along[:, None]
-    ends = [
-        ~find_inside((places + sign * aside[:, None]).reshape(-1, 2), triangles).reshape(
-            len(edges), -1
-        )
-        for sign in (1.0, -1.0)
-    ]
-    return edges[(ends[0] | ends[1]).any(axis=1)]
+    middles = edges.mean(axis=1)
+    ends = [~find_inside(middles + sign * aside, triangles) for sign in (1.0, -1.0)]
+    return edges[ends[0] | ends[1]]
+
+
+def _split(edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Edges split where other corners lie on them, those without a length left out. (e, 2, 2), (c, 2) -> (k, 2, 2)"""
+    pieces = [np.zeros((0, 2, 2))]
+    for a, b in edges:
+        along = b - a
+        length = np.hypot(*along)
+        if length <= SAME:
+            continue
+        away = corners - a
+        part = away @ along / length
+        beside = np.abs(away[:, 0] * along[1] - away[:, 1] * along[0]) / length
+        inner = part[(beside < SAME) & (part > SAME) & (part < length - SAME)]
+        inner = SAME * np.unique(np.round(inner / SAME))
+        places = a + np.concatenate([[0.0], inner, [length]])[:, None] * along / length
+        pieces.append(np.stack([places[:-1], places[1:]], axis=1))
+    return np.concatenate(pieces)
 
 
 def _distance(points: np.ndarray, edges: np.ndarray) -> np.ndarray:
