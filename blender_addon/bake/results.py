@@ -51,9 +51,9 @@ class _Tracker:
 
     ``outdated``: what has changed since bakes of this session, by serial; undo may take the flag in the file back, but not
     what it undoes. All others are what was seen last, by session uid: ``settings`` of scenes that count, ``sliders``, how
-    baked light is shown, ``rays`` that meet objects, and the objects that are ``shown`` in view layers, by uid of the scene
-    and name; ``members`` of collections. Blender tells changes of the last two as it tells much that changes no light: with flags that come with every
-    relation that is built anew, or with none.
+    baked light is shown, ``rays`` that meet objects, ``members`` of collections, and the objects that are ``shown`` in view
+    layers, by uid of the scene and name. Blender tells changes of the last three as it tells much that changes no light:
+    with flags that come with every relation that is built anew, or with none.
     """
 
     watches: WeakSet = field(default_factory=WeakSet)

@@ -175,3 +175,62 @@ def test_mixes_that_make_no_sense_are_refused(tmp_path, capsys, options, words):
         code = end.code
     assert code in {1, 2}
     assert words in capsys.readouterr().err
+
+
+@pytest.fixture
+def sensed(tmp_path):
+    """A file with a lamp in each of two light groups, a grid and an eye of sensors, and nothing that reflects."""
+    import bpy
+    from blender_bakes import add_lamp
+
+    add_lamp("A", "Ceiling")
+    add_lamp("B", "Desk", 500.0)
+    for name, layout, quantity in (("Desk", "GRID", "PLANAR"), ("Eye", "POINT", "VERTICAL")):
+        empty = bpy.data.objects.new(name, None)
+        own = empty.lumenray.sensor
+        own.is_sensor, own.layout, own.quantity = True, layout, quantity
+        own.length = own.width = 1.0
+        empty.location.x = -1.0 if name == "Eye" else 0.0
+        bpy.context.scene.collection.objects.link(empty)
+    path = tmp_path / "sensed.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return str(path)
+
+
+def test_the_command_line_measures_the_sensors_that_stand_in_a_file(sensed, tmp_path, capsys):
+    rows, document, plans = tmp_path / "a.csv", tmp_path / "a.json", tmp_path / "plans"
+    options = ["--samples", "256", "--method", "paths"]
+    assert command_line.main(["measure", sensed, "-o", str(rows), *options]) == 0
+    assert "U0" in capsys.readouterr().out
+    table = np.genfromtxt(rows, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert set(table["object"]) == {"Desk", "Eye"}
+    # 1500 lm from 2 m above: cos^3 over the square of the height.
+    square = table["x"] ** 2 + table["y"] ** 2 + 4.0
+    exact = 1500.0 / (4.0 * np.pi) / square
+    exact *= np.where(table["object"] == "Desk", 2.0, 1.0) / np.sqrt(square)
+    np.testing.assert_allclose(table["illuminance_lx"], exact, rtol=1e-3)
+    more = ["--light-groups", "groups", "--mix", "Desk=off", "--plans", str(plans)]
+    assert command_line.main(["measure", sensed, "-o", str(document), *options, *more]) == 0
+    content = json.loads(document.read_text())
+    assert content["light_mix"] == "Desk off"
+    desk = content["sensors"][0]
+    assert desk["grid"] == [5, 5]
+    np.testing.assert_allclose(desk["illuminance"], exact[:25] / 1.5, rtol=1e-3)
+    assert sorted(path.name for path in plans.iterdir()) == ["Desk.png", "Desk.svg"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--kind", "planar"], "those of the file say what they are"),
+        (["--objects", "Ghost"], "no sensors named Ghost"),
+        (["--mix", "Desk=off"], "none are kept apart"),
+        (["-o", "out.txt"], "ends in .csv or .json"),
+    ],
+)
+def test_what_sensors_of_a_file_cannot_be_asked_is_said(sensed, tmp_path, capsys, arguments, words):
+    rest = [] if "-o" in arguments else ["-o", str(tmp_path / "out.csv")]
+    assert command_line.main(["measure", sensed, *arguments, *rest]) == 1
+    error = capsys.readouterr().err.strip()
+    assert words in error
+    assert len(error.splitlines()) == 1

@@ -1,0 +1,73 @@
+"""Operators of sensors: they are added, measured in the engine's process, and forgotten."""
+
+import bpy
+import numpy as np
+import pytest
+from blender_bakes import add_lamp
+from blender_objects import add_quad, new_paint
+from lumenray.blender_addon.sensors.places import find_sensors
+from lumenray.blender_addon.sensors.readings import readings_of
+from lumenray.ui import add_menu
+from panels import context, draw
+
+pytestmark = pytest.mark.usefixtures("extension")
+
+
+@pytest.fixture
+def floor():
+    """A floor of 4 m by 3 m under a lamp of 1000 lm, which is active."""
+    floor = add_quad("Floor", material=new_paint())
+    floor.scale = (4.0, 3.0, 1.0)
+    add_lamp("Lamp").location = (2.0, 1.5, 2.5)
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.objects.active = floor
+    return floor
+
+
+@pytest.mark.mitsuba
+def test_sensors_over_a_floor_are_measured_in_the_engines_process(floor):
+    assert bpy.ops.lumenray.add_sensors(layout="FLOOR", height=0.75) == {"FINISHED"}
+    (empty,) = find_sensors(bpy.context.scene)
+    assert bpy.context.object == empty
+    assert draw("LUMENRAY_PT_sensors", context(scene=bpy.context.scene)).count("not measured") == 1
+    assert bpy.ops.lumenray.measure_sensors() == {"FINISHED"}
+    readings = readings_of(empty)
+    values, errors = readings.mixed()
+    away = readings.positions - np.array([2.0, 1.5, 2.5])
+    square = (away**2).sum(axis=1)
+    # What lies below gives no light to what looks up.
+    exact = 1000.0 / (4.0 * np.pi) * -away[:, 2] / square**1.5
+    assert (np.abs(values - exact) < 4.0 * errors + 1e-4 * exact).all()
+    seen = draw("LUMENRAY_PT_active_sensors", context(object=empty))
+    assert {"layout", "surface", "Uniformity U0", "35"} <= set(seen)
+    assert bpy.ops.lumenray.show_sensor_plans() == {"FINISHED"}
+    assert bpy.ops.lumenray.forget_readings() == {"FINISHED"}
+    assert readings_of(empty) is None
+
+
+def test_every_entry_of_the_menu_adds_sensors(floor):
+    for _, layout, quantity, height in add_menu.SENSORS:
+        bpy.context.view_layer.objects.active = floor
+        assert bpy.ops.lumenray.add_sensors(layout=layout, quantity=quantity, height=height) == {
+            "FINISHED"
+        }
+    found = find_sensors(bpy.context.scene)
+    assert len(found) == len(add_menu.SENSORS)
+    for empty in found:
+        assert draw("LUMENRAY_PT_active_sensors", context(object=empty))
+
+
+def test_what_is_missing_is_said(floor):
+    with pytest.raises(RuntimeError, match=r"No sensors stand|poll"):
+        bpy.ops.lumenray.measure_sensors()
+    bpy.context.view_layer.objects.active = bpy.data.objects["Lamp"]
+    with pytest.raises(RuntimeError, match="no mesh is active"):
+        bpy.ops.lumenray.add_sensors(layout="FLOOR")
+    bpy.ops.object.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="no mesh is selected"):
+        bpy.ops.lumenray.add_room_sensors()
+    empty = bpy.data.objects.new("Plain", None)
+    bpy.context.scene.collection.objects.link(empty)
+    assert "This empty stands for no sensors" in draw(
+        "LUMENRAY_PT_active_sensors", context(object=empty)
+    )
