@@ -234,3 +234,50 @@ def test_what_sensors_of_a_file_cannot_be_asked_is_said(sensed, tmp_path, capsys
     error = capsys.readouterr().err.strip()
     assert words in error
     assert len(error.splitlines()) == 1
+
+
+def test_pictures_are_drawn_in_false_colours_and_compared(tmp_path, capsys):
+    box = str(scenes.scene_path("closed_box"))
+    paths = []
+    for seed in ("0", "1"):
+        out = tmp_path / f"{seed}.exr"
+        options = [
+            "--size",
+            "48x32",
+            "--samples",
+            "16",
+            "--no-denoise",
+            "--illuminance",
+            "--seed",
+            seed,
+        ]
+        more = ["--false-colour", "--scale-to", "500"] if seed == "0" else []
+        assert command_line.main(["render", box, "-o", str(out), *options, *more]) == 0
+        paths.append(str(out))
+    for quantity in ("luminance", "illuminance"):
+        words = (tmp_path / f"0_{quantity}.svg").read_text()
+        assert ">500<" in words
+        assert (tmp_path / f"0_{quantity}.png").is_file()
+    capsys.readouterr()
+    drawn = tmp_path / "d.png"
+    assert command_line.main(["difference", *paths, "-o", str(drawn)]) == 0
+    told = capsys.readouterr().out
+    assert "luminance" in told
+    share = float(told.partition("beyond chance")[2].split("%")[0])
+    # Of 1536 pixels of two seeds hardly any differ by more than three errors of both.
+    assert share < 5.0
+    assert Image.open(drawn).size[0] > 300
+    assert command_line.main(["difference", paths[0], paths[0], "-o", str(tmp_path / "n.svg")]) == 0
+    assert "+0 cd/m2" in capsys.readouterr().out
+    assert command_line.main(["difference", paths[0], box, "-o", str(tmp_path / "x.png")]) == 1
+    assert "is no OpenEXR file" in capsys.readouterr().err
+
+
+def test_lux_maps_are_drawn_with_isolux_lines(tmp_path):
+    box = str(scenes.scene_path("closed_box"))
+    code = command_line.main(
+        ["bake", box, "-o", str(tmp_path), "--objects", "Floor", "--lumels-per-m", "4", "--samples", "16", "--isolux-lines"]
+    )  # fmt: skip
+    assert code == 0
+    assert (tmp_path / "illuminance.1001.isolux.png").is_file()
+    assert "polyline" in (tmp_path / "illuminance.1001.isolux.svg").read_text()
