@@ -17,8 +17,8 @@ QUANTITIES = (
 COVERED = "covered.Y"
 """Channel that is 1 where a lux map lies on a surface."""
 
-BEYOND = 3.0
-"""Standard errors from which on a pixel differs by more than chance."""
+BEYOND, BLOCK = 3.0, 8
+"""Standard errors from which on squares of pixels differ by more than chance, and their side. [pixel]"""
 
 
 def add_command(commands) -> None:
@@ -80,9 +80,9 @@ def run(options) -> int:
     told.append(("root mean square", f"{np.sqrt((apart[shown] ** 2).mean()):.4g} {unit}"))
     if error_name in first and error_name in second:
         noise = np.hypot(*(each[error_name].astype(np.float64) for each in (first, second)))
-        beyond = (np.abs(apart) > BEYOND * noise)[shown].mean()
+        beyond = percent(_beyond_chance(apart, noise, shown))
         told.append(
-            ("beyond chance", f"{percent(float(beyond))} of it, by {BEYOND:g} errors of both")
+            ("beyond chance", f"{beyond} of its squares of {BLOCK} pixels, by {BEYOND:g} errors")
         )
     caption = f"{options.file.name} - {options.other.name}: mean {mean:+.4g}, largest {largest:.4g} {unit}"
     scale = difference_scale(apart[shown], unit)
@@ -91,6 +91,28 @@ def run(options) -> int:
     say(sheet(f"{quantity}, {options.file.name} - {options.other.name}", told))
     say(f"written to {options.output}")
     return 0
+
+
+def _beyond_chance(apart, noise, shown) -> float:
+    """Share of squares of pixels whose means differ by more than their errors allow. [-]
+
+    Errors of single pixels are known badly, and those of neighbours may have one cause: that of a square is the root mean
+    square of its pixels', as if all erred alike, which it cannot exceed.
+    """
+    count = _squares(shown)
+    known = count > 0.0
+    mean = _squares(np.where(shown, apart, 0.0))[known] / count[known]
+    error = np.sqrt(_squares(np.where(shown, noise, 0.0) ** 2)[known] / count[known])
+    return float((np.abs(mean) > BEYOND * error).mean())
+
+
+def _squares(values: np.ndarray) -> np.ndarray:
+    """Sums over squares of pixels, those at the upper and right rim as large as is left. (h, w) -> (a, b)"""
+    height, width = values.shape
+    padded = np.pad(
+        np.asarray(values, dtype=np.float64), [(0, -height % BLOCK), (0, -width % BLOCK)]
+    )
+    return padded.reshape(padded.shape[0] // BLOCK, BLOCK, -1, BLOCK).sum(axis=(1, 3))
 
 
 def _shared(options, first, second) -> tuple[str, str, str, str]:
