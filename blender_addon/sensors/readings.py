@@ -5,10 +5,11 @@ import functools
 import io
 import json
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
 from .places import PlacedSensors
@@ -52,11 +53,14 @@ class Readings:
     method: str
     signature: str
 
+    @functools.cached_property
+    def _sum(self) -> GroupSum:
+        return GroupSum(self.values, self.errors)
+
     def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
         """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""
-        flux = np.array([levels.level(name).flux for name in self.groups])
-        errors = flux[:, None] * self.errors
-        return flux @ self.values, np.sqrt((errors.astype(np.float64) ** 2).sum(axis=0))
+        self._sum.set_levels([levels.level(name).flux for name in self.groups])
+        return self._sum.total.copy(), self._sum.error
 
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
         """Mean, extremes and uniformity with the groups at other levels."""
@@ -94,7 +98,7 @@ def make_readings(
 
 def write_readings(readings: Readings) -> str:
     """Return readings as text."""
-    names = [name for name in vars(readings) if name not in ARRAYS]
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS]
     head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
     stream = io.BytesIO()
     stream.write(json.dumps(head).encode() + b"\n")
