@@ -11,6 +11,7 @@ from . import (
     demo,
     difference,
     explain,
+    goniometer,
     measure,
     probe,
     render,
@@ -53,8 +54,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, difference, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, probe,
-        validate, demo, benchmark,
+        render, bake, measure, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum,
+        sky, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

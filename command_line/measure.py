@@ -253,7 +253,7 @@ def _write(options, job, report, levels) -> None:
 
 
 def _tell(job, levels) -> None:
-    rows = [("sensors", "count", "mean [lx]", "error", "min", "max", "U0", "Ud")]
+    rows = [("sensors", "count", "mean", "error", "min", "max", "unit", "U0", "Ud")]
     for placed in job.places:
         readings = job.answer[placed.uid]
         figures = readings.figures(levels)
@@ -262,5 +262,5 @@ def _tell(job, levels) -> None:
         mean, least, largest = (f"{value:.4g}" for value in numbers)
         error = f"{figures.mean_error:.2g}"
         count = str(len(readings.positions))
-        rows.append((placed.name, count, mean, error, least, largest, *ratios))
+        rows.append((placed.name, count, mean, error, least, largest, readings.unit, *ratios))
     say(table(rows))

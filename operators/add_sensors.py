@@ -23,7 +23,7 @@ class LUMENRAY_OT_add_sensors(bpy.types.Operator):
     )
     quantity: EnumProperty(
         name="Quantity",
-        description="Which illuminance is measured. Default Planar: that of work places and floors",
+        description="What is measured. Default Planar: that of work places and floors",
         items=QUANTITIES,
         default="PLANAR",
     )

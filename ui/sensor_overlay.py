@@ -123,7 +123,7 @@ def draw_labels() -> None:
     if not is_seen(context):
         return
     shown = drawing_of(context)
-    if shown.scale is None:
+    if not shown.labels and shown.scale is None:
         return
     font, metres = 0, metres_per_unit(context.scene)
     scale = context.preferences.system.ui_scale
@@ -149,7 +149,8 @@ def draw_labels() -> None:
         blf.position(font, box[0], box[1], 0.0)
         blf.color(font, *(OUTDATED_COLOUR if label.is_outdated else TEXT_COLOUR))
         blf.draw(font, label.text)
-    _draw_scale(context, shown, font, scale)
+    if shown.scale is not None:
+        _draw_scale(context, shown, font, scale)
     blf.disable(font, blf.SHADOW)
 
 

@@ -54,7 +54,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
                 lines.append((empty.name, "not measured"))
                 continue
             figures = readings.figures(levels)
-            text = f"{figures.mean:.4g} lx"
+            text = f"{figures.mean:.4g} {readings.unit}"
             if len(readings.positions) > 1:
                 text += f", U0 {figures.overall.value:.2f}"
             lines.append(
@@ -87,6 +87,8 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "layout")
         column.prop(settings, "quantity")
+        if settings.quantity == "LUMINANCE":
+            column.prop(settings, "acceptance")
         self._draw_size(column, settings)
         if settings.layout != "POINT":
             column.prop(settings, "use_spacing")

@@ -50,8 +50,7 @@ class Drawing:
     fills : (4 n, 4) array    Their colours.
     lines : (2 k, 3) array    Ends of pieces of isolux lines. [m]
     labels : list of Label
-    spacing : float    Least distance of sensors whose numbers are written; infinite: there are none. [m]
-    scale : ColourScale or None    None: nothing was measured.
+    scale : ColourScale or None    Of illuminance; None: none was measured.
     """
 
     corners: np.ndarray
@@ -64,7 +63,7 @@ class Drawing:
 def scale_of(scene, held) -> ColourScale | None:
     """Return the scale of a scene's sensors; ``held``: readings with their values. None without any."""
     settings = scene.lumenray.sensors
-    values = [mixed[np.isfinite(mixed)] for _, mixed in held]
+    values = [mixed for readings, mixed in held if readings.unit == "lx"]
     if not values:
         return None
     high = nice_maximum(np.concatenate(values)) if settings.automatic else settings.high
@@ -83,8 +82,9 @@ def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:
         is_outdated = results.is_outdated(empty)
         corners = find_corners(readings)
         fills = np.ones((len(corners), 4), np.float32)
-        shades = scale.colours(values) / 255.0
-        fills[:, :3] = GREY if is_outdated else np.repeat(shades, 4, axis=0)
+        fills[:, :3] = GREY
+        if scale is not None and readings.unit == "lx" and not is_outdated:
+            fills[:, :3] = np.repeat(scale.colours(values) / 255.0, 4, axis=0)
         fills[:, 3] = OPACITY
         lines = np.zeros((0, 3))
         settings = empty.lumenray.sensor
@@ -172,9 +172,15 @@ def label_values(readings: Readings, levels: LightMix, is_outdated: bool) -> lis
         return []
     rows = zip(readings.positions, *readings.mixed(levels), strict=True)
     return [
-        Label(format_reading(value, error), np.asarray(place, np.float64), False, is_outdated)
+        Label(_tell(value, error, readings.unit), np.asarray(place, np.float64), False, is_outdated)
         for place, value, error in rows
     ]
+
+
+def _tell(value: float, error: float, unit: str) -> str:
+    """A reading, with its unit where that is not the usual one."""
+    words = format_reading(value, error)
+    return words if unit == "lx" else f"{words} {unit}"
 
 
 def format_reading(value: float, error: float) -> str:

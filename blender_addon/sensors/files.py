@@ -8,10 +8,11 @@ import numpy as np
 from ...engine.formats.report import known, write_json
 from ...engine.light_mix import LightMix
 from ...engine.reading.whole_file import write_whole
+from .places import LUMINANCE
 from .readings import Readings
 
 COLUMNS = (
-    "object", "quantity", "x", "y", "z", "nx", "ny", "nz", "illuminance_lx", "standard_error_lx",
+    "object", "quantity", "x", "y", "z", "nx", "ny", "nz", "value", "standard_error", "unit",
 )  # fmt: skip
 """Of the rows; light groups that were kept apart follow, at the flux of the scene."""
 
@@ -34,7 +35,7 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
     with write_whole(path, "utf-8") as file:
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*COLUMNS, *(f"{group}_lx" for group in groups)])
+        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups)])
         for name, readings in named:
             values, errors = readings.mixed(levels)
             for k, (value, error) in enumerate(zip(values, errors, strict=True)):
@@ -47,6 +48,7 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
                         *(f"{v:.7g}" for v in place),
                         f"{value:.7g}",
                         f"{error:.3g}",
+                        readings.unit,
                         *(f"{part:.7g}" for part in parts),
                     ]
                 )
@@ -81,8 +83,8 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     values, errors = readings.mixed(levels)
     row = {
         "name": name,
-        "quantity": f"{readings.quantity.lower()} illuminance",
-        "unit": "lx",
+        "quantity": _name(readings.quantity),
+        "unit": readings.unit,
         "mean": figures.mean,
         "mean_standard_error": figures.mean_error,
     }
@@ -99,7 +101,7 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
         "grid": list(readings.shape),
         "positions": _numbers(readings.positions),
         "normals": _numbers(readings.normals),
-        "illuminance": _numbers(values),
+        "values": _numbers(values),
         "standard_error": _numbers(errors),
         "light_groups": {
             group: _numbers(part)
@@ -107,6 +109,10 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
             if group
         },
     }
+
+
+def _name(quantity: str) -> str:
+    return "luminance" if quantity == LUMINANCE else f"{quantity.lower()} illuminance"
 
 
 def _numbers(values) -> list:

@@ -9,8 +9,10 @@ from ...engine.accuracy.estimate import Estimate
 from ...engine.accuracy.stopping import Progress, StopRule
 from ...engine.baking.light_layers import split_lights
 from ...engine.errors import Cancelled
+from ...engine.luminance_meter import measure_luminance
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
+from ...engine.scene.sensor import SensorKind
 from .places import PlacedSensors
 from .readings import Readings, make_readings
 
@@ -22,6 +24,18 @@ FIRST_SAMPLES = 256
 
 LEAST_PART = 1e-3
 """Share of the mean below which readings count as large as it. [-]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, and where they come from."""
+
+    values: np.ndarray
+    errors: np.ndarray
+    samples: int
+    seed: int
+    method: str
+    notes: tuple[str, ...]
 
 
 @dataclass(eq=False)
@@ -85,7 +99,7 @@ class SensorJob:
             for kind in kinds:
                 short = replace(self.rule, samples=FIRST_SAMPLES)
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
-                rules[kind] = _share(self.rule, whole.illuminance, len(parts))
+                rules[kind] = _share(self.rule, whole.values, len(parts))
         else:
             parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
             self._steps, self._step = len(kinds), 0
@@ -97,7 +111,7 @@ class SensorJob:
                     rule = replace(rule, seconds=rule.seconds / len(parts) / len(kinds))
                 found = self._measure(session, scene, name, kind, rule, number + 1, progress)
                 made[name, kind] = found
-                notes |= dict.fromkeys(found.provenance.notes)
+                notes |= dict.fromkeys(found.notes)
         names = [name for name, _ in parts]
         for kind in kinds:
             found = [made[name, kind] for name in names]
@@ -118,18 +132,46 @@ class SensorJob:
         session.apply(_difference(self._held, scene))
         self._held = scene
         rows = [row for row, placed in enumerate(self.places) if placed.kind is kind]
-        found = session.measure(
-            np.concatenate([self.places[row].positions for row in rows]),
-            np.concatenate([self.places[row].normals for row in rows]),
-            rule,
-            (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31,
-            self.transport,
-            _follow(progress, self._step, self._steps, name),
-            kind=kind,
-            reflections=self.reflections,
-            method=self.method,
-            witness=self.witness and number > 0,
+        positions, normals = (
+            np.concatenate([getattr(self.places[row], name) for row in rows])
+            for name in ("positions", "normals")
         )
+        own = (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31
+        follow = _follow(progress, self._step, self._steps, name)
+        if isinstance(kind, SensorKind):
+            made = session.measure(
+                positions,
+                normals,
+                rule,
+                own,
+                self.transport,
+                follow,
+                kind=kind,
+                reflections=self.reflections,
+                method=self.method,
+                witness=self.witness and number > 0,
+            )
+            origin = made.provenance
+            found = Found(
+                made.illuminance,
+                made.standard_error,
+                origin.samples,
+                own,
+                made.method,
+                origin.notes,
+            )
+        else:
+            meters = measure_luminance(
+                session, positions, normals, kind, rule, own, self.transport, self.method, follow
+            )
+            found = Found(
+                meters.luminance,
+                meters.standard_error,
+                meters.samples,
+                own,
+                "pictures",
+                meters.notes,
+            )
         self._step += 1
         return found
 
@@ -140,14 +182,13 @@ class SensorJob:
             if placed.kind is not kind:
                 continue
             end = start + len(placed.positions)
-            first = found[0].provenance
             self.answer[placed.uid] = make_readings(
                 placed,
                 names,
-                [each.illuminance[start:end] for each in found],
-                [each.standard_error[start:end] for each in found],
-                samples=min(each.provenance.samples for each in found),
-                seed=first.seed,
+                [each.values[start:end] for each in found],
+                [each.errors[start:end] for each in found],
+                samples=min(each.samples for each in found),
+                seed=found[0].seed,
                 scene_hash=self.scene.hash(),
                 method=found[0].method,
                 signature=signature,
@@ -180,9 +221,9 @@ def _share(rule: StopRule, whole: np.ndarray, parts: int) -> StopRule:
 
 def _shortfall(rule: StopRule, found) -> str:
     """What of a rule the sum of light groups has not met."""
-    mean = sum(each.illuminance for each in found)
-    error = np.sqrt(sum(each.standard_error**2 for each in found))
-    estimate = Estimate(mean, error, found[0].provenance.samples)
+    mean = sum(each.values for each in found)
+    error = np.sqrt(sum(each.errors**2 for each in found))
+    estimate = Estimate(mean, error, found[0].samples)
     return rule.shortfall(estimate.relative_error(), each=estimate.largest_error(rule.floor))
 
 

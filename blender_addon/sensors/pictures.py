@@ -30,15 +30,15 @@ def draw_plan(name: str, readings: Readings, levels: LightMix = NEUTRAL) -> Shee
     values, _ = readings.mixed(levels)
     figures = readings.figures(levels)
     caption = (
-        f"{TITLES[readings.quantity].lower()}: mean {figures.mean:.4g} lx (error {figures.mean_error:.2g} lx), "
-        f"{figures.least.value:.4g} to {figures.largest.value:.4g} lx, "
+        f"{TITLES[readings.quantity].lower()}: mean {figures.mean:.4g} {readings.unit} (error {figures.mean_error:.2g}), "
+        f"{figures.least.value:.4g} to {figures.largest.value:.4g} {readings.unit}, "
         f"U0 {figures.overall.value:.2f}, Ud {figures.diversity.value:.2f}"
     )
     mixed = levels.text() if readings.groups != ("",) else ""
     if mixed:
         caption += f"; {mixed}"
     x, y = axes_of(readings)
-    return draw_grid(name, x, y, readings.grid(values), caption)
+    return draw_grid(name, x, y, readings.grid(values), caption, unit=readings.unit)
 
 
 def write_plans(folder, plans) -> list[Path]:

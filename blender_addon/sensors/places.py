@@ -27,10 +27,16 @@ KINDS = {
     "SEMICYLINDRICAL": SensorKind.SEMICYLINDRICAL,
     "SPHERICAL": SensorKind.SPHERICAL,
 }
-"""Kinds of the engine by quantity."""
+"""Kinds of the engine by quantity; luminance has none."""
+
+LUMINANCE = "LUMINANCE"
+"""The quantity that is no illuminance."""
+
+UNITS = {LUMINANCE: "cd/m²"}
+"""Units of quantities, where they are not lx."""
 
 SETTINGS = (
-    "layout", "quantity", "length", "width", "band", "height", "border", "use_spacing", "spacing",
+    "layout", "quantity", "acceptance", "length", "width", "band", "height", "border", "use_spacing", "spacing",
 )  # fmt: skip
 """Settings that say where sensors stand and what they are."""
 
@@ -48,6 +54,7 @@ class PlacedSensors:
     plane : (n, 2) float64 array    Places in it. [m]
     cells : (n,) int array    Which cell of a grid each stands in, row by row.
     shape : (int, int)    Rows and columns of the grid; a line is one row.
+    acceptance : float    Of luminance meters, the full width of their cone. [rad]
     """
 
     uid: str
@@ -59,11 +66,12 @@ class PlacedSensors:
     plane: np.ndarray
     cells: np.ndarray
     shape: tuple[int, int]
+    acceptance: float = 0.0
 
     @property
-    def kind(self) -> SensorKind:
-        """Kind of the engine."""
-        return KINDS[self.quantity]
+    def kind(self) -> SensorKind | float:
+        """Kind of the engine, of luminance meters their acceptance angle: what sensors share that are measured together."""
+        return self.acceptance if self.quantity == LUMINANCE else KINDS[self.quantity]
 
 
 def is_sensor(thing) -> bool:
@@ -111,6 +119,8 @@ def _place(empty, depsgraph) -> PlacedSensors:
     positions = local @ frame[:3, :3].T + frame[:3, 3]
     looks_level = settings.quantity in {"VERTICAL", "SEMICYLINDRICAL"}
     facing = _level_axis(frame[:3, 0]) if looks_level else frame[:3, 2]
+    if settings.quantity == LUMINANCE:
+        facing = frame[:3, 0]
     normals = np.tile(facing, (len(plane), 1))
     if heights is not None:
         frame = frame.copy()
@@ -125,6 +135,7 @@ def _place(empty, depsgraph) -> PlacedSensors:
         plane,
         cells,
         shape,
+        settings.acceptance,
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import PlacedSensors
+from .places import UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
@@ -30,7 +30,7 @@ class Readings:
     positions, normals : (n, 3) float32 array    Where they stood. [m]
     frame, plane, cells, shape    As of `PlacedSensors`.
     groups : tuple of str    Names of the light groups that were kept apart; one without a name: all light together.
-    values, errors : (g, n) float32 array    By group: illuminance, and its standard error. [lx]
+    values, errors : (g, n) float32 array    By group: what was measured, and its standard error, in ``unit``.
     samples : int    Per sensor and group.
     seed : int
     scene_hash, method : str
@@ -56,6 +56,11 @@ class Readings:
     @functools.cached_property
     def _sum(self) -> GroupSum:
         return GroupSum(self.values, self.errors)
+
+    @property
+    def unit(self) -> str:
+        """Of the values."""
+        return UNITS.get(self.quantity, "lx")
 
     def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
         """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""

@@ -1,5 +1,7 @@
 """Settings of sensors: a group of the empties that are sensors, and one of the scene that says how they are measured."""
 
+import math
+
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -56,6 +58,12 @@ QUANTITIES = [
         3,
     ),
     ("SPHERICAL", "Spherical", "Mean over a small sphere", 4),
+    (
+        "LUMINANCE",
+        "Luminance",
+        "Mean luminance in cd/m² within a cone about the empty's X axis, as a meter reads it",
+        5,
+    ),
 ]
 
 
@@ -77,9 +85,19 @@ class LumenraySensorSettings(PropertyGroup):
     )
     quantity: EnumProperty(
         name="Quantity",
-        description="Which illuminance is measured. Default Planar: that of work places and floors",
+        description="What is measured. Default Planar: the illuminance of work places and floors",
         items=QUANTITIES,
         default="PLANAR",
+        update=tag_owner,
+    )
+    acceptance: FloatProperty(
+        name="Acceptance Angle",
+        description="Full width of the cone of luminance meters. Default 1°: that of most meters",
+        default=math.radians(1.0),
+        min=math.radians(0.01),
+        max=math.radians(120.0),
+        soft_max=math.radians(20.0),
+        subtype="ANGLE",
         update=tag_owner,
     )
     length: FloatProperty(

@@ -18,8 +18,8 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
         return ()
     figures = readings.figures(levels)
     count = len(readings.positions)
-    lines = [("illuminance", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
-    lines += describe_figures(figures, count)
+    lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
+    lines += describe_figures(figures, count, readings.unit)
     words = levels.text() if readings.groups != ("",) else ""
     if words:
         lines.append(("light mix", words))
@@ -30,15 +30,15 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     return tuple(lines)
 
 
-def describe_figures(figures: Figures, count: int) -> list[tuple[str, str]]:
+def describe_figures(figures: Figures, count: int, unit: str = "lx") -> list[tuple[str, str]]:
     """Labels and values of figures of so many sensors."""
     mean = readout.format_estimate(figures.mean, figures.mean_error)
     if count == 1:
-        return [("value", f"{mean} lx")]
+        return [("value", f"{mean} {unit}")]
     return [
-        ("mean", f"{mean} lx"),
-        ("minimum", _range(figures.least, " lx")),
-        ("maximum", _range(figures.largest, " lx")),
+        ("mean", f"{mean} {unit}"),
+        ("minimum", _range(figures.least, f" {unit}")),
+        ("maximum", _range(figures.largest, f" {unit}")),
         ("uniformity U0", _range(figures.overall, "")),
         ("diversity Ud", _range(figures.diversity, "")),
     ]

@@ -209,14 +209,14 @@ def test_the_command_line_measures_the_sensors_that_stand_in_a_file(sensed, tmp_
     square = table["x"] ** 2 + table["y"] ** 2 + 4.0
     exact = 1500.0 / (4.0 * np.pi) / square
     exact *= np.where(table["object"] == "Desk", 2.0, 1.0) / np.sqrt(square)
-    np.testing.assert_allclose(table["illuminance_lx"], exact, rtol=1e-3)
+    np.testing.assert_allclose(table["value"], exact, rtol=1e-3)
     more = ["--light-groups", "groups", "--mix", "Desk=off", "--plans", str(plans)]
     assert command_line.main(["measure", sensed, "-o", str(document), *options, *more]) == 0
     content = json.loads(document.read_text())
     assert content["light_mix"] == "Desk off"
     desk = content["sensors"][0]
     assert desk["grid"] == [5, 5]
-    np.testing.assert_allclose(desk["illuminance"], exact[:25] / 1.5, rtol=1e-3)
+    np.testing.assert_allclose(desk["values"], exact[:25] / 1.5, rtol=1e-3)
     assert sorted(path.name for path in plans.iterdir()) == ["Desk.png", "Desk.svg"]
 
 
@@ -293,3 +293,67 @@ def test_lux_maps_are_drawn_with_isolux_lines(tmp_path):
     assert code == 0
     assert (tmp_path / "illuminance.1001.isolux.png").is_file()
     assert "polyline" in (tmp_path / "illuminance.1001.isolux.svg").read_text()
+
+
+def test_a_goniometer_makes_a_photometric_file_of_a_modelled_luminaire(tmp_path, capsys):
+    """A disk of an even luminance, which shines down by the cosine law, beside a sun that is none of it."""
+    import bpy
+    from lumenray.engine.luminaires.formats.reader import read_luminaire
+
+    lamp = bpy.data.lights.new("Disk", "AREA")
+    lamp.shape, lamp.size = "DISK", 0.2
+    lamp.lumenray.use_physical, lamp.lumenray.value = True, 3000.0
+    item = bpy.data.objects.new("Disk", lamp)
+    item.location = (1.0, 2.0, 3.0)
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    for each in (item, sun):
+        bpy.context.scene.collection.objects.link(each)
+    path, out = tmp_path / "disk.blend", tmp_path / "disk.ldt"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    assert (
+        command_line.main(["goniometer", str(path), "-o", str(out), "--step", "5", "--watts", "25"])
+        == 0
+    )
+    told = capsys.readouterr()
+    assert "Sun lights are no part of the luminaire" in told.err
+    found = read_luminaire(out)
+    assert found.watts == pytest.approx(25.0)
+    polar = found.distribution.polar
+    exact = 3000.0 / np.pi * np.maximum(np.cos(polar), 0.0)
+    np.testing.assert_allclose(found.distribution.intensity[0], exact, atol=0.005 * exact.max())
+    assert (
+        command_line.main(["goniometer", str(path), "-o", str(out), "--step", "7", "--force"]) == 1
+    )
+    assert "no whole number" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_goniometer_sees_what_a_reflector_adds(tmp_path):
+    """A point lamp above a large white plate: below it shines like a lamp, and the plate sends light up."""
+    import bpy
+    from blender_bakes import add_lamp
+    from blender_objects import new_material
+    from lumenray.engine.luminaires.formats.reader import read_luminaire
+
+    add_lamp("Lamp", value=1000.0).location = (0.0, 0.0, 0.1)
+    mesh = bpy.data.meshes.new("Plate")
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    paint = new_material("White", "ShaderNodeBsdfDiffuse")
+    paint.node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
+    mesh.materials.append(paint)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Plate", mesh))
+    path, out = tmp_path / "plate.blend", tmp_path / "plate.ies"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    options = ["--step", "30", "--plane-step", "90"]
+    assert command_line.main(["goniometer", str(path), "-o", str(out), *options]) == 0
+    distribution = read_luminaire(out).distribution
+    lamp = 1000.0 / (4.0 * np.pi)
+    # So much of its flux meets the plate, and 80 % of that leaves by the cosine law.
+    met = 1000.0 / np.pi * np.arcsin(1.0 / (1.0 + 0.1**2))
+    up = np.maximum(-np.cos(distribution.polar), 0.0)
+    above = up > 1e-9
+    exact = lamp + 0.8 * met / np.pi * up
+    found = distribution.intensity.mean(axis=0)
+    np.testing.assert_allclose(found[above], exact[above], rtol=0.01)
+    # The plate hides the lamp from below.
+    assert distribution.intensity[:, :3].max() < 0.01 * lamp

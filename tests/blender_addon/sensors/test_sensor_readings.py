@@ -94,6 +94,27 @@ def test_every_kind_of_illuminance_of_a_lamp_is_that_of_its_closed_form():
 
 
 @pytest.mark.mitsuba
+def test_a_luminance_meter_reads_a_matt_floor():
+    """A floor that reflects 60, 30 and 10 % of white lamps' colours, 2 m below one: L = rho E / pi."""
+    floor = add_quad("Floor", material=new_paint())
+    floor.scale, floor.location = (6.0, 6.0, 1.0), (-3.0, -3.0, 0.0)
+    add_lamp("Lamp")
+    empty = new_sensor(quantity="LUMINANCE", place=(-1.0, 0.0, 1.0))
+    # X looks at the foot of the lamp.
+    empty.rotation_euler.y = np.radians(45.0)
+    _, (empty,) = measure(StopRule(each=0.01, floor=0.1))
+    readings = readings_of(empty)
+    values, errors = readings.mixed()
+    reflectance = 0.2126 * 0.6 + 0.7152 * 0.3 + 0.0722 * 0.1
+    exact = reflectance * INTENSITY / 4.0 / np.pi
+    assert readings.unit == "cd/m²"
+    assert values[0] == pytest.approx(exact, rel=0.03)
+    assert errors[0] < 0.011 * values[0]
+    assert dict(words.describe(empty))["value"].endswith("cd/m²")
+    assert drawing.make_drawing(bpy.context.scene).labels[0].text.endswith("cd/m²")
+
+
+@pytest.mark.mitsuba
 def test_light_groups_add_up_and_are_mixed_without_measuring_again():
     floor = add_quad("Floor", material=new_paint())
     floor.scale, floor.location = (6.0, 6.0, 1.0), (-3.0, -3.0, 0.0)
@@ -238,9 +259,7 @@ def test_files_tell_figures_and_readings(measured, tmp_path):
     rows = list(csv.DictReader(lines[1:]))
     assert len(rows) == len(readings.positions)
     assert rows[0]["object"] == "Desk, left"
-    assert float(rows[-1]["illuminance_lx"]) == pytest.approx(
-        100.0 + 50.0 * float(rows[-1]["x"]), rel=1e-5
-    )
+    assert float(rows[-1]["value"]) == pytest.approx(100.0 + 50.0 * float(rows[-1]["x"]), rel=1e-5)
     files.write_document(tmp_path / "a.json", "room.blend", named, LightMix())
     content = json.loads((tmp_path / "a.json").read_text())
     assert content["sensors"][0]["uniformity_u0"] == pytest.approx(
