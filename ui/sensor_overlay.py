@@ -29,6 +29,9 @@ LINE_WIDTH = 1.6
 VALUE_SIZE, LINE_SIZE = 11.0, 13.0
 """Sizes of letters of readings and of lines. [point]"""
 
+SQUARE = 8
+"""Side of the squares of a view of which each has at most one number. [pixel]"""
+
 BAR = (14.0, 160.0)
 """Width and height of the bar of colours. [pixel]"""
 
@@ -129,7 +132,7 @@ def draw_labels() -> None:
     scale = context.preferences.system.ui_scale
     blf.enable(font, blf.SHADOW)
     blf.shadow(font, 5, *HALO_COLOUR)
-    taken: list[tuple[float, float, float, float]] = []
+    taken: set[tuple[int, int]] = set()
     # Lines first: where there is no room for all, readings give way.
     for label in sorted(shown.labels, key=lambda each: not each.is_line):
         found = location_3d_to_region_2d(context.region, context.region_data, label.place / metres)
@@ -143,9 +146,10 @@ def draw_labels() -> None:
             found.x + 0.5 * width,
             found.y + 0.5 * height,
         )
-        if any(_overlap(box, other) for other in taken):
+        covered = cover(box)
+        if not taken.isdisjoint(covered):
             continue
-        taken.append(box)
+        taken |= covered
         blf.position(font, box[0], box[1], 0.0)
         blf.color(font, *(OUTDATED_COLOUR if label.is_outdated else TEXT_COLOUR))
         blf.draw(font, label.text)
@@ -154,8 +158,10 @@ def draw_labels() -> None:
     blf.disable(font, blf.SHADOW)
 
 
-def _overlap(one, other) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+def cover(box) -> set[tuple[int, int]]:
+    """Squares of the view that a box (left, bottom, right, top) covers a part of; two that share none do not overlap. [pixel]"""
+    left, bottom, right, top = (int(side // SQUARE) for side in box)
+    return {(x, y) for x in range(left, right + 1) for y in range(bottom, top + 1)}
 
 
 def _draw_scale(context, shown: Drawing, font: int, zoom: float) -> None:

@@ -54,6 +54,7 @@ def prepare(
         rule_of(settings.sensors) if rule is None else rule,
         seed=settings.seed,
         transport=settings.transport.lower(),
+        method=settings.bake.method.lower(),
         groups=find_groups(converted.luminous, scene.world, mode),
     )
     return job, converted.report

@@ -1,10 +1,13 @@
 """Operators of sensors: they are added, measured in the engine's process, and forgotten."""
 
+import time
+
 import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_paint
+from lumenray.blender_addon.sensors import refresh, results, running
 from lumenray.blender_addon.sensors.places import find_sensors
 from lumenray.blender_addon.sensors.readings import readings_of
 from lumenray.ui import add_menu
@@ -71,3 +74,27 @@ def test_what_is_missing_is_said(floor):
     assert "This empty stands for no sensors" in draw(
         "LUMENRAY_PT_active_sensors", context(object=empty)
     )
+
+
+@pytest.mark.mitsuba
+def test_what_is_out_of_date_is_measured_again_by_itself_where_that_is_asked_for(floor):
+    """What Blender's timers do, which do not run without a window."""
+    bpy.context.scene.lumenray.sensors.time = 20.0
+    bpy.ops.lumenray.add_sensors(layout="FLOOR")
+    (empty,) = find_sensors(bpy.context.scene)
+    bpy.ops.lumenray.measure_sensors()
+    before = readings_of(empty).values.copy()
+    refresh.begin(bpy.context)
+    assert not running.is_running()
+    bpy.data.objects["Lamp"].location.z = 1.5
+    bpy.context.view_layer.update()
+    assert results.is_outdated(empty)
+    refresh.begin(bpy.context)
+    assert running.is_running()
+    end = time.monotonic() + 120.0
+    while refresh._work() is not None:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert not results.is_outdated(empty)
+    assert not running.is_running()
+    assert readings_of(empty).values.mean() > 1.5 * before.mean()

@@ -172,7 +172,7 @@ def luminaires():
 
 
 def sensors():
-    """Sensors over the floor of the lit room: before they are measured, measured, and out of date; in the view and beside it."""
+    """Sensors over the floor of the lit room: before they are measured, measured, and out of date."""
     with override(area_of("VIEW_3D")):
         bpy.ops.lumenray.new_lit_room()
     activate(

@@ -9,7 +9,8 @@ shows the illuminance there. ``luminaire`` has a scene of its own: luminaires fr
 a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
 with their points and rays; so has ``measured``: balls of measured materials in the rendered view, and
 one's panel. ``library`` shows the luminaires in the Asset
-Browser. ``sensors`` shows a lit room with readings and isolux lines over its floor. ``world`` shows houses under a clear sky of the CIE and its sun, ``sun_arc`` the same with the sun of a place and
+Browser. ``sensors`` shows a lit room with readings and isolux lines over its floor.
+``world`` shows houses under a clear sky of the CIE and its sun, ``sun_arc`` the same with the sun of a place and
 time, its arc and the panel. ``first_hour_1`` is Blender as
 it starts, with the Start panel before any step, ``first_hour_2`` the same after *New Lit Room*, and
 ``first_hour_3`` after its bake, with lux in false colours and all steps done. In the others the sidebar
@@ -514,10 +515,13 @@ elif VIEW in LARGE_PROPERTIES:
         "measured": build_balls,
         "rayset": build_raysets,
         "sun_arc": build_study,
-        "sensors": build_sensors,
         "world": build_houses,
     }[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
+elif VIEW == "sensors":
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    build_sensors()
 elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)
 else:
