@@ -20,7 +20,9 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     count = len(readings.positions)
     lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
     lines += describe_figures(figures, count, readings.unit)
-    words = levels.text() if readings.groups != ("",) else ""
+    words = levels.text()
+    if words and readings.groups == ("",):
+        words = "measure again to have light groups apart"
     if words:
         lines.append(("light mix", words))
     lines.append(("samples", f"{readings.samples} each, seed {readings.seed}"))
