@@ -159,7 +159,7 @@ def draw_labels() -> None:
 
 
 def cover(box) -> set[tuple[int, int]]:
-    """Squares of the view that a box (left, bottom, right, top) covers in part; boxes that share none do not overlap. [pixel]"""
+    """Squares of the view that a box (left, bottom, right, top) covers in part; boxes that share none are apart. [pixel]"""
     left, bottom, right, top = (int(side // SQUARE) for side in box)
     return {(x, y) for x in range(left, right + 1) for y in range(bottom, top + 1)}
 
