@@ -58,7 +58,8 @@ def measure_luminance(
     session : Session or RemoteSession    With the scene.
     positions, axes : (n, 3) array    Where the meters are [m], and where they look.
     angle : float    Acceptance angle, the full width of the cone. [rad]
-    rule : StopRule    ``each`` or ``limits`` of errors, samples of a pixel, time of all meters together.
+    rule : StopRule
+        ``each``, ``limits`` or ``error``, which every meter has to reach, samples of a pixel, time of all meters together.
     method : str    As of `views.ViewSettings`.
     progress : callable or None    Gets a `Progress`.
 
@@ -83,8 +84,9 @@ def measure_luminance(
         while True:
             job.look(max(samples, 2), seed + METER_SEEDS * (number * 64 + job.rounds))
             goal = rule.limits[number] if rule.limits else None
-            if rule.each is not None:
-                goal = rule.each * max(job.value, rule.floor)
+            wanted = rule.each if rule.each is not None else rule.error
+            if wanted is not None:
+                goal = wanted * max(job.value, rule.floor)
             is_known = goal is not None and job.error <= goal
             is_late = end is not None and time.perf_counter() > end
             most = rule.samples or MOST_SAMPLES

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon import feedback, readout
+from ..blender_addon import feedback
 from ..blender_addon.foundation import engine_process
 from ..blender_addon.foundation.redraw import areas
 from ..blender_addon.sensors import asked, pictures, results, running
@@ -86,7 +86,9 @@ class LUMENRAY_OT_measure_sensors(bpy.types.Operator):
     def _finish(self, context, empties):
         feedback.show_report(context.window_manager, self._report)
         count = sum(len(each.positions) for each in self._job.answer.values())
-        text = f"{readout.format_number(count)} sensors of {len(empties)} objects measured"
+        text = (
+            f"{count} sensors measured, of {len(empties)} object{'' if len(empties) == 1 else 's'}"
+        )
         if self._job.shortfall:
             text = f"{text}: {self._job.shortfall}"
         self.report({"WARNING" if self._job.shortfall else "INFO"}, text)

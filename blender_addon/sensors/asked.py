@@ -11,12 +11,12 @@ from .job import SensorJob
 from .places import find_sensors, place_sensors, signature_of
 
 FLOOR = 0.1
-"""Readings below it count as large as it for the error that every sensor is to reach. [lx]"""
+"""Readings below it count as large as it where every sensor is to reach an error. [lx]"""
 
 
 def rule_of(settings) -> StopRule:
     """Return the rule of a scene's sensors; ``settings``: a `LumenraySensorsSettings`."""
-    return StopRule(each=settings.error, seconds=settings.time, floor=FLOOR)
+    return StopRule(error=settings.error, seconds=settings.time, floor=FLOOR)
 
 
 def prepare(

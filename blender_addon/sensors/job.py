@@ -93,7 +93,7 @@ class SensorJob:
         kinds = list(dict.fromkeys(placed.kind for placed in self.places))
         rules = dict.fromkeys(kinds, self.rule)
         parts = split_lights(self.scene, self.groups) if self.groups else []
-        if len(parts) > 1:
+        if len(parts) > 1 and self.rule.each is not None:
             # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
             self._steps, self._step = (len(parts) + 1) * len(kinds), 0
             for kind in kinds:
@@ -101,8 +101,9 @@ class SensorJob:
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
                 rules[kind] = _share(self.rule, whole.values, len(parts))
         else:
-            parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
-            self._steps, self._step = len(kinds), 0
+            if len(parts) < 2:
+                parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
+            self._steps, self._step = len(parts) * len(kinds), 0
         made, notes, short = {}, {}, {}
         for number, (name, scene) in enumerate(parts):
             for kind in kinds:

@@ -211,8 +211,8 @@ class LumenraySensorsSettings(PropertyGroup):
     error: FloatProperty(
         name="Relative Error",
         description=(
-            "Relative standard error as a share that every sensor is to reach. Default 0.01: far below what eyes tell "
-            "apart"
+            "Relative standard error of the sensors together at which measuring ends, as a share. Default 0.01: far below "
+            "what eyes tell apart"
         ),
         default=0.01,
         min=1e-4,
@@ -222,7 +222,8 @@ class LumenraySensorsSettings(PropertyGroup):
     error_percent: percentage(
         "error",
         "Relative Error",
-        "Relative standard error that every sensor is to reach. Default 1 %: far below what eyes tell apart",
+        "Relative standard error of the sensors together at which measuring ends. Default 1 %: far below what eyes tell "
+        "apart",
     )
     time: FloatProperty(
         name="Seconds",

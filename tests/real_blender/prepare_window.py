@@ -9,8 +9,7 @@ shows the illuminance there. ``luminaire`` has a scene of its own: luminaires fr
 a wall, with their polar solids and one's panel; so has ``rayset``: ray sets of the library on a board,
 with their points and rays; so has ``measured``: balls of measured materials in the rendered view, and
 one's panel. ``library`` shows the luminaires in the Asset
-Browser. ``sensors`` shows a lit room with readings and isolux lines over its floor.
-``world`` shows houses under a clear sky of the CIE and its sun, ``sun_arc`` the same with the sun of a place and
+Browser. ``world`` shows houses under a clear sky of the CIE and its sun, ``sun_arc`` the same with the sun of a place and
 time, its arc and the panel. ``first_hour_1`` is Blender as
 it starts, with the Start panel before any step, ``first_hour_2`` the same after *New Lit Room*, and
 ``first_hour_3`` after its bake, with lux in false colours and all steps done. In the others the sidebar
@@ -78,17 +77,7 @@ CONTEXT = {
 LARGE_PROPERTIES = {"luminaire", "measured", "rayset", "sun_arc", "world"}
 """Pictures of a panel: the properties editor takes the whole height, and there is no sidebar."""
 
-SOLID = {
-    "sensors",
-    "render",
-    "bake",
-    "bake_graph",
-    "baked",
-    "baked_lux",
-    "luminaire",
-    "rayset",
-    "sun_arc",
-}
+SOLID = {"render", "bake", "bake_graph", "baked", "baked_lux", "luminaire", "rayset", "sun_arc"}
 """Pictures in which the view is not rendered."""
 
 ZOOM = {
@@ -270,15 +259,6 @@ def build_balls():
     staging.set_sky((1.0, 1.0, 1.0), 100.0)
     staging.new_camera((0.0, -0.42, 0.16), (76.0, 0.0, 0.0), lens=45.0)
     staging.set_render(1248, 940, 300.0)
-
-
-def build_sensors():
-    """Add the lit room, and measure sensors over its floor at desk height."""
-    bpy.ops.lumenray.new_lit_room()
-    room = bpy.data.collections["Lit Room"].objects
-    bpy.context.view_layer.objects.active = next(o for o in room if o.name.startswith("Floor"))
-    bpy.ops.lumenray.add_sensors(layout="FLOOR")
-    bpy.ops.lumenray.measure_sensors()
 
 
 def build_houses():
@@ -518,10 +498,6 @@ elif VIEW in LARGE_PROPERTIES:
         "world": build_houses,
     }[VIEW]()
     bpy.app.timers.register(enlarge_properties(), first_interval=0.5)
-elif VIEW == "sensors":
-    for item in list(bpy.data.objects):
-        bpy.data.objects.remove(item)
-    build_sensors()
 elif VIEW == "library":
     bpy.app.timers.register(browse_library, first_interval=2.0)
 else:
