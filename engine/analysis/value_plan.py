@@ -142,7 +142,10 @@ def draw_map(
     corner = np.array([MARGIN, TOP])
     sheet.picture(fills[::-1], corner, (width * zoom, height * zoom))
     known = values[shown]
-    lines = (choose_levels(known) if levels is None else list(levels)) if known.size else []
+    lines = [] if levels is None else list(levels)
+    if levels is None and known.size:
+        # Of nearly all that is seen: a lamp would take all lines.
+        lines = choose_levels(np.percentile(known, [0.5, 99.5]))
     field = np.where(shown, values, np.nan)
     for _ in range(smoothing):
         field = smooth(field)
