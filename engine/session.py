@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import VERSION
+from . import VERSION, llvm
 from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
@@ -380,6 +380,8 @@ class Session:
         Cancelled    After `cancel`; the order's checkpoint stays.
         """
         self._cancel = False
+        # What follows imports Dr.Jit, which looks for its library once.
+        llvm.settle()
         from .baking.host import Host
         from .baking.run import bake
 
