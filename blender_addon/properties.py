@@ -43,6 +43,8 @@ from .rendering import settings as render_settings
 from .rendering.mix_settings import LumenrayLightMixSettings
 from .rendering.settings import LumenrayRenderSettings, LumenrayViewportSettings
 from .scattering.settings import LumenrayMeasuredSettings
+from .sensors import settings as sensor_settings
+from .sensors.settings import LumenraySensorSettings, LumenraySensorsSettings
 from .sky import SOURCES, LumenraySkySettings
 
 
@@ -138,7 +140,7 @@ class LumenrayWorldSettings(PropertyGroup):
 
 
 class LumenrayObjectSettings(PropertyGroup):
-    """Per-object settings of the bake, and the luminaire that an empty is."""
+    """Per-object settings of the bake, and the luminaire or the sensors that an empty is."""
 
     uid: identity_property()
     density: FloatProperty(
@@ -180,6 +182,7 @@ class LumenrayObjectSettings(PropertyGroup):
         name="UV Map of the Back", description="UV map by which the atlas lies on the back sides"
     )
     luminaire: PointerProperty(type=LumenrayEmptySettings)
+    sensor: PointerProperty(type=LumenraySensorSettings)
     is_luminaire_body: BoolProperty(
         name="Luminaire Body",
         description=(
@@ -223,6 +226,7 @@ class LumenraySceneSettings(PropertyGroup):
     baked: PointerProperty(type=baked_tables.LumenrayBakedResults)
     look: PointerProperty(type=LumenrayLookSettings)
     year: PointerProperty(type=LumenrayYearSettings)
+    sensors: PointerProperty(type=LumenraySensorsSettings)
     seed: IntProperty(
         name="Seed",
         description=(
@@ -307,6 +311,7 @@ CLASSES = (
     *daylight_settings.CLASSES,
     *environment_settings.CLASSES,
     *year_settings.CLASSES,
+    *sensor_settings.CLASSES,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,

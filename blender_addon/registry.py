@@ -20,11 +20,12 @@ def _groups():
     from .bake import results as baked_results
     from .bake import running as running_bake
     from .daylight import following, ready
-    from .daylight_year import running as running_year
-    from .foundation import engine_process, identity, running_trials
+    from .foundation import background_job, engine_process, identity, running_trials
     from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
     from .scattering.files import scattering_files
+    from .sensors import refresh as refreshed_sensors
+    from .sensors import results as sensor_results
     from .sync import live
 
     return (
@@ -40,13 +41,15 @@ def _groups():
         following,
         ready,
         baked_results,
+        sensor_results,
         live,
         ray_files,
         scattering_files,
         engine_process,
         running_bake,
         running_trials,
-        running_year,
+        background_job,
+        refreshed_sensors,
         light_mix,
         viewport,
         view_drawing,

@@ -95,6 +95,11 @@ def _add_files(files) -> None:
         help="go on with the unfinished bake in DIR, and replace what it wrote; error, time and samples may be others",
     )
     files.add_argument(
+        "--isolux-lines",
+        action=argparse.BooleanOptionalAction,
+        help="also draw every page with isolux lines, illuminance.NUMBER.isolux.png and .svg (default: as the scene says)",
+    )
+    files.add_argument(
         "--gltf",
         type=Path,
         metavar="OUT.glb",
@@ -200,6 +205,7 @@ def _settings(options, settings, objects):
         "method": options.method,
         "caustics": options.caustics,
         "witness": options.witness,
+        "isolux": options.isolux_lines,
     }
     around = {
         "densities": None if options.lumels_per_m is None else {},

@@ -9,7 +9,9 @@ from . import (
     bake,
     benchmark,
     demo,
+    difference,
     explain,
+    goniometer,
     measure,
     probe,
     render,
@@ -30,6 +32,7 @@ EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --lumels-per-m 20 --error 1%
   lumenray bake office.blend -o lux --error-lx 5 --time 600 --layers groups --gltf office.glb
+  lumenray measure office.blend -o sensors.csv --plans plans
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.5%
   lumenray daylight office.blend --weather town.epw --floor Floor -o daylight
   lumenray explain office.blend
@@ -53,8 +56,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, environment, probe,
-        validate, demo, benchmark,
+        render, bake, measure, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum,
+        sky, environment, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

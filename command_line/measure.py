@@ -1,32 +1,71 @@
-"""The command ``lumenray measure``: illuminance at sensors from a list."""
+"""The command ``lumenray measure``: illuminance at the sensors that stand in a file, or at those of a list."""
+
+from dataclasses import replace
+from pathlib import Path
 
 from ..blender_addon import assumptions
+from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.scene.sensor import SensorKind
-from .blend_file import open_session
+from .blend_file import open_blend, open_session
 from .options import (
     add_rule,
     add_scene,
     add_sensors,
     add_witness,
+    level,
     rule_of,
     seed_of,
     share,
     transport_of,
     whole,
+    words,
 )
-from .output import add_output, check_free, say
+from .output import add_output, check_free, say, table
 from .progress import Bar
 
 
 def add_command(commands) -> None:
     """Describe the command to argparse."""
     measure = commands.add_parser(
-        "measure", help="illuminance at sensors from a list", epilog=assumptions.CODES
+        "measure",
+        help="illuminance at the sensors of a file, or at those of a list",
+        epilog=assumptions.CODES,
     )
     add_scene(measure)
-    add_sensors(measure)
-    words = "the same columns and illuminance_lx, standard_error_lx"
-    add_output(measure, "OUT.csv", words)
+    add_sensors(measure, is_required=False)
+    written = (
+        "of a list the same columns and illuminance_lx, standard_error_lx; of the sensors in the file a row for each with "
+        "its object, or with the name OUT.json the figures of each object and all readings"
+    )
+    add_output(measure, "OUT.csv", written)
+    measure.add_argument(
+        "--objects",
+        type=words,
+        default=(),
+        metavar="A,B",
+        help="sensors of the file by the names of their objects (default: all)",
+    )
+    measure.add_argument(
+        "--plans",
+        type=Path,
+        metavar="DIR",
+        help="also draw every grid of the file in false colours with isolux lines into this folder, as .png and .svg",
+    )
+    measure.add_argument(
+        "--light-groups",
+        choices=("none", "groups", "each"),
+        help="keep what each light group, or each luminaire, gives to the sensors of the file apart (default: as the "
+        "scene says)",
+    )
+    measure.add_argument(
+        "--mix",
+        type=level,
+        action="append",
+        default=[],
+        metavar="NAME=FACTOR",
+        help="factor on the flux of a light group, such as Ceiling=0.5 or Ceiling=off; may be repeated (default: as the "
+        "scene says)",
+    )
     measure.add_argument(
         "--reflections",
         type=whole(0),
@@ -36,7 +75,7 @@ def add_command(commands) -> None:
     measure.add_argument(
         "--colour",
         action="store_true",
-        help="also write the chromaticity x, y of the light that arrives",
+        help="also write the chromaticity x, y of the light that arrives at the sensors of a list",
     )
     measure.add_argument(
         "--each",
@@ -58,11 +97,21 @@ def add_command(commands) -> None:
 
 def run(options) -> int:
     """Measure illuminance in a file; return the exit code."""
+    check_free(options, options.output)
+    return run_list(options) if options.sensors is not None else run_scene(options)
+
+
+def run_list(options) -> int:
+    """Measure at the sensors of a list."""
     from ..engine.accuracy.estimate import Estimate
     from ..engine.accuracy.stopping import StopRule
     from ..engine.formats.sensors import read_sensors, write_measurements
 
-    check_free(options, options.output)
+    for name in ("objects", "plans", "light_groups", "mix"):
+        if getattr(options, name):
+            raise LumenrayError(
+                f"--{name.replace('_', '-')} is for sensors that stand in the file, not for those of a list"
+            )
     sensors = read_sensors(options.sensors)
     settings, report, session = open_session(options)
     assumptions.refuse_media(report)
@@ -77,7 +126,7 @@ def run(options) -> int:
             seed_of(options, settings),
             transport_of(options, settings),
             bar,
-            kind=SensorKind(options.kind),
+            kind=SensorKind(options.kind or SensorKind.PLANAR.value),
             reflections=options.reflections,
             colour=options.colour,
             method=options.method or settings.bake.method.lower(),
@@ -100,3 +149,118 @@ def run(options) -> int:
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )
     return assumptions.exit_code(report, options.accept_missing, shortfall)
+
+
+def run_scene(options) -> int:
+    """Measure at the sensors that stand in the file."""
+    from ..blender_addon.rendering import light_mix
+    from ..blender_addon.sensors import asked
+    from ..engine.session import Session
+
+    if options.kind is not None or options.colour:
+        wrong = "--colour" if options.colour else "--kind"
+        raise LumenrayError(
+            f"{wrong} is for sensors of a list; those of the file say what they are"
+        )
+    if options.output.suffix.lower() not in {".csv", ".json"}:
+        raise FileFormatError(options.output, "expected a name that ends in .csv or .json")
+    depsgraph = open_blend(options.file)
+    scene = depsgraph.scene
+    if options.light_groups:
+        scene.lumenray.light_mix.groups = options.light_groups.upper()
+    empties = _chosen(options, scene)
+    rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
+    job, report = asked.prepare(depsgraph, empties, rule, options.accept_missing)
+    settings = scene.lumenray
+    job.seed, job.transport = seed_of(options, settings), transport_of(options, settings)
+    job.method = options.method or settings.bake.method.lower()
+    job.witness, job.reflections = options.witness, options.reflections
+    known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
+    levels = _levels(options, light_mix.levels_of(scene), known)
+    if options.plans is not None:
+        _check_plans(options, job)
+    with Bar("measure") as bar:
+        job.run(Session(), bar)
+    _write(options, job, report, levels)
+    assumptions.tell(report, job.notes, job.shortfall)
+    _tell(job, levels)
+    say(f"written to {options.output}")
+    return assumptions.exit_code(report, options.accept_missing, job.shortfall)
+
+
+def _chosen(options, scene):
+    """Empties that were named, None: all."""
+    from ..blender_addon.sensors.places import is_sensor
+
+    for name in options.objects:
+        if name not in scene.objects or not is_sensor(scene.objects[name]):
+            raise LumenrayError(f"{options.file}: the scene has no sensors named {name}")
+    return [scene.objects[name] for name in options.objects] or None
+
+
+def _levels(options, own, known):
+    """Return the `LightMix` that was asked for, on top of the scene's."""
+    from ..engine.light_mix import Level, LightMix
+
+    kept = {each.name: each for each in own.levels}
+    for name, factor in options.mix:
+        if name not in known:
+            there = ", ".join(f"'{each}'" for each in known)
+            remedy = f"those of the scene are {there}" if known else NO_GROUPS
+            raise LumenrayError(f"--mix: no light group is called '{name}'; {remedy}")
+        kept[name] = replace(kept.get(name, Level(name)), factor=factor, is_on=factor > 0.0)
+    return LightMix(tuple(kept.values()))
+
+
+NO_GROUPS = "none are kept apart: say --light-groups groups, and name groups in the scene"
+
+
+def _check_plans(options, job) -> None:
+    """Refuse to write over plans that are there."""
+    from ..engine.formats.names import file_stem
+
+    for placed in job.places:
+        stem = options.plans / file_stem(placed.name)
+        check_free(options, stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.svg"))
+
+
+def _write(options, job, report, levels) -> None:
+    """Write readings, and plans where they are asked for."""
+    from ..blender_addon.sensors import files, pictures
+
+    named = [(placed.name, job.answer[placed.uid]) for placed in job.places]
+    if options.output.suffix.lower() == ".json":
+        files.write_document(
+            options.output,
+            options.file.name,
+            named,
+            levels,
+            report.to_dicts(),
+            job.notes,
+            job.shortfall,
+        )
+    else:
+        remarks = assumptions.lines_of(report, job.notes, job.shortfall)
+        files.write_rows(options.output, named, levels, remarks)
+    if options.plans is not None:
+        plans = [
+            (name, pictures.draw_plan(name, readings, levels))
+            for name, readings in named
+            if pictures.has_plan(readings)
+        ]
+        for path in pictures.write_plans(options.plans, plans):
+            say(f"written to {path}")
+
+
+def _tell(job, levels) -> None:
+    rows = [("sensors", "count", "mean", "error", "min", "max", "unit", "U0", "Ud")]
+    for placed in job.places:
+        readings = job.answer[placed.uid]
+        figures = readings.figures(levels)
+        ratios = [f"{x.value:.3f}" for x in (figures.overall, figures.diversity)]
+        numbers = [figures.mean, figures.least.value, figures.largest.value]
+        mean, least, largest = (f"{value:.4g}" for value in numbers)
+        error = f"{figures.mean_error:.2g}"
+        count = str(len(readings.positions))
+        rows.append((placed.name, count, mean, error, least, largest, readings.unit, *ratios))
+    say(table(rows))

@@ -47,19 +47,20 @@ def add_scene(parser) -> None:
     )
 
 
-def add_sensors(parser) -> None:
-    """Let a command be about sensors from a list."""
+def add_sensors(parser, is_required: bool = True) -> None:
+    """Let a command be about sensors from a list; where that is not required, about those of the file if none is given."""
+    others = "" if is_required else " (default: the sensors that stand in the file)"
     parser.add_argument(
         "--sensors",
-        required=True,
+        required=is_required,
         type=Path,
         metavar="IN.csv",
-        help="x,y,z,nx,ny,nz in metres; the normal is where the sensor faces",
+        help=f"x,y,z,nx,ny,nz in metres; the normal is where the sensor faces{others}",
     )
     parser.add_argument(
         "--kind",
         choices=[kind.value for kind in SensorKind],
-        default=SensorKind.PLANAR.value,
+        default=SensorKind.PLANAR.value if is_required else None,
         help="which illuminance; spherical and cylindrical (vertical) ones have no normal (default: planar)",
     )
 

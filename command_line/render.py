@@ -11,6 +11,7 @@ from .options import (
     add_rule,
     add_scene,
     level,
+    real,
     rule_of,
     seed_of,
     size,
@@ -56,6 +57,24 @@ def add_command(commands) -> None:
         "--illuminance",
         action="store_true",
         help="also compute the illuminance of the visible surfaces [lx]",
+    )
+    render.add_argument(
+        "--false-colour",
+        action="store_true",
+        help="also draw the luminance in false colours with lines of equal luminance, OUT_luminance.png and .svg; with "
+        "--illuminance that as well, OUT_illuminance.png and .svg",
+    )
+    render.add_argument(
+        "--scale-to",
+        type=real(),
+        metavar="TOP",
+        help="upper end of the scale of false colours in cd/m2 or lx, so that pictures can be compared (default: a round "
+        "number from the picture)",
+    )
+    render.add_argument(
+        "--log-scale",
+        action="store_true",
+        help="let the scale of false colours be logarithmic, over three powers of ten",
     )
     render.add_argument(
         "--denoise",
@@ -118,6 +137,7 @@ def render_open(options, depsgraph) -> int:
     _write_exr(options.output, picture, white, linear)
     shown = _preview(options, picture, camera, linear)
     write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
+    _draw_false_colours(options, picture)
     shortfall = view.rule.shortfall(whole_picture.relative_error)
     report = _report(options, scene.camera.name, picture, conversion, shortfall, shown.words)
     write_json(options.output.with_suffix(".json"), report)
@@ -180,10 +200,40 @@ def check_files(options) -> None:
         raise FileFormatError(options.output, "expected a name that ends in .exr")
     beside = (options.output.with_suffix(end) for end in (".png", ".json"))
     check_free(options, *beside, _spectral_path(options))
+    if options.false_colour:
+        check_free(options, *_drawn_paths(options, "luminance"))
+        check_free(options, *(_drawn_paths(options, "illuminance") if options.illuminance else ()))
 
 
 def _spectral_path(options) -> Path:
     return options.output.with_name(options.output.stem + "_spectral.exr")
+
+
+def _drawn_paths(options, quantity: str) -> list[Path]:
+    stem = f"{options.output.stem}_{quantity}"
+    return [options.output.with_name(f"{stem}.{end}") for end in ("png", "svg")]
+
+
+def _draw_false_colours(options, picture) -> None:
+    """Draw luminance, and illuminance where it was asked for, in false colours with lines of equal value."""
+    if not options.false_colour:
+        return
+    from ..engine.analysis.value_plan import draw_map, even_scale
+
+    drawn = [("luminance", picture.tristimulus[..., 1], "cd/m2")]
+    if options.illuminance:
+        drawn.append(("illuminance", picture.illuminance, "lx"))
+    for quantity, values, unit in drawn:
+        scale = even_scale(values, unit, options.scale_to, options.log_scale)
+        caption = f"mean {float(values.mean()):.4g} {unit}"
+        title = quantity.capitalize()
+        sheet = draw_map(title, values, None, caption, scale, unit=unit, smoothing=LINE_SMOOTHING)
+        for path in _drawn_paths(options, quantity):
+            say(f"written to {sheet.save(path)}")
+
+
+LINE_SMOOTHING = 2
+"""How often neighbouring pixels are averaged before lines are drawn, so that noise does not fray them."""
 
 
 def _view(options, scene, luminous):

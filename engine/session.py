@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import VERSION
+from . import VERSION, llvm
 from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
@@ -314,6 +314,7 @@ class Session:
         SceneError    None of the objects has a surface, or there are too many lumels.
         Cancelled    After `cancel`.
         """
+        llvm.settle()
         from .baking.lumel_sensors import find_lumel_sensors
 
         return find_lumel_sensors(self._host(), replace(order, transport=transport), progress)
@@ -403,6 +404,8 @@ class Session:
         Cancelled    After `cancel`; the order's checkpoint stays.
         """
         self._cancel = False
+        # What follows imports Dr.Jit, which looks for its library once.
+        llvm.settle()
         from .baking.run import bake
 
         if not self._has_witness:

@@ -3,6 +3,7 @@
 from . import (
     add_luminaire,
     add_preset,
+    add_sensors,
     bake_illuminance,
     check_engine,
     copy_report,
@@ -11,6 +12,7 @@ from . import (
     environment_picture,
     list_lights,
     luminaire_files,
+    measure_sensors,
     mix_lights,
     new_lit_room,
     open_office,
@@ -26,6 +28,7 @@ from . import (
 CLASSES = (
     *add_luminaire.CLASSES,
     *add_preset.CLASSES,
+    *add_sensors.CLASSES,
     *bake_illuminance.CLASSES,
     *check_engine.CLASSES,
     *copy_report.CLASSES,
@@ -34,6 +37,7 @@ CLASSES = (
     *environment_picture.CLASSES,
     *list_lights.CLASSES,
     *luminaire_files.CLASSES,
+    *measure_sensors.CLASSES,
     *mix_lights.CLASSES,
     *new_lit_room.CLASSES,
     *open_office.CLASSES,

@@ -20,6 +20,8 @@ from . import (
     rayset_overlay,
     render,
     scattering,
+    sensor_overlay,
+    sensors,
     sidebar,
     start,
     sun_arc,
@@ -41,18 +43,20 @@ CLASSES = (
     *sidebar.CLASSES,
     *light_list.CLASSES,
     *light_mix.CLASSES,
+    *sensors.CLASSES,
     *bake.CLASSES,
     *add_menu.CLASSES,
 )
 
 
 def attach():
-    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets, tubes and the sun's arc in 3D views."""
+    """Let Blender's own panels appear for our engine, and draw what has no shape of Blender's own in 3D views."""
     compatibility.attach()
     luminaire_overlay.attach()
     rayset_overlay.attach()
     tube_overlay.attach()
     sun_arc.attach()
+    sensor_overlay.attach()
     add_menu.attach()
     image_header.attach()
 
@@ -61,6 +65,7 @@ def detach():
     """Undo `attach`, and let go of all pictures."""
     image_header.detach()
     add_menu.detach()
+    sensor_overlay.detach()
     sun_arc.detach()
     tube_overlay.detach()
     rayset_overlay.detach()

@@ -153,6 +153,7 @@ class LUMENRAY_PT_lux_bake_output(BakePanel, bpy.types.Panel):
             draw_text(layout, context, f"Empty: {bake_folders.default_folder()}", "INFO")
         layout.prop(settings, "overwrite")
         layout.prop(settings, "use_checkpoint")
+        layout.prop(settings, "isolux")
         layout.prop(settings, "use_gltf", text=f"glTF ({bake.GLTF})")
         column = layout.column(align=True)
         column.active = settings.use_gltf

@@ -12,6 +12,7 @@ from ..blender_addon.luminaires.settings import settings_of
 from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import rays_of
 from ..blender_addon.rendering import viewport
+from ..blender_addon.sensors.places import is_sensor
 from ..blender_addon.sync.lights.portals import is_portal
 from ..engine.analysis.denoiser import find_denoiser
 from .compatibility import ENGINE
@@ -158,7 +159,7 @@ class LUMENRAY_PT_active_luminaire(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return settings_of(context.object) is not None
+        return settings_of(context.object) is not None and not is_sensor(context.object)
 
     def draw_header(self, context):
         self.layout.prop(settings_of(context.object), "use_file", text="")

@@ -16,6 +16,7 @@ from ...engine.baking.order import BakeResult
 from ...engine.scene.scene import Scene
 from ..foundation import open_file
 from ..foundation.handlers import leave, listen
+from ..sensors.places import is_sensor
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
 from ..sync.visibility import LIGHT_RAYS
@@ -50,9 +51,9 @@ class _Tracker:
 
     ``outdated``: what has changed since bakes of this session, by serial; undo may take the flag in the file back, but not
     what it undoes. All others are what was seen last, by session uid: ``settings`` of scenes that count, ``sliders``, how
-    baked light is shown, ``rays`` that meet objects, and the objects that are ``shown`` in view layers, by uid of the scene
-    and name. Blender tells changes of the last two as it tells much that changes no light: with flags that come with every
-    relation that is built anew, or with none.
+    baked light is shown, ``rays`` that meet objects, ``members`` of collections, and the objects that are ``shown`` in view
+    layers, by uid of the scene and name. Blender tells changes of the last three as it tells much that changes no light:
+    with flags that come with every relation that is built anew, or with none.
     """
 
     watches: WeakSet = field(default_factory=WeakSet)
@@ -61,6 +62,7 @@ class _Tracker:
     sliders: dict[int, tuple] = field(default_factory=dict)
     rays: dict[int, tuple] = field(default_factory=dict)
     shown: dict[tuple[int, str], dict[int, bool]] = field(default_factory=dict)
+    members: dict[int, tuple] = field(default_factory=dict)
     is_ignoring: bool = False
 
 
@@ -176,16 +178,18 @@ def _kept_scenes() -> list:
 
 def _remember() -> None:
     """Take what is there as seen, so that the first change is known as one."""
-    seen = _tracker.settings, _tracker.rays, _tracker.shown
+    seen = _tracker.settings, _tracker.rays, _tracker.shown, _tracker.members
     if not (_kept_scenes() or _tracker.watches):
         # Nobody has listened, so what was seen may be old.
         for known in seen:
             known.clear()
-    settings, rays, shown = seen
+    settings, rays, shown, members = seen
     for item in bpy.data.objects:
         rays.setdefault(item.session_uid, _rays_of(item))
     for scene in bpy.data.scenes:
         settings.setdefault(scene.session_uid, _settings_of(scene))
+        for collection in (scene.collection, *scene.collection.children_recursive):
+            members.setdefault(collection.session_uid, _members_of(collection))
         for layer in scene.view_layers:
             shown.setdefault((scene.session_uid, layer.name), _shown_in(scene, layer))
 
@@ -223,6 +227,30 @@ def _shown_in(scene, layer) -> dict[int, bool]:
     }
 
 
+def _members_of(collection) -> tuple:
+    """What of a collection counts for the light: its members but sensors, what is hidden, and where instances have it."""
+    return (
+        frozenset(
+            (item.session_uid, item.hide_render, item.hide_viewport)
+            for item in collection.objects
+            if not is_sensor(item)
+        ),
+        frozenset(
+            (each.session_uid, each.hide_render, each.hide_viewport)
+            for each in (collection, *collection.children_recursive)
+        ),
+        tuple(collection.instance_offset),
+    )
+
+
+def _changed_members(collection) -> bool:
+    """Whether a collection has other members than when it was seen last, or is new."""
+    now = _members_of(collection)
+    before = _tracker.members.get(collection.session_uid)
+    _tracker.members[collection.session_uid] = now
+    return before != now
+
+
 def _changed_rays(item) -> bool:
     """Whether other rays meet an object than when it was seen last."""
     now = _rays_of(item)
@@ -240,7 +268,12 @@ def _changed_shown(scene, layer) -> list:
     # What was removed is told with its collection.
     if not uids:
         return []
-    return [item for item in scene.objects if item.session_uid in uids and item.type in _SHOWN]
+    return [item for item in scene.objects if item.session_uid in uids and _may_light(item)]
+
+
+def _may_light(item) -> bool:
+    """Whether an object is of a type that gives or takes light, which sensors do not."""
+    return item.type in _SHOWN and not is_sensor(item)
 
 
 def _is_light(update, is_look: bool) -> bool:
@@ -253,8 +286,10 @@ def _is_light(update, is_look: bool) -> bool:
     if kind == "OBJECT":
         is_other = _changed_rays(block)
         is_moved = update.is_updated_transform or update.is_updated_geometry
-        return block.type in _SHOWN and (is_moved or is_other)
-    if kind in _SHAPES or kind == "COLLECTION":
+        return _may_light(block) and (is_moved or is_other)
+    if kind == "COLLECTION":
+        return update.is_updated_geometry and _changed_members(block)
+    if kind in _SHAPES:
         return update.is_updated_geometry
     return kind in _SHADING
 
@@ -310,6 +345,7 @@ def _after_load(*_):
         _tracker.sliders,
         _tracker.rays,
         _tracker.shown,
+        _tracker.members,
     ):
         known.clear()
     _remember()

@@ -115,6 +115,14 @@ class LumenrayBakeSettings(PropertyGroup):
         ),
         default=False,
     )
+    isolux: BoolProperty(
+        name="Isolux Lines",
+        description=(
+            "Also draw the lux maps with lines of equal illuminance, as PNG and as SVG. Default off: the maps have their "
+            "false colours"
+        ),
+        default=False,
+    )
     method: EnumProperty(
         name="Method",
         description=(

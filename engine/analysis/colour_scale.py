@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import false_colour
+from . import colour_maps, false_colour
 from .canvas import SCALE, Canvas
 from .polar_diagram import round_step
+from .sheet import Sheet
 
 WIDTH = 74
 """Room for the bar and its numbers. [pixel of nominal size]"""
@@ -27,16 +28,18 @@ class ColourScale:
     low, high : float    Values of the first and the last colour; what lies beyond has these.
     unit : str
     is_log : bool    Whether equal ratios, instead of equal differences, take equal parts.
+    colour_map : str    One of `colour_maps.MAPS`.
     """
 
     low: float
     high: float
     unit: str
     is_log: bool = False
+    colour_map: str = "hues"
 
     def colours(self, values) -> np.ndarray:
         """Colours of values. (...) -> (..., 3) uint8"""
-        return false_colour.colours(self._share(values), 0.0, 1.0)
+        return colour_maps.colours_of(self._share(values), self.colour_map)
 
     def _share(self, values) -> np.ndarray:
         values, low, high = (np.asarray(x, dtype=np.float64) for x in (values, self.low, self.high))
@@ -56,11 +59,24 @@ class ColourScale:
         ticks = [step * 10.0**power for power in powers for step in steps]
         return [tick for tick in ticks if self.low * 0.999 <= tick <= self.high * 1.001]
 
+    def draw_on_sheet(self, sheet: Sheet, left: float, top: float, bottom: float) -> None:
+        """As `draw_bar`, on a sheet. [pixel]"""
+        count = max(round(bottom - top), 2)
+        rows = colour_maps.colours_of(np.linspace(1.0, 0.0, count), self.colour_map)
+        sheet.picture(np.repeat(rows[:, None], BAR, axis=1), (left, top), (BAR, bottom - top))
+        right = left + BAR
+        for tick in self.ticks():
+            y = bottom - float(self._share(tick)) * (bottom - top)
+            sheet.line([(right, y), (right + 4, y)], sheet.colours.axis)
+            sheet.write((right + 7, y), f"{tick:g}", 10)
+        words = f"{self.unit}, log" if self.is_log else self.unit
+        sheet.write((left, top - 10), words, 11, colour=sheet.colours.caption)
+
     def draw_bar(self, canvas: Canvas, left: float, top: float, bottom: float) -> None:
         """Draw the colours from the lowest up with their numbers, and the unit above. [pixel]"""
         unit = canvas.zoom
         rows = np.linspace(1.0, 0.0, max(round((bottom - top) * SCALE), 2))
-        colours = false_colour.colours(rows, 0.0, 1.0)
+        colours = colour_maps.colours_of(rows, self.colour_map)
         right = left + BAR * unit
         for k, colour in enumerate(colours):
             y = top * SCALE + k

@@ -10,6 +10,7 @@ from ..accuracy.stopping import StopRule
 from ..analysis.error_graph import draw_error_graph, to_rows
 from ..analysis.false_colour import nice_maximum, write_false_colour
 from ..analysis.looking import WORDS
+from ..analysis.value_plan import draw_map, even_scale
 from ..formats import exr
 from ..formats.names import file_stem
 from ..formats.report import (
@@ -22,6 +23,9 @@ from ..formats.report import (
 )
 from .order import AtlasPage, BakeOrder, BakeResult
 
+LINE_SMOOTHING = 1
+"""How often neighbouring lumels are averaged before isolux lines are drawn, so that noise does not fray them."""
+
 FIRST_TILE = 1001
 """Number by which Blender and others know the first tile of a picture in several parts (UDIM)."""
 
@@ -31,8 +35,12 @@ def tile_of(page: int) -> int:
     return FIRST_TILE + page
 
 
-def write_page(folder: Path, page: AtlasPage, attributes: dict, high: float) -> AtlasPage:
+def write_page(
+    folder: Path, page: AtlasPage, attributes: dict, high: float, has_isolux: bool = False
+) -> AtlasPage:
     """Write a page and its layers; returns it with the names of the files.
+
+    ``high``: top of the false colours [lx]; ``has_isolux``: whether it is drawn with isolux lines too.
 
     Raises
     ------
@@ -56,6 +64,8 @@ def write_page(folder: Path, page: AtlasPage, attributes: dict, high: float) -> 
             high=high,
         )
     )
+    if has_isolux:
+        files += _draw_isolux(folder / f"illuminance.{tile}.isolux", page, high)
     for name, layer in page.layers.items():
         path = folder / f"illuminance_{file_stem(name)}.{tile}.exr"
         files.append(exr.write_channels(path, {"Y": layer}, {**base, "layer": name}))
@@ -67,6 +77,15 @@ def write_page(folder: Path, page: AtlasPage, attributes: dict, high: float) -> 
             more["filter"] = WORDS
         files.append(exr.write_channels(path, channels, more))
     return replace(page, files=tuple(str(file) for file in files))
+
+
+def _draw_isolux(stem: Path, page: AtlasPage, high: float) -> list[Path]:
+    """Draw a page in even false colours with isolux lines, as .png and as .svg."""
+    known = page.illuminance[page.covered]
+    scale = even_scale(known, "lx", high)
+    title = f"Illuminance, page {page.number + 1}"
+    sheet = draw_map(title, page.illuminance, page.covered, scale=scale, smoothing=LINE_SMOOTHING)
+    return [sheet.save(stem.with_name(f"{stem.name}.{end}")) for end in ("png", "svg")]
 
 
 def scale_top(illuminance: np.ndarray) -> float:

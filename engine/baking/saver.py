@@ -28,6 +28,7 @@ WITHOUT = (
     "scene",
     "conversion",
     "denoise",
+    "isolux",
     "rule",
 )
 """Fields of an order with which a bake may go on that was begun with others."""

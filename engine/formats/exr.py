@@ -11,8 +11,16 @@ import numpy as np
 from .. import llvm
 from ..errors import FileFormatError
 from ..photometry.colour import scene_linear
+from ..errors import FileFormatError
+from ..reading.content import read_bytes
 from ..reading.whole_file import write_whole
 from .exr_structure import check_whole
+
+MAGIC = b"\x76\x2f\x31\x01"
+"""First bytes of every OpenEXR file."""
+
+LARGEST = 1 << 31
+"""Largest file that is read. [byte]"""
 
 
 def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | None = None) -> Path:
@@ -50,6 +58,36 @@ def write_channels(path, channels: dict[str, np.ndarray], attributes: dict | Non
     with write_whole(path) as file:
         file.write(content.raw_buffer())
     return Path(path)
+
+
+def read_channels(path) -> dict[str, np.ndarray]:
+    """Read all channels of an OpenEXR file as 32-bit floats: names and (h, w) arrays, row 0 at the bottom.
+
+    Raises
+    ------
+    FileFormatError    The file is none, or cannot be read.
+    """
+    path = Path(path)
+    llvm.settle()
+    import mitsuba as mi
+
+    if mi.variant() is None:
+        mi.set_variant("scalar_rgb")
+    data = read_bytes(path, LARGEST)
+    if not data.startswith(MAGIC):
+        raise FileFormatError(path, "is no OpenEXR file")
+    try:
+        stream = mi.MemoryStream()
+        stream.write(data)
+        stream.seek(0)
+        bitmap = mi.Bitmap(stream, mi.Bitmap.FileFormat.OpenEXR)
+        names = [field.name for field in bitmap.struct_()]
+        pixels = np.array(bitmap, dtype=np.float32)
+    except (RuntimeError, ValueError) as error:
+        words = str(error).splitlines()[-1].strip()
+        raise FileFormatError(path, f"cannot be read ({words})") from None
+    pixels = pixels.reshape(*pixels.shape[:2], -1)[::-1]
+    return {name: np.ascontiguousarray(pixels[..., k]) for k, name in enumerate(names)}
 
 
 def spectral_channels(bands: np.ndarray, edges: np.ndarray) -> dict[str, np.ndarray]:

@@ -15,7 +15,9 @@ PANELS = (
 )  # fmt: skip
 
 OWN = {
-    "render": {"file", "output", "force", "help", "size", "accept-missing", "mix"},
+    "render": {
+        "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale",
+    },
     "bake": {"file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save"},
 }  # fmt: skip
 """Options that no panel has."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lumenray.command_line import main as command_line
 from lumenray.engine.analysis.denoiser import find_denoiser
+from lumenray.engine.formats import exr
 from lumenray.libraries import scenes
 from PIL import Image
 
@@ -175,3 +176,184 @@ def test_mixes_that_make_no_sense_are_refused(tmp_path, capsys, options, words):
         code = end.code
     assert code in {1, 2}
     assert words in capsys.readouterr().err
+
+
+@pytest.fixture
+def sensed(tmp_path):
+    """A file with a lamp in each of two light groups, a grid and an eye of sensors, and nothing that reflects."""
+    import bpy
+    from blender_bakes import add_lamp
+
+    add_lamp("A", "Ceiling")
+    add_lamp("B", "Desk", 500.0)
+    for name, layout, quantity in (("Desk", "GRID", "PLANAR"), ("Eye", "POINT", "VERTICAL")):
+        empty = bpy.data.objects.new(name, None)
+        own = empty.lumenray.sensor
+        own.is_sensor, own.layout, own.quantity = True, layout, quantity
+        own.length = own.width = 1.0
+        empty.location.x = -1.0 if name == "Eye" else 0.0
+        bpy.context.scene.collection.objects.link(empty)
+    path = tmp_path / "sensed.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return str(path)
+
+
+def test_the_command_line_measures_the_sensors_that_stand_in_a_file(sensed, tmp_path, capsys):
+    rows, document, plans = tmp_path / "a.csv", tmp_path / "a.json", tmp_path / "plans"
+    options = ["--samples", "256", "--method", "paths"]
+    assert command_line.main(["measure", sensed, "-o", str(rows), *options]) == 0
+    assert "U0" in capsys.readouterr().out
+    table = np.genfromtxt(rows, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert set(table["object"]) == {"Desk", "Eye"}
+    # 1500 lm from 2 m above: cos^3 over the square of the height.
+    square = table["x"] ** 2 + table["y"] ** 2 + 4.0
+    exact = 1500.0 / (4.0 * np.pi) / square
+    exact *= np.where(table["object"] == "Desk", 2.0, 1.0) / np.sqrt(square)
+    np.testing.assert_allclose(table["value"], exact, rtol=1e-3)
+    more = ["--light-groups", "groups", "--mix", "Desk=off", "--plans", str(plans)]
+    assert command_line.main(["measure", sensed, "-o", str(document), *options, *more]) == 0
+    content = json.loads(document.read_text())
+    assert content["light_mix"] == "Desk off"
+    desk = content["sensors"][0]
+    assert desk["grid"] == [5, 5]
+    np.testing.assert_allclose(desk["values"], exact[:25] / 1.5, rtol=1e-3)
+    assert sorted(path.name for path in plans.iterdir()) == ["Desk.png", "Desk.svg"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--kind", "planar"], "those of the file say what they are"),
+        (["--objects", "Ghost"], "no sensors named Ghost"),
+        (["--mix", "Desk=off"], "none are kept apart"),
+        (["-o", "out.txt"], "ends in .csv or .json"),
+    ],
+)
+def test_what_sensors_of_a_file_cannot_be_asked_is_said(sensed, tmp_path, capsys, arguments, words):
+    rest = [] if "-o" in arguments else ["-o", str(tmp_path / "out.csv")]
+    assert command_line.main(["measure", sensed, *arguments, *rest]) == 1
+    error = capsys.readouterr().err.strip()
+    assert words in error
+    assert len(error.splitlines()) == 1
+
+
+def test_pictures_are_drawn_in_false_colours_and_compared(tmp_path, capsys):
+    box = str(scenes.scene_path("closed_box"))
+    paths = []
+    for seed in ("0", "1"):
+        out = tmp_path / f"{seed}.exr"
+        options = [
+            "--size",
+            "48x32",
+            "--samples",
+            "16",
+            "--no-denoise",
+            "--illuminance",
+            "--seed",
+            seed,
+        ]
+        more = ["--false-colour", "--scale-to", "500"] if seed == "0" else []
+        assert command_line.main(["render", box, "-o", str(out), *options, *more]) == 0
+        paths.append(str(out))
+    for quantity in ("luminance", "illuminance"):
+        words = (tmp_path / f"0_{quantity}.svg").read_text()
+        assert ">500<" in words
+        assert (tmp_path / f"0_{quantity}.png").is_file()
+    capsys.readouterr()
+    drawn = tmp_path / "d.png"
+    assert command_line.main(["difference", *paths, "-o", str(drawn)]) == 0
+    told = capsys.readouterr().out
+    assert "luminance" in told
+    share = float(told.partition("beyond chance")[2].split("%")[0])
+    # Two seeds of one picture.
+    assert share == 0.0
+    assert Image.open(drawn).size[0] > 300
+    assert command_line.main(["difference", paths[0], paths[0], "-o", str(tmp_path / "n.svg")]) == 0
+    assert "+0 cd/m2" in capsys.readouterr().out
+    brighter = exr.read_channels(paths[0])
+    brighter["Luminance.Y"][:16] *= 4.0
+    exr.write_channels(tmp_path / "b.exr", brighter)
+    assert (
+        command_line.main(
+            ["difference", str(tmp_path / "b.exr"), paths[1], "-o", str(tmp_path / "b.png")]
+        )
+        == 0
+    )
+    share = float(capsys.readouterr().out.partition("beyond chance")[2].split("%")[0])
+    assert 40.0 < share <= 50.0
+    assert command_line.main(["difference", paths[0], box, "-o", str(tmp_path / "x.png")]) == 1
+    assert "is no OpenEXR file" in capsys.readouterr().err
+
+
+def test_lux_maps_are_drawn_with_isolux_lines(tmp_path):
+    box = str(scenes.scene_path("closed_box"))
+    code = command_line.main(
+        ["bake", box, "-o", str(tmp_path), "--objects", "Floor", "--lumels-per-m", "4", "--samples", "16", "--isolux-lines"]
+    )  # fmt: skip
+    assert code == 0
+    assert (tmp_path / "illuminance.1001.isolux.png").is_file()
+    assert "polyline" in (tmp_path / "illuminance.1001.isolux.svg").read_text()
+
+
+def test_a_goniometer_makes_a_photometric_file_of_a_modelled_luminaire(tmp_path, capsys):
+    """A disk of an even luminance, which shines down by the cosine law, beside a sun that is none of it."""
+    import bpy
+    from lumenray.engine.luminaires.formats.reader import read_luminaire
+
+    lamp = bpy.data.lights.new("Disk", "AREA")
+    lamp.shape, lamp.size = "DISK", 0.2
+    lamp.lumenray.use_physical, lamp.lumenray.value = True, 3000.0
+    item = bpy.data.objects.new("Disk", lamp)
+    item.location = (1.0, 2.0, 3.0)
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    for each in (item, sun):
+        bpy.context.scene.collection.objects.link(each)
+    path, out = tmp_path / "disk.blend", tmp_path / "disk.ldt"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    assert (
+        command_line.main(["goniometer", str(path), "-o", str(out), "--step", "5", "--watts", "25"])
+        == 0
+    )
+    told = capsys.readouterr()
+    assert "Sun lights are no part of the luminaire" in told.err
+    found = read_luminaire(out)
+    assert found.watts == pytest.approx(25.0)
+    polar = found.distribution.polar
+    exact = 3000.0 / np.pi * np.maximum(np.cos(polar), 0.0)
+    np.testing.assert_allclose(found.distribution.intensity[0], exact, atol=0.005 * exact.max())
+    assert (
+        command_line.main(["goniometer", str(path), "-o", str(out), "--step", "7", "--force"]) == 1
+    )
+    assert "no whole number" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_goniometer_sees_what_a_reflector_adds(tmp_path):
+    """A point lamp above a large white plate: below it shines like a lamp, and the plate sends light up."""
+    import bpy
+    from blender_bakes import add_lamp
+    from blender_objects import new_material
+    from lumenray.engine.luminaires.formats.reader import read_luminaire
+
+    add_lamp("Lamp", value=1000.0).location = (0.0, 0.0, 0.1)
+    mesh = bpy.data.meshes.new("Plate")
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    paint = new_material("White", "ShaderNodeBsdfDiffuse")
+    paint.node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (0.8, 0.8, 0.8, 1.0)
+    mesh.materials.append(paint)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Plate", mesh))
+    path, out = tmp_path / "plate.blend", tmp_path / "plate.ies"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    options = ["--step", "30", "--plane-step", "90"]
+    assert command_line.main(["goniometer", str(path), "-o", str(out), *options]) == 0
+    distribution = read_luminaire(out).distribution
+    lamp = 1000.0 / (4.0 * np.pi)
+    # So much of its flux meets the plate, and 80 % of that leaves by the cosine law.
+    met = 1000.0 / np.pi * np.arcsin(1.0 / (1.0 + 0.1**2))
+    up = np.maximum(-np.cos(distribution.polar), 0.0)
+    above = up > 1e-9
+    exact = lamp + 0.8 * met / np.pi * up
+    found = distribution.intensity.mean(axis=0)
+    np.testing.assert_allclose(found[above], exact[above], rtol=0.01)
+    # The plate hides the lamp from below.
+    assert distribution.intensity[:, :3].max() < 0.01 * lamp

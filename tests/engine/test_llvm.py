@@ -1,5 +1,7 @@
 """LLVM is found where it lies: the user's own first, then the one that is shipped, then the system's."""
 
+import os
+import subprocess
 import sys
 import types
 
@@ -77,3 +79,27 @@ def test_the_users_own_goes_first_and_is_never_replaced_silently(monkeypatch, bu
     assert str(own) in llvm.describe_absence()
     own.write_bytes(b"")
     assert llvm.find_library() == str(own)
+
+
+BAKE_FIRST = """
+import os
+from lumenray.engine import llvm
+found = llvm.find_library()
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
+from lumenray.engine.errors import LumenrayError
+from lumenray.engine.session import Session
+
+try:
+    Session().bake_objects(BakeOrder((), StopRule(samples=1)))
+except LumenrayError:
+    print(os.environ.get("DRJIT_LIBLLVM_PATH") == found)
+"""
+
+
+def test_a_bake_that_is_the_first_job_of_a_process_uses_the_library_that_is_found():
+    kept = {name: value for name, value in os.environ.items() if name != "DRJIT_LIBLLVM_PATH"}
+    made = subprocess.run(
+        [sys.executable, "-c", BAKE_FIRST], env=kept, capture_output=True, text=True, check=True
+    )
+    assert made.stdout.strip() == "True"

@@ -180,6 +180,32 @@ def luminaires():
     yield from sidebar("sidebar_rayset")
 
 
+def sensors():
+    """Sensors over the floor of the lit room: before they are measured, measured, and out of date."""
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.new_lit_room()
+    activate(
+        next(o for o in bpy.data.collections["Lit Room"].objects if o.name.startswith("Floor"))
+    )
+    bpy.ops.lumenray.add_sensors(layout="FLOOR")
+    area = area_of("VIEW_3D")
+    area.spaces.active.region_3d.view_perspective = "CAMERA"
+    yield from sidebar("sidebar_sensors")
+    with override(area):
+        bpy.ops.lumenray.measure_sensors("INVOKE_DEFAULT")
+    running = module("blender_addon.sensors.running")
+    yield from wait_for(lambda: not running.is_running(), "the sensors", 240.0)
+    yield from sidebar("sidebar_sensors_measured")
+    seen = next(each for each in area.regions if each.type == "WINDOW")
+    picture("view_sensors", seen)
+    lamp = next(o for o in bpy.data.collections["Lit Room"].objects if o.type in {"EMPTY", "LIGHT"})
+    lamp.location.x += 0.5
+    yield from sidebar("sidebar_sensors_outdated")
+    picture("view_sensors_outdated", seen)
+    for item in list(bpy.data.collections["Lit Room"].objects):
+        bpy.data.objects.remove(item)
+
+
 def materials():
     """All models of a material."""
     cube = bpy.data.objects["Cube"]
@@ -354,6 +380,7 @@ CASES = {
         tubes,
         light_list,
         luminaires,
+        sensors,
         materials,
         worlds,
         renders,

@@ -85,7 +85,8 @@ def measure(
         )
         if blur.any():
             estimate = estimate.widened(blur)
-        if witness and len(estimate.mean):
+        # Lamps at one place and nothing else: no path from them meets anything.
+        if witness and len(estimate.mean) and scene.radius > 0.0:
             bright = estimate.channel(1) if colour else estimate
             asked = positions, normals, kind, bright, seed, reflections, cancelled
             heard = hear_sensors(scene, *asked)

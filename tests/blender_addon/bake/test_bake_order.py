@@ -15,8 +15,8 @@ def test_settings_reach_the_engine(fake_engine, tmp_path):
     floor.lumenray.density, floor.lumenray.two_sided = 3.0, True
     for name, value in {
         "density": 7.0, "from_textures": True, "largest": 512, "pages": 3, "margin": 6, "cone": 0.5, "detail": 0.1,
-        "exitance": True, "denoise": True, "method": "PATHS", "caustics": "OFF", "use_error": True, "error": 0.01,
-        "use_absolute": True, "absolute": 4.0, "use_time": True, "time": 9.0,
+        "exitance": True, "denoise": True, "isolux": True, "method": "PATHS", "caustics": "OFF", "use_error": True,
+        "error": 0.01, "use_absolute": True, "absolute": 4.0, "use_time": True, "time": 9.0,
     }.items():  # fmt: skip
         setattr(settings.bake, name, value)
     settings.seed = 5
@@ -35,12 +35,13 @@ def test_settings_reach_the_engine(fake_engine, tmp_path):
         pytest.approx(0.1),
         True,
         True,
+        True,
         "paths",
         "off",
         5,
     )
     found = (order.density, order.from_textures, order.largest, order.pages, order.margin, order.cone, order.detail,
-             order.exitance, order.denoise, order.method, order.caustics, order.seed)  # fmt: skip
+             order.exitance, order.denoise, order.isolux, order.method, order.caustics, order.seed)  # fmt: skip
     assert found == wanted
     rule = order.rule
     assert (rule.samples, rule.error, rule.seconds, rule.absolute) == (

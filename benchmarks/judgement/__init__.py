@@ -1,0 +1,1 @@
+"""From light to judgement: glare, colour, isolux lines and verdicts against other programs and exact values."""

@@ -1,0 +1,121 @@
+"""Readings of sensors as files: rows of comma-separated text, and a JSON document with figures."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from ...engine.formats.report import known, write_json
+from ...engine.light_mix import LightMix
+from ...engine.reading.whole_file import write_whole
+from .places import LUMINANCE
+from .readings import Readings
+
+COLUMNS = (
+    "object", "quantity", "x", "y", "z", "nx", "ny", "nz", "value", "standard_error", "unit",
+)  # fmt: skip
+"""Of the rows; light groups that were kept apart follow, at the flux of the scene."""
+
+
+def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
+    """Write a row for every sensor.
+
+    Parameters
+    ----------
+    path : str or Path
+    named : list of (str, Readings)    With the names of their objects.
+    levels : LightMix    Of the light groups.
+    remarks : iterable of str    Lines that a reader of the numbers has to know, each behind a ``#``.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be written.
+    """
+    groups = list(dict.fromkeys(g for _, readings in named for g in readings.groups if g))
+    with write_whole(path, "utf-8") as file:
+        file.writelines(f"# {remark}\n" for remark in remarks)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups)])
+        for name, readings in named:
+            values, errors = readings.mixed(levels)
+            for k, (value, error) in enumerate(zip(values, errors, strict=True)):
+                place = [*readings.positions[k], *readings.normals[k]]
+                parts = [readings.values[readings.groups.index(group)][k] for group in groups]
+                writer.writerow(
+                    [
+                        name,
+                        readings.quantity.lower(),
+                        *(f"{v:.7g}" for v in place),
+                        f"{value:.7g}",
+                        f"{error:.3g}",
+                        readings.unit,
+                        *(f"{part:.7g}" for part in parts),
+                    ]
+                )
+    return Path(path)
+
+
+def write_document(
+    path, file: str, named, levels: LightMix, conversion=(), notes=(), shortfall: str = ""
+) -> Path:
+    """Write figures of every object and all readings as JSON; parameters as of `write_rows`.
+
+    Raises
+    ------
+    FileFormatError    The file cannot be written.
+    """
+    first = named[0][1]
+    content = {
+        "scene": {"file": file, "hash": first.scene_hash},
+        "seed": first.seed,
+        "goal": {"reached": not shortfall, "shortfall": shortfall},
+        "light_mix": levels.text() if first.groups != ("",) else "",
+        "sensors": [describe_readings(name, readings, levels) for name, readings in named],
+        "notes": list(notes),
+        "conversion": list(conversion),
+    }
+    return write_json(path, content)
+
+
+def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
+    """Figures and readings of an object as plain data."""
+    figures = readings.figures(levels)
+    values, errors = readings.mixed(levels)
+    row = {
+        "name": name,
+        "quantity": _name(readings.quantity),
+        "unit": readings.unit,
+        "mean": figures.mean,
+        "mean_standard_error": figures.mean_error,
+    }
+    for key, extreme in (
+        ("minimum", figures.least),
+        ("maximum", figures.largest),
+        ("uniformity_u0", figures.overall),
+        ("diversity_ud", figures.diversity),
+    ):
+        row[key], row[f"{key}_range"] = extreme.value, [extreme.low, known(extreme.high)]
+    return row | {
+        "samples": readings.samples,
+        "method": readings.method,
+        "grid": list(readings.shape),
+        "positions": _numbers(readings.positions),
+        "normals": _numbers(readings.normals),
+        "values": _numbers(values),
+        "standard_error": _numbers(errors),
+        "light_groups": {
+            group: _numbers(part)
+            for group, part in zip(readings.groups, readings.values, strict=True)
+            if group
+        },
+    }
+
+
+def _name(quantity: str) -> str:
+    return "luminance" if quantity == LUMINANCE else f"{quantity.lower()} illuminance"
+
+
+def _numbers(values) -> list:
+    """Nested lists of numbers of seven digits."""
+    values = np.asarray(values, dtype=np.float64)
+    return [_numbers(each) if each.ndim else float(f"{each:.7g}") for each in values]

@@ -1,0 +1,240 @@
+"""The job that measures the sensors of a scene: one by one kind of illuminance, and light group by light group."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...engine.accuracy.estimate import Estimate
+from ...engine.accuracy.stopping import Progress, StopRule
+from ...engine.baking.light_layers import split_lights
+from ...engine.errors import Cancelled
+from ...engine.luminance_meter import measure_luminance
+from ...engine.scene.light_groups import LightGroup
+from ...engine.scene.scene import Scene, SceneDelta
+from ...engine.scene.sensor import SensorKind
+from .places import PlacedSensors
+from .readings import Readings, make_readings
+
+GROUP_SEEDS = 1_000_003
+"""Distance between the seeds of light groups."""
+
+FIRST_SAMPLES = 256
+"""Samples of a sensor that tell how exact light groups have to be."""
+
+LEAST_PART = 1e-3
+"""Share of the mean below which readings count as large as it. [-]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, and where they come from."""
+
+    values: np.ndarray
+    errors: np.ndarray
+    samples: int
+    seed: int
+    method: str
+    notes: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class SensorJob:
+    """Sensors to be measured.
+
+    Parameters
+    ----------
+    scene : Scene    It is not changed.
+    places : list of PlacedSensors
+    signatures : list of str    Of the empties as they are.
+    rule : StopRule    Of each measurement; its time is that of all of them together.
+    groups : tuple of LightGroup    Light groups that are kept apart; none: all light together.
+
+    Attributes
+    ----------
+    answer : dict of str to Readings    By the identity of the empty; filled by `run`.
+    notes : tuple of str    For people.
+    shortfall : str    What of the rule was not met.
+    """
+
+    scene: Scene
+    places: list[PlacedSensors]
+    signatures: list[str]
+    rule: StopRule
+    seed: int = 0
+    transport: str = "auto"
+    method: str = "auto"
+    witness: bool = True
+    reflections: int | None = None
+    groups: tuple[LightGroup, ...] = ()
+    answer: dict[str, Readings] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    shortfall: str = ""
+    _session: object = field(default=None, repr=False)
+    _held: Scene = field(default_factory=Scene, repr=False)
+    _step: int = 0
+    _steps: int = 1
+    _is_cancelled: bool = False
+
+    def run(self, session, progress: Callable[[Progress], None] | None = None) -> None:
+        """Measure all; the answer is kept.
+
+        Parameters
+        ----------
+        session : Session or RemoteSession    An empty one.
+        progress : callable or None    Gets a `Progress`.
+
+        Raises
+        ------
+        Cancelled    After `cancel`.
+        LumenrayError    The scene or the machine does not allow it.
+        """
+        self._session, self._held = session, Scene()
+        kinds = list(dict.fromkeys(placed.kind for placed in self.places))
+        rules = dict.fromkeys(kinds, self.rule)
+        parts = split_lights(self.scene, self.groups) if self.groups else []
+        if len(parts) > 1 and self.rule.each is not None:
+            # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
+            self._steps, self._step = (len(parts) + 1) * len(kinds), 0
+            for kind in kinds:
+                short = replace(self.rule, samples=FIRST_SAMPLES)
+                whole = self._measure(session, self.scene, "", kind, short, 0, progress)
+                rules[kind] = _share(self.rule, whole.values, len(parts))
+        else:
+            if len(parts) < 2:
+                parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
+            self._steps, self._step = len(parts) * len(kinds), 0
+        made, notes, short = {}, {}, {}
+        for number, (name, scene) in enumerate(parts):
+            for kind in kinds:
+                rule = rules[kind]
+                if rule.seconds is not None:
+                    rule = replace(rule, seconds=rule.seconds / len(parts) / len(kinds))
+                found = self._measure(session, scene, name, kind, rule, number + 1, progress)
+                made[name, kind] = found
+                notes |= dict.fromkeys(found.notes)
+        names = [name for name, _ in parts]
+        for kind in kinds:
+            found = [made[name, kind] for name in names]
+            self._keep(kind, names, found)
+            short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
+        self.notes, self.shortfall = tuple(notes), "; ".join(short)
+
+    def cancel(self) -> None:
+        """End it; may be called from any thread."""
+        self._is_cancelled = True
+        if self._session is not None:
+            self._session.cancel()
+
+    def _measure(self, session, scene: Scene, name: str, kind, rule, number: int, progress):
+        """Measure the sensors of a kind in a scene; ``number``: of the seed, 0 for what tells how long to measure."""
+        if self._is_cancelled:
+            raise Cancelled("cancelled")
+        session.apply(_difference(self._held, scene))
+        self._held = scene
+        rows = [row for row, placed in enumerate(self.places) if placed.kind is kind]
+        positions, normals = (
+            np.concatenate([getattr(self.places[row], name) for row in rows])
+            for name in ("positions", "normals")
+        )
+        own = (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31
+        follow = _follow(progress, self._step, self._steps, name)
+        if isinstance(kind, SensorKind):
+            made = session.measure(
+                positions,
+                normals,
+                rule,
+                own,
+                self.transport,
+                follow,
+                kind=kind,
+                reflections=self.reflections,
+                method=self.method,
+                witness=self.witness and number > 0,
+            )
+            origin = made.provenance
+            found = Found(
+                made.illuminance,
+                made.standard_error,
+                origin.samples,
+                own,
+                made.method,
+                origin.notes,
+            )
+        else:
+            meters = measure_luminance(
+                session, positions, normals, kind, rule, own, self.transport, self.method, follow
+            )
+            found = Found(
+                meters.luminance,
+                meters.standard_error,
+                meters.samples,
+                own,
+                "pictures",
+                meters.notes,
+            )
+        self._step += 1
+        return found
+
+    def _keep(self, kind, names, found) -> None:
+        """Share what was measured of a kind out among the empties."""
+        start = 0
+        for placed, signature in zip(self.places, self.signatures, strict=True):
+            if placed.kind is not kind:
+                continue
+            end = start + len(placed.positions)
+            self.answer[placed.uid] = make_readings(
+                placed,
+                names,
+                [each.values[start:end] for each in found],
+                [each.errors[start:end] for each in found],
+                samples=min(each.samples for each in found),
+                seed=found[0].seed,
+                scene_hash=self.scene.hash(),
+                method=found[0].method,
+                signature=signature,
+            )
+            start = end
+
+
+def _difference(before: Scene, after: Scene) -> SceneDelta:
+    """What makes one scene of another."""
+    changed, removed = [], []
+    for name in ("pixels", "geometries", "materials", "meshes", "lights"):
+        old, new = getattr(before, name), getattr(after, name)
+        changed += [item for key, item in new.items() if old.get(key) is not item]
+        removed += sorted(old.keys() - new.keys())
+    if after.world is not before.world:
+        changed += [after.world] if after.world is not None else []
+        if before.world is not None and (after.world is None or after.world.id != before.world.id):
+            removed.append(before.world.id)
+    return SceneDelta(changed=tuple(changed), removed=tuple(removed))
+
+
+def _share(rule: StopRule, whole: np.ndarray, parts: int) -> StopRule:
+    """Rule of each of several parts whose sum is to meet a rule; ``whole``: the sum, as far as it is known. [lx]"""
+    if rule.each is None:
+        return rule
+    scale = np.maximum(whole, max(rule.floor, LEAST_PART * float(whole.mean())))
+    limits = rule.each * scale / np.sqrt(parts)
+    return replace(rule, each=None, limits=tuple(map(float, limits)))
+
+
+def _shortfall(rule: StopRule, found) -> str:
+    """What of a rule the sum of light groups has not met."""
+    mean = sum(each.values for each in found)
+    error = np.sqrt(sum(each.errors**2 for each in found))
+    estimate = Estimate(mean, error, found[0].samples)
+    return rule.shortfall(estimate.relative_error(), each=estimate.largest_error(rule.floor))
+
+
+def _follow(progress, step: int, steps: int, name: str):
+    """Progress of all steps from that of one of them."""
+    if progress is None:
+        return None
+
+    def follow(state: Progress) -> None:
+        stage = f"light group {name}" if name else state.stage
+        progress(replace(state, done=(step + state.done) / steps, stage=stage))
+
+    return follow

@@ -1,0 +1,135 @@
+"""What sensors told, kept with their empty in the file: arrays as text, so that undo, copies and saved files have them."""
+
+import base64
+import functools
+import io
+import json
+import zlib
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ...engine.accuracy.group_sum import GroupSum
+from ...engine.accuracy.readings import Figures, judge_readings
+from ...engine.light_mix import NEUTRAL, LightMix
+from .places import UNITS, PlacedSensors
+
+ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
+"""Arrays of readings, in the order in which they are kept."""
+
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """What the sensors of an empty told.
+
+    Parameters
+    ----------
+    quantity : str    One of `settings.QUANTITIES`.
+    positions, normals : (n, 3) float32 array    Where they stood. [m]
+    frame, plane, cells, shape    As of `PlacedSensors`.
+    groups : tuple of str    Names of the light groups that were kept apart; one without a name: all light together.
+    values, errors : (g, n) float32 array    By group: what was measured, and its standard error, in ``unit``.
+    samples : int    Per sensor and group.
+    seed : int
+    scene_hash, method : str
+    signature : str    Of the empty when it was measured, see `places.signature_of`.
+    """
+
+    quantity: str
+    positions: np.ndarray
+    normals: np.ndarray
+    frame: np.ndarray
+    plane: np.ndarray
+    cells: np.ndarray
+    shape: tuple[int, int]
+    groups: tuple[str, ...]
+    values: np.ndarray
+    errors: np.ndarray
+    samples: int
+    seed: int
+    scene_hash: str
+    method: str
+    signature: str
+
+    @functools.cached_property
+    def _sum(self) -> GroupSum:
+        return GroupSum(self.values, self.errors)
+
+    @property
+    def unit(self) -> str:
+        """Of the values."""
+        return UNITS.get(self.quantity, "lx")
+
+    def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
+        """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""
+        self._sum.set_levels([levels.level(name).flux for name in self.groups])
+        return self._sum.total.copy(), self._sum.error
+
+    def figures(self, levels: LightMix = NEUTRAL) -> Figures:
+        """Mean, extremes and uniformity with the groups at other levels."""
+        return judge_readings(*self.mixed(levels))
+
+    def grid(self, values) -> np.ndarray:
+        """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""
+        made = np.full(self.shape[0] * self.shape[1], np.nan)
+        made[self.cells] = values
+        return made.reshape(self.shape)
+
+
+def make_readings(
+    placed: PlacedSensors, groups, values, errors, *, samples, seed, scene_hash, method, signature
+) -> Readings:
+    """Return readings of sensors that stand somewhere; ``values``, ``errors``: (g, n). [lx]"""
+    return Readings(
+        placed.quantity,
+        placed.positions.astype(np.float32),
+        placed.normals.astype(np.float32),
+        placed.frame.astype(np.float32),
+        placed.plane.astype(np.float32),
+        placed.cells.astype(np.int32),
+        tuple(placed.shape),
+        tuple(groups),
+        np.asarray(values, dtype=np.float32),
+        np.asarray(errors, dtype=np.float32),
+        samples,
+        seed,
+        scene_hash,
+        method,
+        signature,
+    )
+
+
+def write_readings(readings: Readings) -> str:
+    """Return readings as text."""
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS]
+    head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
+    stream = io.BytesIO()
+    stream.write(json.dumps(head).encode() + b"\n")
+    for name in ARRAYS:
+        np.save(stream, getattr(readings, name), allow_pickle=False)
+    return base64.b85encode(zlib.compress(stream.getvalue(), 6)).decode()
+
+
+@functools.lru_cache(maxsize=256)
+def read_readings(text: str) -> Readings | None:
+    """Return readings that were kept as text; None where there are none, or they are of another version."""
+    if not text:
+        return None
+    try:
+        stream = io.BytesIO(zlib.decompress(base64.b85decode(text)))
+        head = json.loads(stream.readline())
+        if head.pop("version") != VERSION:
+            return None
+        arrays = {name: np.load(stream, allow_pickle=False) for name in ARRAYS}
+    except (ValueError, zlib.error, KeyError, EOFError):
+        # A file that was damaged, or written by hand: the sensors are measured again.
+        return None
+    head["shape"], head["groups"] = tuple(head["shape"]), tuple(head["groups"])
+    return Readings(**head, **arrays)
+
+
+def readings_of(empty) -> Readings | None:
+    """Return what the sensors of an empty told, None if they were not measured yet."""
+    return read_readings(empty.lumenray.sensor.kept)

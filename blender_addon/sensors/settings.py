@@ -1,0 +1,261 @@
+"""Settings of sensors: a group of the empties that are sensors, and one of the scene that says how they are measured."""
+
+import math
+
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import Object, PropertyGroup
+
+from ..foundation.settings import percentage, redraw_views, tag_owner
+
+
+def _is_mesh(self, thing) -> bool:
+    return thing.type == "MESH"
+
+
+LAYOUTS = [
+    ("POINT", "Point", "One sensor, at the empty", 0),
+    ("LINE", "Line", "Sensors along the empty's X axis", 1),
+    ("GRID", "Rectangle", "A grid on a rectangle in the empty's XY plane, about the empty", 2),
+    (
+        "FACE",
+        "Face",
+        "A grid on what of a mesh lies in the empty's XY plane and faces its Z axis",
+        3,
+    ),
+    ("FLOOR", "Floor", "A level grid at a height over all that is level of a mesh", 4),
+    (
+        "BAND",
+        "Band",
+        "A grid on the band around a rectangle in the empty's XY plane, as around a task area",
+        5,
+    ),
+]
+
+QUANTITIES = [
+    ("PLANAR", "Planar", "Illuminance of the plane that the empty's Z axis points away from", 0),
+    (
+        "VERTICAL",
+        "Vertical",
+        "Illuminance of an upright plane that looks along the empty's X axis, as eyes do",
+        1,
+    ),
+    (
+        "CYLINDRICAL",
+        "Cylindrical",
+        "Mean over the side of a small upright cylinder, as of faces from all around",
+        2,
+    ),
+    (
+        "SEMICYLINDRICAL",
+        "Semicylindrical",
+        "Mean over the half of such a cylinder that looks along the empty's X axis",
+        3,
+    ),
+    ("SPHERICAL", "Spherical", "Mean over a small sphere", 4),
+    (
+        "LUMINANCE",
+        "Luminance",
+        "Mean luminance in cd/m² within a cone about the empty's X axis, as a meter reads it",
+        5,
+    ),
+]
+
+
+class LumenraySensorSettings(PropertyGroup):
+    """The sensors that an empty stands for, and what they told when they were measured last."""
+
+    is_sensor: BoolProperty(
+        name="Sensors",
+        description="Let this empty stand for illuminance sensors. Default off: empties are none",
+        default=False,
+        update=tag_owner,
+    )
+    layout: EnumProperty(
+        name="Layout",
+        description="Where the sensors stand. Default Point: one place",
+        items=LAYOUTS,
+        default="POINT",
+        update=tag_owner,
+    )
+    quantity: EnumProperty(
+        name="Quantity",
+        description="What is measured. Default Planar: the illuminance of work places and floors",
+        items=QUANTITIES,
+        default="PLANAR",
+        update=tag_owner,
+    )
+    acceptance: FloatProperty(
+        name="Acceptance Angle",
+        description="Full width of the cone of luminance meters. Default 1°: that of most meters",
+        default=math.radians(1.0),
+        min=math.radians(0.01),
+        max=math.radians(120.0),
+        soft_max=math.radians(20.0),
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    length: FloatProperty(
+        name="Length",
+        description=(
+            "Of the line or the rectangle along the empty's X axis, in metres; the empty's scale does not count. Default "
+            "2: that of a desk with what is around it"
+        ),
+        default=2.0,
+        min=0.01,
+        max=10000.0,
+        soft_max=100.0,
+        update=tag_owner,
+    )
+    width: FloatProperty(
+        name="Width",
+        description="Of the rectangle along the empty's Y axis, in metres. Default 1: that of a desk",
+        default=1.0,
+        min=0.01,
+        max=10000.0,
+        soft_max=100.0,
+        update=tag_owner,
+    )
+    band: FloatProperty(
+        name="Band",
+        description=(
+            "Width of the band around the rectangle, in metres. Default 0.5: the immediate surroundings of a task by "
+            "EN 12464-1, its background has 3"
+        ),
+        default=0.5,
+        min=0.01,
+        max=1000.0,
+        soft_max=10.0,
+        update=tag_owner,
+    )
+    surface: PointerProperty(
+        name="Surface",
+        description="Mesh that the grid is laid on or over; of a band, the floor that it ends with, if there is one",
+        type=Object,
+        poll=_is_mesh,
+        update=tag_owner,
+    )
+    height: FloatProperty(
+        name="Height",
+        description="Of the sensors over the floor, in metres. Default 0.75: that of desks",
+        default=0.75,
+        min=0.0,
+        max=100.0,
+        soft_max=2.0,
+        update=tag_owner,
+    )
+    border: FloatProperty(
+        name="Border",
+        description=(
+            "Width of the strip along the outline that has no sensors, in metres. Default 0.5: what EN 12464-1 leaves out "
+            "along walls"
+        ),
+        default=0.5,
+        min=0.0,
+        max=10.0,
+        soft_max=1.0,
+        update=tag_owner,
+    )
+    use_spacing: BoolProperty(
+        name="Own Spacing",
+        description=(
+            "State the distance of sensors. Default off: that of EN 12464-1 follows from the size, 0.2 · 5^log10(d) for "
+            "the length d in metres"
+        ),
+        default=False,
+        update=tag_owner,
+    )
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance of sensors from each other, in metres. Default 0.5: fit for rooms of usual size",
+        default=0.5,
+        min=0.001,
+        max=1000.0,
+        soft_min=0.05,
+        soft_max=5.0,
+        update=tag_owner,
+    )
+    show_isolux: BoolProperty(
+        name="Isolux Lines",
+        description="Draw lines of equal illuminance with their lx over a grid. Default on: they tell how light falls off",
+        default=True,
+        update=redraw_views,
+    )
+    show_values: BoolProperty(
+        name="Values",
+        description="Write every sensor's lx and its standard error beside it. Default on: numbers are what they are for",
+        default=True,
+        update=redraw_views,
+    )
+    kept: StringProperty(
+        name="Readings", description="What the sensors told, as text", options={"HIDDEN"}
+    )
+    serial: StringProperty(
+        name="Serial", description="Tells one measurement from the next", options={"HIDDEN"}
+    )
+    changed: StringProperty(
+        name="Changed",
+        description="What has changed in the scene since the sensors were measured; empty: nothing",
+        options={"HIDDEN"},
+    )
+
+
+class LumenraySensorsSettings(PropertyGroup):
+    """How the sensors of a scene are measured, and how they are shown."""
+
+    error: FloatProperty(
+        name="Relative Error",
+        description=(
+            "Relative standard error of the sensors together at which measuring ends, as a share. Default 0.01: far below "
+            "what eyes tell apart"
+        ),
+        default=0.01,
+        min=1e-4,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    error_percent: percentage(
+        "error",
+        "Relative Error",
+        "Relative standard error of the sensors together at which measuring ends. Default 1 %: far below what eyes tell "
+        "apart",
+    )
+    time: FloatProperty(
+        name="Seconds",
+        description="Time in seconds after which measuring ends, whatever the error. Default 60: one waits that long",
+        default=60.0,
+        min=0.1,
+        max=1e6,
+        soft_max=3600.0,
+    )
+    refresh: BoolProperty(
+        name="Refresh by Itself",
+        description=(
+            "Measure again in the background once the scene was changed and is left alone for a while. Default off: it "
+            "takes the processor's time"
+        ),
+        default=False,
+    )
+    automatic: BoolProperty(
+        name="Automatic Scale",
+        description="Fit the scale of the colours to the readings. Default on: nothing has to be known before",
+        default=True,
+        update=redraw_views,
+    )
+    high: FloatProperty(
+        name="To",
+        description="Upper end of the scale of the colours in lx. Default 1000: offices lie below",
+        default=1000.0,
+        min=1e-3,
+        max=1e6,
+        update=redraw_views,
+    )
+
+
+CLASSES = (LumenraySensorSettings, LumenraySensorsSettings)
+"""For registration."""

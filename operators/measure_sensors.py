@@ -1,0 +1,141 @@
+"""Sensors of the scene: measured without blocking the window, and forgotten."""
+
+import bpy
+
+from ..blender_addon import feedback
+from ..blender_addon.foundation import engine_process
+from ..blender_addon.foundation.redraw import areas
+from ..blender_addon.sensors import asked, pictures, results, running
+from ..blender_addon.sensors.places import find_sensors, is_sensor
+from ..blender_addon.sensors.readings import readings_of
+from ..engine.errors import Cancelled, LumenrayError
+
+
+class LUMENRAY_OT_measure_sensors(bpy.types.Operator):
+    """Measure all sensors that stand in the scene; their lux are kept with them in the file"""
+
+    bl_idname = "lumenray.measure_sensors"
+    bl_label = "Measure"
+    # Not REGISTER: whatever is touched in the redo panel would measure again.
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if running.is_running():
+            cls.poll_message_set("Sensors are being measured already; Esc cancels it")
+            return False
+        if not any(is_sensor(thing) for thing in context.scene.objects):
+            cls.poll_message_set("No sensors stand in the scene; add some with Add > Sensors")
+            return False
+        return True
+
+    def execute(self, context):
+        """Measure and return when done; for scripts."""
+        try:
+            self._prepare(context)
+            session = engine_process.open_session("sensors")
+            try:
+                self._job.run(session)
+            finally:
+                session.close()
+        except LumenrayError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return self._finish(context, results.store(self._job))
+
+    def invoke(self, context, event):
+        """Measure in the background while the window stays alive."""
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self._prepare(context)
+            self._measuring = running.Measuring(self._job, engine_process.open_session("sensors"))
+        except LumenrayError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._measuring.background.begin_signals(context)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        """Show progress, hear Esc, end when the work has ended."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self._job.cancel()
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if self._measuring.background.is_alive:
+            self._measuring.background.show(context)
+            return {"PASS_THROUGH"}
+        error = self._measuring.end(context)
+        if error is not None:
+            is_wanted = isinstance(error, Cancelled)
+            self.report(
+                {"WARNING" if is_wanted else "ERROR"},
+                "Measuring cancelled" if is_wanted else str(error),
+            )
+            return {"CANCELLED"}
+        return self._finish(context, self._measuring.store())
+
+    def cancel(self, context):
+        """Blender closes or loads a file."""
+        self._measuring.end(context)
+
+    def _prepare(self, context) -> None:
+        self._job, self._report = asked.prepare(context.evaluated_depsgraph_get())
+
+    def _finish(self, context, empties):
+        feedback.show_report(context.window_manager, self._report)
+        count = sum(len(each.positions) for each in self._job.answer.values())
+        text = (
+            f"{count} sensors measured, of {len(empties)} object{'' if len(empties) == 1 else 's'}"
+        )
+        if self._job.shortfall:
+            text = f"{text}: {self._job.shortfall}"
+        self.report({"WARNING" if self._job.shortfall else "INFO"}, text)
+        return {"FINISHED"}
+
+
+class LUMENRAY_OT_show_sensor_plans(bpy.types.Operator):
+    """Draw plans of all grids of sensors in false colours with isolux lines, as images of the file"""
+
+    bl_idname = "lumenray.show_sensor_plans"
+    bl_label = "Draw Plans"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        held = (readings_of(empty) for empty in find_sensors(context.scene))
+        if any(readings is not None and pictures.has_plan(readings) for readings in held):
+            return True
+        cls.poll_message_set("Measure a grid of sensors first")
+        return False
+
+    def execute(self, context):
+        images = pictures.show_plans(context.scene)
+        for area in areas("IMAGE_EDITOR"):
+            area.spaces.active.image = images[0]
+        names = ", ".join(f"'{image.name}'" for image in images)
+        self.report({"INFO"}, f"The plans are in the images {names}")
+        return {"FINISHED"}
+
+
+class LUMENRAY_OT_forget_readings(bpy.types.Operator):
+    """Take the readings off all sensors of the scene; the sensors stay where they stand"""
+
+    bl_idname = "lumenray.forget_readings"
+    bl_label = "Forget Readings"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        for empty in find_sensors(context.scene):
+            for name in ("kept", "serial", "changed"):
+                empty.lumenray.sensor.property_unset(name)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    LUMENRAY_OT_measure_sensors,
+    LUMENRAY_OT_show_sensor_plans,
+    LUMENRAY_OT_forget_readings,
+)
+"""For registration."""
