@@ -127,7 +127,12 @@ class Session:
         with self._engine(settings.transport) as compiled:
             start = time.perf_counter()
             self._kept.begin()
-            shares = share_out(self.scene, settings.groups) if settings.groups else []
+            shares, told = [], ()
+            if settings.groups and compiled.catchers is not None:
+                # Their shade is that of all light together.
+                told = ("light groups are not kept apart where the camera sees shadow catchers",)
+            elif settings.groups:
+                shares = share_out(self.scene, settings.groups)
             if shares:
 
                 def render(own, follow):
@@ -136,7 +141,7 @@ class Session:
                 made = render_groups(compiled, shares, camera, settings, render, progress)
             else:
                 made = self._render(compiled, camera, settings, progress)
-            notes = (*made.notes, *tell_lost(made.lost))
+            notes = (*told, *made.notes, *tell_lost(made.lost))
             provenance = self._provenance(
                 compiled, settings.seed, made.samples, start, notes, made.decisions
             )

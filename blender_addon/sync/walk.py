@@ -38,6 +38,7 @@ from .visibility import (
     find_unrendered,
     is_blurred,
     is_dark_world,
+    is_catcher,
     is_holdout,
     is_rendered,
     tell_departures,
@@ -376,6 +377,7 @@ class Walk:
             index=source.pass_index,
             meets_light=found.light,
             is_holdout=is_holdout(source, parent, layer),
+            is_catcher=is_catcher(source, parent),
         )
         self._place(shown, placement)
 
@@ -517,6 +519,7 @@ class Walk:
                 and before.visible_to_camera == placement.visible_to_camera
                 and before.meets_light == placement.meets_light
                 and before.is_holdout == placement.is_holdout
+                and before.is_catcher == placement.is_catcher
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
