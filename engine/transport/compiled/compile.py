@@ -146,7 +146,7 @@ class CompiledScene:
         self.shining = None
         self._objects.commit(scene, named, changes)
         self._commit_lights(scene, named, changes)
-        if self._outside.take_world(scene.world):
+        if self._outside.take_world(scene.world, self.origin):
             changes.other.append("surroundings changed")
         self._commit_light(scene)
         self._commit_light_table()

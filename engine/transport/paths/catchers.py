@@ -1,9 +1,9 @@
 """Shadow catchers: what is behind everything, seen through a surface that shows but the shadows of what stands on it.
 
 What a pixel shows of it is the light behind times E_s / E: the illuminance of the surface with all that stands there over
-that by lamps, suns and world alone. Both come of the same samples, so they are equal where nothing stands in the way, however few
-the samples are. Light that objects throw there counts in E_s. Catchers themselves shade each other in both, and what they
-throw on each other counts in neither: the picture behind them holds it.
+that by lamps, suns and world alone. Both come of the same samples, so they are equal where nothing stands in the way,
+however few the samples are. Light that objects throw there counts in E_s. Catchers themselves shade each other in both, and
+what they throw on each other counts in neither: the picture behind them holds it.
 
 References
 ----------
@@ -70,7 +70,7 @@ class Catchers:
         behind = mi.Spectrum(0.0)
         if scene.backdrop is not None:
             away = dr.zeros(mi.SurfaceInteraction3f)
-            away.wi = -ray.d
+            away.wi, away.p = -ray.d, ray.o
             if wavelengths is not None:
                 away.wavelengths = wavelengths
             behind = dr.select(met, share * scene.backdrop.eval(away, met), 0.0)

@@ -126,7 +126,7 @@ class Channels:
             colour = [dr.zeros(mi.Float, dr.width(ray))] * 3
         else:
             away = dr.zeros(mi.SurfaceInteraction3f)
-            away.wi = -ray.d
+            away.wi, away.p = -ray.d, ray.o
             if self.sampler is not None:
                 away.wavelengths = wavelengths
             colour = self._colour(passed * scene.backdrop.eval(away), wavelengths)
