@@ -32,6 +32,7 @@ from .foundation.settings import (
     redraw_views,
     tag_owner,
 )
+from .ground import LumenrayGroundSettings
 from .light_settings import LumenrayLightSettings
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .material_settings import LumenrayMaterialSettings
@@ -83,6 +84,7 @@ class LumenrayWorldSettings(PropertyGroup):
     time: PointerProperty(type=LumenrayTimeSettings)
     sun: PointerProperty(type=LumenraySunSettings)
     arc: PointerProperty(type=LumenrayArcSettings)
+    ground: PointerProperty(type=LumenrayGroundSettings)
     unit: EnumProperty(
         name="Unit",
         description=(
@@ -281,6 +283,7 @@ CLASSES = (
     LumenraySkySettings,
     *daylight_settings.CLASSES,
     *year_settings.CLASSES,
+    LumenrayGroundSettings,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,
