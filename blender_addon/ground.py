@@ -109,7 +109,7 @@ class LumenrayGroundSettings(PropertyGroup):
         name="Azimuth",
         description=(
             "Where the middle of the photo lies, as on a compass: 0° is north, along +Y; 90° is east, along +X. Default 0°: "
-            "north"
+            "to the north"
         ),
         default=0.0,
         min=math.radians(-360.0),

@@ -17,6 +17,7 @@ from . import (
     restart_engine,
     scattering_files,
     show_baked,
+    sun_from_shadow,
     sun_lamp,
     try_devices,
 )
@@ -38,6 +39,7 @@ CLASSES = (
     *restart_engine.CLASSES,
     *scattering_files.CLASSES,
     *show_baked.CLASSES,
+    *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
 )

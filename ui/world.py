@@ -252,6 +252,8 @@ class LUMENRAY_PT_world_ground(WorldPanel, bpy.types.Panel):
             column.prop(settings, "plate_azimuth")
             column.prop(settings, "plate_angle")
         draw_wide(layout, settings, "photo_luminance", "Photo's White [cd/m²]")
+        if settings.photo == "CAMERA":
+            layout.operator("lumenray.sun_from_shadow", icon="LIGHT_SUN")
 
 
 CLASSES = (
