@@ -32,11 +32,11 @@ LONGEST_WAY = 1000
 NO_DENSITY = 1e-20
 """Density of rays beside which next-event counts all that it can find; not 0, which says that it finds nothing. [sr-1]"""
 
-BEHIND, SHARE, SHADED, OPEN, SQUARES = slice(0, 3), 3, slice(4, 7), slice(7, 10), slice(10, 13)
+BEHIND, SHARE, SHADED, OPEN, SQUARES = slice(0, 3), 3, slice(4, 7), slice(7, 10), slice(10, 14)
 """Columns: X, Y, Z behind catchers; share of rays that meet one; X, Y, Z of the illuminance with and without what stands
-there; means of the products of both luminances, to tell how much their ratio scatters."""
+there; means of the products of both, and of the square of the luminance behind, to tell how much they scatter."""
 
-COUNT = 13
+COUNT = 14
 
 
 class Catchers:
@@ -90,14 +90,16 @@ class Catchers:
             for value in (shaded + thrown, open_light)
         )
         y, y_open = with_all[1], without[1]
+        colours = self._colour(behind, wavelengths)
         made = [
-            *self._colour(behind, wavelengths),
+            *colours,
             dr.select(met, weight, 0.0),
             *with_all,
             *without,
             dr.square(y),
             y * y_open,
             dr.square(y_open),
+            dr.square(colours[1]),
             *(self._bands(behind, wavelengths) if self._band_count else ()),
         ]
         # No sample that is no number may take the others with it.
@@ -249,11 +251,14 @@ class Catchers:
         whole = means.mean(axis=0, dtype=np.float64)
         open_light = whole[:, OPEN][:, 1]
         ratio = _ratio(whole[:, SHADED][:, 1], open_light)
-        with_all, both, without = np.moveaxis(means[..., SQUARES].astype(np.float64), -1, 0)
+        squares = np.moveaxis(means[..., SQUARES].astype(np.float64), -1, 0)
+        with_all, both, without, behind = squares
         around = np.maximum(with_all - 2.0 * ratio * both + ratio**2 * without, 0.0)
+        behind = np.maximum(behind - means[..., BEHIND][..., 1].astype(np.float64) ** 2, 0.0)
         amount = np.maximum(whole[:, BEHIND][:, 1], white * whole[:, SHARE])
         relative = np.divide(amount, open_light, out=np.zeros(len(amount)), where=open_light > 0.0)
-        return around * relative**2 / (GROUPS * np.maximum(counts - 1, 1))
+        scatter = around * relative**2 + ratio**2 * behind
+        return scatter / (GROUPS * np.maximum(counts - 1, 1))
 
 
 def _answer_at(at):
