@@ -8,6 +8,7 @@ from . import (
     bake,
     compatibility,
     daylight_year,
+    ground_overlay,
     image_header,
     light,
     light_list,
@@ -47,12 +48,13 @@ CLASSES = (
 
 
 def attach():
-    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets, tubes and the sun's arc in 3D views."""
+    """Let Blender's own panels appear for our engine, and draw luminaires, ray sets, tubes, arc and ground in 3D views."""
     compatibility.attach()
     luminaire_overlay.attach()
     rayset_overlay.attach()
     tube_overlay.attach()
     sun_arc.attach()
+    ground_overlay.attach()
     add_menu.attach()
     image_header.attach()
 
@@ -61,6 +63,7 @@ def detach():
     """Undo `attach`, and let go of all pictures."""
     image_header.detach()
     add_menu.detach()
+    ground_overlay.detach()
     sun_arc.detach()
     tube_overlay.detach()
     rayset_overlay.detach()
