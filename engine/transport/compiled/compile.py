@@ -393,7 +393,9 @@ class CompiledScene:
                 isinstance(self._material_palette.item(part.material).surface, Holdout)
                 for _, part in parts
             ]
-            columns["catcher"][place] = [body.item.is_catcher for body, _ in parts]
+            columns["catcher"][place] = [
+                body.item.is_catcher and not body.item.is_holdout for body, _ in parts
+            ]
             columns["unlit"][place] = [not part.meets_light for _, part in parts]
             columns["extent"][place] = [
                 np.abs([body.low - self.origin, body.high - self.origin]).max() for body, _ in parts

@@ -152,6 +152,14 @@ def test_things_below_a_catcher_do_not_show():
     assert made == pytest.approx(7.0, rel=1e-3)
 
 
+def test_a_holdout_that_catches_shadows_is_a_hole_and_filters_of_noise_are_told_of_none():
+    made = look(session_of(BLACK, floor(is_holdout=True), wall(), WORLD), samples=32)
+    assert luminance(made) == pytest.approx(0.0, abs=1e-6)
+    assert made.coverage == pytest.approx(0.0, abs=1e-6)
+    guided = look(session_of(BLACK, floor(), WORLD), samples=32, guides=True)
+    assert guided.denoising_albedo == pytest.approx(1.0, abs=1e-5)
+
+
 def test_edits_make_catchers_and_unmake_them():
     session = session_of(paint(0.5), floor("paint", is_catcher=False), WORLD)
     assert luminance(look(session)).mean() == pytest.approx(50.0, rel=0.01)
