@@ -259,10 +259,10 @@ class LUMENRAY_PT_world_ground(WorldPanel, bpy.types.Panel):
 CLASSES = (
     LUMENRAY_PT_world_preview,
     LUMENRAY_PT_world_sky,
+    LUMENRAY_PT_world_ground,
     LUMENRAY_PT_world_place,
     LUMENRAY_PT_world_sun,
     LUMENRAY_PT_world_study,
     LUMENRAY_PT_world_surface,
     LUMENRAY_PT_world_unit,
-    LUMENRAY_PT_world_ground,
 )

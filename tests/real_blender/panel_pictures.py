@@ -212,6 +212,7 @@ def worlds():
     yield from tab("world_ground", "WORLD")
     settings.ground.photo = "CAMERA"
     yield from tab("world_photo", "WORLD")
+    picture("ground_view", region_of(area_of("VIEW_3D")))
     settings.ground.use_ground, settings.ground.photo = False, "NONE"
 
 
