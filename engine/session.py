@@ -475,6 +475,8 @@ class Session:
             notes = lights.enter_context(bent_lights(compiled))
             if not uses_cells:
                 lights.enter_context(bright_spots(compiled, *seen))
+            if compiled.bent is not None and compiled.catchers is not None:
+                notes = (*notes, "caustics do not fall on shadow catchers")
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
             made, samples, lost, more = picture.render(

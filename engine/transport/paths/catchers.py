@@ -184,14 +184,15 @@ class Catchers:
         return found
 
     def _thrown(self, at, wavelengths, stream, scatter_sample, active):
-        """Illuminance by light that objects throw on a place."""
+        """Illuminance by light that objects throw on a place, caustics aside.
+
+        Light over bends is left out of paths by whoever answers for it; here nobody does, as caustics would be specks.
+        """
         scene, answer = self._scene, _answer_at(at)
         total = mi.Spectrum(0.0)
         if scene.mirrors is not None and scene.lights.count:
             sample = mi.Point2f(stream.next_float32(), stream.next_float32())
             total += mirrored_light(scene, at, sample, stream, answer, active)
-        if scene.bent is not None:
-            total += scene.bent.light(at, stream, answer, active)
         if scene.spots is not None and scene.lights.count:
             total += spotted_light(scene, at, stream, answer, active)
         local = mi.warp.square_to_cosine_hemisphere(scatter_sample)

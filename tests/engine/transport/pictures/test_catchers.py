@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from glass_scenes import ball
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import ImageWorld, Output, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.light_groups import LightGroup
-from lumenray.engine.scene.material import Diffuse, Emission, Material, Transparent
+from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, Transparent
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
@@ -196,3 +197,19 @@ def test_the_live_view_shows_the_shade():
     while session.has_view_work:
         frame = session.refine() or frame
     assert frame.pixels[..., 1].mean() == pytest.approx(3.5, rel=0.02)
+
+
+def test_caustics_leave_no_specks_on_a_catcher_and_it_is_said():
+    """A mirror throws a narrow sun on the floor: nothing is brighter than what is behind, and a note says what is missing."""
+    mirror = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))
+    sheet = ball("ball", 0.2, (0.0, 0.0, 0.4), "mirror", 16)
+    towards = np.array([0.4, 0.0, -1.0]) / np.hypot(0.4, 1.0)
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 5e4), towards, 0.009)
+    made = look(
+        session_of(BLACK, mirror, floor(), sheet, sun, UniformWorld(0.0, seen=UniformWorld(7.0)))
+    )
+    caught = luminance(made)[np.abs(made.depth - 1.0) < 1e-3]
+    assert len(caught) > 20
+    assert caught.max() <= 7.0 * (1.0 + 1e-3)
+    assert caught.min() < 1.0
+    assert any("caustics do not fall" in note for note in made.provenance.notes)
