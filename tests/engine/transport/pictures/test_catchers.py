@@ -200,7 +200,7 @@ def test_the_live_view_shows_the_shade():
 
 
 def test_caustics_leave_no_specks_on_a_catcher_and_it_is_said():
-    """A mirror throws a narrow sun on the floor: nothing is brighter than what is behind, and a note says what is missing."""
+    """A mirror throws a narrow sun on the floor: nothing is brighter than what is behind, and a note says what lacks."""
     mirror = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))
     sheet = ball("ball", 0.2, (0.0, 0.0, 0.4), "mirror", 16)
     towards = np.array([0.4, 0.0, -1.0]) / np.hypot(0.4, 1.0)
