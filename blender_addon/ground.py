@@ -19,7 +19,7 @@ class LumenrayGroundSettings(PropertyGroup):
     """Ground and photo of a world."""
 
     use_ground: BoolProperty(
-        name="Project on Ground",
+        name="Ground",
         description=(
             "Lay the lower half of the surroundings on a level plane: reflections show it as near as it is, and it "
             "catches shadows. Default off: all of the surroundings is at infinity, as in Cycles"
@@ -28,7 +28,7 @@ class LumenrayGroundSettings(PropertyGroup):
         update=tag_owner,
     )
     level: FloatProperty(
-        name="Ground Height",
+        name="Height",
         description=(
             "Height of the plane in the scene, along Z. Default 0: where things stand in Blender"
         ),
@@ -40,7 +40,7 @@ class LumenrayGroundSettings(PropertyGroup):
         update=tag_owner,
     )
     camera_height: FloatProperty(
-        name="Map's Camera",
+        name="Eye Height",
         description=(
             "How high above the ground the camera stood that the surroundings were taken with. Default 1.5: on a tripod"
         ),
@@ -53,7 +53,7 @@ class LumenrayGroundSettings(PropertyGroup):
         update=tag_owner,
     )
     centre: FloatVectorProperty(
-        name="Map's Place",
+        name="Eye",
         description=(
             "Where in the scene, along X and Y, the camera of the surroundings stood; pictures from there show the ground "
             "as it was taken"
