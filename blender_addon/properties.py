@@ -34,6 +34,7 @@ from .foundation.settings import (
     redraw_views,
     tag_owner,
 )
+from .ground import LumenrayGroundSettings
 from .light_settings import LumenrayLightSettings
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .material_settings import LumenrayMaterialSettings
@@ -88,6 +89,7 @@ class LumenrayWorldSettings(PropertyGroup):
     sun: PointerProperty(type=LumenraySunSettings)
     arc: PointerProperty(type=LumenrayArcSettings)
     environment: PointerProperty(type=LumenrayEnvironmentSettings)
+    ground: PointerProperty(type=LumenrayGroundSettings)
     unit: EnumProperty(
         name="Unit",
         description=(
@@ -312,6 +314,7 @@ CLASSES = (
     *environment_settings.CLASSES,
     *year_settings.CLASSES,
     *sensor_settings.CLASSES,
+    LumenrayGroundSettings,
     LumenrayWorldSettings,
     LumenrayObjectSettings,
     LumenrayCameraSettings,

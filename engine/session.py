@@ -128,7 +128,12 @@ class Session:
         with self._engine(settings.transport) as compiled:
             start = time.perf_counter()
             self._kept.begin()
-            shares = share_out(self.scene, settings.groups) if settings.groups else []
+            shares, told = [], ()
+            if settings.groups and compiled.catchers is not None:
+                # Their shade is that of all light together.
+                told = ("light groups are not kept apart where the camera sees shadow catchers",)
+            elif settings.groups:
+                shares = share_out(self.scene, settings.groups)
             if shares:
 
                 def render(own, follow):
@@ -137,7 +142,7 @@ class Session:
                 made = render_groups(compiled, shares, camera, settings, render, progress)
             else:
                 made = self._render(compiled, camera, settings, progress)
-            notes = (*made.notes, *tell_lost(made.lost))
+            notes = (*told, *made.notes, *tell_lost(made.lost))
             provenance = self._provenance(
                 compiled, settings.seed, made.samples, start, notes, made.decisions
             )
@@ -499,6 +504,8 @@ class Session:
             notes = lights.enter_context(bent_lights(compiled))
             if not uses_cells:
                 lights.enter_context(bright_spots(compiled, *seen))
+            if compiled.bent is not None and compiled.catchers is not None:
+                notes = (*notes, "caustics do not fall on shadow catchers")
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
             made, samples, lost, more = picture.render(

@@ -21,6 +21,7 @@ from . import (
     scattering_files,
     show_baked,
     show_year_map,
+    sun_from_shadow,
     sun_lamp,
     try_devices,
 )
@@ -46,6 +47,7 @@ CLASSES = (
     *scattering_files.CLASSES,
     *show_baked.CLASSES,
     *show_year_map.CLASSES,
+    *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
 )

@@ -8,6 +8,7 @@ from . import (
     bake,
     compatibility,
     daylight_year,
+    ground_overlay,
     image_header,
     light,
     light_list,
@@ -57,6 +58,7 @@ def attach():
     tube_overlay.attach()
     sun_arc.attach()
     sensor_overlay.attach()
+    ground_overlay.attach()
     add_menu.attach()
     image_header.attach()
 
@@ -65,6 +67,7 @@ def detach():
     """Undo `attach`, and let go of all pictures."""
     image_header.detach()
     add_menu.detach()
+    ground_overlay.detach()
     sensor_overlay.detach()
     sun_arc.detach()
     tube_overlay.detach()

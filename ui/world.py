@@ -326,9 +326,41 @@ class LUMENRAY_PT_image_sky(bpy.types.Panel):
         layout.prop(context.scene.world.lumenray.environment, "sky_point")
 
 
+class LUMENRAY_PT_world_ground(WorldPanel, bpy.types.Panel):
+    """Ground that the surroundings lie on, and the photo before them."""
+
+    bl_label = "Ground and Photo"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.world.lumenray.ground
+        layout.prop(settings, "use_ground")
+        column = layout.column()
+        column.active = settings.use_ground
+        column.prop(settings, "level")
+        if settings.photo != "CAMERA":
+            column.prop(settings, "camera_height")
+            column.prop(settings, "centre")
+        column.prop(settings, "radius")
+        layout.prop(settings, "photo")
+        if settings.photo == "NONE":
+            return
+        if settings.photo == "PLATE":
+            layout.template_ID(settings, "plate", open="image.open")
+            column = layout.column()
+            column.prop(settings, "plate_azimuth")
+            column.prop(settings, "plate_angle")
+        draw_wide(layout, settings, "photo_luminance", "Photo's White [cd/m²]")
+        if settings.photo == "CAMERA":
+            layout.operator("lumenray.sun_from_shadow", icon="LIGHT_SUN")
+
+
 CLASSES = (
     LUMENRAY_PT_world_preview,
     LUMENRAY_PT_world_sky,
+    LUMENRAY_PT_world_ground,
     LUMENRAY_PT_world_place,
     LUMENRAY_PT_world_sun,
     LUMENRAY_PT_world_study,

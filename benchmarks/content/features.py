@@ -1584,6 +1584,13 @@ for _film in (False, True):
 
     _note("Objects", f"Object, holdout, {'transparent' if _film else 'plain'} film", _held)
 
+    def _caught(stage, film=_film):
+        stage.studio()
+        stage.scene.objects["Tile"].is_shadow_catcher = True
+        stage.scene.render.film_transparent = film
+
+    _note("Objects", f"Shadow catcher, {'transparent' if _film else 'plain'} film", _caught)
+
 
 def _by_camera(first, second):
     """Show one shader to the camera and another to light, on ball and floor."""

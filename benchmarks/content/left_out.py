@@ -40,6 +40,6 @@ REASONS = {
         "Cycles makes up for light between facets as if they lay along nothing: a white furnace keeps 0.6585, where 1 is due"
     ),
     "Principled, anisotropy turned": "Cycles makes up for light between facets as if they lay along nothing, as above",
-    "Object, shadow catcher": "it is made for pictures on photographs, by dividing by a picture without the objects",
+    "Object, shadow catcher": "light that the floor throws on the ball counts, which Cycles leaves out",
 }
 """Why, by the features' keys."""

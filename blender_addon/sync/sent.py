@@ -65,7 +65,8 @@ class SentWorld:
     """The world as it was sent last; ``source`` 0: there was none; ``sun``: what counted of Sun light and frame.
 
     ``gives_light``: whether it lights anything, and is not there for the camera alone; ``colour``: of its light if that is
-    the same from everywhere; ``suns``: the lights that are its suns.
+    the same from everywhere; ``suns``: the lights that are its suns; ``plane``: the items
+    that show the shadows on its ground.
     """
 
     source: int = -1
@@ -77,6 +78,7 @@ class SentWorld:
     gives_light: bool = False
     colour: Rgb | None = None
     suns: tuple[SunLight, ...] = ()
+    plane: tuple = ()
 
 
 class Sent:
@@ -109,5 +111,5 @@ class Sent:
         """Ids of all items."""
         held = {shown.key for shown in self.shown.values() if shown.item is not None}
         held |= {*self.geometries, *self.materials, *self.pictures}
-        held |= {sun.id for sun in self.world.suns}
+        held |= {item.id for item in (*self.world.suns, *self.world.plane)}
         return held | ({self.world.key} if self.world.digest else set())

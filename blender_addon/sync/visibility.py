@@ -130,18 +130,27 @@ def is_holdout(source, parent=None, view_layer=None) -> bool:
     return view_layer is not None and owner.holdout_get(view_layer=view_layer)
 
 
+def is_catcher(source, parent=None) -> bool:
+    """Tell whether the camera sees but the shadows on an object; parameters as of `visibility_of`.
+
+    What makes an instance, or what it shows, decides for it, as in Cycles.
+    """
+    owners = [source] if parent is None else [source, parent]
+    return any(owner.original.is_shadow_catcher for owner in owners)
+
+
 def tell_departures(source, name: str, report, view_layer=None, parent=None) -> None:
     """Note what else an object of Blender with a surface does to pictures; parameters as of `visibility_of`."""
-    original = source.original
     if is_holdout(source, parent, view_layer):
         report.info(
             name, "the object is a holdout", "pictures are transparent there; light meets it"
         )
-    if original.is_shadow_catcher:
-        report.warn(
+    elif is_catcher(source, parent):
+        report.info(
             name,
             "the object is a shadow catcher",
-            "it is an ordinary object; for a picture on a photograph render with and without what casts shadows",
+            "pictures show what is behind everything, darker where it is shaded; light meets it, and mirrors and bodies of "
+            "glass show it, as it is",
         )
 
 

@@ -38,6 +38,7 @@ from .visibility import (
     find_unrendered,
     is_blurred,
     is_dark_world,
+    is_catcher,
     is_holdout,
     is_rendered,
     tell_departures,
@@ -45,6 +46,7 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
+from .grounds import camera_state, follows_camera, photos_of, plane_of, project_world
 from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
 NO_LIGHT = "the scene has no light"
@@ -376,6 +378,7 @@ class Walk:
             index=source.pass_index,
             meets_light=found.light,
             is_holdout=is_holdout(source, parent, layer),
+            is_catcher=is_catcher(source, parent),
         )
         self._place(shown, placement)
 
@@ -517,6 +520,7 @@ class Walk:
                 and before.visible_to_camera == placement.visible_to_camera
                 and before.meets_light == placement.meets_light
                 and before.is_holdout == placement.is_holdout
+                and before.is_catcher == placement.is_catcher
                 and before.index == placement.index
             )
             if not np.array_equal(before.frame, placement.frame):
@@ -617,7 +621,10 @@ class Walk:
         when = SkyTime(self.scene, frame_of(self.scene))
         if follows_time(evaluated):
             sun += np.float64(when.frame).tobytes()
-        is_current = known.source == source and known.sun == sun and not self.is_rerated
+        if follows_camera(evaluated):
+            sun += camera_state(self.depsgraph)
+        is_current = known.source == source and known.sun == sun
+        is_current &= not (self.is_rerated or self.is_rescaled)
         if is_current and source not in tagged and known.shading.isdisjoint(tagged):
             return
         report = ConversionReport()
@@ -630,12 +637,18 @@ class Walk:
             made, suns = convert_world(
                 evaluated, key, sent.efficacy, report, sent.images, sun_lamp, lights, when
             )
+            made = project_world(made, evaluated, self.depsgraph, sent.images, report)
         digest = content_digest(made) if made is not None else b""
         trees = shading_dependencies(original) if original is not None else frozenset()
-        gives_light = bool(suns) or (made is not None and getattr(made, "luminance", 1.0) > 0.0)
-        colour = colour_of_light(made)
-        sent.world = SentWorld(source, key, sun, digest, trees, report, gives_light, colour, suns)
-        self._update_suns(known.suns, suns)
+        trees |= photos_of(evaluated, self.scene)
+        gives_light = bool(suns) or (
+            made is not None and (made.photo is not None or getattr(made, "luminance", 1.0) > 0.0)
+        )
+        colour, plane = colour_of_light(made), plane_of(made)
+        sent.world = SentWorld(
+            source, key, sun, digest, trees, report, gives_light, colour, suns, plane
+        )
+        self._update_items((*known.suns, *known.plane), (*suns, *plane))
         if digest == known.digest and (not digest or key == known.key):
             return
         self.world_changed = True
@@ -645,11 +658,11 @@ class Walk:
         if known.digest and (made is None or known.key != key):
             self.removed.append(known.key)
 
-    def _update_suns(self, known, suns) -> None:
-        """Note what became of the suns in the world. ``known``, ``suns``: of before and of now."""
-        digests = {sun.id: content_digest(sun) for sun in known}
-        changed = [sun for sun in suns if digests.get(sun.id) != content_digest(sun)]
-        gone = digests.keys() - {sun.id for sun in suns}
+    def _update_items(self, known, items) -> None:
+        """Note what became of what comes with the world, suns and ground. ``known``, ``items``: of before and of now."""
+        digests = {item.id: content_digest(item) for item in known}
+        changed = [item for item in items if digests.get(item.id) != content_digest(item)]
+        gone = digests.keys() - {item.id for item in items}
         self.worlds += changed
         self.removed += sorted(gone)
         self.world_changed |= bool(changed or gone)

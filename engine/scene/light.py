@@ -225,8 +225,62 @@ class Luminaire(_Framed):
         return 0.5 * float(np.linalg.norm(self.opening.size))
 
 
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Plane that the lower half of the surroundings lies on, as it was seen from the place where they were taken.
+
+    Rays that meet the plane within a radius about that place see what was seen in the direction from there to where they
+    meet it; from half of the radius on that passes into what lies at infinity.
+
+    Parameters
+    ----------
+    centre : (3,) float64 array    Where the surroundings were seen from, above the plane. World space. [m]
+    level : float    Height of the plane, which is level. [m]
+    radius : float    [m]
+    """
+
+    centre: np.ndarray
+    level: float
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Photo:
+    """Photo that covers a part of the surroundings: what the camera saw that took it.
+
+    Parameters
+    ----------
+    image : ImageTexture    Stretched over the film, linear between the middles of its pixels.
+    luminance_per_unit : float    Luminance of a pixel whose Rec. 709 luminance is 1. [cd/m2]
+    frame : (3, 3) float64 array    Columns: the camera's right, up and backward axis in world space.
+    extent_x, extent_y, shift_x, shift_y : float    Of its film, as of a perspective `Camera`. [-]
+    """
+
+    image: ImageTexture
+    luminance_per_unit: float
+    frame: np.ndarray
+    extent_x: float
+    extent_y: float
+    shift_x: float = 0.0
+    shift_y: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Surroundings:
+    """What worlds of all kinds may have besides.
+
+    Parameters
+    ----------
+    ground : Ground or None    None: all of it is at infinity.
+    photo : Photo or None    What covers a part of it, on the ground too.
+    """
+
+    ground: Ground | None = None
+    photo: Photo | None = None
+
+
 @dataclass(frozen=True)
-class UniformWorld:
+class UniformWorld(Surroundings):
     """The same luminance [cd/m2] from every direction; ``seen``: what the camera sees in its place, None: the same."""
 
     luminance: float
@@ -236,7 +290,7 @@ class UniformWorld:
 
 
 @dataclass(frozen=True, eq=False)
-class ImageWorld:
+class ImageWorld(Surroundings):
     """Equirectangular picture of the surroundings.
 
     Parameters
@@ -257,7 +311,7 @@ class ImageWorld:
 
 
 @dataclass(frozen=True, eq=False)
-class CieSky:
+class CieSky(Surroundings):
     """Sky without its sun, by one of the luminance distributions of the CIE, over an evenly bright ground.
 
     Parameters
@@ -282,7 +336,7 @@ class CieSky:
 
 
 @dataclass(frozen=True, eq=False)
-class CloudySky:
+class CloudySky(Surroundings):
     """Sky without its sun between the clear and the overcast sky of the CIE (S 003).
 
     Parameters
@@ -301,7 +355,7 @@ class CloudySky:
 
 
 @dataclass(frozen=True, eq=False)
-class PerezSky:
+class PerezSky(Surroundings):
     """Sky without its sun by the all-weather model of Perez (1993).
 
     Parameters

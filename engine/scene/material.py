@@ -545,6 +545,11 @@ class Holdout(Black):
     """Cuts a hole into a picture: nothing is seen there, and the picture is transparent. To light it is black."""
 
 
+@dataclass(frozen=True)
+class Catcher(Holdout):
+    """Shows what is behind everything, shaded as a matt surface in its place is by what stands on it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Measured(Surface):
     """A surface known by what was measured or computed of its scattering, side by side; None: nothing.
@@ -968,3 +973,6 @@ class Material:
 
 HOLDOUT = Material("holdout", "Holdout", Holdout())
 """What rays of the camera meet of objects that are holdouts."""
+
+CATCHER = Material("catcher", "Shadow catcher", Catcher())
+"""What rays of the camera meet of objects that catch shadows."""

@@ -50,6 +50,7 @@ class Placement:
     index : int    The user's number for the index pass.
     meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
     is_holdout : bool    Whether the camera sees a hole in its place, see `material.Holdout`.
+    is_catcher : bool    Whether the camera sees but its shadows, see `material.Catcher`.
     """
 
     id: str
@@ -61,6 +62,7 @@ class Placement:
     index: int = 0
     meets_light: bool = True
     is_holdout: bool = False
+    is_catcher: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +84,7 @@ class Mesh:
     index : int    The user's number for the index pass.
     meets_light : bool    Whether light meets it. What does not neither shades nor reflects nor gives light.
     is_holdout : bool    Whether the camera sees a hole in its place, see `material.Holdout`.
+    is_catcher : bool    Whether the camera sees but its shadows, see `material.Catcher`.
     """
 
     id: str
@@ -97,6 +100,7 @@ class Mesh:
     index: int = 0
     meets_light: bool = True
     is_holdout: bool = False
+    is_catcher: bool = False
 
     def areas(self) -> np.ndarray:
         """Return the triangle areas, shape (t,). [m2]"""
@@ -131,6 +135,7 @@ def place(geometry: Geometry, placement: Placement) -> Mesh:
         visible_to_camera=placement.visible_to_camera,
         meets_light=placement.meets_light,
         is_holdout=placement.is_holdout,
+        is_catcher=placement.is_catcher,
         index=placement.index,
     )
 

@@ -118,7 +118,7 @@ def _white_luminance(c0, c1, c2):
 
     def add(i, total):
         nm, weight = dr.gather(mi.Float, middles, i), dr.gather(mi.Float, weights, i)
-        return i + 1, total + weight * _sigmoid(c0, c1, c2, nm)
+        return i + 1, total + weight * sigmoid(c0, c1, c2, nm)
 
     state = (mi.UInt32(0), dr.zeros(mi.Float, dr.width(c0)))
     return dr.while_loop(state, lambda i, _: i < len(shares), add)[1]
@@ -134,7 +134,8 @@ def _coarse_weights() -> tuple[np.ndarray, np.ndarray]:
     return middles[used], (shares / shares.sum())[used]
 
 
-def _sigmoid(c0, c1, c2, wavelength):
+def sigmoid(c0, c1, c2, wavelength):
+    """Return the smooth spectrum of three coefficients of `make_colours` at wavelengths. [nm -> -]"""
     x = dr.fma(dr.fma(c0, wavelength, c1), wavelength, c2)
     return dr.fma(0.5 * x, dr.rsqrt(dr.fma(x, x, 1.0)), 0.5)
 
@@ -256,7 +257,7 @@ def _picture_class():
             value = mi.Spectrum(0.0)
             for corner, weight in zip(corners, weights, strict=True):
                 c0, c1, c2, level = dr.gather(mi.Vector4f, self.colours, corner, active)
-                value += weight * level * _sigmoid(c0, c1, c2, wavelengths)
+                value += weight * level * sigmoid(c0, c1, c2, wavelengths)
             return value
 
         def eval(self, si, active=True):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import upload
 from ..scene.light import FormulaSky
-from . import picture_plugin
+from . import picture_plugin, projection_plugin
 from .far_light import far_light_class
 from .skies import find_luminances, ground_luminance, luminance_scale, pattern_of
 
@@ -21,8 +21,9 @@ POINTS = 4
 
 
 def register() -> None:
-    """Register the plug-ins of skies and pictures with the active Mitsuba variant. Doing it again is harmless."""
+    """Register the plug-ins of skies, pictures and grounds with the active Mitsuba variant. Doing it again is harmless."""
     picture_plugin.register()
+    projection_plugin.register()
     made = _sky_class()
     mi.register_emitter("lumenray_sky", lambda props, made=made: made(props))
 

@@ -45,6 +45,9 @@ def analyse(scene: Scene, transport: str = "auto") -> Requirements:
         reasons.append("the lights have different spectra")
     if any(_is_pictured(world) and _is_coloured(world.image) for world in worlds(scene)):
         reasons.append("the picture of the surroundings has colours")
+    photos = [world.photo for world in worlds(scene) if world.photo is not None]
+    if any(_is_coloured(photo.image) for photo in photos):
+        reasons.append("the photo behind the scene has colours")
     if any(map(_has_colours, scene.lights.values())):
         reasons.append("a light has other colours in other directions")
     if dispersive:
@@ -119,7 +122,8 @@ def _distinct_lamps(scene: Scene) -> int:
         and _is_coloured(material.emission.pattern)
         for material in met_materials(scene)
     )
-    return len(shapes) + sum(map(_is_pictured, worlds(scene))) + patterned
+    photographed = any(world.photo is not None for world in worlds(scene))
+    return len(shapes) + sum(map(_is_pictured, worlds(scene))) + photographed + patterned
 
 
 def _has_colours(light) -> bool:

@@ -281,6 +281,13 @@ def worlds():
     settings.time.follows_frames = False
     settings.sun.lamp = None
     settings.source = "NODES"
+    settings.ground.use_ground, settings.ground.photo = True, "PLATE"
+    settings.ground.radius = 6.0
+    yield from tab("world_ground", "WORLD")
+    settings.ground.photo = "CAMERA"
+    yield from tab("world_photo", "WORLD")
+    picture("ground_view", region_of(area_of("VIEW_3D")))
+    settings.ground.use_ground, settings.ground.photo = False, "NONE"
 
 
 def renders():

@@ -146,7 +146,7 @@ def test_a_portal_states_no_amount_of_light(world):
 
 def test_every_setting_has_a_tooltip(world):
     own = world.lumenray
-    groups = ("sky", "place", "time", "sun", "arc", "environment")
+    groups = ("sky", "place", "time", "sun", "arc", "environment", "ground")
     for group in (own, *(getattr(own, name) for name in groups)):
         for entry in group.bl_rna.properties:
             if entry.identifier in {"rna_type", "name", *groups} or entry.is_hidden:

@@ -388,7 +388,7 @@ def _surroundings_class():
             ds.emitter = mi.EmitterPtr(self)
             ds.pdf = self._density(it, ds, active)
             si = dr.zeros(mi.SurfaceInteraction3f)
-            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            si.wi, si.wavelengths, si.p = -ds.d, it.wavelengths, it.p
             value = self.eval(si, active) / dr.maximum(ds.pdf, 1e-20)
             return ds, mi.Spectrum(value & (active & (ds.pdf > 0.0)))
 
@@ -397,7 +397,7 @@ def _surroundings_class():
 
         def eval_direction(self, it, ds, active=True):
             si = dr.zeros(mi.SurfaceInteraction3f)
-            si.wi, si.wavelengths = -ds.d, it.wavelengths
+            si.wi, si.wavelengths, si.p = -ds.d, it.wavelengths, it.p
             return self.eval(si, active)
 
         def bbox(self):

@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import pointer_id, upload
 from ...errors import SceneError
 from ...luminaires.emitters.portals import Portal, find_portals
-from ...scene.material import HOLDOUT, Material
+from ...scene.material import CATCHER, HOLDOUT, Material
 from ...scene.mesh import Geometry, Mesh, find_uv_map
 from ..requirements import pictures
 from . import emission
@@ -72,6 +72,7 @@ class Body:
             or item.meets_light != old.meets_light
             or is_met(item) != is_met(old)
             or item.is_holdout != old.is_holdout
+            or item.is_catcher != old.is_catcher
             or (self.is_split and item.visible_to_camera != old.visible_to_camera)
             or not np.array_equal(item.frame, old.frame)
         )
@@ -175,8 +176,10 @@ def make_body(
     pool : SurfacePool
     """
     body = Body(item, geometry, *extent(item, geometry))
-    body.is_split = item.is_holdout or any(
-        material_palette.item(key).seen is not None for key in mesh.materials
+    body.is_split = (
+        item.is_holdout
+        or item.is_catcher
+        or any(material_palette.item(key).seen is not None for key in mesh.materials)
     )
     if len(mesh.triangles) == 0 or not is_met(item):
         return body
@@ -198,7 +201,7 @@ def make_body(
 
 def _surfaces_of(item, material: Material) -> list[tuple[Material, bool, bool]]:
     """What rays meet of a material of an object, and whether those of light and of the camera do."""
-    seen = HOLDOUT if item.is_holdout else material.seen
+    seen = HOLDOUT if item.is_holdout else CATCHER if item.is_catcher else material.seen
     if seen is None or not item.visible_to_camera:
         # Whether the camera sees the whole object may change without new shapes.
         return [(material, item.meets_light, True)]

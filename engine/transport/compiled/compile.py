@@ -50,7 +50,8 @@ class CompiledScene:
 
     ``solid`` holds what stops light, ``transparent`` what light may pass straight (panes, cut-outs, the bodies of lights),
     ``shown`` what is there for the camera alone. Tables by shape, None where there is nothing of the kind: ``hidden``, what
-    the camera does not see, ``holdouts``, where it sees a hole, and ``unlit``, what is there for it alone. ``lights``
+    the camera does not see, ``holdouts``, where it sees a hole, ``catchers``, what shows but its shadows, and ``unlit``,
+    what is there for it alone. ``lights``
     chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to ``origin`` (float64,
     world) so that single precision serves scenes far from the world's origin; ``extent`` [m] is the largest of them.
     ``stamps`` tell what commits have changed.
@@ -78,7 +79,7 @@ class CompiledScene:
         self._shown = Layer(self._pool)
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
-        self.hidden = self.holdouts = self.unlit = None
+        self.hidden = self.holdouts = self.catchers = self.unlit = None
         # Whether the camera does not see an object, and not only bodies of lights.
         self.has_hidden_objects = False
         self.known_mirrors = KnownMirrors()
@@ -145,7 +146,7 @@ class CompiledScene:
         self.shining = None
         self._objects.commit(scene, named, changes)
         self._commit_lights(scene, named, changes)
-        if self._outside.take_world(scene.world):
+        if self._outside.take_world(scene.world, self.origin):
             changes.other.append("surroundings changed")
         self._commit_light(scene)
         self._commit_light_table()
@@ -368,6 +369,7 @@ class CompiledScene:
             "material",
             "hidden",
             "holdout",
+            "catcher",
             "unlit",
             "extent",
             "bsdf",
@@ -390,6 +392,9 @@ class CompiledScene:
             columns["holdout"][place] = [
                 isinstance(self._material_palette.item(part.material).surface, Holdout)
                 for _, part in parts
+            ]
+            columns["catcher"][place] = [
+                body.item.is_catcher and not body.item.is_holdout for body, _ in parts
             ]
             columns["unlit"][place] = [not part.meets_light for _, part in parts]
             columns["extent"][place] = [
@@ -422,15 +427,16 @@ class CompiledScene:
         self._material_palette.commit(columns["row"], self._axes(size, parts), ways)
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
-        self.hidden, self.holdouts, self.unlit = (
-            _marks(columns[name]) for name in ("hidden", "holdout", "unlit")
+        self.hidden, self.holdouts, self.catchers, self.unlit = (
+            _marks(columns[name]) for name in ("hidden", "holdout", "catcher", "unlit")
         )
         shapes = [part for _, part in parts]
         self.known_mirrors.commit(size, shapes)
         self.polarisation = make_polarisation(
             size, shapes, self._material_palette.item, self._material_palette.make
         )
-        dr.eval(self.indices, self.hidden, self.holdouts, self.unlit, self._extents)
+        dr.eval(self.indices, self.hidden, self.holdouts, self.catchers, self.unlit)
+        dr.eval(self._extents)
 
     def _axes(self, size: int, parts) -> np.ndarray | None:
         """Axes of the object of every shape, None where no relief asks for them. (size, 3, 3)"""

@@ -28,13 +28,15 @@ def find_mean_light(
     total = np.zeros(len(GRID))
     shining = [(source.density, source.flux) for source in sources]
     shining += [(m.density, m.amount * disk) for m in map(emission.sun_illuminance, suns)]
-    if world_luminance > 0.0 and not isinstance(world, ImageWorld):
+    is_pictured = isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0
+    is_pictured |= world is not None and world.photo is not None
+    if world_luminance > 0.0 and not is_pictured:
         made = emission.luminous(world_luminance, world.spectrum)
         shining.append((made.density, made.amount * np.pi * 4.0 * disk))
     different = {density.tobytes(): density for density, flux in shining if flux > 0.0}
     for density, flux in shining:
         total += density / max(density.sum(), 1e-300) * flux
-    if isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0:
+    if is_pictured:
         white = illuminant(GRID, "D65")
         total += white / white.sum() * max(total.sum(), 1.0)
     if total.sum() <= 0.0:
@@ -47,7 +49,9 @@ def _spectrum_seen(world, seen) -> np.ndarray:
     total = np.zeros(len(GRID))
     for source in seen:
         total += source.density / max(source.density.sum(), 1e-300) * source.flux
-    if isinstance(world, UniformWorld | FormulaSky):
+    if world is not None and world.photo is not None:
+        total += illuminant(GRID, "D65")
+    elif isinstance(world, UniformWorld | FormulaSky):
         total += emission.luminous(1.0, world.spectrum).density
     elif isinstance(world, ImageWorld):
         total += illuminant(GRID, "D65")

@@ -1,6 +1,6 @@
 """Objects at work, kept under their ids: what an edit of an object or of its materials changes of their shapes."""
 
-from ...scene.material import HOLDOUT, Material
+from ...scene.material import CATCHER, HOLDOUT, Material
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from .bodies import Body, Part, check_mesh, make_body, needs_new_shape, reglow
@@ -136,8 +136,9 @@ class ObjectSet:
             self._users.setdefault(material, {})[key] = None
             if self._material_palette.item(material) is not scene.materials[material]:
                 self._take_in(scene.materials[material])
-        if item.is_holdout and self._material_palette.item(HOLDOUT.id) is None:
-            self._material_palette.put(HOLDOUT)
+        for is_wanted, seen in ((item.is_holdout, HOLDOUT), (item.is_catcher, CATCHER)):
+            if is_wanted and self._material_palette.item(seen.id) is None:
+                self._material_palette.put(seen)
         body = make_body(item, geometry, mesh, self._origin, self._material_palette, self._pool)
         for part in body.parts:
             self._layer_of(part).add(part.shape, part.number, part.triangles)

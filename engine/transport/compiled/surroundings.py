@@ -11,8 +11,10 @@ from ...photometry import units
 from ...photometry.spectra import GRID
 from ...scene.light import FormulaSky, ImageWorld, SunLight, UniformWorld
 from ...scene.spectrum import Illuminant
+from ...sky.picture import clean, find_luminances
 from ...sky.picture_plugin import WHITE, make_picture
 from ...sky.plugin import make_sky
+from ...sky.projection_plugin import make_projection
 from ...sky.skies import check_sky, mean_luminance
 from . import emission
 from .lights import Source
@@ -26,13 +28,17 @@ PORTAL_SHARE = 0.75
 
 @dataclass(frozen=True)
 class World:
-    """Mitsuba's emitter of a world and its luminance, averaged over all directions. [cd/m2]"""
+    """Mitsuba's emitter of a world and its luminance, averaged over all directions. [cd/m2]
+
+    ``plain``: the same without ground and photo where it has any of these; None: it is that itself, or black.
+    """
 
     emitter: object
     mean_luminance: float
+    plain: "World | None" = None
 
 
-def make_world(world, old=None, made: World | None = None) -> World | None:
+def make_world(world, old=None, made: World | None = None, origin=(0.0, 0.0, 0.0)) -> World | None:
     """Return the emitter of a world, None when it is black.
 
     Parameters
@@ -40,7 +46,37 @@ def make_world(world, old=None, made: World | None = None) -> World | None:
     world : UniformWorld, ImageWorld, FormulaSky or None
     old, made : World's description and emitter
         Of before; the emitter is changed in place if it shows the same picture, or another sky of the same spectrum.
+    origin : (3,) array    Of the scene's frame, in the world. [m]
     """
+    plain = made if old is None or not _is_projected(old) or made is None else made.plain
+    plain = _make_plain(world, old, plain)
+    if world is None or not _is_projected(world):
+        return plain
+    if plain is None and (world.photo is None or world.photo.luminance_per_unit <= 0.0):
+        return None
+    white = emission.luminous(1.0, Illuminant(WHITE)).texture()
+    emitter = None if plain is None else plain.emitter
+    emitter = make_projection(emitter, world.ground, world.photo, np.asarray(origin), white)
+    mean = 0.0 if plain is None else plain.mean_luminance
+    return World(emitter, max(mean, _mean_of_photo(world.photo)), plain)
+
+
+def _is_projected(world) -> bool:
+    return world.ground is not None or world.photo is not None
+
+
+def _mean_of_photo(photo) -> float:
+    """Mean luminance that a photo adds to all directions, roughly: it steers sampling alone. [cd/m2]"""
+    if photo is None:
+        return 0.0
+    share = photo.extent_x * photo.extent_y / (photo.extent_x * photo.extent_y + 4.0 * np.pi)
+    return (
+        share * photo.luminance_per_unit * float(find_luminances(clean(photo.image.pixels)).mean())
+    )
+
+
+def _make_plain(world, old, made: World | None) -> World | None:
+    """As `make_world`, without ground and photo."""
     if isinstance(world, UniformWorld) and world.luminance > 0.0:
         made = emission.luminous(world.luminance, world.spectrum)
         return World(
@@ -163,15 +199,15 @@ class Outside:
         """Mean over all directions of the world without its suns. [cd/m2]"""
         return 0.0 if self._world is None else self._world.mean_luminance
 
-    def take_world(self, world) -> bool:
-        """Take a world's description in; true when it is another."""
+    def take_world(self, world, origin: np.ndarray) -> bool:
+        """Take a world's description in; true when it is another. ``origin`` (3,): of the scene's frame. [m]"""
         if world is self._item:
             return False
         old = self._item
-        self._world = make_world(world, old, self._world)
+        self._world = make_world(world, old, self._world, origin)
         seen, before = (None if each is None else each.seen for each in (world, old))
         self.has_backdrop = seen is not None
-        self._seen = make_world(seen, before, self._seen)
+        self._seen = make_world(seen, before, self._seen, origin)
         self._item = world
         return True
 

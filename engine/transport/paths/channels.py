@@ -14,6 +14,7 @@ from ...photometry.units import LUMINOUS_EFFICACY
 from ..compiled.textures import is_spectral
 from ..rays import spawn_straight
 from . import gather
+from .catchers import SHARE, Catchers
 from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
 from .visibility import closest_hit, first_seen
@@ -30,7 +31,7 @@ LOST = ("samples of the picture", "samples of the illuminance")
 
 
 class Channels:
-    """Numbers of pixels, in this order: X, Y, Z; illuminance; X, Y, Z and share of the backdrop; bands.
+    """Numbers of pixels, in this order: X, Y, Z; illuminance; X, Y, Z and share of the backdrop; of shadow catchers; bands.
 
     Parameters
     ----------
@@ -40,6 +41,7 @@ class Channels:
     Attributes
     ----------
     count : int    Numbers of a pixel.
+    catchers : Catchers or None
     """
 
     def __init__(self, scene, settings):
@@ -49,7 +51,13 @@ class Channels:
         # Holdouts make holes in every film.
         self._has_alpha = settings.transparent or scene.holdouts is not None
         self.sampler = picture_sampler(scene, self.bands)
-        self.count = 3 + int(self.illuminance) + 4 * int(self._has_alpha) + self.bands
+        self.catchers = None
+        if scene.catchers is not None:
+            self.catchers = Catchers(scene, self._colour, self._bands, self.bands)
+        self._first_caught = 3 + int(self.illuminance) + 4 * int(self._has_alpha)
+        self.count = self._first_caught + self.bands
+        if self.catchers is not None:
+            self.count += self.catchers.count
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self._lamp_tristimulus, self._lamp_bands = colour_of(scene.mean_light, self.bands)
 
@@ -76,6 +84,8 @@ class Channels:
             columns += lost.keep([self._illuminance(ray, wavelengths, sample, seed)], row)
         if self._has_alpha:
             columns += self._backdrop(ray, wavelengths)
+        if self.catchers is not None:
+            columns += self.catchers.of_view(ray, wavelengths, sample, seed)
         return {3 + k: each for k, each in enumerate(columns)}
 
     def _colour(self, radiance, wavelengths) -> list:
@@ -116,7 +126,7 @@ class Channels:
             colour = [dr.zeros(mi.Float, dr.width(ray))] * 3
         else:
             away = dr.zeros(mi.SurfaceInteraction3f)
-            away.wi = -ray.d
+            away.wi, away.p = -ray.d, ray.o
             if self.sampler is not None:
                 away.wavelengths = wavelengths
             colour = self._colour(passed * scene.backdrop.eval(away), wavelengths)
@@ -149,6 +159,35 @@ class Channels:
 
     # ---- of means ----
 
+    def composed(self, halves: np.ndarray) -> np.ndarray:
+        """Means of both halves with what is seen of shadow catchers. (2, n, channels)"""
+        if self.catchers is None:
+            return halves
+        made = halves.copy()
+        seen, bands, is_open = self.catchers.shade(self._caught(halves))
+        made[..., :3] += seen
+        if self.bands:
+            made[..., -self.bands :] += bands
+        # Holes so far: of a film that is not transparent they are none, else as far as they are in the light.
+        alpha = self._first_caught - 4
+        share = self._caught(halves)[..., SHARE]
+        if self.transparent:
+            made[..., alpha : alpha + 3] += seen
+            made[..., alpha + 3] += is_open - share
+        else:
+            made[..., alpha + 3] -= share
+        return made
+
+    def scatter_of_catchers(self, means: np.ndarray, counts: np.ndarray):
+        """Variance of what is seen of shadow catchers, by means of both halves (2, n, channels). (2, n) or 0 [cd2/m4]"""
+        if self.catchers is None:
+            return 0.0
+        white = float(means[..., 1].mean()) if self.transparent else 0.0
+        return self.catchers.scatter(self._caught(means), counts, white)
+
+    def _caught(self, means: np.ndarray) -> np.ndarray:
+        return means[..., self._first_caught : self._first_caught + self.catchers.count]
+
     def widened(self, estimate: Estimate, shares: np.ndarray) -> Estimate:
         """With errors that hold what lost samples may have brought; the brightest pixel stands for those without any other.
 
@@ -176,7 +215,7 @@ class Channels:
             made["bands"] = mean[..., -self.bands :]
             made["band_edges"] = np.linspace(*BAND_RANGE, self.bands + 1)
         if self._has_alpha:
-            first = 3 + int(self.illuminance)
+            first = self._first_caught - 4
             made["backdrop"] = mean[..., first : first + 3]
             made["coverage"] = np.clip(1.0 - mean[..., first + 3], 0.0, 1.0)
         return made

@@ -120,6 +120,11 @@ def _follow(scene, ray) -> list:
         matt = ends & mi.has_flag(bsdf.flags(), mi.BSDFFlags.DiffuseReflection)
         own = dr.select(matt, bsdf.eval_diffuse_reflectance(si, matt), weight)
         own = dr.select(glows | ~(spreads & (matt | lit)), 1.0, dr.clip(own, 0.0, 1.0))
+        if scene.catchers is not None:
+            # They show what is behind everything.
+            number = dr.reinterpret_array(mi.UInt32, si.shape)
+            caught = dr.gather(mi.Bool, scene.catchers, number, met & begins) & begins
+            own = dr.select(caught, 1.0, own)
         albedo = dr.select(ends, share * own, albedo)
         facing = dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0)
         normal = dr.select(ends, mi.Vector3f(si.sh_frame.n) * facing, normal)

@@ -96,7 +96,8 @@ class LiveView:
         part = slice(self._cursor, self._cursor + count)
         self._sums[:, part] += new
         # The image is kept up to date slice by slice: making it anew for every frame would hold up edits.
-        self._image[part] = self._sums[:, part].sum(axis=0) / (GROUPS * (self._passes + 1))
+        means = self._channels.composed(self._sums[:, part] / (self._passes + 1))
+        self._image[part] = means.mean(axis=0)
         self._cursor += count
         self.changes += 1
         seconds = time.perf_counter() - start
@@ -112,7 +113,7 @@ class LiveView:
 
     def luminance_error(self) -> np.ndarray:
         """Standard error of the luminance at the end of a pass over the finest image. (h, w) float32 [cd/m2]"""
-        halves = self._sums[..., 1] / self._passes
+        halves = self._channels.composed(self._sums / self._passes)[..., 1]
         error = 0.5 * np.abs(halves[0] - halves[1])
         return error.reshape(self._camera.height, self._camera.width).astype(np.float32)
 
@@ -179,7 +180,7 @@ class LiveView:
         self._cursor = 0
         self._passes += 1
         if self.factor == 1:
-            means = self._sums[..., 1] / self._passes
+            means = self._channels.composed(self._sums / self._passes)[..., 1]
             self.error = relative_error(means.mean(axis=0), 0.5 * np.abs(means[0] - means[1]))
             return
         self._refine_level()

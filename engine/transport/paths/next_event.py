@@ -23,6 +23,11 @@ def sample_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False)
     -------
     (DirectionSample3f, Spectrum)    ``pdf`` includes the choice of the emitter; the value is radiance / pdf, unoccluded.
     """
+    return sample_numbered_emitter(scene, si, sample, active, over_mirrors)[1:]
+
+
+def sample_numbered_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False):
+    """As `sample_emitter`, with the number of the emitter among the lights first."""
     index, share, remainder = scene.lights.sample(sample.x, si.p)
     at = dr.zeros(mi.Interaction3f)
     at.p, at.n, at.wavelengths = si.p, si.n, si.wavelengths
@@ -34,7 +39,7 @@ def sample_emitter(scene: CompiledScene, si, sample, active, over_mirrors=False)
     ds.pdf *= share
     if scene.near is not None:
         value = dr.select(scene.near.has(index, si.p, active), 0.0, value)
-    return ds, value / share
+    return index, ds, value / share
 
 
 def respond_by(bsdf, si):

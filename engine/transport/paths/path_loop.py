@@ -284,6 +284,8 @@ class PathLoop:
             leaves &= path.depth > 0
         away = dr.zeros(mi.SurfaceInteraction3f)
         away.wi = -direction
+        # A ground that the surroundings lie on is seen from where the ray comes from.
+        away.p = path.ray.o
         away.wavelengths = at.si.wavelengths
         is_mirrored = path.chain[0] > 0 if scene.mirrors is not None else None
         competes = leaves & (path.pdf > 0.0)
@@ -305,7 +307,7 @@ class PathLoop:
         """Count what the camera sees straight behind everything, where that is not what gives light."""
         looks = path.active & ~at.si.is_valid() & (path.depth == 0)
         away = dr.zeros(mi.SurfaceInteraction3f)
-        away.wi = -path.ray.d
+        away.wi, away.p = -path.ray.d, path.ray.o
         away.wavelengths = at.si.wavelengths
         amount = path.throughput * self._scene.backdrop.eval(away, looks)
         path.radiance = dr.select(looks, path.radiance + amount, path.radiance)

@@ -75,6 +75,7 @@ class CellView(LiveView):
             unbiased=False,
         )
         self._reads_cells, _ = choose_method(scene, camera, wanted)
+        self._reads_cells &= scene.catchers is None
         self._kept = kept
         self._cells = self._steps = self._passes_by_kind = None
         self._lanes = SHORT_LAUNCH

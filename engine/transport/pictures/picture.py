@@ -237,6 +237,7 @@ class _Passes:
             whole = sum(means.values())
             if self.traced is not None:
                 whole += self.traced.add(whole, self.allocation.mean(added))
+            whole = self.light.channels.composed(whole)
             estimate = self._estimate(whole, means)
             self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
             is_believed = self.samples >= BELIEVED
@@ -330,6 +331,8 @@ class _Passes:
         mean = self._mean(kind, STEERING[number])
         around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
         scatter = around / (GROUPS * np.maximum(count - 1, 1))
+        if kind == VIEW and number == 0:
+            scatter = scatter + self.light.channels.scatter_of_catchers(self._mean(kind), count)
         if self._shared is not None and number == 0 and kind in self._shared.left:
             scatter *= self._shared.left[kind]
         return scatter

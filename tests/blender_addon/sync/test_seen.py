@@ -154,6 +154,23 @@ def test_objects_collections_and_makers_of_instances_are_holdouts():
     assert [item.is_holdout for item in placements()] == [True]
 
 
+def test_objects_and_makers_of_instances_are_shadow_catchers():
+    paint = Paint()
+    assert [item.is_catcher for item in placements()] == [False]
+    paint.item.is_shadow_catcher = True
+    assert [item.is_catcher for item in placements()] == [True]
+    paint.item.is_shadow_catcher = False
+    scene = bpy.context.scene
+    group = bpy.data.collections.new("Group")
+    group.objects.link(paint.item)
+    scene.collection.objects.unlink(paint.item)
+    maker = bpy.data.objects.new("Maker", None)
+    maker.instance_type, maker.instance_collection = "COLLECTION", group
+    scene.collection.objects.link(maker)
+    maker.is_shadow_catcher = True
+    assert [item.is_catcher for item in placements()] == [True]
+
+
 @pytest.mark.mitsuba
 def test_edits_of_nodes_and_holdouts_reach_the_picture():
     from lumenray.blender_addon.sync.scene_sync import SceneSync
