@@ -108,7 +108,7 @@ def add_command(commands) -> None:
         "--parts",
         type=words,
         metavar="A,B",
-        help="only these of maps, shadow, repair, noise, files, collection (default: all)",
+        help="only these of maps, shadow, repair, noise, shadows, files, collection (default: all)",
     )
     environment.add_argument(
         "--maps", type=Path, metavar="FOLDER", help="pictures that are analysed (default: none)"

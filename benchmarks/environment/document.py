@@ -14,7 +14,7 @@ TITLE = """# Pictures of the surroundings
 Bright sources of equirectangular pictures taken out as lights, clipped suns mended, and what is said of pictures.
 {cpu}, {cores} cores; Mitsuba {mitsuba}, Lumenray {lumenray}. To repeat it:
 `lumenray benchmark environment --json out/environment.json`; parts by themselves with
-`--parts maps,shadow,repair,noise,files,collection`.
+`--parts maps,shadow,repair,noise,shadows,files,collection`.
 
 """
 
@@ -62,10 +62,18 @@ By Radiance's 179 lm/W; pictures from the web mostly have no absolute scale.
 """
 
 
+CATCHERS = """## Shadow catchers and photomontages
+
+Pixels of a catcher that nothing shades; ratios of shadows against sensors; the sun's direction by dragging, and a montage
+against the render of all that its photo shows.
+
+"""
+
+
 def check_bars(result: dict) -> list[Bar]:
     """Judge by the demands."""
     parts = result["parts"]
-    shadow = parts.get("shadow")
+    shadow, shadows = parts.get("shadow"), parts.get("shadows")
     rows = parts.get("maps") or ()
     counts = [row for row in rows if row["found"] == row["expected"]]
     return [
@@ -86,6 +94,12 @@ def check_bars(result: dict) -> list[Bar]:
         ),
         _below("time by the sun's height", result["repair_minutes"], MINUTES, " min", 2),
         _below("sun by a place of the sky", result["rebuilt_error_percent"], SUN, " %", 3),
+        _below(
+            "unshaded pixels of a catcher", shadows and shadows["unshadowed_change"], 1e-3, "", 6
+        ),
+        _below("shadows on a catcher", result["shadow_error_percent"], 1.0, " %", 3),
+        _below("sun by dragging", shadows and shadows["direction_error_deg"], 1.0, "°", 3),
+        _below("photomontage", shadows and shadows["composite_error_percent"], 5.0, " %", 2),
     ]
 
 
@@ -103,6 +117,7 @@ def describe(result: dict) -> str:
         "shadow": _tell_shadow,
         "repair": _tell_repair,
         "noise": _tell_noise,
+        "shadows": _tell_catchers,
         "files": _tell_files,
         "collection": _tell_collection,
     }
@@ -143,6 +158,14 @@ def _tell_noise(row) -> str:
     ]
     table = make_table("| sun | mean | standard error | time of the processors |", lines)
     return f"{NOISE}{table}\nVariance at equal time, with the sun in the map over as a light: {row['gain']:.2f}.\n"
+
+
+def _tell_catchers(row) -> str:
+    line = (
+        f"| {row['unshadowed_change']:.1e} | {row['shadow_error_percent']:.3f} % | {row['direction_error_deg']:.3f}° | "
+        f"{row['composite_error_percent']:.2f} % |"
+    )
+    return CATCHERS + make_table("| unshaded | shadows | sun by dragging | montage |", [line], 0)
 
 
 def _tell_files(rows) -> str:

@@ -9,9 +9,10 @@ from ..common.output import write_numbers
 from .document import check_bars, describe
 from .files import describe_maps, try_files
 from .noise import measure_noise
+from .shadows import measure_shadows
 from .suns import LOW_SUN, NEAR_NOON, measure_maps, measure_repair, measure_shadow
 
-PARTS = ("maps", "shadow", "repair", "noise", "files", "collection")
+PARTS = ("maps", "shadow", "repair", "noise", "shadows", "files", "collection")
 
 __all__ = ["PARTS", "check_bars", "run", "write_results"]
 
@@ -45,6 +46,7 @@ def run(parts=None, folder: Path | None = None, say=lambda text: None) -> dict:
         "shadow": measure_shadow,
         "repair": measure_repair,
         "noise": measure_noise,
+        "shadows": measure_shadows,
         "files": try_files,
     }
     wanted = parts or PARTS
@@ -58,6 +60,7 @@ def _sum_up(result: dict) -> dict:
     """Return results with the figures that demands are made on."""
     parts = result["parts"]
     maps, repair, noise = (parts.get(name) for name in ("maps", "repair", "noise"))
+    shadows = parts.get("shadows")
     away = [row for row in repair or () if row["from_noon_s"] >= NEAR_NOON]
     found = [row for row in maps or () if row["expected"]]
     return {
@@ -67,7 +70,7 @@ def _sum_up(result: dict) -> dict:
         "repair_minutes": repair and max(row["minutes"] for row in away),
         "rebuilt_error_percent": repair
         and max(row["sun_percent"] for row in repair if row["elevation_deg"] >= LOW_SUN),
-        "shadow_error_percent": None,
+        "shadow_error_percent": shadows and shadows["shadow_error_percent"],
         "variance_gain": noise and noise["gain"],
     }
 
