@@ -4,12 +4,13 @@ Only the making of asset libraries needs both.
 """
 
 from ..options import add_group
-from . import convert, info, library, plot
+from . import convert, info, library, plot, ugr
 
 EPILOG = """examples:
   lumenray luminaire info downlight.ies
   lumenray luminaire info --json catalogue/ "more/*.ldt" > luminaires.json
   lumenray luminaire plot downlight.ies -o downlight.png
+  lumenray luminaire ugr downlight.ldt
   lumenray luminaire convert street.ldt street.ies
   lumenray luminaire library ~/luminaires
 
@@ -19,5 +20,5 @@ Angles are the luminaire's own: gamma from its downward axis, C counter-clockwis
 
 def add_command(commands) -> None:
     """Describe the commands to argparse."""
-    words = "photometric files: numbers, polar diagram, conversion"
-    add_group(commands, "luminaire", words, EPILOG, (info, plot, convert, library))
+    words = "photometric files: numbers, polar diagram, glare, conversion"
+    add_group(commands, "luminaire", words, EPILOG, (info, plot, ugr, convert, library))
