@@ -7,7 +7,9 @@ import numpy as np
 from ...accuracy.estimate import Estimate
 from ...accuracy.lost_samples import tell_lost
 from ...accuracy.stopping import Clock, StopRule
-from ...scene.sensor import SensorKind
+from ...photometry.alpha_opic import RECEPTORS
+from ...photometry.units import LUMINOUS_EFFICACY
+from ...scene.sensor import SensorColour, SensorKind
 from ..light_tracing.bent_lights import bent_lights
 from ..light_tracing.blur import find_blur
 from ..light_tracing.bright_spots import bright_spots
@@ -16,6 +18,7 @@ from ..light_tracing.near_rays import near_rays
 from ..paths import gather
 from ..paths.illuminance import STAGE, Receivers, compute, finish
 from ..paths.light_learning import learn
+from ..paths.spectral_meter import band_edges
 from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import hear_sensors
@@ -57,7 +60,7 @@ def measure(
     seed: int = 0,
     kind: SensorKind = SensorKind.PLANAR,
     reflections: int | None = None,
-    colour: bool = False,
+    colour: SensorColour | bool = False,
     method: str = "auto",
     witness: bool = True,
     progress=None,
@@ -96,6 +99,17 @@ def measure(
         return Reading(estimate, (decision,), notes, None)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
     return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance)
+
+
+def spectral_fields(estimate: Estimate) -> dict:
+    """Fields of `SensorSpectra` of an estimate with the channels of `spectral_meter` behind X, Y and Z."""
+    mean, error, receptors = estimate.mean, estimate.standard_error, slice(3, 3 + len(RECEPTORS))
+    return {
+        "edges": band_edges(),
+        "bands": mean[:, receptors.stop :] / LUMINOUS_EFFICACY,
+        "equivalent_daylight": mean[:, receptors],
+        "equivalent_daylight_error": error[:, receptors],
+    }
 
 
 class _Measuring:
