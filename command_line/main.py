@@ -10,6 +10,7 @@ from . import (
     benchmark,
     demo,
     explain,
+    glare,
     measure,
     probe,
     render,
@@ -36,6 +37,7 @@ EPILOG = """examples:
   lumenray rayset info led.ray
   lumenray brdf info paint.bsdf
   lumenray sky info --place Berlin --time 2026-06-21T12:00
+  lumenray glare fisheye.exr
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -51,8 +53,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, probe, validate, demo,
-        benchmark,
+        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, glare, probe,
+        validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser
