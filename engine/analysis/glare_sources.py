@@ -25,7 +25,8 @@ class GlareSources:
     luminances : (n,) float64 array    Mean over the solid angle. [cd/m2]
     solid_angles : (n,) float64 array    [sr]
     illuminances : (n,) float64 array    At the eye, on the plane across the line of sight. [lx]
-    directions : (n, 3) float64 array    Of the centres, by luminance and solid angle, in the picture's axes.
+    directions : (n, 3) float64 array
+        Of the centres, in the picture's axes: means of places on the picture, weighed by luminance and solid angle.
     """
 
     luminances: np.ndarray

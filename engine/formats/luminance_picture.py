@@ -106,7 +106,7 @@ def _read_exr(path: Path) -> tuple[np.ndarray, PictureView | None]:
             path, f"is no OpenEXR picture ({str(error).splitlines()[0]})"
         ) from None
     names = [field.name for field in bitmap.struct_()]
-    pixels = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32), dtype=np.float64)
+    pixels = np.array(bitmap, dtype=np.float64)
     pixels = pixels.reshape(bitmap.height(), bitmap.width(), -1)[::-1]
     stated = bitmap.metadata()
     found = next((name for name in CHANNELS if name in names), None)
