@@ -14,6 +14,7 @@ from . import (
     measure,
     probe,
     render,
+    requirements,
     sensitivity,
     validate,
 )
@@ -53,8 +54,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, glare, probe,
-        validate, demo, benchmark,
+        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, glare, requirements,
+        probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

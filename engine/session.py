@@ -228,8 +228,10 @@ class Session:
         if wanted:
             light = mean[:, 1], error[:, 1], provenance, mean[:, :3], error[:, :3], *more
             spectra = SensorSpectra(**spectral_fields(estimate)) if spectrum else None
-            return Measurement(*light, spectra)
-        return Measurement(mean, error, provenance, None, None, *more)
+            return Measurement(*light, spectra, made.has_common_errors)
+        return Measurement(
+            mean, error, provenance, None, None, *more, has_common_errors=made.has_common_errors
+        )
 
     def measure_sensors(
         self,

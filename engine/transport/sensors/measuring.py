@@ -44,12 +44,14 @@ class Reading:
     estimate : Estimate    As of `illuminance.compute`. [lx]
     decisions, notes : tuple of str    For people.
     balance : dict or None    Of the second witness, see `WitnessReport.balance`. [lm]
+    has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
     """
 
     estimate: Estimate
     decisions: tuple[str, ...]
     notes: tuple[str, ...]
     balance: dict | None
+    has_common_errors: bool = False
 
 
 def measure(
@@ -96,17 +98,19 @@ def measure(
     whole = estimate.samples * len(estimate.mean)
     notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
     if heard is None:
-        return Reading(estimate, (decision,), notes, None)
+        return Reading(estimate, (decision,), notes, None, made.reads_cells)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
-    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance)
+    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance, made.reads_cells)
 
 
 def spectral_fields(estimate: Estimate) -> dict:
     """Fields of `SensorSpectra` of an estimate with the channels of `spectral_meter` behind X, Y and Z."""
     mean, error, receptors = estimate.mean, estimate.standard_error, slice(3, 3 + len(RECEPTORS))
+    bands, bands_error = (each[:, receptors.stop :] / LUMINOUS_EFFICACY for each in (mean, error))
     return {
         "edges": band_edges(),
-        "bands": mean[:, receptors.stop :] / LUMINOUS_EFFICACY,
+        "bands": bands,
+        "bands_error": bands_error,
         "equivalent_daylight": mean[:, receptors],
         "equivalent_daylight_error": error[:, receptors],
     }
@@ -121,6 +125,7 @@ class _Measuring:
         self.clock = Clock(rule, STAGE)
         known = KnownDirections(scene, receivers, seed, rule.samples, cancelled)
         self.known = known if known.is_useful else None
+        self.reads_cells = False
 
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
         """The estimate, how it was made, and notes on it."""
@@ -131,6 +136,7 @@ class _Measuring:
             made = self._by_paths(None, choice)
         if made is None and count and choice.uses_cells:
             made, notes = self._by_cells(choice, is_forced=method == "cells")
+            self.reads_cells = made is not None
         if made is None:
             self.clock.restart()
             made = self._by_paths(reflections)
