@@ -16,7 +16,10 @@ PANELS = (
 
 OWN = {
     "render": {"file", "output", "force", "help", "size", "accept-missing", "mix"},
-    "bake": {"file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save"},
+    "bake": {
+        "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",
+        "requirements", "maintenance", "modified",
+    },
 }  # fmt: skip
 """Options that no panel has."""
 

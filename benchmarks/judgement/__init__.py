@@ -1,0 +1,1 @@
+"""What light is judged by, against standards and other programs: glare, colour, isolux, verdicts; `run` is its door."""
