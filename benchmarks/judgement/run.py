@@ -171,9 +171,9 @@ def _tell_eye(eye: dict) -> str:
     ]
     head = "| lamp | paint | sensor [lx] | quadrature [lx] | difference |"
     return (
-        "## Action on the eye\n\nThe alpha-opic efficacies of daylight and the melanopic equivalent of the CIE's toolbox are "
-        f"met within {eye['toolbox_percent']:.3f} %. Melanopic equivalent daylight illuminance at a sensor in closed rooms of "
-        f"coloured paint, whose light is known at every wavelength:\n\n{make_table(head, rows, 2)}\n"
+        "## Action on the eye\n\nThe alpha-opic efficacies of daylight and the melanopic equivalent of the CIE's toolbox "
+        f"are met within {eye['toolbox_percent']:.3f} %. Melanopic equivalent daylight illuminance at a sensor in closed "
+        f"rooms of coloured paint, whose light is known at every wavelength:\n\n{make_table(head, rows, 2)}\n"
     )
 
 
@@ -191,8 +191,8 @@ def _tell_indices(rows: list) -> str:
 def _tell_verdicts(made: dict) -> str:
     return (
         f"## Verdicts\n\n{made['runs']} simulated areas of {made['kinds']} kinds (1 to 49 sensors, means within 3 % of the "
-        f"limit, uniformities about theirs), each looked at until it is decided, up to {made['looks']} times, always after the "
-        f"time that was foretold: {made['wrong']} verdicts are wrong, of the worst kind {100.0 * made['worst_wrong']:.1f} %; "
-        f"{made['open']} stay open. Half of what is open is decided within {made['time_ratio']:.2f} of the time "
-        f"foretold.\n\n"
+        f"limit, uniformities about theirs), each looked at until it is decided, up to {made['looks']} times, always after "
+        f"the time that was foretold: {made['wrong']} verdicts are wrong, of the worst kind "
+        f"{100.0 * made['worst_wrong']:.1f} %; {made['open']} stay open. Half of what is open is decided within "
+        f"{made['time_ratio']:.2f} of the time foretold.\n\n"
     )
