@@ -12,6 +12,7 @@ from . import (
     explain,
     glare,
     measure,
+    observe,
     probe,
     render,
     requirements,
@@ -54,8 +55,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, glare, requirements,
-        probe, validate, demo, benchmark,
+        render, bake, measure, observe, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum, sky, glare,
+        requirements, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

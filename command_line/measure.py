@@ -18,6 +18,9 @@ from .options import (
 from .output import add_output, check_free, say
 from .progress import Bar
 
+RANGE = 0.95
+"""Probability of the ranges that are told of all sensors. [-]"""
+
 FREEDOM = 15.0
 """Degrees of freedom of the errors of single sensors: they have sixteen independent groups of samples."""
 
@@ -112,12 +115,35 @@ def run(options) -> int:
     )
     assumptions.tell(report, notes, shortfall)
     say(f"method: {made.method}")
+    if len(sensors) > 1:
+        say(_summary(made))
     for line in verdict:
         say(line)
     say(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
     )
     return assumptions.exit_code(report, options.accept_missing, shortfall)
+
+
+def _summary(made) -> str:
+    """Line with the figures of all sensors, each with its range."""
+    from ..engine.judgement.figures import find_figures
+
+    tail = 0.5 * (1.0 - RANGE)
+    errors = made.standard_error
+    found = find_figures(made.illuminance, errors, tail, FREEDOM, made.has_common_errors)
+    figures = {
+        "mean": (found.mean, " lx"),
+        "least": (found.minimum, " lx"),
+        "largest": (found.maximum, " lx"),
+        "Uo": (found.uniformity, ""),
+        "Ud": (found.diversity, ""),
+    }
+    told = [
+        f"{name} {each.value:.4g}{unit} ({each.low:.4g} to {each.high:.4g})"
+        for name, (each, unit) in figures.items()
+    ]
+    return f"all sensors, ranges of {100.0 * RANGE:g} %: {', '.join(told)}"
 
 
 def _asks_for_spectrum(required) -> bool:

@@ -21,8 +21,9 @@ from ..common.interiors import make_matt
 from ..common.office import load_office
 from ..common.pieces import make_mesh, rigid_frame, side_of_box
 
-SIZE, REPEAT, SAMPLES = 300, 2, 8
-"""Sides of the pictures [pixel], how often every pixel is repeated in the file that both read, and samples of each."""
+SIZE, REPEAT, SAMPLES = 300, 4, 8
+"""Sides of the pictures [pixel], how often every pixel is repeated in the file that both read, and samples of each:
+evalglare takes the place of a source at the corner of a pixel, which must be near."""
 
 PATIENCE = 900.0
 """Longest that evalglare may take. [s]"""
@@ -30,9 +31,8 @@ PATIENCE = 900.0
 WHITE = 179.0
 """Of Radiance: luminous efficacy of its white. [lm/W]"""
 
-FIGURES = {"dgp": "dgp", "dgi": "dgi", "ugr": "ugr", "veiling": "veiling"}
-"""Ours, and evalglare's names. Its veiling luminance is that of its own sources, 10 E / sigma^2 with the illuminances and
-angles that it prints: the sum that it prints takes angles at corners of pixels, degrees off in small pictures."""
+FIGURES = {"dgp": "dgp", "dgi": "dgi", "ugr": "ugr", "veiling": "Lveil_cie"}
+"""Ours, and evalglare's names."""
 
 
 def is_possible() -> bool:
@@ -71,8 +71,8 @@ def _scenes():
     ahead[2] = 0.0
     yield "office", office.items, _eye(place, ahead)
     window = interiors.build_window()
-    yield "window", window, _eye((3.4, 2.2, 1.3), (-0.2, 1.0, 0.0))
-    yield "window, perspective", window, _eye((3.4, 2.6, 1.3), (-0.3, 1.0, 0.1), 90.0)
+    yield "window", window, _eye((3.4, 2.2, 1.3), (0.45, 1.0, -0.1))
+    yield "window, perspective", window, _eye((3.4, 2.6, 1.3), (0.2, 1.0, 0.0), 90.0)
     panels = _build_panels()
     yield "panels", panels, _eye((2.0, 0.3, 1.2), (0.0, 1.0, 0.0))
     yield "panels, across", panels, _eye((0.3, 3.2, 1.2), (1.0, -0.4, 0.0))
@@ -141,21 +141,4 @@ def _ask_evalglare(path: Path) -> dict:
     )
     line = next(each for each in told.stdout.splitlines() if each.startswith("dgp,"))
     names, values = line.split(": ")
-    found = dict(zip(names.split(","), map(float, values.split()), strict=True))
-    return found | {"veiling": _veiling(told.stdout.splitlines())}
-
-
-def _veiling(lines: list[str]) -> float:
-    """Veiling luminance of the sources in the table that evalglare prints. [cd/m2]"""
-    start = next(number for number, line in enumerate(lines) if " No pixels " in line)
-    names = lines[start].split(" No ", 1)[1].split()
-    # The name of the first column is that of the source's number.
-    sigma, lux = (names.index(name) + 1 for name in ("Sigma", "Eglare"))
-    total = 0.0
-    for line in lines[start + 1 :]:
-        cells = line.split()
-        if not cells or not cells[0].isdigit():
-            break
-        if float(cells[sigma]) > 0.0:
-            total += 10.0 * float(cells[lux]) / float(cells[sigma]) ** 2
-    return total
+    return dict(zip(names.split(","), map(float, values.split()), strict=True))

@@ -1,0 +1,151 @@
+"""The command ``lumenray observe``: glare that observers in a scene are exposed to."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..blender_addon import assumptions
+from .blend_file import open_session
+from .options import add_scene, real, seed_of, transport_of, whole
+from .output import add_output, check_free, say
+from .progress import Bar
+
+PARTS = 4
+"""Pictures with samples of their own, whose figures differ by their errors."""
+
+FIGURES = ("ugr", "dgp", "dgi", "illuminance", "background", "veiling")
+"""Of an observer, in the order of the columns."""
+
+COLUMNS = {
+    "ugr": "ugr",
+    "dgp": "dgp",
+    "dgi": "dgi",
+    "illuminance": "vertical_illuminance_lx",
+    "background": "background_luminance_cd_per_m2",
+    "veiling": "veiling_luminance_cd_per_m2",
+}
+
+
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
+    observe = commands.add_parser(
+        "observe",
+        help="glare that observers in a scene are exposed to: UGR, DGP, DGI, veiling luminance",
+        epilog=assumptions.CODES,
+    )
+    add_scene(observe)
+    observe.add_argument(
+        "--observers",
+        required=True,
+        type=Path,
+        metavar="IN.csv",
+        help="x,y,z,nx,ny,nz in metres: places of the eyes and where they look",
+    )
+    add_output(observe, "OUT.csv", "the same columns and the figures with their standard errors")
+    observe.add_argument(
+        "--size",
+        type=whole(64, 4096),
+        default=400,
+        metavar="N",
+        help="width of the fisheye that is rendered for each observer, in pixels (default: 400)",
+    )
+    observe.add_argument(
+        "--samples",
+        type=whole(PARTS),
+        default=32,
+        metavar="N",
+        help="of a pixel (default: 32)",
+    )
+    observe.add_argument(
+        "--threshold",
+        type=real(),
+        default=2000.0,
+        metavar="CD",
+        help="luminance above which pixels are part of glare sources, in cd/m2 (default: 2000)",
+    )
+    assumptions.add_option(observe)
+    observe.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Rate what observers see; return the exit code."""
+    from ..engine.formats.sensors import read_sensors
+
+    check_free(options, options.output)
+    observers = read_sensors(options.observers)
+    settings, report, session = open_session(options)
+    rows, notes = [], {}
+    with Bar("observe") as bar:
+        for number, observer in enumerate(observers):
+            bar.share(number / len(observers))
+            values, said = _rate(session, observer, options, settings)
+            rows.append(values)
+            notes |= dict.fromkeys(said)
+    _write(options.output, observers, rows, assumptions.lines_of(report, tuple(notes)))
+    assumptions.tell(report, tuple(notes))
+    for number, row in enumerate(rows, start=1):
+        say(f"observer {number}: {_words(row)}")
+    say(f"{len(observers)} observers, written to {options.output}")
+    return assumptions.exit_code(report, options.accept_missing)
+
+
+def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
+    """Figures of an observer with their standard errors, NaN where one has no meaning, and notes."""
+    from ..engine.accuracy.stopping import StopRule
+    from ..engine.analysis.observer_view import eye_camera
+    from ..engine.analysis.picture_glare import rate_picture
+    from ..engine.formats.luminance_picture import view_of_camera
+    from ..engine.views import ViewSettings
+
+    camera = eye_camera(observer[:3], observer[3:], options.size)
+    view, seed = view_of_camera(camera), seed_of(options, settings)
+    rule = StopRule(samples=max(options.samples // PARTS, 1))
+    # Sums over all pixels need few paths, which takes less time than finding the light of cells.
+    wanted = ViewSettings(rule, seed, transport=transport_of(options, settings), method="paths")
+    pictures, notes = [], ()
+    for part in range(PARTS):
+        made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
+        pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
+        notes += made.provenance.notes
+    whole_picture = rate_picture(np.mean(pictures, axis=0), view, options.threshold)
+    parts = [rate_picture(each, view, options.threshold) for each in pictures]
+    figures = {}
+    for name in FIGURES:
+        value = getattr(whole_picture, name)
+        apart = np.array([getattr(each, name) for each in parts], dtype=np.float64)
+        error = apart.std(ddof=1) / np.sqrt(PARTS)
+        figures[name] = (np.nan if value is None else value, error)
+    return figures, notes
+
+
+def _words(row: dict) -> str:
+    from ..blender_addon.readout import format_estimate
+
+    names = {"ugr": "UGR", "dgp": "DGP", "dgi": "DGI"}
+    told = []
+    for name, word in names.items():
+        value, error = row[name]
+        if np.isnan(value):
+            told.append(f"{word} none (no glare source)")
+        elif np.isfinite(error) and error > 0.0:
+            told.append(f"{word} {format_estimate(value, error)}")
+        else:
+            told.append(f"{word} {value:.3g}")
+    return ", ".join(told).replace("\u2009", "")
+
+
+def _write(path: Path, observers, rows: list[dict], remarks) -> None:
+    from ..engine.formats.sensors import COLUMNS as PLACES
+    from ..engine.reading.whole_file import write_whole
+
+    with write_whole(path, "utf-8") as file:
+        file.writelines(f"# {remark}\n" for remark in remarks)
+        writer = csv.writer(file, lineterminator="\n")
+        names = [end for name in FIGURES for end in (COLUMNS[name], f"{COLUMNS[name]}_error")]
+        writer.writerow([*PLACES, *names])
+        for observer, row in zip(observers, rows, strict=True):
+            cells = [each for name in FIGURES for each in row[name]]
+            told = ["" if np.isnan(each) else f"{each:.5g}" for each in cells]
+            writer.writerow([*(f"{each:.9g}" for each in observer), *told])
