@@ -15,9 +15,6 @@ from .progress import Bar
 PARTS = 4
 """Pictures with samples of their own, whose figures differ by their errors."""
 
-FIGURES = ("ugr", "dgp", "dgi", "illuminance", "background", "veiling")
-"""Of an observer, in the order of the columns."""
-
 COLUMNS = {
     "ugr": "ugr",
     "dgp": "dgp",
@@ -26,6 +23,7 @@ COLUMNS = {
     "background": "background_luminance_cd_per_m2",
     "veiling": "veiling_luminance_cd_per_m2",
 }
+"""Names of the figures of an observer."""
 
 
 def add_command(commands) -> None:
@@ -47,16 +45,16 @@ def add_command(commands) -> None:
     observe.add_argument(
         "--size",
         type=whole(64, 4096),
-        default=400,
+        default=800,
         metavar="N",
-        help="width of the fisheye that is rendered for each observer, in pixels (default: 400)",
+        help="width of the fisheye that is rendered for each observer, in pixels (default: 800)",
     )
     observe.add_argument(
         "--samples",
         type=whole(PARTS),
-        default=32,
+        default=16,
         metavar="N",
-        help="of a pixel (default: 32)",
+        help="of a pixel (default: 16)",
     )
     observe.add_argument(
         "--threshold",
@@ -94,12 +92,12 @@ def run(options) -> int:
 def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
     """Figures of an observer with their standard errors, NaN where one has no meaning, and notes."""
     from ..engine.accuracy.stopping import StopRule
+    from ..engine.analysis.observer_glare import rate_observer
     from ..engine.analysis.observer_view import eye_camera
-    from ..engine.analysis.picture_glare import rate_picture
     from ..engine.formats.luminance_picture import view_of_camera
     from ..engine.views import ViewSettings
 
-    camera = eye_camera(observer[:3], observer[3:], options.size)
+    camera = eye_camera(observer[:3], observer[3:], options.size + options.size % 2)
     view, seed = view_of_camera(camera), seed_of(options, settings)
     rule = StopRule(samples=max(options.samples // PARTS, 1))
     # Sums over all pixels need few paths, which takes less time than finding the light of cells.
@@ -109,15 +107,7 @@ def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
         made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
         pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
         notes += made.provenance.notes
-    whole_picture = rate_picture(np.mean(pictures, axis=0), view, options.threshold)
-    parts = [rate_picture(each, view, options.threshold) for each in pictures]
-    figures = {}
-    for name in FIGURES:
-        value = getattr(whole_picture, name)
-        apart = np.array([getattr(each, name) for each in parts], dtype=np.float64)
-        error = apart.std(ddof=1) / np.sqrt(PARTS)
-        figures[name] = (np.nan if value is None else value, error)
-    return figures, notes
+    return rate_observer(np.stack(pictures), view, options.threshold), notes
 
 
 def _words(row: dict) -> str:
@@ -143,9 +133,9 @@ def _write(path: Path, observers, rows: list[dict], remarks) -> None:
     with write_whole(path, "utf-8") as file:
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
-        names = [end for name in FIGURES for end in (COLUMNS[name], f"{COLUMNS[name]}_error")]
+        names = [end for name in COLUMNS.values() for end in (name, f"{name}_error")]
         writer.writerow([*PLACES, *names])
         for observer, row in zip(observers, rows, strict=True):
-            cells = [each for name in FIGURES for each in row[name]]
+            cells = [each for name in COLUMNS for each in row[name]]
             told = ["" if np.isnan(each) else f"{each:.5g}" for each in cells]
             writer.writerow([*(f"{each:.9g}" for each in observer), *told])
