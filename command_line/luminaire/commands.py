@@ -1,10 +1,10 @@
 """The door of the commands ``lumenray luminaire``, which need neither Blender nor Mitsuba.
 
-Only the making of asset libraries needs both.
+Only the making of asset libraries needs both, and the schedule of a scene Blender.
 """
 
 from ..options import add_group
-from . import convert, info, library, plot, ugr
+from . import convert, info, library, plot, schedule, ugr
 
 EPILOG = """examples:
   lumenray luminaire info downlight.ies
@@ -12,6 +12,7 @@ EPILOG = """examples:
   lumenray luminaire plot downlight.ies -o downlight.png
   lumenray luminaire ugr downlight.ldt
   lumenray luminaire convert street.ldt street.ies
+  lumenray luminaire schedule office.blend --area 48 --lux 512
   lumenray luminaire library ~/luminaires
 
 Angles are the luminaire's own: gamma from its downward axis, C counter-clockwise seen from above.
@@ -21,4 +22,4 @@ Angles are the luminaire's own: gamma from its downward axis, C counter-clockwis
 def add_command(commands) -> None:
     """Describe the commands to argparse."""
     words = "photometric files: numbers, polar diagram, glare, conversion"
-    add_group(commands, "luminaire", words, EPILOG, (info, plot, ugr, convert, library))
+    add_group(commands, "luminaire", words, EPILOG, (info, plot, ugr, schedule, convert, library))
