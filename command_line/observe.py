@@ -11,6 +11,7 @@ from .blend_file import open_session
 from .options import add_scene, real, seed_of, transport_of, whole
 from .output import add_output, check_free, say
 from .progress import Bar
+from .requirements import add_files
 
 PARTS = 4
 """Pictures with samples of their own, whose figures differ by their errors."""
@@ -45,9 +46,9 @@ def add_command(commands) -> None:
     observe.add_argument(
         "--size",
         type=whole(64, 4096),
-        default=800,
+        default=600,
         metavar="N",
-        help="width of the fisheye that is rendered for each observer, in pixels (default: 800)",
+        help="width of the fisheye that is rendered for each observer, in pixels (default: 600)",
     )
     observe.add_argument(
         "--samples",
@@ -63,6 +64,13 @@ def add_command(commands) -> None:
         metavar="CD",
         help="luminance above which pixels are part of glare sources, in cd/m2 (default: 2000)",
     )
+    judgement = observe.add_argument_group("judgement")
+    judgement.add_argument(
+        "--require",
+        metavar="KEY",
+        help="say whether the UGR of a requirement such as office.writing is met; 'lumenray requirements' lists them",
+    )
+    add_files(judgement)
     assumptions.add_option(observe)
     observe.set_defaults(run=run)
 
@@ -73,6 +81,7 @@ def run(options) -> int:
 
     check_free(options, options.output)
     observers = read_sensors(options.observers)
+    requirement = _requirement(options)
     settings, report, session = open_session(options)
     rows, notes = [], {}
     with Bar("observe") as bar:
@@ -81,10 +90,14 @@ def run(options) -> int:
             values, said = _rate(session, observer, options, settings)
             rows.append(values)
             notes |= dict.fromkeys(said)
-    _write(options.output, observers, rows, assumptions.lines_of(report, tuple(notes)))
+    judged = [] if requirement is None else _judge(requirement, rows)
+    remarks = (*assumptions.lines_of(report, tuple(notes)), *judged)
+    _write(options.output, observers, rows, remarks)
     assumptions.tell(report, tuple(notes))
     for number, row in enumerate(rows, start=1):
         say(f"observer {number}: {_words(row)}")
+    for line in judged:
+        say(line)
     say(f"{len(observers)} observers, written to {options.output}")
     return assumptions.exit_code(report, options.accept_missing)
 
@@ -108,6 +121,39 @@ def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
         pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
         notes += made.provenance.notes
     return rate_observer(np.stack(pictures), view, options.threshold), notes
+
+
+def _requirement(options):
+    """The requirement that was asked for, before anything is computed; None without one."""
+    if options.require is None:
+        return None
+    from ..engine.judgement.observers import glare_limit
+    from ..engine.judgement.reader import find_requirement
+
+    requirement = find_requirement(options.require, options.requirements)
+    glare_limit(requirement)
+    return requirement
+
+
+def _judge(requirement, rows: list[dict]) -> list[str]:
+    """Lines of verdicts: of all observers, and of each."""
+    from ..engine.judgement.observers import glare_limit, judge_observers
+    from ..engine.judgement.verdict import State, overall
+
+    limit = glare_limit(requirement)
+    verdicts = judge_observers(limit, [row["ugr"] for row in rows], PARTS - 1)
+    words = overall(verdicts).value
+    if overall(verdicts) is State.UNDECIDED:
+        words += ": more --samples and a larger --size lower the errors"
+    title = f"{requirement.key} ({requirement.standard}: {requirement.title})"
+    lines = [f"{title}: UGR at most {limit:g} is {words}"]
+    for number, verdict in enumerate(verdicts, start=1):
+        found = verdict.found
+        held = "no glare source"
+        if np.isfinite(found.value):
+            held = f"{found.value:.1f} ({found.low:.1f} to {found.high:.1f})"
+        lines.append(f"  observer {number}: {verdict.state.value}, {held}")
+    return lines
 
 
 def _words(row: dict) -> str:

@@ -63,7 +63,7 @@ def _judge_many(draw, count: int, offset: float, uniformity: float) -> dict:
             truth = draw.uniform(0.7, 1.3, count)
             truth[0] = uniformity * truth[1:].sum() / (count - uniformity)
         truth = truth / truth.mean() * LIMIT * (1.0 + offset)
-        meets = offset >= 0.0 and truth.min() / truth.mean() >= UNIFORMITY
+        meets = bool(offset >= 0.0 and truth.min() / truth.mean() >= UNIFORMITY)
         area = _Area(draw, truth)
         for _ in range(LOOKS):
             verdicts = area.verdicts()

@@ -61,5 +61,6 @@ def test_noisy_areas_are_judged_until_decided(monkeypatch):
     monkeypatch.setattr(verdicts, "RUNS", 5)
     monkeypatch.setattr(verdicts, "FORECASTS", 200)
     made = verdicts.measure(lambda line: None)
+    json.dumps(made)
     assert made["runs"] == 5 * made["kinds"]
     assert 0.0 <= made["worst_wrong"] <= 1.0
