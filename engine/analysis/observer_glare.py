@@ -64,7 +64,13 @@ def _refine(picture: np.ndarray, view: PictureView, threshold: float) -> tuple[d
         for each, its in ((picture, view), (blocks, coarse))
     )
     added = {name: np.nan_to_num(fine[name] - rough[name]) for name in FIGURES}
-    return {name: fine[name] + added[name] for name in FIGURES}, added
+    found = {name: fine[name] + added[name] for name in FIGURES}
+    return {name: _held(name, value) for name, value in found.items()}, added
+
+
+def _held(name: str, value: float) -> float:
+    """Ratings can be below 0, amounts of light cannot."""
+    return value if name in {"ugr", "dgi"} or np.isnan(value) else max(value, 0.0)
 
 
 def _figures(made: PictureGlare) -> dict[str, float]:

@@ -175,3 +175,18 @@ def test_mixes_that_make_no_sense_are_refused(tmp_path, capsys, options, words):
         code = end.code
     assert code in {1, 2}
     assert words in capsys.readouterr().err
+
+
+def test_the_command_line_rates_what_observers_see(tmp_path, capfd):
+    (tmp_path / "eyes.csv").write_text("x,y,z,nx,ny,nz\n0,0,0.5,0,1,0\n")
+    out = tmp_path / "out.csv"
+    tell = ["observe", str(scenes.scene_path("closed_box")), "--observers", str(tmp_path / "eyes.csv"),
+            "-o", str(out), "--size", "64", "--samples", "4"]  # fmt: skip
+    assert command_line.main([*tell, "--require", "office.writing"]) == 0
+    assert "UGR at most 19 is" in "".join(capfd.readouterr())
+    lines = [line for line in out.read_text().splitlines() if not line.startswith("#")]
+    rows = np.genfromtxt(lines, delimiter=",", names=True)
+    assert rows["ugr_error"] > 0.0
+    assert rows["vertical_illuminance_lx"] > 0.0
+    assert command_line.main([*tell, "--require", "office.writing"]) != 0
+    assert "out.csv" in "".join(capfd.readouterr())
