@@ -17,7 +17,7 @@ OFFSETS = (-0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03)
 UNIFORMITIES = (0.57, 0.59, 0.605, 0.63)
 """True ones; 0.6 is asked for."""
 
-RUNS, FORECASTS = 200, 6000
+RUNS, FORECASTS = 400, 6000
 """Of each area, and areas whose forecasts are followed."""
 
 SHARES = np.geomspace(0.25, 4.0, 33)

@@ -13,6 +13,10 @@ WRONG = 0.05
 LOOKS = 4
 """Looks that share it: a run that is not decided may be gone on with three times."""
 
+CHOSEN = 2
+"""Factor by which a look has to be more certain as its time is chosen by what was seen before: where a range is about to
+leave the limit, one looks again soon, and is wrong more often than at times that were set before."""
+
 PATIENCE = 1e4
 """Times as long beyond which nothing is foretold: value and limit are the same as far as one can tell."""
 
@@ -66,7 +70,7 @@ class Verdict:
 
 def tail(limits: int) -> float:
     """Probability with which the ends of ranges may be passed, where a requirement has so many limits. [-]"""
-    return WRONG / (LOOKS * max(limits, 1))
+    return WRONG / (CHOSEN * LOOKS * max(limits, 1))
 
 
 def reach(limits: int) -> float:
