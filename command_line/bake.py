@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import Cancelled, FileFormatError, LumenrayError
+from . import requirements
 from .bake_table import print_bake, print_table
 from .blend_file import open_blend, quiet
 from .interruption import Interruption
@@ -36,6 +37,7 @@ def add_command(commands) -> None:
         help="standard error in lx; the first end that is met counts",
     )
     _add_files(bake.add_argument_group("files"))
+    requirements.add_options(bake, "the first of the requirement, of every surface that is baked")
     assumptions.add_option(bake)
     bake.set_defaults(run=run)
 
@@ -124,6 +126,7 @@ def _add_files(files) -> None:
 
 def run(options) -> int:
     """Bake objects of a file; return the exit code."""
+    required = requirements.find(options)
     depsgraph = open_blend(options.file)
     check_files(options)
     job = bake_open(options, depsgraph)
@@ -132,6 +135,8 @@ def run(options) -> int:
     assumptions.tell(job.report, job.notes, job.shortfall)
     print_table(job.maps)
     print_bake(job.result)
+    if required is not None:
+        _judge(job, options, *required)
     say(f"written to {options.output}")
     if options.gltf in job.files:
         say(f"written to {options.gltf}")
@@ -139,6 +144,19 @@ def run(options) -> int:
         more = "; --resume goes on with it" if job.order.checkpoint is not None else ""
         complain(f"the bake was stopped before its end{more}")
     return assumptions.exit_code(job.report, options.accept_missing, job.shortfall)
+
+
+def _judge(job, options, requirement, area: str, limits: int) -> None:
+    """Say of every map whether it meets a requirement."""
+    from ..engine.judgement.assessment import assess, figures_of_map, tell
+    from .output import name_cell
+
+    for made in job.maps:
+        figures, seconds = figures_of_map(made, limits), made.provenance.seconds
+        judged = assess(
+            requirement, area, figures, seconds, options.maintenance, is_modified=options.modified
+        )
+        say(f"{name_cell(made.name)}: " + "\n".join(tell(judged)))
 
 
 def _save(path: Path, job) -> None:

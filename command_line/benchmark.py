@@ -113,6 +113,19 @@ def add_command(commands) -> None:
     environment.add_argument(
         "--maps", type=Path, metavar="FOLDER", help="pictures that are analysed (default: none)"
     )
+    judgement = _add(
+        kinds,
+        "judgement",
+        _run_judgement,
+        "glare, action on the eye, colour indices, isolux and verdicts against standards and other programs",
+        "without --tables",
+    )
+    judgement.add_argument(
+        "--tables",
+        type=Path,
+        metavar="FOLDER",
+        help="luminaires sample_NN.ldt with tables ugr_table_NN_NAME.csv of glare ratings (default: left out)",
+    )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     _add_with_peers(kinds)
@@ -409,6 +422,17 @@ def _run_daylight(options, say) -> int:
     )
     tell(tell_bars(daylight.check_bars(result)))
     _write(daylight, result, options, bool(options.parts) and earlier is None)
+    return 0
+
+
+def _run_judgement(options, say) -> int:
+    _start_engine()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.judgement import run as judgement
+
+    result = judgement.run(options.tables, say=say)
+    tell(tell_bars(judgement.check_bars(result)))
+    _write(judgement, result, options, options.tables is None)
     return 0
 
 

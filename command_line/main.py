@@ -11,10 +11,13 @@ from . import (
     demo,
     difference,
     explain,
+    glare,
     goniometer,
     measure,
+    observe,
     probe,
     render,
+    requirements,
     sensitivity,
     validate,
 )
@@ -41,6 +44,7 @@ EPILOG = """examples:
   lumenray brdf info paint.bsdf
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
+  lumenray glare fisheye.exr
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -56,8 +60,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf, spectrum,
-        sky, environment, probe, validate, demo, benchmark,
+        render, bake, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
+        spectrum, sky, environment, glare, requirements, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

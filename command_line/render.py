@@ -134,7 +134,7 @@ def render_open(options, depsgraph) -> int:
         whole_picture = _take(depsgraph, feed, camera, view, shutter, bar)
     picture = whole_picture.mixed(levels)
     white, linear = _expose(picture, scene.lumenray)
-    _write_exr(options.output, picture, white, linear)
+    _write_exr(options.output, picture, white, linear, camera)
     shown = _preview(options, picture, camera, linear)
     write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
     _draw_false_colours(options, picture)
@@ -283,9 +283,10 @@ def _expose(picture, settings):
     return white, scene_linear(shown_light(picture), white)
 
 
-def _write_exr(path: Path, picture, white: float, linear) -> None:
+def _write_exr(path: Path, picture, white: float, linear, camera) -> None:
     from ..blender_addon.rendering.render_engine import shown_light
     from ..engine.formats import exr
+    from ..engine.formats.luminance_picture import VIEW, describe_view, view_of_camera
     from ..engine.photometry.colour import scene_linear
 
     channels = {name: linear[..., i] for i, name in enumerate("RGB")}
@@ -314,6 +315,9 @@ def _write_exr(path: Path, picture, white: float, linear) -> None:
             channels[f"Illuminance_{group.name}.error"] = group.illuminance_error
     # whiteLuminance is OpenEXR's standard attribute: the luminance of (1, 1, 1).
     attributes = {"whiteLuminance": white, "sceneHash": picture.provenance.scene_hash}
+    view = view_of_camera(camera)
+    if view is not None:
+        attributes[VIEW] = describe_view(view)
     exr.write_channels(path, channels, attributes)
 
 

@@ -8,6 +8,26 @@ from .scene.provenance import Provenance
 
 
 @dataclass(frozen=True)
+class SensorSpectra:
+    """Spectra of the light at sensors.
+
+    Parameters
+    ----------
+    edges : (b + 1,) float64    Of the bands. [nm]
+    bands, bands_error : (n, b) float64    Mean spectral irradiance and its standard error. [W/(m2 nm)]
+    equivalent_daylight : (n, 5) float64
+        Alpha-opic equivalent daylight (D65) illuminances in the order of `photometry.alpha_opic.RECEPTORS`. [lx]
+    equivalent_daylight_error : (n, 5) float64    Standard errors. [lx]
+    """
+
+    edges: np.ndarray
+    bands: np.ndarray
+    bands_error: np.ndarray
+    equivalent_daylight: np.ndarray
+    equivalent_daylight_error: np.ndarray
+
+
+@dataclass(frozen=True)
 class Measurement:
     """Illuminance at sensors.
 
@@ -18,6 +38,8 @@ class Measurement:
     tristimulus_error : (n, 3) float64 or None    Standard errors. [lx]
     balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
     method : str    How light beyond the first bounce was found and why so, for people.
+    spectra : SensorSpectra or None    Where they were asked for.
+    has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
     """
 
     illuminance: np.ndarray
@@ -27,6 +49,8 @@ class Measurement:
     tristimulus_error: np.ndarray | None = None
     balance: dict | None = None
     method: str = ""
+    spectra: SensorSpectra | None = None
+    has_common_errors: bool = False
 
 
 @dataclass(frozen=True)

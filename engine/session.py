@@ -23,7 +23,7 @@ from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import SceneError
 from .grouped_picture import Rendered, render_groups
 from .live import WatchedView
-from .measurements import Measurement, SurfaceProbe
+from .measurements import Measurement, SensorSpectra, SurfaceProbe
 from .scene.camera import Camera
 from .scene.checks import check_item
 from .scene.light import UniformWorld
@@ -31,7 +31,7 @@ from .scene.light_groups import WORLD, share_out
 from .scene.material import Surface
 from .scene.provenance import Provenance
 from .scene.scene import Scene, SceneDelta
-from .scene.sensor import SensorKind
+from .scene.sensor import SensorColour, SensorKind
 from .scene.spectrum import Illuminant
 from .views import Commit, Display, DisplayMode, Frame, LiveSettings, Picture, ViewSettings
 
@@ -178,6 +178,7 @@ class Session:
         colour: bool = False,
         method: str = "auto",
         witness: bool = True,
+        spectrum: bool = False,
     ) -> Measurement:
         """Illuminance at points.
 
@@ -195,14 +196,16 @@ class Session:
             is needed and says why.
         witness : bool
             Whether a pilot from the lights tells what the sensors receive, so that the errors cover what it finds.
+        spectrum : bool    Whether spectra and alpha-opic quantities are wanted too, and X and Z with them.
 
         Raises
         ------
         SceneError    A position, a normal or the method is not usable.
         Cancelled    After `cancel`.
         """
+        wanted = SensorColour.SPECTRUM if spectrum else SensorColour(int(colour))
         with self._engine(transport) as compiled:
-            from .transport.sensors.measuring import measure
+            from .transport.sensors.measuring import measure, spectral_fields
 
             start = time.perf_counter()
             made = measure(
@@ -213,7 +216,7 @@ class Session:
                 seed,
                 kind,
                 reflections,
-                colour,
+                wanted,
                 method,
                 witness and self._has_witness,
                 progress,
@@ -228,9 +231,13 @@ class Session:
             estimate.standard_error,
             (made.balance, made.decisions[0]),
         )
-        if colour:
-            return Measurement(mean[:, 1], error[:, 1], provenance, mean, error, *more)
-        return Measurement(mean, error, provenance, None, None, *more)
+        if wanted:
+            light = mean[:, 1], error[:, 1], provenance, mean[:, :3], error[:, :3], *more
+            spectra = SensorSpectra(**spectral_fields(estimate)) if spectrum else None
+            return Measurement(*light, spectra, made.has_common_errors)
+        return Measurement(
+            mean, error, provenance, None, None, *more, has_common_errors=made.has_common_errors
+        )
 
     def measure_sensors(
         self,

@@ -42,6 +42,7 @@ def describe(file) -> dict:
     import numpy as np
 
     from ...engine.analysis.spectrum_figures import find_figures
+    from ...engine.photometry.alpha_opic import RECEPTORS
 
     nm, values = file.table.wavelengths, file.table.values
     figures = asdict(find_figures(file.table))
@@ -64,6 +65,12 @@ def describe(file) -> dict:
         "colour_temperature_k": figures["temperature"],
         "duv": figures["duv"],
         "luminous_reflectance_d65": figures["reflectance"],
+        "colour_rendering_ra": figures["rendering"],
+        "fidelity_rf": figures["fidelity"],
+        "gamut_rg": figures["gamut"],
+        "daylight_efficacy_ratios": dict(
+            zip(RECEPTORS, figures["daylight_ratios"] or (), strict=False)
+        ),
         "warnings": [str(remark) for remark in file.remarks],
     }
 
@@ -89,8 +96,22 @@ def _lines(row):
         words = zip(("below 380 nm", "visible", "above 780 nm"), shares, strict=True)
         yield "power", ", ".join(f"{percent(share)} {word}" for word, share in words)
         yield "as a light", _light_words(row)
+        yield "colour rendering", _rendering_words(row)
+        yield "melanopic", _melanopic_words(row)
     if row["luminous_reflectance_d65"] is not None:
         yield "as a reflectance", f"{percent(row['luminous_reflectance_d65'], '.2f')} under D65"
+
+
+def _rendering_words(row) -> str:
+    if row["colour_rendering_ra"] is None:
+        return ""
+    words = (("Ra", "colour_rendering_ra"), ("Rf", "fidelity_rf"), ("Rg", "gamut_rg"))
+    return ", ".join(f"{name} {row[key]:.1f}" for name, key in words)
+
+
+def _melanopic_words(row) -> str:
+    ratios = row["daylight_efficacy_ratios"]
+    return f"100 lx act as {100.0 * ratios['melanopic']:.4g} lx of daylight (D65)" if ratios else ""
 
 
 def _light_words(row) -> str:

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..photometry.alpha_opic import alpha_opic, equivalent_daylight
 from ..photometry.colour import chromaticity
+from ..photometry.colour_fidelity import fidelity_and_gamut
+from ..photometry.colour_rendering import general_index
 from ..photometry.colour_temperature import colour_temperature
 from ..photometry.spectra import GRID, efficacy_of_table, illuminant, observer
-from ..photometry.units import VISIBLE
+from ..photometry.units import LUMINOUS_EFFICACY, VISIBLE
 from ..scene.spectrum import Tabulated
 
 
@@ -23,6 +26,11 @@ class SpectrumFigures:
     chromaticity : (float, float) or None    x, y of the light. [-]
     temperature, duv : float or None    See `colour_temperature`. [K], [-]
     reflectance : float or None    As a reflectance: its luminous mean under D65; None of values above 1. [-]
+    rendering : float or None    General colour rendering index Ra. [-]
+    fidelity, gamut : float or None    Rf and Rg. [-]
+    daylight_ratios : (5,) tuple of float or None
+        Alpha-opic daylight (D65) efficacy ratios in the order of `alpha_opic.RECEPTORS`: what a lux of the light acts as, in
+        lux of D65. [-]
     """
 
     peak: float | None
@@ -35,6 +43,10 @@ class SpectrumFigures:
     temperature: float | None
     duv: float | None
     reflectance: float | None
+    rendering: float | None
+    fidelity: float | None
+    gamut: float | None
+    daylight_ratios: tuple[float, ...] | None
 
 
 def find_figures(table: Tabulated) -> SpectrumFigures:
@@ -45,6 +57,7 @@ def find_figures(table: Tabulated) -> SpectrumFigures:
     is_visible = tristimulus[1] > 0.0
     shares = _shares(nm, values)
     found = colour_temperature(tristimulus) if is_visible else None
+    fidelity = fidelity_and_gamut(seen) if is_visible else None
     return SpectrumFigures(
         peak=float(nm[np.argmax(values)]) if values.any() else None,
         centroid=float((values * nm) @ _weights(nm) / (values @ _weights(nm)))
@@ -58,6 +71,10 @@ def find_figures(table: Tabulated) -> SpectrumFigures:
         temperature=found[0] if found else None,
         duv=found[1] if found else None,
         reflectance=_luminous_mean(table) if values.max() <= 1.0 else None,
+        rendering=general_index(seen) if is_visible else None,
+        fidelity=fidelity[0] if fidelity else None,
+        gamut=fidelity[1] if fidelity else None,
+        daylight_ratios=_daylight_ratios(seen, tristimulus[1]) if is_visible else None,
     )
 
 
@@ -82,6 +99,13 @@ def _shares(nm: np.ndarray, values: np.ndarray) -> tuple[float | None, float | N
     below, above = finer[1:] <= VISIBLE[0], finer[:-1] >= VISIBLE[1]
     parts = (below, ~below & ~above, above)
     return tuple(float(power[part].sum() / whole) for part in parts)
+
+
+def _daylight_ratios(power: np.ndarray, luminous: float) -> tuple[float, ...]:
+    """Equivalent daylight illuminances of power on `GRID` over its illuminance, which is ``luminous`` in the same unit."""
+    return tuple(
+        map(float, equivalent_daylight(alpha_opic(power)) / (LUMINOUS_EFFICACY * luminous))
+    )
 
 
 def _luminous_mean(table: Tabulated) -> float:

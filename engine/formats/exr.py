@@ -11,7 +11,6 @@ import numpy as np
 from .. import llvm
 from ..errors import FileFormatError
 from ..photometry.colour import scene_linear
-from ..errors import FileFormatError
 from ..reading.content import read_bytes
 from ..reading.whole_file import write_whole
 from .exr_structure import check_whole

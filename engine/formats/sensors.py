@@ -97,12 +97,13 @@ def _row(path, fields, order, line) -> list[float]:
 
 
 def write_measurements(
-    path, sensors: np.ndarray, illuminance, standard_error, tristimulus=None, remarks=()
+    path, sensors: np.ndarray, illuminance, standard_error, tristimulus=None, remarks=(), more=None
 ) -> Path:
     """Write sensors (n, 6) with their illuminance and its standard error (n,). [m, lx]
 
     ``tristimulus`` (n, 3) adds the chromaticity x, y of the light that arrives. ``remarks`` are lines of text that a
-    reader of the numbers has to know; they stand before them, each behind a ``#``.
+    reader of the numbers has to know; they stand before them, each behind a ``#``. ``more``: further columns (n,) by name,
+    NaN where there is no value.
 
     Raises
     ------
@@ -113,9 +114,11 @@ def write_measurements(
         writer = csv.writer(file, lineterminator="\n")
         colours = [()] * len(sensors) if tristimulus is None else _chromaticities(tristimulus)
         names = () if tristimulus is None else ("chromaticity_x", "chromaticity_y")
-        writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx", *names])
-        for row, value, error, colour in zip(
-            sensors, illuminance, standard_error, colours, strict=True
+        more = more or {}
+        others = np.array([*more.values()]).reshape(len(more), len(sensors)).T
+        writer.writerow([*COLUMNS, "illuminance_lx", "standard_error_lx", *names, *more])
+        for row, value, error, colour, rest in zip(
+            sensors, illuminance, standard_error, colours, others, strict=True
         ):
             writer.writerow(
                 [
@@ -123,6 +126,7 @@ def write_measurements(
                     f"{value:.7g}",
                     f"{error:.3g}",
                     *(f"{c:.5f}" for c in colour),
+                    *(f"{c:.6g}" if np.isfinite(c) else "" for c in rest),
                 ]
             )
     return Path(path)

@@ -1,5 +1,7 @@
 """Correlated colour temperature: the blackbody whose colour comes nearest."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from .spectra import GRID, observer, planck
@@ -32,8 +34,7 @@ def colour_temperature(tristimulus) -> tuple[float, float] | None:
     place = _uv(np.asarray(tristimulus, dtype=np.float64))
     if not np.isfinite(place).all():
         return None
-    mireds = np.linspace(1e6 / HOTTEST, 1e6 / COLDEST, _STEPS)
-    locus = _uv(np.stack([planck(GRID, 1e6 / mired) for mired in mireds]) @ observer())
+    mireds, locus = _locus()
     distance = np.hypot(*(locus - place).T)
     near = int(np.argmin(distance))
     if near in {0, _STEPS - 1}:
@@ -47,6 +48,13 @@ def colour_temperature(tristimulus) -> tuple[float, float] | None:
     if np.hypot(*apart) > FARTHEST:
         return None
     return 1e6 / float(mired), float(np.copysign(np.hypot(*apart), apart[1]))
+
+
+@lru_cache
+def _locus() -> tuple[np.ndarray, np.ndarray]:
+    """Reciprocal temperatures of the blackbodies that are tried [1e6/K], and their u, v. (n,), (n, 2)"""
+    mireds = np.linspace(1e6 / HOTTEST, 1e6 / COLDEST, _STEPS)
+    return mireds, _uv(np.stack([planck(GRID, 1e6 / mired) for mired in mireds]) @ observer())
 
 
 def _uv(tristimulus: np.ndarray) -> np.ndarray:

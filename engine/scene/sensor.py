@@ -1,7 +1,7 @@
 """Places at which illuminance is wanted, as pure data. They live on the engine's side and survive the host's edits."""
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, IntEnum
 
 import numpy as np
 
@@ -13,6 +13,14 @@ class SensorKind(Enum):
     SPHERICAL = "spherical"  # mean over a small sphere; the normal has no meaning
     CYLINDRICAL = "cylindrical"  # mean over the side of a small vertical cylinder; no normal
     SEMICYLINDRICAL = "semicylindrical"  # over the half of it that the horizontal normal points to
+
+
+class SensorColour(IntEnum):
+    """What of the colour of light sensors tell beside the illuminance."""
+
+    NONE = 0
+    TRISTIMULUS = 1  # X and Z
+    SPECTRUM = 2  # these, alpha-opic equivalent daylight illuminances and the spectrum in bands
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,6 +136,7 @@ class RemoteSession:
         colour: bool = False,
         method: str = "auto",
         witness: bool = True,
+        spectrum: bool = False,
     ) -> Measurement:
         """Illuminance at points, as `Session.measure`. Raises as `render`. (n, 3), (n, 3) [m -> lx]"""
         points = [np.asarray(each, dtype=np.float64) for each in (positions, normals)]
@@ -147,6 +148,7 @@ class RemoteSession:
             "colour": colour,
             "method": method,
             "witness": witness,
+            "spectrum": spectrum,
         }
         return self._wait("measure", (*points, rule), options, _states_only(progress), idle)
 

@@ -1,4 +1,4 @@
-"""Spectral tables that ship: the CIE 1931 observer, CIE illuminants, daylight components, names of metals."""
+"""Spectral tables that ship: CIE observers, illuminants, daylight, actions on the eye, test colours; metals' names."""
 
 import csv
 from functools import lru_cache
@@ -56,3 +56,26 @@ def tabulated_illuminant(name: str) -> tuple[np.ndarray, np.ndarray]:
 def conductor_names() -> tuple[str, ...]:
     """Return the names of the metals."""
     return METALS
+
+
+def observer_1964() -> tuple[np.ndarray, np.ndarray]:
+    """Return wavelengths (471,) [nm] and colour-matching functions (471, 3) of the CIE 1964 10-degree observer. [-]"""
+    _, rows = _table("observer_1964.csv")
+    return rows[:, 0], rows[:, 1:]
+
+
+def action_spectra() -> tuple[tuple[str, ...], np.ndarray, np.ndarray]:
+    """Return names, wavelengths (401,) [nm] and the alpha-opic action spectra (401, 5) of CIE S 026:2018. [-]"""
+    header, rows = _table("alpha_opic.csv")
+    return header[1:], rows[:, 0], rows[:, 1:]
+
+
+def colour_samples(year: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return wavelengths (n,) [nm] and spectral radiance factors (n, samples) of test colours. [-]
+
+    Parameters
+    ----------
+    year : int    1995: the 14 of CIE 13.3; 2017: the 99 of CIE 224 and ANSI/IES TM-30.
+    """
+    _, rows = _table(f"colour_samples_{year}.csv")
+    return rows[:, 0], rows[:, 1:]

@@ -18,7 +18,10 @@ OWN = {
     "render": {
         "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale",
     },
-    "bake": {"file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save"},
+    "bake": {
+        "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",
+        "requirements", "maintenance", "modified",
+    },
 }  # fmt: skip
 """Options that no panel has."""
 

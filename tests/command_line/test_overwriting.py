@@ -15,6 +15,7 @@ BOX = str(scenes.scene_path("closed_box"))
 COMMANDS = [
     ("render none.blend -o a.exr", "a.exr a.png a.json a_spectral.exr"),
     ("measure none.blend --sensors in.csv -o out.csv", "out.csv"),
+    ("observe none.blend --observers in.csv -o out.csv", "out.csv"),
     ("sensitivity none.blend --sensors in.csv -o out.json", "out.json"),
     ("luminaire plot none.ies -o a.png", "a.png"),
     ("luminaire convert none.ies a.ldt", "a.ldt"),

@@ -357,3 +357,18 @@ def test_a_goniometer_sees_what_a_reflector_adds(tmp_path):
     np.testing.assert_allclose(found[above], exact[above], rtol=0.01)
     # The plate hides the lamp from below.
     assert distribution.intensity[:, :3].max() < 0.01 * lamp
+
+
+def test_the_command_line_rates_what_observers_see(tmp_path, capfd):
+    (tmp_path / "eyes.csv").write_text("x,y,z,nx,ny,nz\n0,0,0.5,0,1,0\n")
+    out = tmp_path / "out.csv"
+    tell = ["observe", str(scenes.scene_path("closed_box")), "--observers", str(tmp_path / "eyes.csv"),
+            "-o", str(out), "--size", "64", "--samples", "4"]  # fmt: skip
+    assert command_line.main([*tell, "--require", "office.writing"]) == 0
+    assert "UGR at most 19 is" in "".join(capfd.readouterr())
+    lines = [line for line in out.read_text().splitlines() if not line.startswith("#")]
+    rows = np.genfromtxt(lines, delimiter=",", names=True)
+    assert rows["ugr_error"] > 0.0
+    assert rows["vertical_illuminance_lx"] > 0.0
+    assert command_line.main([*tell, "--require", "office.writing"]) != 0
+    assert "out.csv" in "".join(capfd.readouterr())

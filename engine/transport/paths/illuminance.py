@@ -12,13 +12,14 @@ from ...accuracy.stopping import Clock, StopRule
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
-from ...scene.sensor import SensorKind
+from ...scene.sensor import SensorColour, SensorKind
 from ..compiled.compile import CompiledScene
 from ..compiled.textures import is_spectral
 from . import gather
 from .light_learning import learn
 from .lost_samples import LostSamples
 from .sampler import hash_words, random_stream, sobol_pair
+from .spectral_meter import CHANNELS, SpectralMeter
 from .wavelengths import WavelengthSampler
 
 LANES = 1 << 19
@@ -151,7 +152,7 @@ def compute(
     progress : callable or None    Called with a `Progress` after every launch.
     cancelled : callable    Asked before every launch.
     reflections : int or None    Most reflections that light may have had; None: no limit.
-    colour : bool    Whether X and Z are wanted too.
+    colour : SensorColour or bool    What of the colour is wanted too; True: X and Z.
     known : KnownDirections or None    Where the receivers get light over bends from, if it was looked for.
     clock : Clock or None    Follows the job; None: one of its own.
     leaves : callable    Asked after every pass but the last, with the `Estimate` of the illuminance (n,) and the clock,
@@ -159,15 +160,15 @@ def compute(
 
     Returns
     -------
-    Estimate or None    Of shape (n,), or (n, 3) for X, Y, Z; errors hold what lost samples may have brought [lx]. None: it
-        was left.
+    Estimate or None    Of shape (n,), (n, 3) for X, Y, Z, or with the channels of `spectral_meter` behind these; errors hold
+        what lost samples may have brought [lx]. None: it was left.
 
     Raises
     ------
     Cancelled    When ``cancelled`` answered true.
     """
     total = len(receivers.start)
-    channels, bright = (3, 1) if colour else (1, 0)
+    channels, bright = count_channels(colour), 1 if colour else 0
     sums, lost = Accumulator(groups, (total, channels)), np.zeros(total, dtype=np.int64)
     if total == 0:
         return finish(sums.estimate(), colour)
@@ -308,21 +309,29 @@ class Places:
         )
 
 
+def count_channels(colour: SensorColour | bool) -> int:
+    """How many numbers receivers tell."""
+    return {SensorColour.NONE: 1, SensorColour.TRISTIMULUS: 3}.get(int(colour), 3 + CHANNELS)
+
+
 class Meter:
-    """What receivers tell of the light that arrives: illuminance alone, or X, Y and Z.
+    """What receivers tell of the light that arrives: illuminance alone, X, Y and Z, or the spectrum as well.
 
     Parameters
     ----------
     scene : CompiledScene
-    colour : bool    Whether X and Z are wanted too.
+    colour : SensorColour or bool    What of the colour is wanted too; True: X and Z.
     """
 
-    def __init__(self, scene: CompiledScene, colour: bool):
+    def __init__(self, scene: CompiledScene, colour: SensorColour | bool):
         self._scene, self.colour, self.sampler = scene, colour, None
         if is_spectral():
-            response = "colour" if colour else "luminance"
+            response = ("luminance", "colour", "bands")[int(colour)]
             self.sampler = WavelengthSampler(scene.mean_light, response)
-        self.count, self.bright = (3, 1) if colour else (1, 0)
+        self.count, self.bright = count_channels(colour), 1 if colour else 0
+        self._spectrum = None
+        if colour == SensorColour.SPECTRUM:
+            self._spectrum = SpectralMeter(scene.mean_light, self.sampler)
 
     def sums(self, value, wavelengths, lane, rows: int, batch: int):
         """Sums of samples, ``batch`` neighbours to each of ``rows``.
@@ -348,13 +357,17 @@ class Meter:
         # Squares of huge samples would not fit; the scale makes no difference.
         square = dr.square(kept[self.bright] * 1e-6)
         # Sums are made apart, since their length would be a part of the kernel.
-        dr.eval(kept, square)
+        spectrum = [] if self._spectrum is None else self._spectrum.arrays(value, wavelengths)
+        dr.eval(kept, square, spectrum)
         block = min(batch, LARGEST_SUM)
         sums = [dr.block_reduce(dr.ReduceOp.Add, channel, block) for channel in kept]
         tails = [dr.block_reduce(op, square, block) for op in (dr.ReduceOp.Add, dr.ReduceOp.Max)]
         dr.eval(sums, tails)
         made = np.stack([np.array(s, dtype=np.float64) for s in sums], axis=-1)
         made = made.reshape(rows, batch // block, len(sums)).sum(axis=1)
+        if self._spectrum is not None:
+            more = self._spectrum.sums(spectrum, made[:, self.bright], rows)
+            made = np.concatenate([made, more], axis=1)
         squares, largest = (np.array(t, dtype=np.float64).reshape(rows, -1) for t in tails)
         tails = np.stack([squares.sum(axis=1), largest.max(axis=1)])
         return made, tails, lost.counts().astype(np.int64)

@@ -7,7 +7,9 @@ import numpy as np
 from ...accuracy.estimate import Estimate
 from ...accuracy.lost_samples import tell_lost
 from ...accuracy.stopping import Clock, StopRule
-from ...scene.sensor import SensorKind
+from ...photometry.alpha_opic import RECEPTORS
+from ...photometry.units import LUMINOUS_EFFICACY
+from ...scene.sensor import SensorColour, SensorKind
 from ..light_tracing.bent_lights import bent_lights
 from ..light_tracing.blur import find_blur
 from ..light_tracing.bright_spots import bright_spots
@@ -16,6 +18,7 @@ from ..light_tracing.near_rays import near_rays
 from ..paths import gather
 from ..paths.illuminance import STAGE, Receivers, compute, finish
 from ..paths.light_learning import learn
+from ..paths.spectral_meter import band_edges
 from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import hear_sensors
@@ -41,12 +44,14 @@ class Reading:
     estimate : Estimate    As of `illuminance.compute`. [lx]
     decisions, notes : tuple of str    For people.
     balance : dict or None    Of the second witness, see `WitnessReport.balance`. [lm]
+    has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
     """
 
     estimate: Estimate
     decisions: tuple[str, ...]
     notes: tuple[str, ...]
     balance: dict | None
+    has_common_errors: bool = False
 
 
 def measure(
@@ -57,7 +62,7 @@ def measure(
     seed: int = 0,
     kind: SensorKind = SensorKind.PLANAR,
     reflections: int | None = None,
-    colour: bool = False,
+    colour: SensorColour | bool = False,
     method: str = "auto",
     witness: bool = True,
     progress=None,
@@ -94,9 +99,22 @@ def measure(
     whole = estimate.samples * len(estimate.mean)
     notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
     if heard is None:
-        return Reading(estimate, (decision,), notes, None)
+        return Reading(estimate, (decision,), notes, None, made.reads_cells)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
-    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance)
+    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance, made.reads_cells)
+
+
+def spectral_fields(estimate: Estimate) -> dict:
+    """Fields of `SensorSpectra` of an estimate with the channels of `spectral_meter` behind X, Y and Z."""
+    mean, error, receptors = estimate.mean, estimate.standard_error, slice(3, 3 + len(RECEPTORS))
+    bands, bands_error = (each[:, receptors.stop :] / LUMINOUS_EFFICACY for each in (mean, error))
+    return {
+        "edges": band_edges(),
+        "bands": bands,
+        "bands_error": bands_error,
+        "equivalent_daylight": mean[:, receptors],
+        "equivalent_daylight_error": error[:, receptors],
+    }
 
 
 class _Measuring:
@@ -108,6 +126,7 @@ class _Measuring:
         self.clock = Clock(rule, STAGE)
         known = KnownDirections(scene, receivers, seed, rule.samples, cancelled)
         self.known = known if known.is_useful else None
+        self.reads_cells = False
 
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
         """The estimate, how it was made, and notes on it."""
@@ -118,6 +137,7 @@ class _Measuring:
             made = self._by_paths(None, choice)
         if made is None and count and choice.uses_cells:
             made, notes = self._by_cells(choice, is_forced=method == "cells")
+            self.reads_cells = made is not None
         if made is None:
             self.clock.restart()
             made = self._by_paths(reflections)

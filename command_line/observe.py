@@ -1,0 +1,187 @@
+"""The command ``lumenray observe``: glare that observers in a scene are exposed to."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..blender_addon import assumptions
+from .blend_file import open_session
+from .options import add_scene, real, seed_of, transport_of, whole
+from .output import add_output, check_free, say
+from .progress import Bar
+from .requirements import add_files
+
+PARTS = 4
+"""Pictures with samples of their own, whose figures differ by their errors."""
+
+COLUMNS = {
+    "ugr": "ugr",
+    "dgp": "dgp",
+    "dgi": "dgi",
+    "illuminance": "vertical_illuminance_lx",
+    "background": "background_luminance_cd_per_m2",
+    "veiling": "veiling_luminance_cd_per_m2",
+}
+"""Names of the figures of an observer."""
+
+
+def add_command(commands) -> None:
+    """Describe the command to argparse."""
+    observe = commands.add_parser(
+        "observe",
+        help="glare that observers in a scene are exposed to: UGR, DGP, DGI, veiling luminance",
+        epilog=assumptions.CODES,
+    )
+    add_scene(observe)
+    observe.add_argument(
+        "--observers",
+        required=True,
+        type=Path,
+        metavar="IN.csv",
+        help="x,y,z,nx,ny,nz in metres: places of the eyes and where they look",
+    )
+    add_output(observe, "OUT.csv", "the same columns and the figures with their standard errors")
+    observe.add_argument(
+        "--size",
+        type=whole(64, 4096),
+        default=600,
+        metavar="N",
+        help="width of the fisheye that is rendered for each observer, in pixels (default: 600)",
+    )
+    observe.add_argument(
+        "--samples",
+        type=whole(PARTS),
+        default=16,
+        metavar="N",
+        help="of a pixel (default: 16)",
+    )
+    observe.add_argument(
+        "--threshold",
+        type=real(),
+        default=2000.0,
+        metavar="CD",
+        help="luminance above which pixels are part of glare sources, in cd/m2 (default: 2000)",
+    )
+    judgement = observe.add_argument_group("judgement")
+    judgement.add_argument(
+        "--require",
+        metavar="KEY",
+        help="say whether the UGR of a requirement such as office.writing is met; 'lumenray requirements' lists them",
+    )
+    add_files(judgement)
+    assumptions.add_option(observe)
+    observe.set_defaults(run=run)
+
+
+def run(options) -> int:
+    """Rate what observers see; return the exit code."""
+    from ..engine.formats.sensors import read_sensors
+
+    check_free(options, options.output)
+    observers = read_sensors(options.observers)
+    requirement = _requirement(options)
+    settings, report, session = open_session(options)
+    rows, notes = [], {}
+    with Bar("observe") as bar:
+        for number, observer in enumerate(observers):
+            bar.share(number / len(observers))
+            values, said = _rate(session, observer, options, settings)
+            rows.append(values)
+            notes |= dict.fromkeys(said)
+    judged = [] if requirement is None else _judge(requirement, rows)
+    remarks = (*assumptions.lines_of(report, tuple(notes)), *judged)
+    _write(options.output, observers, rows, remarks)
+    assumptions.tell(report, tuple(notes))
+    for number, row in enumerate(rows, start=1):
+        say(f"observer {number}: {_words(row)}")
+    for line in judged:
+        say(line)
+    say(f"{len(observers)} observers, written to {options.output}")
+    return assumptions.exit_code(report, options.accept_missing)
+
+
+def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
+    """Figures of an observer with their standard errors, NaN where one has no meaning, and notes."""
+    from ..engine.accuracy.stopping import StopRule
+    from ..engine.analysis.observer_glare import rate_observer
+    from ..engine.analysis.observer_view import eye_camera
+    from ..engine.formats.luminance_picture import view_of_camera
+    from ..engine.views import ViewSettings
+
+    camera = eye_camera(observer[:3], observer[3:], options.size + options.size % 2)
+    view, seed = view_of_camera(camera), seed_of(options, settings)
+    rule = StopRule(samples=max(options.samples // PARTS, 1))
+    # Sums over all pixels need few paths, which takes less time than finding the light of cells.
+    wanted = ViewSettings(rule, seed, transport=transport_of(options, settings), method="paths")
+    pictures, notes = [], ()
+    for part in range(PARTS):
+        made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
+        pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
+        notes += made.provenance.notes
+    return rate_observer(np.stack(pictures), view, options.threshold), notes
+
+
+def _requirement(options):
+    """The requirement that was asked for, before anything is computed; None without one."""
+    if options.require is None:
+        return None
+    from ..engine.judgement.observers import glare_limit
+    from ..engine.judgement.reader import find_requirement
+
+    requirement = find_requirement(options.require, options.requirements)
+    glare_limit(requirement)
+    return requirement
+
+
+def _judge(requirement, rows: list[dict]) -> list[str]:
+    """Lines of verdicts: of all observers, and of each."""
+    from ..engine.judgement.observers import glare_limit, judge_observers
+    from ..engine.judgement.verdict import State, overall
+
+    limit = glare_limit(requirement)
+    verdicts = judge_observers(limit, [row["ugr"] for row in rows], PARTS - 1)
+    words = overall(verdicts).value
+    if overall(verdicts) is State.UNDECIDED:
+        words += ": more --samples and a larger --size lower the errors"
+    title = f"{requirement.key} ({requirement.standard}: {requirement.title})"
+    lines = [f"{title}: UGR at most {limit:g} is {words}"]
+    for number, verdict in enumerate(verdicts, start=1):
+        found = verdict.found
+        held = "no glare source"
+        if np.isfinite(found.value):
+            held = f"{found.value:.1f} ({found.low:.1f} to {found.high:.1f})"
+        lines.append(f"  observer {number}: {verdict.state.value}, {held}")
+    return lines
+
+
+def _words(row: dict) -> str:
+    from ..blender_addon.readout import format_estimate
+
+    names = {"ugr": "UGR", "dgp": "DGP", "dgi": "DGI"}
+    told = []
+    for name, word in names.items():
+        value, error = row[name]
+        if np.isnan(value):
+            told.append(f"{word} none (no glare source)")
+        elif np.isfinite(error) and error > 0.0:
+            told.append(f"{word} {format_estimate(value, error)}")
+        else:
+            told.append(f"{word} {value:.3g}")
+    return ", ".join(told).replace("\u2009", "")
+
+
+def _write(path: Path, observers, rows: list[dict], remarks) -> None:
+    from ..engine.formats.sensors import COLUMNS as PLACES
+    from ..engine.reading.whole_file import write_whole
+
+    with write_whole(path, "utf-8") as file:
+        file.writelines(f"# {remark}\n" for remark in remarks)
+        writer = csv.writer(file, lineterminator="\n")
+        names = [end for name in COLUMNS.values() for end in (name, f"{name}_error")]
+        writer.writerow([*PLACES, *names])
+        for observer, row in zip(observers, rows, strict=True):
+            cells = [each for name in COLUMNS for each in row[name]]
+            told = ["" if np.isnan(each) else f"{each:.5g}" for each in cells]
+            writer.writerow([*(f"{each:.9g}" for each in observer), *told])
