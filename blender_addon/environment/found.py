@@ -10,7 +10,7 @@ import numpy as np
 from ...engine.analysis.canvas import to_pixels
 from ...engine.environment.analysis import Analysis, analyse, format_range, format_ratio
 from ...engine.environment.marked_picture import draw_marked
-from ...engine.environment.repair import find_north, find_times, choose_time
+from ...engine.environment.repair import choose_time, find_north, find_times
 from ...engine.errors import SceneError
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.picture import find_illuminance

@@ -21,6 +21,7 @@ from ..sky import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
 from .displacement import Displacement, displaces, follows_object
+from .grounds import camera_state, follows_camera, photos_of, plane_of, project_world
 from .hair import hair_systems, read_curves, read_hair, read_points
 from .instance_attributes import InstanceAttributes
 from .lights.lights import convert_light
@@ -37,8 +38,8 @@ from .visibility import (
     collection_flags,
     find_unrendered,
     is_blurred,
-    is_dark_world,
     is_catcher,
+    is_dark_world,
     is_holdout,
     is_rendered,
     tell_departures,
@@ -46,7 +47,6 @@ from .visibility import (
     tell_visibility,
     visibility_of,
 )
-from .grounds import camera_state, follows_camera, photos_of, plane_of, project_world
 from .world import convert_world, follows_sun_lamp, follows_time, world_of
 
 NO_LIGHT = "the scene has no light"

@@ -94,8 +94,8 @@ def _of_clock(text: str):
     given = stretch(",".join(parts)) if parts else {}
 
     def make(north: float):
-        from ...engine.daylight.blinds import FixedTimes
         from ...engine.daylight import occupancy
+        from ...engine.daylight.blinds import FixedTimes
         from ...engine.sky.clock_range import ClockRange
 
         days = occupancy.WORKDAYS if is_workdays else occupancy.EVERY_DAY

@@ -16,7 +16,6 @@ from .replicated import MetricEstimate, estimate, find_by_sensor, over_area
 from .sunlight import SunlitDay, day_hours, year_hours
 from .year import Year
 
-
 OWN_RULES = "blinds follow rules of one's own in all figures but sDA, whose blinds are those of LM-83 always"
 """What has to be known of a year with such rules."""
 

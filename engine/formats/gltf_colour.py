@@ -15,6 +15,7 @@ from ..scattering.data.evaluation import total
 from ..scene.material import (
     Black,
     Blend,
+    Catcher,
     Coated,
     Conductor,
     Dielectric,
@@ -22,7 +23,6 @@ from ..scene.material import (
     Emission,
     Fabric,
     Glossy,
-    Catcher,
     Holdout,
     Material,
     Measured,

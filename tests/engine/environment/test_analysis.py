@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from folders import WILD
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.analysis import analyse, format_ratio
 from lumenray.engine.environment.map_file import read_map
 from lumenray.engine.environment.marked_picture import draw_marked
 from lumenray.engine.environment.scale import Scale, find_scale
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.texture import ImageTexture
-from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 MAPS = WILD / "hdr"
 

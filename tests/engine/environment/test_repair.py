@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.repair import (
     choose_time,
     find_north,
@@ -20,7 +21,6 @@ from lumenray.engine.sky.place import Place
 from lumenray.engine.sky.skies import find_luminances
 from lumenray.engine.sky.solar_position import find_sun
 from lumenray.engine.sky.sunlight import direct_illuminance
-from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 BERLIN = Place(52.52, 13.405, "Europe/Berlin", 34.0)
 

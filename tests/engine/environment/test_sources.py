@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.extraction import clip_sources, scale_sources
 from lumenray.engine.environment.repair import find_sun_of
 from lumenray.engine.environment.sources import Coefficients, find_sources
@@ -11,7 +12,6 @@ from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.sky.cie import relative_luminance
 from lumenray.engine.sky.picture import find_illuminance
-from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 
 HEIGHT = 1024
 
