@@ -97,8 +97,9 @@ class CellTracer:
         self._width = nodes.count + 1
         many = sunlit.shape[2]
         self._light = np.zeros((groups, len(sides), self._width + many), dtype=np.float32)
-        self._doubts = np.zeros((2, len(sides), many), dtype=np.float32)
+        self._mean_sunlit = sunlit.mean(axis=0)
         self._over = np.zeros((len(sides), len(sides)), dtype=np.float32)
+        self._rest = np.zeros((len(sides), nodes.count), dtype=np.float32)
         self._quarters = np.zeros((groups, len(sides), QUARTERS), dtype=np.float32)
         self._lost = 0
 
@@ -126,11 +127,12 @@ class CellTracer:
             batch = min(done, MOST)
         half = 0.5 * (self._sunlit[0] - self._sunlit[1])
         light = self._light / np.float32(done)
-        light[..., self._width :] += self._sunlit.mean(axis=0)
-        doubts = self._doubts / np.float32(done * self._groups)
-        doubts[1] = self._over / np.float32(done * self._groups) @ half + half
-        each = self._quarters * np.float32(QUARTERS / done)
-        return CellSky(light, doubts, each.mean(axis=0), _find_uneven(each), self._lost)
+        light[..., self._width :] += self._mean_sunlit
+        each = np.float32(1.0 / (done * self._groups))
+        by_nodes = (each * self._rest) @ (self._turn[0] - self._turn[1])
+        doubts = np.stack([by_nodes, (each * self._over) @ half + half])
+        quarters = self._quarters * np.float32(QUARTERS / done)
+        return CellSky(light, doubts, quarters.mean(axis=0), _find_uneven(quarters), self._lost)
 
     # ---- private ----
 
@@ -209,12 +211,15 @@ class CellTracer:
         count, width = part.stop - part.start, self._width
         own = self._light[group, part]
         own[:, :width] += read_sums(table.sky, count, width)
-        rest = read_sums(table.rest, count, width)[:, :-1]
         over = read_sums(table.cells, count, len(self._sides))
-        by_nodes = rest @ self._turn[0]
-        own[:, width:] += by_nodes + over @ self._sunlit.mean(axis=0)
-        self._doubts[0, part] += by_nodes - rest @ self._turn[1]
+        own[:, width:] += over @ self._mean_sunlit
         self._over[part] += over
+        # Hardly any cell looks at gloss.
+        rest = read_sums(table.rest, count, width)[:, :-1]
+        rows = np.flatnonzero(rest.any(axis=1))
+        if len(rows):
+            own[rows, width:] += rest[rows] @ self._turn[0]
+            self._rest[part] += rest
         self._quarters[group, part] += read_sums(table.parts, count, QUARTERS)
         self._lost += int(np.array(table.lost).sum())
 

@@ -367,11 +367,12 @@ def _node_matrices(nodes: SkyNodes, suns: np.ndarray) -> tuple[np.ndarray, np.nd
 
     Returns
     -------
-    (nodes, m), (nodes, m) array    [sr-1], in units of the sun's illuminance for 1 cd/m2 and sr.
+    (nodes, m), (nodes, m) float32 array    [sr-1], in units of the sun's illuminance for 1 cd/m2 and sr.
     """
     areas = find_projection(nodes.steps).node_areas
     fine = nodes.spread(suns) / areas
     coarse = SkyNodes(max(nodes.steps // 2, 4))
     wide = find_projection(coarse.steps).node_areas
     to_coarse = coarse.spread(nodes.directions())
-    return fine.T, to_coarse @ (coarse.spread(suns) / wide).T
+    doubled = to_coarse @ (coarse.spread(suns) / wide).T
+    return fine.T.astype(np.float32), doubled.astype(np.float32)

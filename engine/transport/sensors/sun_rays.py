@@ -26,7 +26,7 @@ AROUND = 2.0
 ALIKE = 0.02
 """By how much they may differ, relative to the largest: glass lets a little more or less through. [-]"""
 
-SIDE = 12
+SIDE = 9
 """Rings of a disk that is seen in part, and sectors of each; a ray goes to a random point of every one."""
 
 INSIDE = SIDE * SIDE
