@@ -39,6 +39,9 @@ SENSORS = 64
 WIDER = 4.0
 """What a cell's error may be of that which sensors are allowed: they look at many cells. [-]"""
 
+UNSEEN = 0.5
+"""By how much the sun on the seen parts of uneven cells may differ from that on all of them. [-]"""
+
 SHARE_OF_TIME = 0.3
 """Of a job that ends by the clock."""
 
@@ -128,11 +131,13 @@ class CellTracer:
         half = 0.5 * (self._sunlit[0] - self._sunlit[1])
         light = self._light / np.float32(done)
         light[..., self._width :] += self._mean_sunlit
+        quarters = self._quarters * np.float32(QUARTERS / done)
+        uneven = _find_uneven(quarters)
         each = np.float32(1.0 / (done * self._groups))
         by_nodes = (each * self._rest) @ (self._turn[0] - self._turn[1])
-        doubts = np.stack([by_nodes, (each * self._over) @ half + half])
-        quarters = self._quarters * np.float32(QUARTERS / done)
-        return CellSky(light, doubts, quarters.mean(axis=0), _find_uneven(quarters), self._lost)
+        over = each * self._over
+        doubts = np.stack([by_nodes, doubt_sun(over, half, self._mean_sunlit, uneven) + half])
+        return CellSky(light, doubts, quarters.mean(axis=0), uneven, self._lost)
 
     # ---- private ----
 
@@ -222,6 +227,28 @@ class CellTracer:
             self._rest[part] += rest
         self._quarters[group, part] += read_sums(table.parts, count, QUARTERS)
         self._lost += int(np.array(table.lost).sum())
+
+
+def doubt_sun(
+    over: np.ndarray, half: np.ndarray, sunlit: np.ndarray, uneven: np.ndarray
+) -> np.ndarray:
+    """What the sun over cells may be off by.
+
+    Paths meet those parts of a cell that are seen, and the sun is looked for all over it. Where its parts differ (ground
+    that goes on under a building) what is seen may have more or less sun than the mean.
+
+    Parameters
+    ----------
+    over : (n, s) array    What the sun on sides counts for.
+    half, sunlit : (s, m) array    Half of the difference of two answers, and the mean of both. [-]
+    uneven : (s,) bool array
+
+    Returns
+    -------
+    (n, m) array
+    """
+    unseen = over[:, uneven] @ (UNSEEN * sunlit[uneven])
+    return np.hypot(over @ half, unseen)
 
 
 def _find_uneven(quarters: np.ndarray) -> np.ndarray:

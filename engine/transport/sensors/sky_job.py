@@ -23,7 +23,7 @@ from ..paths.sampler import hash_words, random_stream, sobol_pair
 from ..paths.visible_surfaces import Sight
 from ..paths.wavelengths import WavelengthSampler
 from ..pictures.view_cells import Division
-from .sky_cells import CellSky, CellTracer
+from .sky_cells import CellSky, CellTracer, doubt_sun
 from .sky_paths import SkyTable, read_sums, trace_sensors
 from .sun_rays import SunRays
 
@@ -105,6 +105,8 @@ class _Job:
         sunlit = self._find_sunlit()
         turn = _node_matrices(self.nodes, self.middles)
         behind = self._trace_cells(sunlit, turn)
+        uneven = np.zeros(len(self.sides), dtype=bool) if behind is None else behind.uneven
+        half = 0.5 * (sunlit[0] - sunlit[1])
         width, many = self.nodes.count + 1, len(self.middles)
         fields = {
             "steps": self.order.steps,
@@ -129,7 +131,8 @@ class _Job:
             fields["reflected"][:, part] = found.cells @ sunlit.mean(axis=0) + by_nodes
             mean, coarse = by_nodes.mean(axis=0), found.rest[..., :-1].mean(axis=0) @ turn[1]
             fields["doubts"][0, part] = mean - coarse
-            fields["doubts"][1, part] = found.cells.mean(axis=0) @ (0.5 * (sunlit[0] - sunlit[1]))
+            over = found.cells.mean(axis=0)
+            fields["doubts"][1, part] = doubt_sun(over, half, sunlit.mean(axis=0), uneven)
             if behind is not None:
                 fields["sky"][:, part] += found.read @ behind.light[..., :width]
                 fields["reflected"][:, part] += found.read @ behind.light[..., width:]
