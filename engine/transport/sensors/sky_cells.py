@@ -125,7 +125,7 @@ class CellTracer:
                 self._trace(group, batch, done)
                 tell((group + 1) / self._groups)
             done += batch
-            if done >= self._needed(rule, done, batch, time.perf_counter() - begun):
+            if done >= self._needed(rule, done, time.perf_counter() - begun):
                 break
             batch = min(done, MOST)
         half = 0.5 * (self._sunlit[0] - self._sunlit[1])
@@ -147,7 +147,7 @@ class CellTracer:
         wanted = rule.samples * min(sensors, SENSORS) / (self._groups * max(len(self._sides), 1))
         return 1 << int(np.clip(round(np.log2(max(wanted, 1.0))), 4, np.log2(MOST)))
 
-    def _needed(self, rule: StopRule, done: int, batch: int, spent: float) -> float:
+    def _needed(self, rule: StopRule, done: int, spent: float) -> float:
         """Paths of a cell and group after which it is enough, as it seems now."""
         ends = [np.inf]
         if rule.samples is not None:

@@ -152,6 +152,10 @@ class _Job:
             notes.append(
                 "no surface is matt: the sun over surfaces is known by parts of the sky alone"
             )
+        if self.count and len(self.sides) and not self._reads:
+            notes.append(
+                "in a scene with colours stated errors leave out what large cells change of the sun on the ground outside"
+            )
         if self.count and samples < FEWEST:
             notes.append(
                 f"{samples} paths of a sensor are few: stated errors may be too small; they are right from {FEWEST} on"
