@@ -5,7 +5,7 @@ for all that look at it, so what scatters behind it is found once, for any numbe
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -38,9 +38,6 @@ SENSORS = 64
 
 WIDER = 4.0
 """What a cell's error may be of that which sensors are allowed: they look at many cells. [-]"""
-
-UNSEEN = 0.5
-"""By how much the sun on the seen parts of uneven cells may differ from that on all of them. [-]"""
 
 SHARE_OF_TIME = 0.3
 """Of a job that ends by the clock."""
@@ -78,6 +75,44 @@ class CellSky:
         return self.quarters - self.quarters.mean(axis=1, keepdims=True)
 
 
+@dataclass(frozen=True, eq=False)
+class SunOnCells:
+    """What of the suns passes the coats of sides of cells, for 1 lx on a plane that faces them.
+
+    Parameters
+    ----------
+    mean : (s, m) float32 array    Where paths meet them. [-]
+    half : (s, m) float32 array    Half of the difference of two independent answers. [-]
+    spread : (s, m) float32 array    Standard deviation over the places where paths meet them. [-]
+    uneven : (s,) bool array    Sides of which those that look at them may see parts that differ.
+    """
+
+    mean: np.ndarray
+    half: np.ndarray
+    spread: np.ndarray
+    uneven: np.ndarray
+
+    def with_uneven(self, more: np.ndarray) -> "SunOnCells":
+        """Return the same with more uneven sides."""
+        return replace(self, uneven=self.uneven | more)
+
+    def doubt(self, over: np.ndarray) -> np.ndarray:
+        """What the sun over sides may be off by.
+
+        The mean is that of all paths. Of a side that is uneven one sensor may see more of the sun than another, by
+        about as much as its parts differ.
+
+        Parameters
+        ----------
+        over : (n, s) array    What the sun on sides counts for.
+
+        Returns
+        -------
+        (n, m) array
+        """
+        return np.hypot(over @ self.half, over[:, self.uneven] @ self.spread[self.uneven])
+
+
 class CellTracer:
     """Finds a `CellSky`.
 
@@ -86,21 +121,20 @@ class CellTracer:
     scene, cells : CompiledScene, CellSet
     sides : (s,) uint32 array
     nodes : SkyNodes
-    sunlit : (2, s, m) float32 array    What of the suns passes the coats of the sides, twice.
+    sun : SunOnCells
     turn : ((nodes, m) array, (nodes, m) array)    From sums by node to suns, and the same by nodes twice as far apart.
     seed, groups : int
     cancelled : callable    Asked before every launch.
     """
 
-    def __init__(self, scene, cells, sides, nodes, sunlit, turn, seed: int, groups: int, cancelled):
+    def __init__(self, scene, cells, sides, nodes, sun, turn, seed: int, groups: int, cancelled):
         self._scene, self._cells, self._sides, self._nodes = scene, cells, sides, nodes
-        self._sunlit, self._turn, self._seed, self._groups = sunlit, turn, seed, groups
+        self._sun, self._turn, self._seed, self._groups = sun, turn, seed, groups
         self._cancelled = cancelled
         self._on_device = upload(mi.UInt32, sides)
         self._width = nodes.count + 1
-        many = sunlit.shape[2]
+        many = sun.mean.shape[1]
         self._light = np.zeros((groups, len(sides), self._width + many), dtype=np.float32)
-        self._mean_sunlit = sunlit.mean(axis=0)
         self._over = np.zeros((len(sides), len(sides)), dtype=np.float32)
         self._rest = np.zeros((len(sides), nodes.count), dtype=np.float32)
         self._quarters = np.zeros((groups, len(sides), QUARTERS), dtype=np.float32)
@@ -128,15 +162,15 @@ class CellTracer:
             if done >= self._needed(rule, done, time.perf_counter() - begun):
                 break
             batch = min(done, MOST)
-        half = 0.5 * (self._sunlit[0] - self._sunlit[1])
         light = self._light / np.float32(done)
-        light[..., self._width :] += self._mean_sunlit
+        light[..., self._width :] += self._sun.mean
         quarters = self._quarters * np.float32(QUARTERS / done)
         uneven = _find_uneven(quarters)
         each = np.float32(1.0 / (done * self._groups))
         by_nodes = (each * self._rest) @ (self._turn[0] - self._turn[1])
         over = each * self._over
-        doubts = np.stack([by_nodes, doubt_sun(over, half, self._mean_sunlit, uneven) + half])
+        self._sun = self._sun.with_uneven(uneven)
+        doubts = np.stack([by_nodes, self._sun.doubt(over) + self._sun.half])
         return CellSky(light, doubts, quarters.mean(axis=0), uneven, self._lost)
 
     # ---- private ----
@@ -217,7 +251,7 @@ class CellTracer:
         own = self._light[group, part]
         own[:, :width] += read_sums(table.sky, count, width)
         over = read_sums(table.cells, count, len(self._sides))
-        own[:, width:] += over @ self._mean_sunlit
+        own[:, width:] += over @ self._sun.mean
         self._over[part] += over
         # Hardly any cell looks at gloss.
         rest = read_sums(table.rest, count, width)[:, :-1]
@@ -227,28 +261,6 @@ class CellTracer:
             self._rest[part] += rest
         self._quarters[group, part] += read_sums(table.parts, count, QUARTERS)
         self._lost += int(np.array(table.lost).sum())
-
-
-def doubt_sun(
-    over: np.ndarray, half: np.ndarray, sunlit: np.ndarray, uneven: np.ndarray
-) -> np.ndarray:
-    """What the sun over cells may be off by.
-
-    Paths meet those parts of a cell that are seen, and the sun is looked for all over it. Where its parts differ (ground
-    that goes on under a building) what is seen may have more or less sun than the mean.
-
-    Parameters
-    ----------
-    over : (n, s) array    What the sun on sides counts for.
-    half, sunlit : (s, m) array    Half of the difference of two answers, and the mean of both. [-]
-    uneven : (s,) bool array
-
-    Returns
-    -------
-    (n, m) array
-    """
-    unseen = over[:, uneven] @ (UNSEEN * sunlit[uneven])
-    return np.hypot(over @ half, unseen)
 
 
 def _find_uneven(quarters: np.ndarray) -> np.ndarray:

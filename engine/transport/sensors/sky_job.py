@@ -5,6 +5,7 @@ Where light has no colours sensors look no farther than to the cells, which have
 
 import time
 from dataclasses import dataclass
+from functools import partial
 
 import drjit as dr
 import mitsuba as mi
@@ -23,9 +24,11 @@ from ..paths.sampler import hash_words, random_stream, sobol_pair
 from ..paths.visible_surfaces import Sight
 from ..paths.wavelengths import WavelengthSampler
 from ..pictures.view_cells import Division
-from .sky_cells import CellSky, CellTracer, doubt_sun
+from .cell_landings import PATHS as LANDING_PATHS
+from .cell_landings import Landings, LandingTable
+from .sky_cells import CellSky, CellTracer, SunOnCells
 from .sky_paths import SkyTable, read_sums, trace_sensors
-from .sun_rays import SunRays
+from .sun_rays import HALVES, SunRays
 
 GROUPS = 10
 """Independent groups of paths: with what else is not known these are the sixteen causes of error of `daylight.light`."""
@@ -48,6 +51,9 @@ FIRST = 32
 FEWEST = 2048
 """Paths of a sensor from which on groups of them tell errors well: with 512 intervals of 95 % held 77 % of the daylight
 factors of a room, with 4096 95 to 98 % of all figures of sensors."""
+
+LANDING_SALT = 0x1A2D
+"""Sets the paths that find where cells are met apart from all others."""
 
 STAGE = "daylight"
 """What the job is called while it runs."""
@@ -102,11 +108,11 @@ class _Job:
 
     def run(self) -> Found:
         """All sensors."""
-        sunlit = self._find_sunlit()
+        sun = self._find_sun()
         turn = _node_matrices(self.nodes, self.middles)
-        behind = self._trace_cells(sunlit, turn)
-        uneven = np.zeros(len(self.sides), dtype=bool) if behind is None else behind.uneven
-        half = 0.5 * (sunlit[0] - sunlit[1])
+        behind = self._trace_cells(sun, turn)
+        if behind is not None:
+            sun = sun.with_uneven(behind.uneven)
         width, many = self.nodes.count + 1, len(self.middles)
         fields = {
             "steps": self.order.steps,
@@ -128,11 +134,10 @@ class _Job:
             found = self._trace(part, behind)
             fields["sky"][:, part] = found.sky
             by_nodes = found.rest[..., :-1] @ turn[0]
-            fields["reflected"][:, part] = found.cells @ sunlit.mean(axis=0) + by_nodes
+            fields["reflected"][:, part] = found.cells @ sun.mean + by_nodes
             mean, coarse = by_nodes.mean(axis=0), found.rest[..., :-1].mean(axis=0) @ turn[1]
             fields["doubts"][0, part] = mean - coarse
-            over = found.cells.mean(axis=0)
-            fields["doubts"][1, part] = doubt_sun(over, half, sunlit.mean(axis=0), uneven)
+            fields["doubts"][1, part] = sun.doubt(found.cells.mean(axis=0))
             if behind is not None:
                 fields["sky"][:, part] += found.read @ behind.light[..., :width]
                 fields["reflected"][:, part] += found.read @ behind.light[..., width:]
@@ -151,10 +156,6 @@ class _Job:
         if self.count and not len(self.sides):
             notes.append(
                 "no surface is matt: the sun over surfaces is known by parts of the sky alone"
-            )
-        if self.count and len(self.sides) and not self._reads:
-            notes.append(
-                "in a scene with colours stated errors leave out what large cells change of the sun on the ground outside"
             )
         if self.count and samples < FEWEST:
             notes.append(
@@ -177,7 +178,7 @@ class _Job:
         """Whether paths of sensors end at cells: what these have is known for all wavelengths together."""
         return len(self.sides) > 0 and self.sampler is None
 
-    def _trace_cells(self, sunlit, turn) -> CellSky | None:
+    def _trace_cells(self, sun, turn) -> CellSky | None:
         """What the sides of cells have; None where paths do not end there."""
         if not self._reads:
             return None
@@ -186,7 +187,7 @@ class _Job:
             self.cells,
             self.sides,
             self.nodes,
-            sunlit,
+            sun,
             turn,
             self.order.seed,
             GROUPS,
@@ -203,12 +204,15 @@ class _Job:
         dr.eval(self.cells.uneven)
         return made
 
-    def _find_sunlit(self) -> np.ndarray:
-        """What of the sun passes the coats of cells, for 1 lx on a plane that faces it. (2, sides, m) [-]"""
-        sides, cells = upload(mi.UInt32, self.sides), self.cells
+    def _find_sun(self) -> SunOnCells:
+        """What of the sun passes the coats of cells."""
+        self._tell(0, float("inf"), 0.0, "sun on surfaces")
+        landings = self._find_landings()
+        sides, cells, places = upload(mi.UInt32, self.sides), self.cells, landings.on_device()
 
-        def make_surface(row, point):
-            si, matt, is_inside = cells.point(dr.gather(mi.UInt32, sides, row), point)
+        def make_surface(half, row, point):
+            side = dr.gather(mi.UInt32, sides, row)
+            si, matt, is_inside = cells.point(side, places.place(half, row, point))
             is_matt = matt > 0
 
             def passes(cosine, lit):
@@ -216,8 +220,25 @@ class _Job:
 
             return si, passes, is_matt & is_inside
 
-        self._tell(0, float("inf"), 0.0, "sun on surfaces")
-        return self._suns_of(self.middles, 1).glance(make_surface, len(self.sides))
+        surfaces = tuple(partial(make_surface, half) for half in range(HALVES))
+        made, spread = self._suns_of(self.middles, 1).glance(surfaces, len(self.sides))
+        return SunOnCells(made.mean(axis=0), 0.5 * (made[0] - made[1]), spread, landings.uneven)
+
+    def _find_landings(self) -> Landings:
+        """Where paths of sensors meet the sides of cells."""
+        if not self.count or not len(self.sides):
+            return Landings.of(len(self.sides), *np.zeros((2, 0), dtype=int), *np.zeros((3, 0)))
+        if self.cancelled():
+            raise Cancelled("cancelled")
+        table = LandingTable(self.sides, LANDING_PATHS)
+        lane = dr.arange(mi.UInt32, LANDING_PATHS)
+        # Neighbours of different halves start from the same sensor.
+        who = mi.UInt32(mi.UInt64(lane) * dr.opaque(mi.UInt64, self.count) // LANDING_PATHS)
+        self._follow(table, lane, who, lane, dr.opaque(mi.UInt32, LANDING_SALT))
+        made = table.read()
+        # Nothing tells where in a cell that many triangles share a path ends.
+        made.known[:, self.cells.shared[self.sides // 2]] = False
+        return made
 
     def _see_suns(self, part: slice) -> tuple[np.ndarray, np.ndarray]:
         """What sensors have of every sun straight, with standard errors. (n, k), (n, k) [-]"""
@@ -318,8 +339,13 @@ class _Job:
         sample = dr.opaque(mi.UInt32, int(done)) + lane % many
         row = dr.opaque(mi.UInt32, int(first)) + lane // many
         who = dr.opaque(mi.UInt32, int(start)) + row % block
+        self._follow(table, row, who, sample, row // block + 1)
+        table.evaluate()
+
+    def _follow(self, table, row, who, sample, salt) -> None:
+        """Follow a path of every lane's sensor ``who``, by sample and ``salt`` its random numbers, for a row of a table."""
         seed = dr.opaque(mi.UInt32, int(self.order.seed) & 0xFFFFFFFF)
-        own_seed = hash_words(who, hash_words(row // block + 1, seed))
+        own_seed = hash_words(who, hash_words(salt, seed))
         wavelengths = gather.draw_wavelengths(self.sampler, sample, own_seed)
         trace_sensors(
             self.scene,
@@ -336,7 +362,6 @@ class _Job:
                 sobol_pair(sample, own_seed, gather.PAIR_SCATTER),
             ),
         )
-        table.evaluate()
 
     def _tell(self, samples: int, error: float, sensors: float, stage: str = STAGE) -> None:
         """Report. ``sensors``: so many are done, in parts too."""

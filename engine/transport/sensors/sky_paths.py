@@ -110,8 +110,8 @@ class SkyTable:
             some = part * share
             dr.scatter_add(self.rest, mi.UInt64(some * UNIT), index, active & (some > 0.0))
 
-    def put_cell(self, row, side, amount, active) -> None:
-        """Put down what the sun on a side of a cell counts for."""
+    def put_cell(self, row, side, local, depth, amount, active) -> None:
+        """Put down what the sun on a side of a cell counts for, wherever in it."""
         active, column, fixed = self._find_side(side, amount, active)
         dr.scatter_add(self.cells, fixed, row * len(self.sides) + column, active)
 
@@ -179,7 +179,7 @@ class SkyPathLoop(PathLoop):
     Parameters
     ----------
     scene : CompiledScene    Lit by an even world of 1 cd/m2 alone.
-    table : SkyTable
+    table : SkyTable, or anything that takes what paths find
     cells : CellSet
     row : UInt32    Of the table, by path.
     wavelengths : Spectrum or None    [nm]
@@ -241,7 +241,8 @@ class SkyPathLoop(PathLoop):
                 # Of what is read only coats send paths on.
                 path.active &= ~at.is_readable | (coat > 0.0)
                 at.smooth &= path.active
-            self._table.put_cell(self._row, side, amount, is_matt & at.smooth & ~at.is_readable)
+            lands = is_matt & at.smooth & ~at.is_readable
+            self._table.put_cell(self._row, side, local, path.depth, amount, lands)
 
         ds, value = sample_emitter(scene, si, at.light_sample, at.smooth)
         lit = at.smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)
