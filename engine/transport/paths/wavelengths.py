@@ -70,7 +70,11 @@ class WavelengthSampler:
 
     def luminance(self, radiance, wavelengths):
         """Estimate of K_m * integral of radiance times V. [W/m2/sr/nm -> cd/m2, or W/m2/nm -> lx]"""
-        return dr.sum(radiance * self._weight(self._response[1], wavelengths))
+        return dr.sum(self.luminances(radiance, wavelengths))
+
+    def luminances(self, radiance, wavelengths):
+        """Its parts by wavelength, whose sum it is."""
+        return radiance * self._weight(self._response[1], wavelengths)
 
     def from_lumens(self, amount, wavelengths):
         """Turn lumens by wavelength into what `luminance` makes as many of. [lm -> W/nm]"""

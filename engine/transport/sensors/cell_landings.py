@@ -47,11 +47,12 @@ class LandingTable:
         self.x, self.y, self.amount = (dr.zeros(mi.Float, count) for _ in range(3))
         dr.eval(self.side, self.x, self.y, self.amount)
 
-    def put(self, row, direction, amount, share, part, active) -> None:
+    def put(self, row, direction, light, share, part, active) -> None:
         """Light is not asked for."""
 
-    def put_cell(self, row, side, local, depth, amount, active) -> None:
+    def put_cell(self, row, side, local, depth, light, active) -> None:
         """Note where a path meets a cell."""
+        amount = light.amount
         active = active & (depth <= DEPTHS) & dr.isfinite(amount) & (amount > 0.0)
         lane = dr.arange(mi.UInt32, dr.width(row))
         index = lane * DEPTHS + dr.maximum(depth, 1) - 1

@@ -49,8 +49,9 @@ class CellSky:
 
     Parameters
     ----------
-    light : (g, s, nodes + 1 + m) float32 array    Of every node of the sky, of what is below the horizon, and of every sun,
-        by group. [lx m2/cd], [-]
+    light : (g, s b, nodes + 1 + m) float32 array    Of every node of the sky, of what is below the horizon, and of every
+        sun, by group; the bands of a side lie side by side, each over its share of the light. [lx m2/cd], [-]
+    shares : (b,) array    Of the bands. [-]
     doubts : (2, s, m) float32 array    Of the suns, as of `DaylightCoefficients`. [-]
     quarters : (s, 4) float32 array    Light of an even world of 1 cd/m2, by quarters. [lx]
     uneven : (s,) bool array    Sides with parts that have much more light than others, so that their mean is not read.
@@ -58,6 +59,7 @@ class CellSky:
     """
 
     light: np.ndarray
+    shares: np.ndarray
     doubts: np.ndarray
     quarters: np.ndarray
     uneven: np.ndarray
@@ -65,9 +67,10 @@ class CellSky:
 
     @property
     def even(self) -> np.ndarray:
-        """Light of an even world of 1 cd/m2, by group. (g, s) [lx]"""
+        """Light of an even world of 1 cd/m2, by group and band. (g, s, b) [lx]"""
         many = self.doubts.shape[2]
-        return self.light[..., : self.light.shape[2] - many].sum(axis=2, dtype=np.float64)
+        made = self.light[..., : self.light.shape[2] - many].sum(axis=2, dtype=np.float64)
+        return made.reshape(len(made), -1, len(self.shares))
 
     @property
     def beyond(self) -> np.ndarray:
@@ -122,19 +125,36 @@ class CellTracer:
     sides : (s,) uint32 array
     nodes : SkyNodes
     sun : SunOnCells
+    sampler : WavelengthSampler or None
+    bands : SkyBands
     turn : ((nodes, m) array, (nodes, m) array)    From sums by node to suns, and the same by nodes twice as far apart.
     seed, groups : int
     cancelled : callable    Asked before every launch.
     """
 
-    def __init__(self, scene, cells, sides, nodes, sun, turn, seed: int, groups: int, cancelled):
+    def __init__(
+        self,
+        scene,
+        cells,
+        sides,
+        nodes,
+        sun,
+        sampler,
+        bands,
+        turn,
+        seed: int,
+        groups: int,
+        cancelled,
+    ):
         self._scene, self._cells, self._sides, self._nodes = scene, cells, sides, nodes
         self._sun, self._turn, self._seed, self._groups = sun, turn, seed, groups
-        self._cancelled = cancelled
+        self._cancelled, self._sampler = cancelled, sampler
+        self._bands, self._device_bands = bands, bands.on_device()
         self._on_device = upload(mi.UInt32, sides)
         self._width = nodes.count + 1
         many = sun.mean.shape[1]
-        self._light = np.zeros((groups, len(sides), self._width + many), dtype=np.float32)
+        rows = len(sides) * bands.count
+        self._light = np.zeros((groups, rows, self._width + many), dtype=np.float32)
         self._over = np.zeros((len(sides), len(sides)), dtype=np.float32)
         self._rest = np.zeros((len(sides), nodes.count), dtype=np.float32)
         self._quarters = np.zeros((groups, len(sides), QUARTERS), dtype=np.float32)
@@ -162,8 +182,12 @@ class CellTracer:
             if done >= self._needed(rule, done, time.perf_counter() - begun):
                 break
             batch = min(done, MOST)
-        light = self._light / np.float32(done)
-        light[..., self._width :] += self._sun.mean
+        light = self._light
+        light /= np.float32(done)
+        by_band = light.reshape(self._groups, len(self._sides), self._bands.count, -1)
+        shares = self._bands.shares.astype(np.float32)[:, None]
+        by_band /= np.maximum(shares, np.float32(1e-20))
+        by_band[..., self._width :] += self._sun.mean[:, None]
         quarters = self._quarters * np.float32(QUARTERS / done)
         uneven = _find_uneven(quarters)
         each = np.float32(1.0 / (done * self._groups))
@@ -171,7 +195,8 @@ class CellTracer:
         over = each * self._over
         self._sun = self._sun.with_uneven(uneven)
         doubts = np.stack([by_nodes, self._sun.doubt(over) + self._sun.half])
-        return CellSky(light, doubts, quarters.mean(axis=0), uneven, self._lost)
+        shares = self._bands.shares
+        return CellSky(light, shares, doubts, quarters.mean(axis=0), uneven, self._lost)
 
     # ---- private ----
 
@@ -188,6 +213,7 @@ class CellTracer:
             ends.append(done)
         if rule.error is not None:
             light = self._light[..., : self._width].sum(axis=2, dtype=np.float64)
+            light = light.reshape(self._groups, -1, self._bands.count).sum(axis=2)
             error = Estimate.from_groups(light, done).relative_error()
             ends.append(done * (error / (WIDER * rule.error)) ** 2)
         if rule.seconds is not None:
@@ -196,11 +222,12 @@ class CellTracer:
 
     def _trace(self, group: int, batch: int, done: int) -> None:
         """Paths of all cells in a group."""
-        row_bytes = 8 * (2 * self._width + len(self._sides) + QUARTERS)
+        row_bytes = 8 * (2 * self._width + len(self._sides) + QUARTERS) * self._bands.count
         block = max(min(TABLE_BYTES // row_bytes, len(self._sides)), 1)
         for first in range(0, len(self._sides), block):
             count = min(block, len(self._sides) - first)
-            table = SkyTable(self._nodes, count, self._cells.count, self._sides, QUARTERS)
+            bands = self._device_bands
+            table = SkyTable(self._nodes, count, self._cells.count, self._sides, QUARTERS, bands)
             per_launch = max(LANES // batch, 1)
             for start in range(0, count, per_launch):
                 if self._cancelled():
@@ -226,6 +253,9 @@ class CellTracer:
         within = PLACES // QUARTERS
         number = dr.minimum(mi.UInt32(stream.next_float32() * within), within - 1)
         si, matt = self._cells.place(side, quarter * within + number)
+        wavelengths = gather.draw_wavelengths(self._sampler, sample, own_seed)
+        if wavelengths is not None:
+            si.wavelengths = wavelengths
         is_matt = matt > 0
         trace_sensors(
             self._scene,
@@ -234,8 +264,8 @@ class CellTracer:
             si,
             lambda cosine: 1.0 - self._cells.matt.coat(matt, cosine, is_matt),
             row,
-            None,
-            None,
+            wavelengths,
+            self._sampler,
             stream,
             (
                 sobol_pair(sample, own_seed, gather.PAIR_LIGHT),
@@ -247,18 +277,18 @@ class CellTracer:
 
     def _add(self, table: SkyTable, group: int, part: slice) -> None:
         """Add the sums of a block."""
-        count, width = part.stop - part.start, self._width
-        own = self._light[group, part]
-        own[:, :width] += read_sums(table.sky, count, width)
-        over = read_sums(table.cells, count, len(self._sides))
+        count, width, bands = part.stop - part.start, self._width, self._bands.count
+        own = self._light[group, part.start * bands : part.stop * bands]
+        own[:, :width] += read_sums(table.sky, count * bands, width)
+        over = read_sums(table.cells, count * bands, len(self._sides))
         own[:, width:] += over @ self._sun.mean
-        self._over[part] += over
+        self._over[part] += over.reshape(count, bands, -1).sum(axis=1)
         # Hardly any cell looks at gloss.
-        rest = read_sums(table.rest, count, width)[:, :-1]
+        rest = read_sums(table.rest, count * bands, width)[:, :-1]
         rows = np.flatnonzero(rest.any(axis=1))
         if len(rows):
             own[rows, width:] += rest[rows] @ self._turn[0]
-            self._rest[part] += rest
+            self._rest[part] += rest.reshape(count, bands, -1).sum(axis=1)
         self._quarters[group, part] += read_sums(table.parts, count, QUARTERS)
         self._lost += int(np.array(table.lost).sum())
 

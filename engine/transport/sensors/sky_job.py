@@ -1,6 +1,7 @@
 """The job that finds daylight coefficients: paths for the sky, rays for the sun, sensors block by block.
 
-Where light has no colours sensors look no farther than to the cells, which have been looked at before (`sky_cells`).
+Sensors look no farther than to the cells, which have been looked at before (`sky_cells`), in bands of wavelengths where
+light has colours (`sky_bands`).
 """
 
 import time
@@ -26,6 +27,7 @@ from ..paths.wavelengths import WavelengthSampler
 from ..pictures.view_cells import Division
 from .cell_landings import PATHS as LANDING_PATHS
 from .cell_landings import Landings, LandingTable
+from .sky_bands import SkyBands, choose_bands, find_samples
 from .sky_cells import CellSky, CellTracer, SunOnCells
 from .sky_paths import SkyTable, read_sums, trace_sensors
 from .sun_rays import HALVES, SunRays
@@ -103,7 +105,8 @@ class _Job:
         self.sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
         self.places = Places(scene, receivers)
         self.rule, self.begun = order.rule, time.perf_counter()
-        self.cells, self.sides = self._divide()
+        self.cells, self.sides, looks = self._divide()
+        self.bands = self._choose_bands(looks)
         self.middles, self.neighbours, self.shares = gather_suns(order.suns, order.spacing)
 
     def run(self) -> Found:
@@ -127,7 +130,7 @@ class _Job:
             "samples": 0,
             "lost": 0 if behind is None else behind.lost,
         }
-        row_bytes = 8 * (2 * width + max(len(self.sides), 1) * (1 + self._reads)) * GROUPS
+        row_bytes = 8 * (2 * width + max(len(self.sides), 1) * (1 + self.bands.count)) * GROUPS
         block = max(min(TABLE_BYTES // row_bytes, self.count), 1)
         for first in range(0, self.count, block):
             part = slice(first, min(first + block, self.count))
@@ -141,7 +144,7 @@ class _Job:
             if behind is not None:
                 fields["sky"][:, part] += found.read @ behind.light[..., :width]
                 fields["reflected"][:, part] += found.read @ behind.light[..., width:]
-                fields["doubts"][:, part] += found.read.mean(axis=0) @ behind.doubts
+                fields["doubts"][:, part] += found.read_sides.mean(axis=0) @ behind.doubts
                 fields["reading"][part] = found.reading
             fields["samples"] = max(fields["samples"], found.samples)
             fields["lost"] += found.lost
@@ -164,23 +167,33 @@ class _Job:
         return tuple(notes)
 
     def _divide(self):
-        """Cells, and the sides of them that sensors may see."""
+        """Cells, the sides of them that sensors may see, and how often these are looked at."""
         places, normals = self.receivers.outlooks(self.scene)
         rng = np.random.default_rng([self.order.seed & 0xFFFFFFFF, 17])
         rows = rng.integers(0, max(len(places), 1), LOOKS if len(places) else 0)
         sight = Sight(self.scene, places[rows], normals[rows], self.order.seed)
         division = Division(self.scene, sight, self.order.cells)
         sides = division.sides if len(division.cells.sides) else np.zeros(0, dtype=np.uint32)
-        return division.cells, sides
+        return division.cells, sides, division.looks[sides]
 
-    @property
-    def _reads(self) -> bool:
-        """Whether paths of sensors end at cells: what these have is known for all wavelengths together."""
-        return len(self.sides) > 0 and self.sampler is None
+    def _choose_bands(self, looks) -> SkyBands:
+        """Bands of wavelengths in which cells have to know their light."""
+        if self.sampler is None or not len(self.sides):
+            return SkyBands.one()
+        light, sides = self.scene.mean_light, upload(mi.UInt32, self.sides)
+        wavelengths = find_samples(light)
+        si, matt = self.cells.place(sides, mi.UInt32(0))
+        columns = []
+        for start in range(0, len(wavelengths), 4):
+            si.wavelengths = mi.Spectrum(*map(float, wavelengths[start : start + 4]))
+            found = self.scene.bsdf(si, matt > 0).eval_diffuse_reflectance(si, matt > 0)
+            columns += [np.array(found[k]) for k in range(4)]
+        reflectances = np.stack(np.broadcast_arrays(*columns), axis=-1)
+        return choose_bands(light, reflectances.reshape(len(self.sides), -1), looks)
 
     def _trace_cells(self, sun, turn) -> CellSky | None:
-        """What the sides of cells have; None where paths do not end there."""
-        if not self._reads:
+        """What the sides of cells have; None where there are none."""
+        if not len(self.sides):
             return None
         tracer = CellTracer(
             self.scene,
@@ -188,6 +201,8 @@ class _Job:
             self.sides,
             self.nodes,
             sun,
+            self.sampler,
+            self.bands,
             turn,
             self.order.seed,
             GROUPS,
@@ -265,7 +280,7 @@ class _Job:
             beyond = behind.beyond
             # Nothing tells in which quarter of a cell that many triangles share a path ends.
             beyond[self.cells.shared[self.sides // 2]] = 0.0
-            read = {"even": behind.even, "beyond": beyond}
+            read = {"even": behind.even, "beyond": beyond, "read_bands": self.bands.on_device()}
         table = SkyTable(self.nodes, GROUPS * count, self.cells.count, self.sides, **read)
         done, batch = 0, self._within_rule(FIRST, 0)
         while True:
@@ -288,12 +303,12 @@ class _Job:
         if sides:
             made.cells = _by_group(table.cells, count, sides, done)
         if behind is not None:
-            made.read = _by_group(table.read, count, sides, done)
+            made.read = _by_group(table.read, count, sides * self.bands.count, done)
+            made.read_sides = made.read.reshape(GROUPS, count, sides, -1).sum(axis=3)
             more, less = (_by_group(each, count, 1, done) for each in (table.more, table.less))
             beyond = (more - less).mean(axis=(0, 2))
-            made.reading = self._doubt_reading(made.read.mean(axis=0), beyond, behind) / np.maximum(
-                light.mean(axis=0), 1e-30
-            )
+            off = self._doubt_reading(made.read_sides.mean(axis=0), beyond, behind)
+            made.reading = off / np.maximum(light.mean(axis=0), 1e-30)
         return made
 
     def _doubt_reading(self, read, beyond, behind: CellSky) -> np.ndarray:
@@ -303,7 +318,8 @@ class _Job:
         """
         is_shared = self.cells.shared[self.sides // 2]
         spread = behind.quarters[is_shared].std(axis=1)
-        return np.sqrt(beyond**2 + (read[:, is_shared] ** 2) @ spread**2)
+        within = self.bands.within * (read @ behind.quarters.mean(axis=1))
+        return np.sqrt(beyond**2 + within**2 + (read[:, is_shared] ** 2) @ spread**2)
 
     def _within_rule(self, batch: int, done: int) -> int:
         """Paths of a sensor and group that the next pass adds, not beyond what the rule has."""
@@ -376,7 +392,7 @@ class _Job:
 class _Traced:
     """What paths of sensors have found, by group: of nodes, the same for the sun, of cells, and of those where paths end.
 
-    ``reading``: what that may change, relative to the light. (n,) [-]
+    ``read_sides``: the last without bands. ``reading``: what ending there may change, relative to the light. (n,) [-]
     """
 
     sky: np.ndarray
@@ -385,6 +401,7 @@ class _Traced:
     samples: int
     lost: int
     read: np.ndarray | None = None
+    read_sides: np.ndarray | None = None
     reading: np.ndarray | None = None
 
 

@@ -18,11 +18,11 @@ import numpy as np
 from ...arrays import upload
 from ...sky.nodes import SkyNodes
 from ..lux_maps.cell_reader import locate, matt_response
-from ..paths import gather
 from ..paths.next_event import power_heuristic, sample_emitter, surroundings_density
 from ..paths.path_loop import Path, PathLoop, Vertex, _ray_weight
 from ..paths.visibility import transmittance
 from ..rays import spawn_ray
+from .sky_bands import DeviceBands
 
 UNIT = float(1 << 30)
 """Parts of 1 in which sums are kept as whole numbers: the order of the sums must not change them."""
@@ -44,9 +44,12 @@ class SkyTable:
     cells : int    Of the scene.
     sides : (s,) uint32 array    Sides of them that are known.
     parts : int    In which all light of a row is put down too.
-    even : (g, s) array or None    Light of an even world of 1 cd/m2 on sides that paths end at, for every group of rows;
-        None: they do not. [lx]
+    bands : DeviceBands or None    By which sums of a row are kept apart; None: they are not. Rows, or sides where paths end,
+        have their bands side by side.
+    even : (g, s, b) array or None    Light of an even world of 1 cd/m2 on sides that paths end at, for every group of rows
+        and every band, over the band's share; None: they do not end there. [lx]
     beyond : (s, q) array or None    By how much that on quarters of them differs from it. [lx]
+    read_bands : DeviceBands or None    Of ``even``.
     """
 
     def __init__(
@@ -56,20 +59,24 @@ class SkyTable:
         cells: int,
         sides: np.ndarray,
         parts: int = 1,
+        bands: DeviceBands | None = None,
         even=None,
         beyond=None,
+        read_bands: DeviceBands | None = None,
     ):
         self.nodes, self.rows, self.sides = nodes, rows, sides
+        self._bands, self._read_bands = bands, read_bands
+        self._count = 1 if bands is None else bands.count
         # One more for all that is below the horizon.
         self.width = nodes.count + 1
         self._counts = upload(mi.UInt32, nodes.counts)
         self._starts = upload(mi.UInt32, nodes.starts)
-        self.sky = dr.zeros(mi.UInt64, rows * self.width)
-        self.rest = dr.zeros(mi.UInt64, rows * self.width)
-        self.cells = dr.zeros(mi.UInt64, max(rows * len(sides), 1))
+        self.sky = dr.zeros(mi.UInt64, rows * self._count * self.width)
+        self.rest = dr.zeros(mi.UInt64, rows * self._count * self.width)
+        self.cells = dr.zeros(mi.UInt64, max(rows * self._count * len(sides), 1))
         self._part_count, self.reads = parts, even is not None
         self.parts = dr.zeros(mi.UInt64, rows * parts)
-        self.read = dr.zeros(mi.UInt64, rows * len(sides) if self.reads else 1)
+        self.read = dr.zeros(mi.UInt64, rows * np.size(even[0]) if self.reads else 1)
         # What quarters have more and less than their cells.
         self.more, self.less = (dr.zeros(mi.UInt64, rows) for _ in range(2))
         if self.reads:
@@ -92,56 +99,63 @@ class SkyTable:
             self.sky, self.rest, self.cells, self.parts, self.read, self.more, self.less, self.lost
         )
 
-    def put(self, row, direction, amount, share, part, active) -> None:
+    def put(self, row, direction, light, share, part, active) -> None:
         """Put down light from a direction.
 
-        ``share``: of it that counts for the sun too, by nodes. ``part``: of the row, where there are any.
+        ``light``: a `SkyLight`. ``share``: of it that counts for the sun too, by nodes. ``part``: of the row, where there
+        are any.
         """
-        is_lost = active & ~dr.isfinite(amount)
+        is_lost = active & ~dr.isfinite(light.amount)
         dr.scatter_add(self.lost, mi.UInt32(1), row, is_lost)
-        active = active & dr.isfinite(amount) & (amount > 0.0)
-        amount = dr.minimum(amount, LARGEST)
+        active = active & dr.isfinite(light.amount) & (light.amount > 0.0)
         whole = row * self._part_count + part
-        dr.scatter_add(self.parts, mi.UInt64(amount * UNIT), whole, active)
+        dr.scatter_add(self.parts, _fixed(light.amount), whole, active)
+        portions = light.divide(self._bands)
         for node, weight in self._around(direction, active):
-            index = row * self.width + node
-            part = amount * weight
-            dr.scatter_add(self.sky, mi.UInt64(part * UNIT), index, active & (weight > 0.0))
-            some = part * share
-            dr.scatter_add(self.rest, mi.UInt64(some * UNIT), index, active & (some > 0.0))
+            for band, amount in portions:
+                index = (row * self._count + band) * self.width + node
+                own = dr.minimum(amount, LARGEST) * weight
+                dr.scatter_add(self.sky, _fixed(own), index, active & (own > 0.0))
+                some = own * share
+                dr.scatter_add(self.rest, _fixed(some), index, active & (some > 0.0))
 
-    def put_cell(self, row, side, local, depth, amount, active) -> None:
+    def put_cell(self, row, side, local, depth, light, active) -> None:
         """Put down what the sun on a side of a cell counts for, wherever in it."""
-        active, column, fixed = self._find_side(side, amount, active)
-        dr.scatter_add(self.cells, fixed, row * len(self.sides) + column, active)
+        active, column = self._find_side(side, light, active)
+        for band, amount in light.divide(self._bands):
+            index = (row * self._count + band) * len(self.sides) + column
+            dr.scatter_add(self.cells, _fixed(amount), index, active & (amount > 0.0))
 
-    def put_read(self, row, side, amount, quarter, active) -> None:
+    def put_read(self, row, side, light, quarter, active) -> None:
         """Put down what all light on a side of a cell counts for, where a path ends there.
 
         ``quarter``: of the cell.
         """
-        active, column, fixed = self._find_side(side, amount, active)
-        dr.scatter_add(self.read, fixed, row * len(self.sides) + column, active)
-        amount = dr.minimum(amount, LARGEST)
+        active, column = self._find_side(side, light, active)
         group = row // dr.opaque(mi.UInt32, self._rows_of_group)
-        even = dr.gather(mi.Float, self._even, group * len(self.sides) + column, active)
-        light = amount * even
-        dr.scatter_add(self.parts, mi.UInt64(light * UNIT), row, active)
-        beyond = amount * dr.gather(mi.Float, self._beyond, column * QUARTERS + quarter, active)
+        bands = 1 if self._read_bands is None else self._read_bands.count
+        whole = mi.Float(0.0)
+        for band, amount in light.divide(self._read_bands):
+            index = (row * len(self.sides) + column) * bands + band
+            dr.scatter_add(self.read, _fixed(amount), index, active & (amount > 0.0))
+            index = (group * len(self.sides) + column) * bands + band
+            whole += amount * dr.gather(mi.Float, self._even, index, active)
+        dr.scatter_add(self.parts, _fixed(whole), row, active)
+        beyond = dr.gather(mi.Float, self._beyond, column * QUARTERS + quarter, active)
+        beyond *= dr.minimum(light.amount, LARGEST)
         for sums, sign in ((self.more, 1.0), (self.less, -1.0)):
             part = dr.maximum(sign * beyond, 0.0)
-            dr.scatter_add(sums, mi.UInt64(part * UNIT), row, active & (part > 0.0))
+            dr.scatter_add(sums, _fixed(part), row, active & (part > 0.0))
 
     def knows(self, side, active):
         """Whether a side is one of those that are known."""
         return dr.gather(mi.Bool, self._is_known, side, active)
 
-    def _find_side(self, side, amount, active):
-        """Which amounts count for known sides, the column of each, and the amount as a whole number."""
-        active = active & dr.isfinite(amount) & (amount > 0.0)
+    def _find_side(self, side, light, active):
+        """Which light counts for known sides, and the column of each."""
+        active = active & dr.isfinite(light.amount) & (light.amount > 0.0)
         active &= self.knows(side, active)
-        column = dr.gather(mi.UInt32, self._column, side, active)
-        return active, column, mi.UInt64(dr.minimum(amount, LARGEST) * UNIT)
+        return active, dr.gather(mi.UInt32, self._column, side, active)
 
     def _around(self, direction, active):
         """The nodes around a direction and their weights, as `SkyNodes.locate`; below the horizon the last one alone."""
@@ -164,6 +178,31 @@ class SkyTable:
             weight = dr.select(below, 1.0 if is_first else 0.0, share * (1.0 - aside))
             yield dr.select(below, self.width - 1, start + left), weight
             yield start + right, dr.select(below, 0.0, share * aside)
+
+
+class SkyLight:
+    """Light of an even world that is put down.
+
+    Parameters
+    ----------
+    amounts : Spectrum    By wavelength of the path; one where there are none. [lx m2/cd]
+    wavelengths : Spectrum or None    [nm]
+    """
+
+    def __init__(self, amounts, wavelengths):
+        self._amounts, self._wavelengths = amounts, wavelengths
+        self.amount = dr.sum(amounts)
+
+    def divide(self, bands: DeviceBands | None) -> list[tuple]:
+        """Return it by bands, as pairs of a band and an amount; None: all of it in one."""
+        if bands is None:
+            return [(mi.UInt32(0), self.amount)]
+        return bands.divide(self._amounts, self._wavelengths)
+
+
+def _fixed(amount):
+    """An amount as a whole number."""
+    return mi.UInt64(dr.minimum(amount, LARGEST) * UNIT)
 
 
 @dataclass
@@ -201,12 +240,13 @@ class SkyPathLoop(PathLoop):
 
     def put(self, direction, value, rest, active) -> None:
         """Put down spectral light of an even world."""
-        amount = self._amount(value)
-        self._table.put(self._row, direction, amount, rest, self._part, active)
+        self._table.put(self._row, direction, self._light(value), rest, self._part, active)
 
-    def _amount(self, value):
-        """What a spectral value counts for. [lx m2/cd]"""
-        return gather.photometric(self._sampler, value, self._wavelengths) * self._scale
+    def _light(self, value) -> SkyLight:
+        """What a spectral value counts for at the sensor."""
+        if self._sampler is not None:
+            value = self._sampler.luminances(value, self._wavelengths)
+        return SkyLight(value * self._scale, self._wavelengths)
 
     def _count_emitter(self, path: SkyPath, at: Vertex) -> None:
         """No lamp shines."""
@@ -231,18 +271,18 @@ class SkyPathLoop(PathLoop):
         at.matte = matt_response(cells, at.bsdf, si, row, coat, is_matt)
         at.is_readable = mi.Bool(False)
         if len(self._table.sides):
-            amount = self._amount(path.throughput * at.matte * self._even)
+            light = self._light(path.throughput * at.matte * self._even)
             if self._table.reads:
                 at.is_readable = readable & at.smooth & self._table.knows(side, readable)
                 quarter = dr.select(local.x > 0.5, mi.UInt32(1), 0) + dr.select(
                     local.y > 0.5, mi.UInt32(2), 0
                 )
-                self._table.put_read(self._row, side, amount, quarter, at.is_readable)
+                self._table.put_read(self._row, side, light, quarter, at.is_readable)
                 # Of what is read only coats send paths on.
                 path.active &= ~at.is_readable | (coat > 0.0)
                 at.smooth &= path.active
             lands = is_matt & at.smooth & ~at.is_readable
-            self._table.put_cell(self._row, side, local, path.depth, amount, lands)
+            self._table.put_cell(self._row, side, local, path.depth, light, lands)
 
         ds, value = sample_emitter(scene, si, at.light_sample, at.smooth)
         lit = at.smooth & (ds.pdf > 0.0) & dr.any(value != 0.0)

@@ -6,10 +6,17 @@ from lumenray.benchmarks.accuracy.scenes import load_scene
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.daylight.coefficients import DaylightOrder
 from lumenray.engine.errors import Cancelled, SceneError
-from lumenray.engine.scene.light import CieSky, Output, PointLight, Quantity, SunLight
-from lumenray.engine.scene.material import Black, Coated, Glossy, Material, ThinGlass
+from lumenray.engine.scene.light import (
+    CieSky,
+    Output,
+    PointLight,
+    Quantity,
+    SunLight,
+    UniformWorld,
+)
+from lumenray.engine.scene.material import Black, Coated, Diffuse, Glossy, Material, ThinGlass
 from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.scene.spectrum import Constant, Illuminant
+from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb
 from lumenray.engine.sky.cie import pattern_of_type
 from lumenray.engine.sky.nodes import find_projection, unit_vectors
 from lumenray.engine.sky.pattern import evaluate, integrate
@@ -18,6 +25,8 @@ from small_scenes import paint, quad, session_of
 pytestmark = pytest.mark.mitsuba
 
 BLACK = Material("black", "black", Black())
+
+GREY = Constant(0.6)
 
 SUN_ANGLE = np.radians(0.533)
 
@@ -165,7 +174,7 @@ def test_the_sun_on_a_coated_floor_is_that_of_its_hour():
     assert error < 0.05 * read.illuminance[0]
 
 
-def room(*more):
+def room(*more, colour=GREY):
     """Room of 4 m with a window to the south (-y) and an overhang; +y is north."""
     faces = (
         quad("floor", [0, 0, 0], [4, 0, 0], [0, 4, 0], "paint"),
@@ -179,7 +188,8 @@ def room(*more):
         quad("pane", [0, 0, 1], [4, 0, 0], [0, 0, 1.5], "pane"),
     )
     glass = Material("pane", "pane", ThinGlass(1.52, Constant(0.9)))
-    return session_of(paint(0.6), glass, *faces, *more)
+    walls = Material("paint", "paint", Diffuse(colour))
+    return session_of(walls, glass, *faces, *more)
 
 
 PLACES = np.array([[1.0, 1.0, 0.8], [2.0, 2.0, 0.8], [3.0, 3.5, 0.8], [3.8, 0.3, 0.8]])
@@ -238,17 +248,34 @@ def test_the_sun_on_ground_that_goes_on_under_a_building_is_that_of_its_hour(tra
     assert ours.sum() == pytest.approx(read.illuminance.sum(), rel=0.03)
 
 
-def test_paths_that_end_at_cells_find_what_paths_that_go_on_find():
-    suns = [sun_at(25.0, -60.0), sun_at(50.0, -90.0)]
-    read = find(room(), PLACES, UP, suns, samples=11_000, transport="mono", spacing=0.5)
-    gone = find(room(), PLACES, UP, suns, samples=44_000, transport="spectral", spacing=0.5)
-    assert read.reading.any() and not gone.reading.any()
-    (ours, error), (full, own) = of_even_sky(read), of_even_sky(gone)
-    agree(ours, np.sqrt(error**2 + own**2 + (read.reading * ours) ** 2), full, bias=2e-3)
-    ours, full = (made.reflected.mean(axis=0) for made in (read, gone))
-    errors = [error_of(made.reflected) for made in (read, gone)]
-    doubts = [*read.doubts, *gone.doubts, read.reading[:, None] * ours]
-    agree(ours, np.sqrt(np.sum(np.square([*errors, *doubts]), axis=0)), full, bias=2e-3)
+@pytest.mark.parametrize("colour", [GREY, Rgb(0.8, 0.25, 0.1)], ids=["grey", "red"])
+def test_paths_that_end_at_cells_find_what_full_paths_find(colour):
+    sun = sun_at(50.0, -90.0)
+    made = find(room(colour=colour), PLACES, UP, [sun], samples=22_000, spacing=0.5, cells=600)
+    assert made.reading.any()
+    lights = (
+        UniformWorld(1.0, Illuminant("D65")),
+        SunLight(
+            "sun", "sun", Output(Quantity.ILLUMINANCE, 1.0, Illuminant("D65")), -sun, SUN_ANGLE
+        ),
+    )
+    straight = np.zeros_like(made.direct[:, 0]), made.direct[:, 0]
+    lost = np.zeros_like(made.doubts[..., 0]), made.doubts[..., 0]
+    for light, own, groups, doubts in zip(
+        lights,
+        straight,
+        (made.sky.sum(axis=2, dtype=float), made.reflected[..., 0]),
+        lost,
+        strict=True,
+    ):
+        session = room(colour=colour)
+        session.apply(SceneDelta(changed=(light,)))
+        read = session.measure(PLACES, UP, StopRule(samples=1 << 15), method="paths")
+        ours = groups.mean(axis=0) + own
+        doubt = (doubts**2).sum(axis=0) + (made.reading * ours) ** 2
+        errors = np.sqrt(error_of(groups) ** 2 + doubt + read.standard_error**2)
+        agree(ours, errors, read.illuminance, bias=2e-3)
+        assert ours.sum() == pytest.approx(read.illuminance.sum(), rel=0.03)
 
 
 @pytest.mark.parametrize("key", ["C12.4x4.sky12", "C14.2x1.sky12"])
