@@ -2,34 +2,37 @@
 
 import os
 import sys
+from importlib import import_module
 
 from ..engine import VERSION
 from ..engine.errors import LumenrayError
-from . import (
-    bake,
-    benchmark,
-    demo,
-    difference,
-    explain,
-    glare,
-    goniometer,
-    measure,
-    observe,
-    probe,
-    render,
-    requirements,
-    sensitivity,
-    validate,
-)
-from .brdf import commands as brdf
-from .daylight import command as daylight
-from .environment import commands as environment
-from .luminaire import commands as luminaire
 from .options import Parser
 from .output import complain
-from .rayset import commands as rayset
-from .sky import commands as sky
-from .spectrum import commands as spectrum
+
+MODULES = {
+    "render": "render",
+    "bake": "bake",
+    "measure": "measure",
+    "observe": "observe",
+    "difference": "difference",
+    "goniometer": "goniometer",
+    "daylight": "daylight.command",
+    "explain": "explain",
+    "sensitivity": "sensitivity",
+    "luminaire": "luminaire.commands",
+    "rayset": "rayset.commands",
+    "brdf": "brdf.commands",
+    "spectrum": "spectrum.commands",
+    "sky": "sky.commands",
+    "environment": "environment.commands",
+    "glare": "glare",
+    "requirements": "requirements",
+    "probe": "probe",
+    "validate": "validate",
+    "demo": "demo",
+    "benchmark": "benchmark",
+}
+"""Modules of the commands, in the order in which they are told. A command loads no other's code."""
 
 EPILOG = """examples:
   lumenray render office.blend -o office.exr --samples 128
@@ -50,8 +53,13 @@ All answers are in photometric units (lx, cd/m2) and carry their standard error.
 """
 
 
-def build_parser() -> Parser:
-    """Describe the command line."""
+def build_parser(wanted: str | None = None) -> Parser:
+    """Describe the command line: all of it, or the part of one command.
+
+    Parameters
+    ----------
+    wanted : str or None    What stands first on the command line.
+    """
     parser = Parser(
         prog="lumenray",
         description="Lighting of Blender scenes in real units, with a stated error.",
@@ -59,17 +67,15 @@ def build_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (
-        render, bake, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
-        spectrum, sky, environment, glare, requirements, probe, validate, demo, benchmark,
-    ):  # fmt: skip
-        command.add_command(commands)
+    for name in [wanted] if wanted in MODULES else MODULES:
+        import_module(f".{MODULES[name]}", __package__).add_command(commands)
     return parser
 
 
 def main(arguments=None) -> int:
     """Run the command; 0 on success, 1 with one line on standard error on any failure, else see `assumptions.CODES`."""
-    options = build_parser().parse_args(arguments)
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = build_parser(next(iter(arguments), None)).parse_args(arguments)
     try:
         return options.run(options)
     except LumenrayError as error:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from lumenray.command_line.main import build_parser, main
+from lumenray.command_line.main import MODULES, build_parser, main
 from lumenray.libraries import luminaires
 
 
@@ -32,6 +32,36 @@ def test_help_is_printed(words):
 
 def test_commands_are_those_that_are_documented():
     assert {"render", "bake", "measure", "brdf info", "brdf library", "sensitivity"} <= set(PARSERS)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_command_is_told_by_itself_as_among_all(name):
+    own = dict(parsers(build_parser(name)))
+    among = {words for words in PARSERS if words.split(" ")[0] == name}
+    assert set(own) - {""} == among
+    assert own[name].format_help() == PARSERS[name].format_help()
+
+
+def test_a_command_loads_no_code_of_others():
+    """Nobody who asks what a scene needs waits for readers, charts and colour."""
+    code = (
+        "import sys; from lumenray.command_line.main import build_parser; build_parser('explain'); "
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    assert "lumenray.command_line.explain" in loaded
+    others = (
+        "raysets",
+        "goniometry",
+        "daylight",
+        "analysis",
+        "luminaires.formats",
+        "scattering.readers",
+    )
+    ours = [f"lumenray.engine.{each}" for each in others]
+    foreign = ["PIL", "contourpy", "bpy", "mitsuba", "scipy", "matplotlib"]
+    assert not [name for name in loaded if name.startswith((*ours, *foreign))]
 
 
 @pytest.mark.parametrize(
