@@ -1,7 +1,9 @@
 """Where paths of sensors land on cells: the sun on a cell counts there, not all over it.
 
 A cell of the ground may go on under a building, where nobody sees it and no sun shines. So paths are followed before any
-light is asked for, and points are kept of where they met each cell, by the light that they carry back.
+light is asked for, and points are kept of where they met each cell, by the light that they carry back. What sensors at one
+end of them all see of a cell is kept apart from what those at the other end see: how much more sun there is on the one than
+on the other tells by how much a single sensor may be off the mean.
 """
 
 from dataclasses import dataclass
@@ -25,9 +27,6 @@ SIDE = 8
 FEWEST = 32
 """Landings of a half from which on they stand for where a cell is met; with less points are taken all over it."""
 
-UNEVEN = 2.0
-"""How many times more of the light a part of a cell may get than another, before the cell is uneven. [-]"""
-
 
 class LandingTable:
     """Notes where paths land, as a `SkyTable` puts down what they find.
@@ -35,14 +34,14 @@ class LandingTable:
     Parameters
     ----------
     sides : (s,) array    Of cells that are known.
-    lanes : int    Paths of the launch.
+    order : (lanes,) array    By which the sensors of the launch's paths are told apart, see `find_order`.
     """
 
     reads = False
 
-    def __init__(self, sides: np.ndarray, lanes: int):
-        self.sides = sides
-        count = lanes * DEPTHS
+    def __init__(self, sides: np.ndarray, order: np.ndarray):
+        self.sides, self._order = sides, order
+        count = len(order) * DEPTHS
         self.side = dr.zeros(mi.UInt32, count)
         self.x, self.y, self.amount = (dr.zeros(mi.Float, count) for _ in range(3))
         dr.eval(self.side, self.x, self.y, self.amount)
@@ -69,8 +68,9 @@ class LandingTable:
         )
         column = np.minimum(np.searchsorted(self.sides, side), max(len(self.sides) - 1, 0))
         known = self.sides[column] == side if len(self.sides) else np.zeros(len(side), dtype=bool)
-        half = (kept // DEPTHS) % HALVES
-        return Landings.of(len(self.sides), *(each[known] for each in (half, column, x, y, amount)))
+        order = self._order[kept // DEPTHS]
+        found = order, column, x, y, amount
+        return Landings.of(len(self.sides), *(each[known] for each in found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,33 +79,36 @@ class Landings:
 
     Parameters
     ----------
-    points : (2, s, SIDE * SIDE, 2) float32 array    By half of the paths; places within the cell. [-]
+    points : (2, s, SIDE * SIDE, 2) float32 array    By half of the sensors; places within the cell. [-]
     known : (2, s) bool array    Where there are enough of them.
-    uneven : (s,) bool array    Sides of which a quarter is met much more than another.
     """
 
     points: np.ndarray
     known: np.ndarray
-    uneven: np.ndarray
 
     @staticmethod
-    def of(sides: int, half, column, x, y, amount) -> "Landings":
+    def of(sides: int, order, column, x, y, amount) -> "Landings":
         """Choose points of every side by the light that paths carry back from them.
 
         Parameters
         ----------
         sides : int
-        half, column : (n,) int array    Half of the paths, and number of the side.
+        order : (n,) array    Of the sensor; those of a side with the lower half of its light are the first half.
+        column : (n,) int array    Number of the side.
         x, y : (n,) array    Places within the cell. [-]
         amount : (n,) array    Light.
         """
+        ascending = np.lexsort((order, column))
+        rank = _rank(column[ascending], amount[ascending])
+        half = np.empty(len(column), dtype=int)
+        half[ascending] = rank * HALVES
         points = np.zeros((HALVES, sides, SIDE * SIDE, 2), dtype=np.float32)
         known = np.zeros((HALVES, sides), dtype=bool)
         for number in range(HALVES):
             own = np.flatnonzero(half == number)
             known[number] = np.bincount(column[own], minlength=sides) >= FEWEST
             points[number] = _choose(sides, column[own], x[own], y[own], amount[own])
-        return Landings(points, known, _find_uneven(sides, half, column, x, y, amount))
+        return Landings(points, known)
 
     def on_device(self) -> "DeviceLandings":
         """For kernels."""
@@ -136,6 +139,13 @@ class DeviceLandings:
         return mi.Point2f(dr.select(is_known, x, point.x), dr.select(is_known, y, point.y))
 
 
+def find_order(positions: np.ndarray) -> np.ndarray:
+    """Return places of sensors (n, 3) along the direction in which they lie farthest apart. (n,) [m]"""
+    apart = positions - positions.mean(axis=0)
+    _, _, axes = np.linalg.svd(apart.T @ apart)
+    return apart @ axes[0]
+
+
 def _choose(sides: int, column, x, y, amount) -> np.ndarray:
     """Points of all sides, as of `Landings`, from landings of a half. (s, SIDE * SIDE, 2)"""
     if not len(x):
@@ -158,16 +168,3 @@ def _rank(group: np.ndarray, amount: np.ndarray) -> np.ndarray:
     first, last = (np.searchsorted(group, group, side) for side in ("left", "right"))
     whole = above[last] - above[first]
     return np.clip((above[:-1] + 0.5 * amount - above[first]) / whole, 0.0, np.nextafter(1.0, 0.0))
-
-
-def _find_uneven(sides: int, half, column, x, y, amount) -> np.ndarray:
-    """Sides of which both halves of the paths find the same quarter met much less than the others. (s,) bool"""
-    quarter = (x > 0.5) + 2 * (y > 0.5)
-    number = (half * sides + column) * 4 + quarter
-    light = np.bincount(number, weights=amount, minlength=HALVES * sides * 4)
-    light = light[: HALVES * sides * 4].reshape(HALVES, sides, 4)
-    mean = light.mean(axis=0)
-    darkest, brightest = mean.argmin(axis=1), mean.argmax(axis=1)
-    rows = np.arange(sides)
-    differ = light[:, rows, brightest] > UNEVEN * light[:, rows, darkest]
-    return differ.all(axis=0)

@@ -5,7 +5,7 @@ for all that look at it, so what scatters behind it is found once, for any numbe
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
@@ -85,35 +85,12 @@ class SunOnCells:
     Parameters
     ----------
     mean : (s, m) float32 array    Where paths meet them. [-]
-    half : (s, m) float32 array    Half of the difference of two independent answers. [-]
-    spread : (s, m) float32 array    Standard deviation over the places where paths meet them. [-]
-    uneven : (s,) bool array    Sides of which those that look at them may see parts that differ.
+    half : (s, m) float32 array    Half of the difference between where paths of some sensors meet them and where those of
+        the others do. [-]
     """
 
     mean: np.ndarray
     half: np.ndarray
-    spread: np.ndarray
-    uneven: np.ndarray
-
-    def with_uneven(self, more: np.ndarray) -> "SunOnCells":
-        """Return the same with more uneven sides."""
-        return replace(self, uneven=self.uneven | more)
-
-    def doubt(self, over: np.ndarray) -> np.ndarray:
-        """What the sun over sides may be off by.
-
-        The mean is that of all paths. Of a side that is uneven one sensor may see more of the sun than another, by
-        about as much as its parts differ.
-
-        Parameters
-        ----------
-        over : (n, s) array    What the sun on sides counts for.
-
-        Returns
-        -------
-        (n, m) array
-        """
-        return np.hypot(over @ self.half, over[:, self.uneven] @ self.spread[self.uneven])
 
 
 class CellTracer:
@@ -193,8 +170,7 @@ class CellTracer:
         each = np.float32(1.0 / (done * self._groups))
         by_nodes = (each * self._rest) @ (self._turn[0] - self._turn[1])
         over = each * self._over
-        self._sun = self._sun.with_uneven(uneven)
-        doubts = np.stack([by_nodes, self._sun.doubt(over) + self._sun.half])
+        doubts = np.stack([by_nodes, over @ self._sun.half + self._sun.half])
         shares = self._bands.shares
         return CellSky(light, shares, doubts, quarters.mean(axis=0), uneven, self._lost)
 

@@ -26,7 +26,7 @@ from ..paths.visible_surfaces import Sight
 from ..paths.wavelengths import WavelengthSampler
 from ..pictures.view_cells import Division
 from .cell_landings import PATHS as LANDING_PATHS
-from .cell_landings import Landings, LandingTable
+from .cell_landings import Landings, LandingTable, find_order
 from .sky_bands import SkyBands, choose_bands, find_samples
 from .sky_cells import CellSky, CellTracer, SunOnCells
 from .sky_paths import SkyTable, read_sums, trace_sensors
@@ -114,8 +114,6 @@ class _Job:
         sun = self._find_sun()
         turn = _node_matrices(self.nodes, self.middles)
         behind = self._trace_cells(sun, turn)
-        if behind is not None:
-            sun = sun.with_uneven(behind.uneven)
         width, many = self.nodes.count + 1, len(self.middles)
         fields = {
             "steps": self.order.steps,
@@ -140,7 +138,7 @@ class _Job:
             fields["reflected"][:, part] = found.cells @ sun.mean + by_nodes
             mean, coarse = by_nodes.mean(axis=0), found.rest[..., :-1].mean(axis=0) @ turn[1]
             fields["doubts"][0, part] = mean - coarse
-            fields["doubts"][1, part] = sun.doubt(found.cells.mean(axis=0))
+            fields["doubts"][1, part] = found.cells.mean(axis=0) @ sun.half
             if behind is not None:
                 fields["sky"][:, part] += found.read @ behind.light[..., :width]
                 fields["reflected"][:, part] += found.read @ behind.light[..., width:]
@@ -236,8 +234,8 @@ class _Job:
             return si, passes, is_matt & is_inside
 
         surfaces = tuple(partial(make_surface, half) for half in range(HALVES))
-        made, spread = self._suns_of(self.middles, 1).glance(surfaces, len(self.sides))
-        return SunOnCells(made.mean(axis=0), 0.5 * (made[0] - made[1]), spread, landings.uneven)
+        made = self._suns_of(self.middles, 1).glance(surfaces, len(self.sides))
+        return SunOnCells(made.mean(axis=0), 0.5 * (made[0] - made[1]))
 
     def _find_landings(self) -> Landings:
         """Where paths of sensors meet the sides of cells."""
@@ -245,10 +243,12 @@ class _Job:
             return Landings.of(len(self.sides), *np.zeros((2, 0), dtype=int), *np.zeros((3, 0)))
         if self.cancelled():
             raise Cancelled("cancelled")
-        table = LandingTable(self.sides, LANDING_PATHS)
-        lane = dr.arange(mi.UInt32, LANDING_PATHS)
-        # Neighbours of different halves start from the same sensor.
-        who = mi.UInt32(mi.UInt64(lane) * dr.opaque(mi.UInt64, self.count) // LANDING_PATHS)
+        lane = np.arange(LANDING_PATHS, dtype=np.int64)
+        # Neighbours have the same sensor, where there are not more of these than paths.
+        sensor = lane * self.count // LANDING_PATHS
+        places, _ = self.receivers.outlooks(self.scene)
+        table = LandingTable(self.sides, find_order(np.asarray(places))[sensor])
+        lane, who = upload(mi.UInt32, lane), upload(mi.UInt32, sensor)
         self._follow(table, lane, who, lane, dr.opaque(mi.UInt32, LANDING_SALT))
         made = table.read()
         # Nothing tells where in a cell that many triangles share a path ends.

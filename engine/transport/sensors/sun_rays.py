@@ -99,7 +99,7 @@ class SunRays:
             made[part], error[part] = mean.reshape(-1, self.count), own.reshape(-1, self.count)
         return made, error
 
-    def glance(self, make_surfaces, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    def glance(self, make_surfaces, rows: int) -> np.ndarray:
         """As `see`, by few rays to random points of the disk for each of two independent answers: for what many look at.
 
         They come from all over a surface, one from each of `GLANCES` parts of it.
@@ -110,22 +110,16 @@ class SunRays:
 
         Returns
         -------
-        (2, rows, k), (rows, k) float32 array    With the standard deviation over a surface, from the points of both.
+        (2, rows, k) float32 array
         """
         made = np.zeros((HALVES, rows, self.count), dtype=np.float32)
-        spread = np.zeros((rows, self.count), dtype=np.float32)
         for part, row, sun in self._pairs(rows, GLANCES):
-            points, there = [], []
             for half, make_surface in enumerate(make_surfaces):
                 rays = row, sun, GLANCES
                 found, exists = self._launch(make_surface, *rays, 2 + half, is_inside=True)
                 mean = found.sum(axis=1) / np.maximum(exists.sum(axis=1), 1)
                 made[half, part] = mean.reshape(-1, self.count)
-                points.append(found)
-                there.append(exists)
-            own = _deviation(np.concatenate(points, axis=1), np.concatenate(there, axis=1))
-            spread[part] = own.reshape(-1, self.count)
-        return made, spread
+        return made
 
     def _pairs(self, rows: int, times: int):
         """Yield surfaces of a launch, and the numbers of surface and sun of all its pairs."""
@@ -184,14 +178,6 @@ class SunRays:
         amount = dr.select(lit & dr.isfinite(amount), amount * facing, 0.0)
         found = (np.array(each) for each in (mi.Float(amount), mi.Bool(exists)))
         return tuple(np.broadcast_to(each, len(lane)).reshape(-1, times) for each in found)
-
-
-def _deviation(values: np.ndarray, exist: np.ndarray) -> np.ndarray:
-    """Standard deviations of those values of rows that exist. (n,)"""
-    count = np.maximum(exist.sum(axis=1), 1)
-    mean = values.sum(axis=1, where=exist) / count
-    square = np.square(values - mean[:, None]).sum(axis=1, where=exist)
-    return np.sqrt(square / np.maximum(count - 1, 1))
 
 
 def _beside(chord, turn):
