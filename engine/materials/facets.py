@@ -9,7 +9,7 @@ J. Dupuy, A. Benyoub: Sampling Visible GGX Normals with Spherical Caps, HPG 2023
 M. Roberts: The Unreasonable Effectiveness of Quasirandom Sequences, 2018 (points for tables).
 """
 
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -41,26 +41,33 @@ def cosines() -> np.ndarray:
     return cosine
 
 
-def visible_normals(alpha: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return directions to `cosines` and facets that are seen from there. (64, 1, 3), (64, `POINTS`, 3)"""
+@cache
+def _spread_samples() -> tuple[np.ndarray, np.ndarray]:
+    """Two numbers for each of `POINTS` normals: one in 0 .. 1, and the cosine of an azimuth. (`POINTS`,) twice [-]"""
     number = np.arange(POINTS) + 0.5
     # Half a turn of the azimuth serves, by symmetry.
-    u, v = (
-        part.astype(np.float32)
-        for part in (number / PLASTIC % 1.0, 0.5 * (number / PLASTIC**2 % 1.0))
-    )
-    cosine = cosines()
-    wi = np.stack([np.sqrt(1.0 - cosine**2), np.zeros_like(cosine), cosine], axis=1)[:, None, :]
-    # By spherical caps: reflect a cap sample on the stretched view direction.
-    widths = np.array([alpha, alpha, 1.0], dtype=np.float32)
-    stretched = wi * widths
-    stretched /= np.linalg.norm(stretched, axis=2, keepdims=True)
-    z = (1.0 - u) * (1.0 + stretched[..., 2]) - stretched[..., 2]
-    radius = np.sqrt(np.clip(1.0 - z**2, 0.0, None))
-    phi = 2.0 * np.pi * v
-    cap = np.stack([radius * np.cos(phi), radius * np.sin(phi), z], axis=2)
-    normal = (cap + stretched) * widths
-    return wi, normal / np.linalg.norm(normal, axis=2, keepdims=True)
+    azimuth = np.pi * (number / PLASTIC**2 % 1.0)
+    return (number / PLASTIC % 1.0).astype(np.float32), np.cos(azimuth).astype(np.float32)
+
+
+def visible_facets(alpha: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return `cosines` (64, 1), and of facets seen from there cosines to them and to the normal. (64, `POINTS`) [-]"""
+    u, turn = _spread_samples()
+    cosine = cosines()[:, None]
+    sine = np.sqrt(1.0 - cosine**2)
+    # By spherical caps: reflect a cap sample on the stretched view direction, which lies in the plane y = 0.
+    length = np.sqrt((alpha * sine) ** 2 + cosine**2)
+    x, z = np.float32(alpha) * sine / length, cosine / length
+    height = (1.0 - u) * (1.0 + z) - z
+    radius = np.sqrt(np.maximum(1.0 - height**2, 0.0))
+    along = radius * turn
+    across = radius**2 - along**2
+    along += x
+    height += z
+    width = np.float32(alpha)
+    length = np.sqrt(width**2 * (along**2 + across) + height**2)
+    height /= length
+    return cosine, sine * width * along / length + cosine * height, height
 
 
 @lru_cache(maxsize=512)
@@ -80,10 +87,8 @@ def seen_facets(alpha: float) -> tuple[np.ndarray, np.ndarray]:
 
     (64, `POINTS`), (64, `POINTS`) [-]
     """
-    wi, normal = visible_normals(alpha)
-    dot = (wi * normal).sum(axis=2)
-    cos_o = 2.0 * dot * normal[..., 2] - wi[..., 2]
-    cos_i = wi[..., 2]
+    cos_i, dot, height = visible_facets(alpha)
+    cos_o = 2.0 * dot * height - cos_i
     root_i, root_o = smith_root(cos_i, alpha), smith_root(cos_o, alpha)
     # G2 / G1 of the height-correlated Smith term.
     ratio = cos_o * (cos_i + root_i) / np.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
@@ -126,11 +131,11 @@ def seen_of_glass(alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.
 
     (64, `POINTS`) each [-]. ``eta`` as in `kept_by_glass`.
     """
-    wi, normal = visible_normals(alpha)
-    dot = np.clip((wi * normal).sum(axis=2), 0.0, 1.0)
-    reflected = 2.0 * dot * normal[..., 2] - wi[..., 2]
+    cosine, dot, height = visible_facets(alpha)
+    dot = np.clip(dot, 0.0, 1.0)
+    reflected = 2.0 * dot * height - cosine
     inner = np.sqrt(np.maximum(1.0 - (1.0 - dot**2) / eta**2, 0.0))
-    refracted = (dot / eta - inner) * normal[..., 2] - wi[..., 2] / eta
+    refracted = (dot / eta - inner) * height - cosine / eta
 
     def seen(cosine):
         """Smith's shadowing; Mitsuba takes it as independent of masking."""

@@ -23,7 +23,7 @@ from .facets import (
     fresnel,
     mean_reflectance,
     smith_root,
-    visible_normals,
+    visible_facets,
 )
 
 ROUNDS = 60
@@ -39,13 +39,12 @@ def spreading(alpha: float, eta: float = np.inf, scale: float = 1.0) -> np.ndarr
     shares = np.zeros((COSINES, COSINES))
     once = scale * directional_reflectance(alpha, eta)
     if scale > 0.0:
-        wi, normal = visible_normals(alpha)
-        dot = (wi * normal).sum(axis=2)
-        cos_i, cos_o = wi[..., 2], 2.0 * dot * normal[..., 2] - wi[..., 2]
+        cos_i, dot, height = visible_facets(alpha)
+        cos_o = 2.0 * dot * height - cos_i
         root_i, root_o = smith_root(cos_i, alpha), smith_root(cos_o, alpha)
         seen = cos_o * (cos_i + root_i) / np.maximum(cos_o * root_i + cos_i * root_o, 1e-12)
         mirror = 1.0 if np.isinf(eta) else fresnel(np.clip(dot, 0.0, 1.0), eta)
-        weight = np.where(cos_o > 0.0, scale * mirror * seen, 0.0) / normal.shape[1]
+        weight = np.where(cos_o > 0.0, scale * mirror * seen, 0.0) / dot.shape[1]
         place = np.sqrt(np.clip(cos_o, 0.0, 1.0)) * (COSINES - 1)
         below = np.minimum(place.astype(np.int64), COSINES - 2)
         for row in range(COSINES):
