@@ -17,6 +17,7 @@ from . import (
     observe,
     probe,
     render,
+    report,
     requirements,
     sensitivity,
     validate,
@@ -36,6 +37,7 @@ EPILOG = """examples:
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --lumels-per-m 20 --error 1%
   lumenray bake office.blend -o lux --error-lx 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend -o sensors.csv --plans plans
+  lumenray report office.blend -o report.html --pdf report.pdf
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.5%
   lumenray daylight office.blend --weather town.epw --floor Floor -o daylight
   lumenray explain office.blend
@@ -61,7 +63,7 @@ def build_parser() -> Parser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
         render, bake, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
-        spectrum, sky, environment, glare, requirements, probe, validate, demo, benchmark,
+        spectrum, sky, environment, glare, report, requirements, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

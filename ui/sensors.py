@@ -39,6 +39,10 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
             row.operator("lumenray.measure_sensors", icon="OUTLINER_DATA_LIGHTPROBE")
         self._draw_list(layout, scene, empties)
         column = layout.column()
+        column.prop(settings, "maintenance")
+        column.prop(settings, "use_modified")
+        column.prop(settings, "requirement_file")
+        column = layout.column()
         column.prop(settings, "automatic")
         if not settings.automatic:
             column.prop(settings, "high", text="To [lx]")
@@ -98,7 +102,13 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "show_values")
         if settings.layout not in {"POINT", "LINE"}:
             column.prop(settings, "show_isolux")
+        column = layout.column()
+        column.prop(settings, "requirement")
+        if settings.requirement:
+            column.prop(settings, "area")
+            column.prop(settings, "lighting_scenes")
         lines = words.describe(empty, levels_of(context.scene))
+        lines += words.describe_verdict(empty, context.scene)
         if lines:
             draw_lines(layout.box(), lines)
 

@@ -9,6 +9,7 @@ from ..light_groups import find_groups
 from ..sync.scene import convert_scene
 from .job import SensorJob
 from .places import find_sensors, place_sensors, signature_of
+from .required import requirements_of
 
 FLOOR = 0.1
 """Readings below it count as large as it where every sensor is to reach an error. [lx]"""
@@ -56,5 +57,13 @@ def prepare(
         transport=settings.transport.lower(),
         method=settings.bake.method.lower(),
         groups=find_groups(converted.luminous, scene.world, mode),
+        wants_direct=asks_for_direct(scene, empties),
     )
     return job, converted.report
+
+
+def asks_for_direct(scene, empties) -> bool:
+    """Whether anything that is required of sensors is of light that was not reflected."""
+    keys = {empty.lumenray.sensor.requirement.strip() for empty in empties}
+    known = requirements_of(scene.lumenray.sensors)
+    return any(key in known and known[key].is_direct for key in keys)

@@ -1,5 +1,6 @@
 """The job that measures the sensors of a scene: one by one kind of illuminance, and light group by light group."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -28,7 +29,7 @@ LEAST_PART = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, and where they come from."""
+    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, where they come from, and what it took. [s]"""
 
     values: np.ndarray
     errors: np.ndarray
@@ -36,6 +37,7 @@ class Found:
     seed: int
     method: str
     notes: tuple[str, ...]
+    seconds: float
 
 
 @dataclass(eq=False)
@@ -49,6 +51,7 @@ class SensorJob:
     signatures : list of str    Of the empties as they are.
     rule : StopRule    Of each measurement; its time is that of all of them together.
     groups : tuple of LightGroup    Light groups that are kept apart; none: all light together.
+    wants_direct : bool    Whether to keep what was not reflected besides, which some requirements ask for.
 
     Attributes
     ----------
@@ -67,6 +70,7 @@ class SensorJob:
     witness: bool = True
     reflections: int | None = None
     groups: tuple[LightGroup, ...] = ()
+    wants_direct: bool = False
     answer: dict[str, Readings] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     shortfall: str = ""
@@ -104,19 +108,26 @@ class SensorJob:
             if len(parts) < 2:
                 parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
             self._steps, self._step = len(parts) * len(kinds), 0
-        made, notes, short = {}, {}, {}
+        made, direct, notes, short = {}, {}, {}, {}
+        asks = [kind for kind in kinds if self._asks_for_direct(kind)]
+        self._steps += len(parts) * len(asks)
         for number, (name, scene) in enumerate(parts):
             for kind in kinds:
                 rule = rules[kind]
                 if rule.seconds is not None:
-                    rule = replace(rule, seconds=rule.seconds / len(parts) / len(kinds))
+                    rule = replace(rule, seconds=rule.seconds / len(parts) / (len(kinds) + len(asks)))
                 found = self._measure(session, scene, name, kind, rule, number + 1, progress)
                 made[name, kind] = found
                 notes |= dict.fromkeys(found.notes)
+                if kind in asks:
+                    direct[name, kind] = self._measure(
+                        session, scene, name, kind, rule, number + 1, progress, reflections=0
+                    )
         names = [name for name, _ in parts]
         for kind in kinds:
             found = [made[name, kind] for name in names]
-            self._keep(kind, names, found)
+            parts_direct = [direct[name, kind] for name in names] if kind in asks else []
+            self._keep(kind, names, found, parts_direct)
             short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
         self.notes, self.shortfall = tuple(notes), "; ".join(short)
 
@@ -126,8 +137,16 @@ class SensorJob:
         if self._session is not None:
             self._session.cancel()
 
-    def _measure(self, session, scene: Scene, name: str, kind, rule, number: int, progress):
-        """Measure the sensors of a kind in a scene; ``number``: of the seed, 0 for what tells how long to measure."""
+    def _asks_for_direct(self, kind) -> bool:
+        return self.wants_direct and self.reflections is None and isinstance(kind, SensorKind)
+
+    def _measure(
+        self, session, scene: Scene, name: str, kind, rule, number: int, progress, reflections=None
+    ):
+        """Measure the sensors of a kind in a scene; ``number``: of the seed, 0 for what tells how long to measure.
+
+        ``reflections``: at most, in place of those of the job.
+        """
         if self._is_cancelled:
             raise Cancelled("cancelled")
         session.apply(_difference(self._held, scene))
@@ -139,6 +158,7 @@ class SensorJob:
         )
         own = (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31
         follow = _follow(progress, self._step, self._steps, name)
+        start = time.perf_counter()
         if isinstance(kind, SensorKind):
             made = session.measure(
                 positions,
@@ -148,7 +168,7 @@ class SensorJob:
                 self.transport,
                 follow,
                 kind=kind,
-                reflections=self.reflections,
+                reflections=self.reflections if reflections is None else reflections,
                 method=self.method,
                 witness=self.witness and number > 0,
             )
@@ -160,6 +180,7 @@ class SensorJob:
                 own,
                 made.method,
                 origin.notes,
+                time.perf_counter() - start,
             )
         else:
             meters = measure_luminance(
@@ -172,11 +193,12 @@ class SensorJob:
                 own,
                 "pictures",
                 meters.notes,
+                time.perf_counter() - start,
             )
         self._step += 1
         return found
 
-    def _keep(self, kind, names, found) -> None:
+    def _keep(self, kind, names, found, direct) -> None:
         """Share what was measured of a kind out among the empties."""
         start = 0
         for placed, signature in zip(self.places, self.signatures, strict=True):
@@ -193,6 +215,10 @@ class SensorJob:
                 scene_hash=self.scene.hash(),
                 method=found[0].method,
                 signature=signature,
+                seconds=sum(each.seconds for each in found),
+                reflections=self.reflections if isinstance(kind, SensorKind) else None,
+                direct=[each.values[start:end] for each in direct] or None,
+                direct_errors=[each.errors[start:end] for each in direct] or None,
             )
             start = end
 

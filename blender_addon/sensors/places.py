@@ -245,6 +245,18 @@ def _lay_floor(settings, frame, depsgraph, metres: float, spacing):
     return plane, sensor_layout.find_heights(plane, local) + settings.height, cells, shape
 
 
+def floor_area(empty, depsgraph) -> float:
+    """Area of what is level of the surface of sensors over a floor, seen from above. [m2]
+
+    Raises
+    ------
+    SceneError    There is no surface, or nothing of it is level.
+    """
+    corners = _floor_triangles(empty.lumenray.sensor, depsgraph, metres_per_unit(depsgraph.scene))
+    sides = corners[:, 1:, :2] - corners[:, :1, :2]
+    return float(0.5 * np.abs(np.linalg.det(sides)).sum())
+
+
 def signature_of(empty) -> tuple:
     """What of an empty says where its sensors stand; meshes are told of by Blender."""
     settings = empty.lumenray.sensor

@@ -17,6 +17,9 @@ from .places import UNITS, PlacedSensors
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
 
+DIRECT = ("direct", "direct_errors")
+"""Further arrays, where they were measured."""
+
 VERSION = 1
 
 
@@ -35,6 +38,10 @@ class Readings:
     seed : int
     scene_hash, method : str
     signature : str    Of the empty when it was measured, see `places.signature_of`.
+    seconds : float    That it took to know them, together with others that were measured in the same run; 0: not kept. [s]
+    reflections : int or None    How often the light that counts was reflected at most; None: without a limit.
+    direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
+        for.
     """
 
     quantity: str
@@ -52,6 +59,10 @@ class Readings:
     scene_hash: str
     method: str
     signature: str
+    seconds: float = 0.0
+    reflections: int | None = None
+    direct: np.ndarray | None = None
+    direct_errors: np.ndarray | None = None
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -67,6 +78,22 @@ class Readings:
         self._sum.set_levels([levels.level(name).flux for name in self.groups])
         return self._sum.total.copy(), self._sum.error
 
+    @functools.cached_property
+    def _direct_sum(self) -> GroupSum:
+        return GroupSum(self.direct, self.direct_errors)
+
+    @property
+    def has_direct(self) -> bool:
+        """Whether it is known what was not reflected."""
+        return self.direct is not None or self.reflections == 0
+
+    def mixed_direct(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
+        """As `mixed`, of the light that was not reflected; only where `has_direct`."""
+        if self.direct is None:
+            return self.mixed(levels)
+        self._direct_sum.set_levels([levels.level(name).flux for name in self.groups])
+        return self._direct_sum.total.copy(), self._direct_sum.error
+
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
         """Mean, extremes and uniformity with the groups at other levels."""
         return judge_readings(*self.mixed(levels))
@@ -79,9 +106,22 @@ class Readings:
 
 
 def make_readings(
-    placed: PlacedSensors, groups, values, errors, *, samples, seed, scene_hash, method, signature
+    placed: PlacedSensors,
+    groups,
+    values,
+    errors,
+    *,
+    samples,
+    seed,
+    scene_hash,
+    method,
+    signature,
+    seconds=0.0,
+    reflections=None,
+    direct=None,
+    direct_errors=None,
 ) -> Readings:
-    """Return readings of sensors that stand somewhere; ``values``, ``errors``: (g, n). [lx]"""
+    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
         placed.quantity,
         placed.positions.astype(np.float32),
@@ -98,16 +138,22 @@ def make_readings(
         scene_hash,
         method,
         signature,
+        seconds,
+        reflections,
+        None if direct is None else np.asarray(direct, dtype=np.float32),
+        None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
     )
 
 
 def write_readings(readings: Readings) -> str:
     """Return readings as text."""
-    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS]
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + DIRECT]
     head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
+    arrays = ARRAYS if readings.direct is None else ARRAYS + DIRECT
+    head["arrays"] = arrays
     stream = io.BytesIO()
     stream.write(json.dumps(head).encode() + b"\n")
-    for name in ARRAYS:
+    for name in arrays:
         np.save(stream, getattr(readings, name), allow_pickle=False)
     return base64.b85encode(zlib.compress(stream.getvalue(), 6)).decode()
 
@@ -122,9 +168,14 @@ def read_readings(text: str) -> Readings | None:
         head = json.loads(stream.readline())
         if head.pop("version") != VERSION:
             return None
-        arrays = {name: np.load(stream, allow_pickle=False) for name in ARRAYS}
+        # Older files do not say which arrays they have.
+        names = head.pop("arrays", ARRAYS)
+        arrays = {name: np.load(stream, allow_pickle=False) for name in names}
     except (ValueError, zlib.error, KeyError, EOFError):
         # A file that was damaged, or written by hand: the sensors are measured again.
+        return None
+    known = {entry.name for entry in fields(Readings)}
+    if not set(ARRAYS) <= arrays.keys() or not (head.keys() | arrays.keys()) <= known:
         return None
     head["shape"], head["groups"] = tuple(head["shape"]), tuple(head["groups"])
     return Readings(**head, **arrays)

@@ -11,7 +11,8 @@ from bpy.props import (
 )
 from bpy.types import Object, PropertyGroup
 
-from ..foundation.settings import percentage, redraw_views, tag_owner
+from ..foundation.settings import PATH_OPTIONS, percentage, redraw_views, tag_owner
+from .required import find_requirements
 
 
 def _is_mesh(self, thing) -> bool:
@@ -65,6 +66,19 @@ QUANTITIES = [
         5,
     ),
 ]
+
+
+AREA_ITEMS = [
+    ("AUTO", "By Quantity", "Cylindrical sensors as such, others as the first area of the requirement", 0),
+    ("TASK", "Task", "The task area", 1),
+    ("CYLINDRICAL", "Cylindrical", "Cylindrical illuminance in the room", 2),
+    ("WALLS", "Walls", "The walls of the room", 3),
+    ("CEILING", "Ceiling", "The ceiling of the room", 4),
+    ("SURROUNDINGS", "Surroundings", "The immediate surroundings of the task area", 5),
+    ("BACKGROUND", "Background", "The background around the surroundings", 6),
+    ("ROAD", "Road", "The luminance of a road", 7),
+]  # fmt: skip
+"""Areas that requirements speak of."""
 
 
 class LumenraySensorSettings(PropertyGroup):
@@ -180,6 +194,30 @@ class LumenraySensorSettings(PropertyGroup):
         soft_max=5.0,
         update=tag_owner,
     )
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "Key of what is required of the light here, such as office.writing, for verdicts. Default empty: nothing is "
+            "required"
+        ),
+        search=find_requirements,
+    )
+    area: EnumProperty(
+        name="Area",
+        description=(
+            "What of the requirement these sensors are judged by. Default By Quantity: cylindrical ones as such, others as "
+            "the first area that the requirement speaks of"
+        ),
+        items=AREA_ITEMS,
+        default="AUTO",
+    )
+    lighting_scenes: StringProperty(
+        name="In Scenes",
+        description=(
+            "Lighting scenes in which the requirement holds, by their names with commas between them, such as Day, Evening. "
+            "Default empty: all of them"
+        ),
+    )
     show_isolux: BoolProperty(
         name="Isolux Lines",
         description="Draw lines of equal illuminance with their lx over a grid. Default on: they tell how light falls off",
@@ -239,6 +277,28 @@ class LumenraySensorsSettings(PropertyGroup):
             "Measure again in the background once the scene was changed and is left alone for a while. Default off: it "
             "takes the processor's time"
         ),
+        default=False,
+    )
+    requirement_file: StringProperty(
+        name="Own Requirements",
+        description="TOML file with requirements of your own, beside those that ship. Default empty: those that ship",
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
+    )
+    maintenance: FloatProperty(
+        name="Maintenance Factor",
+        description=(
+            "Factor on illuminances in verdicts, for the light that lamps and surfaces lose with time. Default 1: the "
+            "luminaires have theirs, or the values are of new ones"
+        ),
+        default=1.0,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    use_modified: BoolProperty(
+        name="Modified Mean",
+        description="Ask for the modified mean illuminance where a requirement has one. Default off: the required one",
         default=False,
     )
     automatic: BoolProperty(

@@ -3,9 +3,12 @@
 from ...engine.accuracy.readings import Figures
 from ...engine.light_mix import NEUTRAL, LightMix
 from .. import readout
+from ..rendering.light_mix import levels_of
 from .readings import readings_of
 from .results import why_outdated
 from .settings import QUANTITIES
+from .verdict_lines import tell_limits, tell_state
+from .verdicts import judge_sensors
 
 TITLES = {key: title for key, title, *_ in QUANTITIES}
 """Names of quantities."""
@@ -30,6 +33,19 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     if changed:
         lines.append(("out of date", f"changed since: {changed}"))
     return tuple(lines)
+
+
+def describe_verdict(empty, scene) -> tuple[tuple[str, str], ...]:
+    """Labels and values of how the sensors of an empty stand to what is required of them, with the light mix as it is."""
+    readings = readings_of(empty)
+    if readings is None:
+        return ()
+    made = judge_sensors(empty, readings, scene.lumenray.sensors, levels_of(scene))
+    if made.problem:
+        return (("verdict", f"not judged: {made.problem}"),)
+    if made.assessment is None:
+        return ()
+    return (("verdict", tell_state(made.assessment)), *tell_limits(made.assessment))
 
 
 def describe_figures(figures: Figures, count: int, unit: str = "lx") -> list[tuple[str, str]]:

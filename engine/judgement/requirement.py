@@ -47,6 +47,7 @@ class Requirement:
     areas : dict of str to dict    Limits of areas, by `AREAS` and `LIMITS`. [lx, cd/m2, -]
     light : dict    By `LIGHT`. [-], [%]
     path : Path    File.
+    is_direct : bool    Whether only light counts that was not reflected.
     """
 
     key: str
@@ -56,3 +57,4 @@ class Requirement:
     areas: dict[str, dict[str, float]]
     light: dict[str, float] = field(default_factory=dict)
     path: Path = Path()
+    is_direct: bool = False
