@@ -55,7 +55,8 @@ class Table:
     head : tuple of str
     rows : tuple of tuple of (str or Cell)
     widths : tuple of float    Shares of the width, by column.
-    texts : int    How many columns at the left are texts; the others are numbers, which stand at the right.
+    texts : int    How many columns at the left are texts; of the others those without a `Cell` are numbers, which stand at the
+        right.
     is_small : bool    Whether it has many numbers.
     """
 
@@ -64,6 +65,15 @@ class Table:
     widths: tuple[float, ...]
     texts: int = 1
     is_small: bool = False
+
+    @property
+    def numbers(self) -> tuple[bool, ...]:
+        """Whether each column holds numbers."""
+        columns = zip(*self.rows, strict=True) if self.rows else ((),) * len(self.head)
+        return tuple(
+            k >= self.texts and not any(isinstance(cell, Cell) for cell in column)
+            for k, column in enumerate(columns)
+        )
 
 
 @dataclass(frozen=True, eq=False)

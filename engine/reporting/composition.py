@@ -105,7 +105,7 @@ def _table_of_verdicts(scene: LightingScene) -> Table:
         uniformity = f"{area.figures.overall.value:.2f}" if len(area.values) > 1 else "-"
         rows.append((words, required or "-", mean, uniformity, verdict))
     head = ("Area", "Requirement", "Mean", "U0", "Verdict")
-    return Table(head, tuple(rows), (0.20, 0.36, 0.18, 0.08, 0.18), texts=2)
+    return Table(head, tuple(rows), (0.19, 0.33, 0.18, 0.08, 0.22), texts=2)
 
 
 def _tell_state(made: Assessment) -> str:

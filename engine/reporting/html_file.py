@@ -41,8 +41,8 @@ nav a.below { padding-left: 16px; color: #66707c; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 20px; margin: 8px 0 14px; }
 dt { color: #66707c; } dd { margin: 0; font-variant-numeric: tabular-nums; }
 table { border-collapse: collapse; width: 100%; margin: 8px 0 14px; font-variant-numeric: tabular-nums; font-size: 14px; }
-th { text-align: left; font-weight: 600; border-bottom: 1.5px solid #20252c; padding: 5px 8px 5px 0; vertical-align: bottom; }
-td { border-bottom: 1px solid #dfe3e8; padding: 5px 8px 5px 0; vertical-align: top; }
+th { text-align: left; font-weight: 600; border-bottom: 1.5px solid #20252c; padding: 5px 16px 5px 0; vertical-align: bottom; }
+td { border-bottom: 1px solid #dfe3e8; padding: 5px 16px 5px 0; vertical-align: top; }
 th.number, td.number { text-align: right; } table.small { font-size: 11.5px; width: auto; }
 table.small th, table.small td { padding: 2px 8px 2px 0; white-space: nowrap; }
 thead { display: table-header-group; } tr { break-inside: avoid; }
@@ -155,7 +155,8 @@ def _write_facts(block: Facts) -> str:
 
 
 def _write_table(block: Table) -> str:
-    kinds = ["" if k < block.texts else " class=number" for k in range(len(block.head))]
+    kinds = [" class=number" if is_number else "" for is_number in block.numbers]
+    columns = "".join(f'<col style="width:{100.0 * share:.4g}%">' for share in block.widths)
     head = "".join(
         f"<th{kind}>{_text(cell)}</th>" for kind, cell in zip(kinds, block.head, strict=True)
     )
@@ -164,7 +165,8 @@ def _write_table(block: Table) -> str:
         for row in block.rows
     )
     small = ' class="small"' if block.is_small else ""
-    return f"<table{small}><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    columns = "" if block.is_small else f"<colgroup>{columns}</colgroup>"
+    return f"<table{small}>{columns}<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
 def _write_cell(cell: str | Cell, kind: str) -> str:

@@ -157,7 +157,9 @@ class _Pages:
                 "head number", fontName=bold, fontSize=8.5, leading=11, spaceAfter=0, alignment=2
             ),
             "label": style("label", fontSize=8.5, leading=11, textColor=FAINT, spaceAfter=0),
-            "caption": style("caption", fontSize=8, leading=10.5, textColor=FAINT, spaceAfter=10),
+            "caption": style(
+                "caption", fontSize=8, leading=10.5, textColor=FAINT, spaceBefore=3, spaceAfter=10
+            ),
             "kind": style("kind", fontSize=9, textColor=FAINT, spaceAfter=2),
             "title": style(
                 "title", fontName=bold, fontSize=22, leading=27, spaceAfter=12, splitLongWords=1
@@ -224,7 +226,7 @@ class _Pages:
 
     def _table(self, block: Table, width: float) -> list:
         size = 6.6 if block.is_small else 8.5
-        kinds = ["cell" if k < block.texts else "number" for k in range(len(block.head))]
+        kinds = ["number" if is_number else "cell" for is_number in block.numbers]
         heads = ["head" if kind == "cell" else "head number" for kind in kinds]
         rows = [tuple(self._cell(*pair, size) for pair in zip(block.head, heads, strict=True))]
         rows += [
@@ -240,7 +242,7 @@ class _Pages:
         pads = [
             ("VALIGN", (0, 0), (-1, -1), "TOP"),
             ("LEFTPADDING", (0, 0), (-1, -1), 0),
-            ("RIGHTPADDING", (0, 0), (-1, -1), 5),
+            ("RIGHTPADDING", (0, 0), (-1, -1), 9),
             ("TOPPADDING", (0, 0), (-1, -1), 2),
             ("BOTTOMPADDING", (0, 0), (-1, -1), 2.5),
         ]

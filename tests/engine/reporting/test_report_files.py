@@ -24,7 +24,7 @@ class Page(html.parser.HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         self.elements.append((tag, dict(attrs)))
-        if tag not in {"meta", "img", "br", "rect", "polygon", "polyline", "image"}:
+        if tag not in {"meta", "img", "br", "col", "rect", "polygon", "polyline", "image"}:
             self.open.append(tag)
         if tag == "tr":
             self.rows.append([])
