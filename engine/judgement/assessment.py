@@ -48,6 +48,7 @@ def assess(
     maintenance: float = 1.0,
     light: dict[str, Range] | None = None,
     is_modified: bool = False,
+    ratios: dict[str, Range] | None = None,
 ) -> Assessment:
     """Judge an area by a requirement.
 
@@ -60,6 +61,7 @@ def assess(
     maintenance : float    Factor on mean, least and largest; 1 where luminaires have theirs already. [-]
     light : dict of str to Range    By `requirement.LIGHT`, what is known.
     is_modified : bool    Whether the modified mean is asked for, where there is one.
+    ratios : dict of str to Range    What is known of roads besides, by `requirement.RATIOS`.
 
     Raises
     ------
@@ -77,6 +79,7 @@ def assess(
         "minimum": figures.minimum,
         "uniformity": figures.uniformity,
         "diversity": figures.diversity,
+        **(ratios or {}),
     }
     verdicts = []
     for name, limit in limits.items():
