@@ -14,6 +14,7 @@ from . import (
     glare,
     goniometer,
     measure,
+    mix,
     observe,
     probe,
     render,
@@ -62,7 +63,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
+        render, bake, mix, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
         spectrum, sky, environment, glare, requirements, road, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)

@@ -24,6 +24,7 @@ from . import (
     sun_from_shadow,
     sun_lamp,
     try_devices,
+    write_mixed_maps,
 )
 
 CLASSES = (
@@ -50,4 +51,5 @@ CLASSES = (
     *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
+    *write_mixed_maps.CLASSES,
 )

@@ -1,5 +1,6 @@
 """The job that measures the sensors of a scene: one by one kind of illuminance, and light group by light group."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -10,10 +11,11 @@ from ...engine.accuracy.stopping import Progress, StopRule
 from ...engine.baking.light_layers import split_lights
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
+from ...engine.observers import SAMPLES, rate_observers
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
-from .places import PlacedSensors
+from .places import GLARE, PlacedSensors
 from .readings import Readings, make_readings
 
 GROUP_SEEDS = 1_000_003
@@ -36,6 +38,8 @@ class Found:
     seed: int
     method: str
     notes: tuple[str, ...]
+    seconds: float
+    has_common: bool = True
 
 
 @dataclass(eq=False)
@@ -91,11 +95,13 @@ class SensorJob:
         """
         self._session, self._held = session, Scene()
         kinds = list(dict.fromkeys(placed.kind for placed in self.places))
+        has_observers = GLARE in kinds
+        kinds = [kind for kind in kinds if kind != GLARE]
         rules = dict.fromkeys(kinds, self.rule)
         parts = split_lights(self.scene, self.groups) if self.groups else []
         if len(parts) > 1 and self.rule.each is not None:
             # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
-            self._steps, self._step = (len(parts) + 1) * len(kinds), 0
+            self._steps, self._step = (len(parts) + 1) * len(kinds) + has_observers, 0
             for kind in kinds:
                 short = replace(self.rule, samples=FIRST_SAMPLES)
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
@@ -103,7 +109,7 @@ class SensorJob:
         else:
             if len(parts) < 2:
                 parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
-            self._steps, self._step = len(parts) * len(kinds), 0
+            self._steps, self._step = len(parts) * len(kinds) + has_observers, 0
         made, notes, short = {}, {}, {}
         for number, (name, scene) in enumerate(parts):
             for kind in kinds:
@@ -118,6 +124,11 @@ class SensorJob:
             found = [made[name, kind] for name in names]
             self._keep(kind, names, found)
             short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
+        if has_observers:
+            # Ratings do not add up: they are those of all light together.
+            rated = self._measure(session, self.scene, "", GLARE, self.rule, 1, progress)
+            self._keep(GLARE, [""], [rated])
+            notes |= dict.fromkeys(rated.notes)
         self.notes, self.shortfall = tuple(notes), "; ".join(short)
 
     def cancel(self) -> None:
@@ -132,7 +143,7 @@ class SensorJob:
             raise Cancelled("cancelled")
         session.apply(_difference(self._held, scene))
         self._held = scene
-        rows = [row for row, placed in enumerate(self.places) if placed.kind is kind]
+        rows = [row for row, placed in enumerate(self.places) if placed.kind == kind]
         positions, normals = (
             np.concatenate([getattr(self.places[row], name) for row in rows])
             for name in ("positions", "normals")
@@ -160,8 +171,13 @@ class SensorJob:
                 own,
                 made.method,
                 origin.notes,
+                origin.seconds,
+                made.has_common_errors,
             )
+        elif kind == GLARE:
+            found = self._rate(session, positions, normals, own, follow)
         else:
+            start = time.perf_counter()
             meters = measure_luminance(
                 session, positions, normals, kind, rule, own, self.transport, self.method, follow
             )
@@ -172,15 +188,34 @@ class SensorJob:
                 own,
                 "pictures",
                 meters.notes,
+                time.perf_counter() - start,
             )
         self._step += 1
         return found
+
+    def _rate(self, session, positions, normals, seed: int, follow) -> Found:
+        """Rate the glare of observers; their pictures have a size of their own, whatever the rule."""
+        start = time.perf_counter()
+        table, notes = rate_observers(
+            session,
+            positions,
+            normals,
+            seed=seed,
+            transport=self.transport,
+            progress=follow,
+            is_cancelled=lambda: self._is_cancelled,
+        )
+        values, errors = table["ugr"].T
+        # Where nothing dazzles there is no rating, and nothing to be wrong about.
+        errors = np.where(np.isfinite(values), errors, np.nan)
+        seconds = time.perf_counter() - start
+        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, has_common=False)
 
     def _keep(self, kind, names, found) -> None:
         """Share what was measured of a kind out among the empties."""
         start = 0
         for placed, signature in zip(self.places, self.signatures, strict=True):
-            if placed.kind is not kind:
+            if placed.kind != kind:
                 continue
             end = start + len(placed.positions)
             self.answer[placed.uid] = make_readings(
@@ -193,6 +228,8 @@ class SensorJob:
                 scene_hash=self.scene.hash(),
                 method=found[0].method,
                 signature=signature,
+                has_common=any(each.has_common for each in found),
+                seconds=sum(each.seconds for each in found),
             )
             start = end
 

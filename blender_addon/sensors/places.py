@@ -27,12 +27,12 @@ KINDS = {
     "SEMICYLINDRICAL": SensorKind.SEMICYLINDRICAL,
     "SPHERICAL": SensorKind.SPHERICAL,
 }
-"""Kinds of the engine by quantity; luminance has none."""
+"""Kinds of the engine by quantity; luminance and glare have none."""
 
-LUMINANCE = "LUMINANCE"
-"""The quantity that is no illuminance."""
+LUMINANCE, GLARE = "LUMINANCE", "GLARE"
+"""Quantities that are no illuminances."""
 
-UNITS = {LUMINANCE: "cd/m²"}
+UNITS = {LUMINANCE: "cd/m²", GLARE: "UGR"}
 """Units of quantities, where they are not lx."""
 
 SETTINGS = (
@@ -69,8 +69,13 @@ class PlacedSensors:
     acceptance: float = 0.0
 
     @property
-    def kind(self) -> SensorKind | float:
-        """Kind of the engine, of luminance meters their acceptance angle: what sensors share that are measured together."""
+    def kind(self) -> SensorKind | float | str:
+        """What sensors share that are measured together.
+
+        Kind of the engine, of luminance meters their acceptance angle, of observers `GLARE`.
+        """
+        if self.quantity == GLARE:
+            return GLARE
         return self.acceptance if self.quantity == LUMINANCE else KINDS[self.quantity]
 
 
@@ -119,7 +124,7 @@ def _place(empty, depsgraph) -> PlacedSensors:
     positions = local @ frame[:3, :3].T + frame[:3, 3]
     looks_level = settings.quantity in {"VERTICAL", "SEMICYLINDRICAL"}
     facing = _level_axis(frame[:3, 0]) if looks_level else frame[:3, 2]
-    if settings.quantity == LUMINANCE:
+    if settings.quantity in {LUMINANCE, GLARE}:
         facing = frame[:3, 0]
     normals = np.tile(facing, (len(plane), 1))
     if heights is not None:

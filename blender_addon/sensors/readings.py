@@ -9,10 +9,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import UNITS, PlacedSensors
+from .places import GLARE, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
@@ -35,6 +36,8 @@ class Readings:
     seed : int
     scene_hash, method : str
     signature : str    Of the empty when it was measured, see `places.signature_of`.
+    has_common : bool    Whether errors of sensors may have much in common.
+    seconds : float    That it took to measure these and those that were measured with them. [s]
     """
 
     quantity: str
@@ -52,10 +55,17 @@ class Readings:
     scene_hash: str
     method: str
     signature: str
+    has_common: bool = True
+    seconds: float = 0.0
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
         return GroupSum(self.values, self.errors)
+
+    @property
+    def is_rating(self) -> bool:
+        """Whether the values rate glare: they do not add up, and are NaN where nothing dazzles."""
+        return self.quantity == GLARE
 
     @property
     def unit(self) -> str:
@@ -68,8 +78,15 @@ class Readings:
         return self._sum.total.copy(), self._sum.error
 
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
-        """Mean, extremes and uniformity with the groups at other levels."""
-        return judge_readings(*self.mixed(levels))
+        """Mean, extremes and uniformity with the groups at other levels; of ratings where there are any, else NaN."""
+        values, errors = self.mixed(levels)
+        if self.is_rating:
+            seen = np.isfinite(values)
+            values, errors = values[seen], errors[seen]
+            if not seen.any():
+                none = Extreme(np.nan, np.nan, np.nan)
+                return Figures(np.nan, np.nan, none, none, none, none)
+        return judge_readings(values, errors)
 
     def grid(self, values) -> np.ndarray:
         """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""
@@ -79,7 +96,18 @@ class Readings:
 
 
 def make_readings(
-    placed: PlacedSensors, groups, values, errors, *, samples, seed, scene_hash, method, signature
+    placed: PlacedSensors,
+    groups,
+    values,
+    errors,
+    *,
+    samples,
+    seed,
+    scene_hash,
+    method,
+    signature,
+    has_common=True,
+    seconds=0.0,
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors``: (g, n). [lx]"""
     return Readings(
@@ -98,6 +126,8 @@ def make_readings(
         scene_hash,
         method,
         signature,
+        bool(has_common),
+        float(seconds),
     )
 
 

@@ -12,6 +12,7 @@ from bpy.props import (
 from bpy.types import Object, PropertyGroup
 
 from ..foundation.settings import percentage, redraw_views, tag_owner
+from .shipped import shipped_requirements
 
 
 def _is_mesh(self, thing) -> bool:
@@ -64,7 +65,35 @@ QUANTITIES = [
         "Mean luminance in cd/m² within a cone about the empty's X axis, as a meter reads it",
         5,
     ),
+    (
+        "GLARE",
+        "Glare",
+        "Unified glare rating (UGR) of an observer whose eye is here and looks along the empty's X axis",
+        6,
+    ),
 ]
+
+JUDGED_AREAS = [
+    (
+        "AUTO",
+        "By Quantity",
+        "Task area of planar, cylindrical of cylindrical illuminance, else none",
+        0,
+    ),
+    ("NONE", "None", "The sensors are not judged", 1),
+    ("TASK", "Task", "Where the task is done", 2),
+    ("SURROUNDINGS", "Surroundings", "The band around a task area", 3),
+    ("BACKGROUND", "Background", "What lies around the surroundings", 4),
+    ("WALLS", "Walls", "Walls", 5),
+    ("CEILING", "Ceiling", "The ceiling", 6),
+    ("CYLINDRICAL", "Cylindrical", "Faces of people", 7),
+]
+
+
+def _search_requirements(_self, _context, typed: str):
+    """Keys of the requirements that ship, with their titles."""
+    known = shipped_requirements()
+    return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
 class LumenraySensorSettings(PropertyGroup):
@@ -161,6 +190,13 @@ class LumenraySensorSettings(PropertyGroup):
         soft_max=1.0,
         update=tag_owner,
     )
+    area: EnumProperty(
+        name="Area",
+        description="Which area of a requirement the sensors are judged as. Default By Quantity: that of most",
+        items=JUDGED_AREAS,
+        default="AUTO",
+        update=redraw_views,
+    )
     use_spacing: BoolProperty(
         name="Own Spacing",
         description=(
@@ -240,6 +276,33 @@ class LumenraySensorsSettings(PropertyGroup):
             "takes the processor's time"
         ),
         default=False,
+    )
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "What the readings are judged by, such as office.writing: a key of the requirements that ship. Default empty: "
+            "nothing is judged"
+        ),
+        search=_search_requirements,
+        update=redraw_views,
+    )
+    maintenance: FloatProperty(
+        name="Maintenance",
+        description=(
+            "Maintenance factor on judged illuminances, for luminaires without one of their own. Default 1: they have one"
+        ),
+        default=1.0,
+        min=0.01,
+        max=1.0,
+        update=redraw_views,
+    )
+    modified: BoolProperty(
+        name="Modified Value",
+        description=(
+            "Ask for the modified mean illuminance where the requirement has one. Default off: the usual one"
+        ),
+        default=False,
+        update=redraw_views,
     )
     automatic: BoolProperty(
         name="Automatic Scale",
