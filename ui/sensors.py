@@ -97,12 +97,12 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "layout")
         column.prop(settings, "quantity")
-        if settings.quantity == "LUMINANCE":
+        if settings.quantity == "LUMINANCE" and settings.layout != "CAMERA":
             column.prop(settings, "acceptance")
         if settings.quantity not in {"LUMINANCE", "GLARE"}:
             column.prop(settings, "area")
         self._draw_size(column, settings)
-        if settings.layout != "POINT":
+        if settings.layout not in {"POINT", "CAMERA"}:
             column.prop(settings, "use_spacing")
             if settings.use_spacing:
                 column.prop(settings, "spacing", text="Spacing [m]")
@@ -116,6 +116,10 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
 
     def _draw_size(self, layout, settings):
         kind = settings.layout
+        if kind == "CAMERA":
+            layout.prop(settings, "camera")
+            layout.prop(settings, "columns")
+            layout.prop(settings, "rows")
         if kind in {"LINE", "GRID", "BAND"}:
             layout.prop(settings, "length", text="Length [m]")
         if kind in {"GRID", "BAND"}:

@@ -17,6 +17,7 @@ TITLES = {
     "FACE": "Sensors on Face",
     "FLOOR": "Sensors over Floor",
     "BAND": "Sensor Band",
+    "CAMERA": "Camera Luminances",
 }
 """Names of new empties by their layout."""
 
@@ -55,6 +56,9 @@ def add_sensors(context, layout: str, quantity: str = "PLANAR", height: float = 
         matrix = Matrix.Translation(surface.matrix_world.translation)
     empty = _new(context, TITLES[layout], matrix, layout, quantity)
     empty.lumenray.sensor.surface, empty.lumenray.sensor.height = surface, height
+    if layout == "CAMERA":
+        # Nothing else is told of them.
+        empty.lumenray.sensor.quantity = "LUMINANCE"
     if layout == "FACE":
         _follow(empty, surface, matrix)
     _select(context, [empty])

@@ -9,6 +9,7 @@ import numpy as np
 from ...engine.accuracy.estimate import Estimate
 from ...engine.accuracy.stopping import Progress, StopRule
 from ...engine.baking.light_layers import split_lights
+from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
 from ...engine.observers import SAMPLES, rate_observers
@@ -178,9 +179,12 @@ class SensorJob:
             found = self._rate(session, positions, normals, own, follow)
         else:
             start = time.perf_counter()
-            meters = measure_luminance(
-                session, positions, normals, kind, rule, own, self.transport, self.method, follow
-            )
+            how = (rule, own, self.transport, self.method, follow)
+            if isinstance(kind, tuple):
+                placed = self.places[rows[0]]
+                meters = measure_regions(session, placed.camera, placed.shape, *how)
+            else:
+                meters = measure_luminance(session, positions, normals, kind, *how)
             found = Found(
                 meters.luminance,
                 meters.standard_error,

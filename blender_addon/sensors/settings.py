@@ -6,6 +6,7 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
+    IntProperty,
     PointerProperty,
     StringProperty,
 )
@@ -17,6 +18,10 @@ from .shipped import shipped_requirements
 
 def _is_mesh(self, thing) -> bool:
     return thing.type == "MESH"
+
+
+def _is_camera(self, thing) -> bool:
+    return thing.type == "CAMERA"
 
 
 LAYOUTS = [
@@ -35,6 +40,12 @@ LAYOUTS = [
         "Band",
         "A grid on the band around a rectangle in the empty's XY plane, as around a task area",
         5,
+    ),
+    (
+        "CAMERA",
+        "Camera",
+        "The parts of a camera's picture, in rows and columns, of which the mean luminances are told",
+        6,
     ),
 ]
 
@@ -167,6 +178,31 @@ class LumenraySensorSettings(PropertyGroup):
         description="Mesh that the grid is laid on or over; of a band, the floor that it ends with, if there is one",
         type=Object,
         poll=_is_mesh,
+        update=tag_owner,
+    )
+    camera: PointerProperty(
+        name="Camera",
+        description="Camera whose picture is measured in parts; with none it is that of the scene",
+        type=Object,
+        poll=_is_camera,
+        update=tag_owner,
+    )
+    columns: IntProperty(
+        name="Columns",
+        description="Parts of the picture across. Default 6: few enough for their numbers to be read",
+        default=6,
+        min=1,
+        max=256,
+        soft_max=32,
+        update=tag_owner,
+    )
+    rows: IntProperty(
+        name="Rows",
+        description="Parts of the picture along. Default 4: about square in a usual picture",
+        default=4,
+        min=1,
+        max=256,
+        soft_max=32,
         update=tag_owner,
     )
     height: FloatProperty(

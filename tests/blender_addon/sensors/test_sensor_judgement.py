@@ -9,8 +9,9 @@ import pytest
 from blender_bakes import add_lamp
 from lumenray.blender_addon.sensors import asked, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
-from lumenray.blender_addon.sensors.places import find_sensors
+from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
 from lumenray.blender_addon.sensors.readings import readings_of, read_readings, write_readings
+from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.requirement import Requirement
 from lumenray.engine.judgement.verdict import State
 from lumenray.engine.light_mix import Level, LightMix
@@ -61,7 +62,7 @@ def measured(monkeypatch):
 
     def rate(session, positions, directions, **_):
         assert np.allclose(directions, [1.0, 0.0, 0.0])
-        table = np.array([[18.0, 0.1], [np.nan, np.nan], [18.5, 0.1]])[: len(positions)]
+        table = np.array([[18.0, 0.02], [np.nan, np.nan], [18.5, 0.02]])[: len(positions)]
         return {"ugr": table}, ("seen",)
 
     monkeypatch.setattr(sensor_job, "rate_observers", rate)
@@ -143,7 +144,7 @@ def test_verdicts_stand_in_the_documents(measured, tmp_path):
     (eyes,) = [each for each in content["sensors"] if each["name"] == "Eyes"]
     assert eyes["values"] == [18.0, None, 18.5] and eyes["unit"] == "UGR"
     lines = files.write_rows(tmp_path / "a.csv", rows, LightMix()).read_text().splitlines()
-    assert "Eyes,glare" in lines[1] and ",18,0.1,UGR" in lines[1]
+    assert "Eyes,glare" in lines[1] and ",18,0.02,UGR" in lines[1]
     assert ",,,UGR" in lines[2]
 
 
@@ -174,3 +175,46 @@ def test_rooms_know_the_areas_of_their_sensors():
     areas = [empty.lumenray.sensor.area for empty in made]
     assert areas.count("WALLS") == 4 and areas.count("CEILING") == 1
     assert {"SURROUNDINGS", "BACKGROUND", "NONE"} <= set(areas)
+
+
+def test_a_camera_tells_the_luminances_of_its_picture_by_part():
+    """A wall whose left half glows at 300 and right half at 100 cd/m2, before a camera that sees both alike."""
+    from lumenray.engine.accuracy.stopping import StopRule
+    from lumenray.engine.camera_luminance import measure_regions
+
+    bpy.ops.object.camera_add(location=(0.0, 0.0, 1.0), rotation=(0.5 * np.pi, 0.0, 0.0))
+    camera = bpy.context.scene.camera = bpy.context.object
+    camera.data.sensor_fit = "HORIZONTAL"
+    empty = new_sensor("Parts", "LUMINANCE", layout="CAMERA", columns=4, rows=2)
+    bpy.context.view_layer.update()
+    placed = place_sensors(empty, bpy.context.evaluated_depsgraph_get())
+    assert placed.shape == (2, 4) and placed.kind == ("camera", placed.uid)
+    # Row by row from the lower left: the first looks down and to the left, the last up and to the right.
+    assert placed.normals[0, 0] < 0.0 and placed.normals[0, 2] < 0.0
+    assert placed.normals[-1, 0] > 0.0 and placed.normals[-1, 2] > 0.0
+    np.testing.assert_allclose(placed.frame[:3, 3], [0.0, 0.5, 1.0], atol=1e-6)
+
+    class Wall:
+        def render(self, seen, settings):
+            assert (seen.width, seen.height) == (48, 24)
+            luminance = np.where(np.arange(48) < 24, 300.0, 100.0) + np.zeros((24, 1))
+            noise = np.random.default_rng(settings.seed).normal(0.0, 5.0, luminance.shape)
+            picture = np.repeat((luminance + noise)[..., None], 3, axis=2)
+            origin = SimpleNamespace(notes=("note",), seconds=0.1)
+            return SimpleNamespace(
+                tristimulus=picture,
+                luminance_error=np.full(luminance.shape, 5.0),
+                provenance=origin,
+            )
+
+    found = measure_regions(Wall(), placed.camera, placed.shape, StopRule(each=0.01, floor=1.0))
+    expected = np.array([300.0, 300.0, 100.0, 100.0] * 2)
+    assert (found.standard_error <= 0.01 * expected * 1.01).all()
+    assert (np.abs(found.luminance - expected) < 5.0 * found.standard_error).all()
+    assert found.notes == ("note",)
+    before = signature_of(empty)
+    camera.data.lens = 20.0
+    assert signature_of(empty) != before
+    empty.lumenray.sensor.quantity = "PLANAR"
+    with pytest.raises(SceneError, match="set the quantity to Luminance"):
+        place_sensors(empty, bpy.context.evaluated_depsgraph_get())
