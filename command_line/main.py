@@ -14,11 +14,13 @@ from . import (
     glare,
     goniometer,
     measure,
+    mix,
     observe,
     probe,
     render,
     report,
     requirements,
+    road,
     sensitivity,
     validate,
 )
@@ -47,6 +49,7 @@ EPILOG = """examples:
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
   lumenray glare fisheye.exr
+  lumenray road street.ldt --width 7 --lanes 2 --spacing 30 --height 8 --require road.m4
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """
@@ -62,8 +65,8 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="version", version=f"lumenray {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
-        render, bake, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
-        spectrum, sky, environment, glare, report, requirements, probe, validate, demo, benchmark,
+        render, bake, mix, measure, observe, difference, goniometer, daylight, explain, sensitivity, luminaire, rayset, brdf,
+        spectrum, sky, environment, glare, report, requirements, road, probe, validate, demo, benchmark,
     ):  # fmt: skip
         command.add_command(commands)
     return parser

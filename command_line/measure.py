@@ -1,12 +1,13 @@
 """The command ``lumenray measure``: illuminance at the sensors that stand in a file, or at those of a list."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.scene.sensor import SensorKind
-from . import requirements
+from . import requirements, sensor_judgement
 from .blend_file import open_blend, open_session
 from .options import (
     add_rule,
@@ -178,10 +179,10 @@ def run_list(options) -> int:
 def run_scene(options) -> int:
     """Measure at the sensors that stand in the file."""
     from ..blender_addon.rendering import light_mix
-    from ..blender_addon.sensors import asked
+    from ..blender_addon.sensors import asked, judging
     from ..engine.session import Session
 
-    for name in ("kind", "colour", "spectrum", "require"):
+    for name in ("kind", "colour", "spectrum"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name} is for sensors of a list; those of the file say what they are"
@@ -193,6 +194,7 @@ def run_scene(options) -> int:
     if options.light_groups:
         scene.lumenray.light_mix.groups = options.light_groups.upper()
     empties = _chosen(options, scene)
+    requirement = sensor_judgement.find(options, scene.lumenray.sensors)
     rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
     job, report = asked.prepare(depsgraph, empties, rule, options.accept_missing)
     settings = scene.lumenray
@@ -205,9 +207,14 @@ def run_scene(options) -> int:
         _check_plans(options, job)
     with Bar("measure") as bar:
         job.run(Session(), bar)
-    _write(options, job, report, levels)
+    judged = None
+    if requirement is not None:
+        judged = sensor_judgement.judge(options, scene, job, levels, requirement)
+    _write(options, job, report, levels, judged)
     assumptions.tell(report, job.notes, job.shortfall)
     _tell(job, levels)
+    for line in [] if judged is None else judging.tell(judged):
+        say(line)
     say(f"written to {options.output}")
     return assumptions.exit_code(report, options.accept_missing, job.shortfall)
 
@@ -248,9 +255,9 @@ def _check_plans(options, job) -> None:
         check_free(options, stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.svg"))
 
 
-def _write(options, job, report, levels) -> None:
-    """Write readings, and plans where they are asked for."""
-    from ..blender_addon.sensors import files, pictures
+def _write(options, job, report, levels, judged) -> None:
+    """Write readings with verdicts, and plans where they are asked for."""
+    from ..blender_addon.sensors import files, judging, pictures
 
     named = [(placed.name, job.answer[placed.uid]) for placed in job.places]
     if options.output.suffix.lower() == ".json":
@@ -262,9 +269,11 @@ def _write(options, job, report, levels) -> None:
             report.to_dicts(),
             job.notes,
             job.shortfall,
+            None if judged is None else judging.describe(judged),
         )
     else:
-        remarks = assumptions.lines_of(report, job.notes, job.shortfall)
+        remarks = list(assumptions.lines_of(report, job.notes, job.shortfall))
+        remarks += [] if judged is None else judging.tell(judged)
         files.write_rows(options.output, named, levels, remarks)
     if options.plans is not None:
         plans = [
@@ -281,6 +290,11 @@ def _tell(job, levels) -> None:
     for placed in job.places:
         readings = job.answer[placed.uid]
         figures = readings.figures(levels)
+        if math.isnan(figures.mean):
+            rows.append(
+                (placed.name, str(len(readings.positions)), *["-"] * 4, readings.unit, "-", "-")
+            )
+            continue
         ratios = [f"{x.value:.3f}" for x in (figures.overall, figures.diversity)]
         numbers = [figures.mean, figures.least.value, figures.largest.value]
         mean, least, largest = (f"{value:.4g}" for value in numbers)

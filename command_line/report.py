@@ -150,14 +150,14 @@ def _render(options, depsgraph):
 
 def _tell(report) -> None:
     """Say the verdicts on the terminal."""
-    from ..engine.reporting.composition import estimate
+    from ..engine.reporting.composition import tell_mean
 
     rows = [("scene", "area", "mean", "U0", "verdict")]
     for scene in report.scenes:
         for area in scene.areas:
             figures = area.figures
-            verdict = "-" if area.assessment is None else area.assessment.state.value
-            mean = estimate(figures.mean, figures.mean_error, area.unit)
-            uniformity = f"{figures.overall.value:.2f}"
+            verdict = "-" if area.state is None else area.state.value
+            mean = tell_mean(area)
+            uniformity = "-" if area.is_rating else f"{figures.overall.value:.2f}"
             rows.append((scene.name or "-", area.name, mean, uniformity, verdict))
     say(table(rows))

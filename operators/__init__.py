@@ -25,6 +25,7 @@ from . import (
     sun_from_shadow,
     sun_lamp,
     try_devices,
+    write_mixed_maps,
     write_report,
 )
 
@@ -53,5 +54,6 @@ CLASSES = (
     *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
+    *write_mixed_maps.CLASSES,
     *write_report.CLASSES,
 )

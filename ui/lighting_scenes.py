@@ -3,7 +3,7 @@
 import bpy
 
 from ..blender_addon.rendering import lighting_scenes
-from ..blender_addon.sensors import verdict_lines
+from ..blender_addon.sensors import scene_verdicts
 from .compatibility import ENGINE
 from .parts import PropertiesPanel, draw_lines, draw_text
 from .sidebar import SidebarPanel
@@ -65,7 +65,7 @@ class LightingScenesPanel:
     def _draw_scene(self, layout, context, row):
         chosen = lighting_scenes.choose(row)
         lines = [("levels", chosen.levels.text() or "all as in the scene")]
-        lines += verdict_lines.tell_all(context.scene, chosen)
+        lines += scene_verdicts.tell(scene_verdicts.judge_all(context.scene, chosen))
         draw_lines(layout.box(), lines)
 
 

@@ -15,7 +15,8 @@ from ..sensors import results
 from ..sensors.drawing import axes_of
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
-from ..sensors.verdicts import UNMIXED, judge_sensors
+from ..sensors.judging import UNMIXED
+from ..sensors.scene_verdicts import SceneVerdicts, judge_all
 from ..sensors.words import TITLES
 from . import picture as pictures
 from .luminaires import find_luminaires
@@ -49,7 +50,11 @@ def gather(depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date
     scenes = []
     chosen_scenes = lighting_scenes.choose_all(scene)
     for chosen in chosen_scenes:
-        areas = tuple(_tell_area(empty, readings, settings, chosen) for empty, readings in known)
+        verdicts = judge_all(scene, chosen)
+        areas = tuple(
+            _tell_area(empty, readings, settings, chosen.levels, verdicts)
+            for empty, readings in known
+        )
         shown = () if picture is None else pictures.show(picture, chosen.levels, settings)
         words = chosen.levels.text()
         if chosen.name:
@@ -85,14 +90,15 @@ def gather(depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date
     )
 
 
-def _tell_area(empty, readings: Readings, settings, chosen) -> SensorArea:
-    levels = chosen.levels
+def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdicts) -> SensorArea:
     values, errors = readings.mixed(levels)
-    judged = judge_sensors(empty, readings, settings.sensors, levels, chosen.name)
     quantity = TITLES[readings.quantity].lower()
-    if readings.quantity != LUMINANCE:
+    if readings.is_rating:
+        quantity = "unified glare rating of observers"
+    elif readings.quantity != LUMINANCE:
         quantity = f"{quantity} illuminance"
-    grid = _grid_of(readings, values, errors) if min(readings.shape) > 1 else None
+    is_field = min(readings.shape) > 1 and not readings.is_rating
+    grid = _grid_of(readings, values, errors) if is_field else None
     plan = None if grid is None else _draw(grid, quantity, readings.unit, settings.sensors)
     return SensorArea(
         printable(empty.name),
@@ -109,9 +115,10 @@ def _tell_area(empty, readings: Readings, settings, chosen) -> SensorArea:
         readings.scene_hash,
         grid,
         plan,
-        judged.assessment,
-        judged.problem,
+        verdicts.areas.get(empty.name),
+        verdicts.problems.get(empty.name, ""),
         results.why_outdated(empty),
+        verdicts.observers.get(empty.name, ()),
     )
 
 
@@ -152,4 +159,4 @@ def _tell_settings(settings):
     sensors = settings.sensors
     yield "Sensors measured until", f"a relative standard error of {100.0 * sensors.error:.3g} % of all together, or {sensors.time:g} s"
     yield "Light groups", settings.light_mix.groups.lower()
-    yield "Modified means", "asked for" if sensors.use_modified else "not asked for"
+    yield "Modified means", "asked for" if sensors.modified else "not asked for"

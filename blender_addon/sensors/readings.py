@@ -9,10 +9,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import UNITS, PlacedSensors
+from .places import GLARE, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
@@ -38,7 +39,8 @@ class Readings:
     seed : int
     scene_hash, method : str
     signature : str    Of the empty when it was measured, see `places.signature_of`.
-    seconds : float    That it took to know them, together with others that were measured in the same run; 0: not kept. [s]
+    has_common : bool    Whether errors of sensors may have much in common.
+    seconds : float    That it took to measure these and those that were measured with them. [s]
     reflections : int or None    How often the light that counts was reflected at most; None: without a limit.
     direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
         for.
@@ -59,6 +61,7 @@ class Readings:
     scene_hash: str
     method: str
     signature: str
+    has_common: bool = True
     seconds: float = 0.0
     reflections: int | None = None
     direct: np.ndarray | None = None
@@ -67,6 +70,11 @@ class Readings:
     @functools.cached_property
     def _sum(self) -> GroupSum:
         return GroupSum(self.values, self.errors)
+
+    @property
+    def is_rating(self) -> bool:
+        """Whether the values rate glare: they do not add up, and are NaN where nothing dazzles."""
+        return self.quantity == GLARE
 
     @property
     def unit(self) -> str:
@@ -95,8 +103,15 @@ class Readings:
         return self._direct_sum.total.copy(), self._direct_sum.error
 
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
-        """Mean, extremes and uniformity with the groups at other levels."""
-        return judge_readings(*self.mixed(levels))
+        """Mean, extremes and uniformity with the groups at other levels; of ratings where there are any, else NaN."""
+        values, errors = self.mixed(levels)
+        if self.is_rating:
+            seen = np.isfinite(values)
+            values, errors = values[seen], errors[seen]
+            if not seen.any():
+                none = Extreme(np.nan, np.nan, np.nan)
+                return Figures(np.nan, np.nan, none, none, none, none)
+        return judge_readings(values, errors)
 
     def grid(self, values) -> np.ndarray:
         """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""
@@ -116,6 +131,7 @@ def make_readings(
     scene_hash,
     method,
     signature,
+    has_common=True,
     seconds=0.0,
     reflections=None,
     direct=None,
@@ -138,7 +154,8 @@ def make_readings(
         scene_hash,
         method,
         signature,
-        seconds,
+        bool(has_common),
+        float(seconds),
         reflections,
         None if direct is None else np.asarray(direct, dtype=np.float32),
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),

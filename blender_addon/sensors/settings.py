@@ -6,17 +6,22 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
+    IntProperty,
     PointerProperty,
     StringProperty,
 )
 from bpy.types import Object, PropertyGroup
 
-from ..foundation.settings import PATH_OPTIONS, percentage, redraw_views, tag_owner
-from .required import find_requirements
+from ..foundation.settings import percentage, redraw_views, tag_owner
+from .shipped import shipped_requirements
 
 
 def _is_mesh(self, thing) -> bool:
     return thing.type == "MESH"
+
+
+def _is_camera(self, thing) -> bool:
+    return thing.type == "CAMERA"
 
 
 LAYOUTS = [
@@ -35,6 +40,12 @@ LAYOUTS = [
         "Band",
         "A grid on the band around a rectangle in the empty's XY plane, as around a task area",
         5,
+    ),
+    (
+        "CAMERA",
+        "Camera",
+        "The parts of a camera's picture, in rows and columns, of which the mean luminances are told",
+        6,
     ),
 ]
 
@@ -65,20 +76,35 @@ QUANTITIES = [
         "Mean luminance in cd/m² within a cone about the empty's X axis, as a meter reads it",
         5,
     ),
+    (
+        "GLARE",
+        "Glare",
+        "Unified glare rating (UGR) of an observer whose eye is here and looks along the empty's X axis",
+        6,
+    ),
+]
+
+JUDGED_AREAS = [
+    (
+        "AUTO",
+        "By Quantity",
+        "Task area of planar, cylindrical of cylindrical illuminance, else none",
+        0,
+    ),
+    ("NONE", "None", "The sensors are not judged", 1),
+    ("TASK", "Task", "Where the task is done", 2),
+    ("SURROUNDINGS", "Surroundings", "The band around a task area", 3),
+    ("BACKGROUND", "Background", "What lies around the surroundings", 4),
+    ("WALLS", "Walls", "Walls", 5),
+    ("CEILING", "Ceiling", "The ceiling", 6),
+    ("CYLINDRICAL", "Cylindrical", "Faces of people", 7),
 ]
 
 
-AREA_ITEMS = [
-    ("AUTO", "By Quantity", "Cylindrical sensors as such, others as the first area of the requirement", 0),
-    ("TASK", "Task", "The task area", 1),
-    ("CYLINDRICAL", "Cylindrical", "Cylindrical illuminance in the room", 2),
-    ("WALLS", "Walls", "The walls of the room", 3),
-    ("CEILING", "Ceiling", "The ceiling of the room", 4),
-    ("SURROUNDINGS", "Surroundings", "The immediate surroundings of the task area", 5),
-    ("BACKGROUND", "Background", "The background around the surroundings", 6),
-    ("ROAD", "Road", "The luminance of a road", 7),
-]  # fmt: skip
-"""Areas that requirements speak of."""
+def _search_requirements(_self, _context, typed: str):
+    """Keys of the requirements that ship, with their titles."""
+    known = shipped_requirements()
+    return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
 class LumenraySensorSettings(PropertyGroup):
@@ -154,6 +180,31 @@ class LumenraySensorSettings(PropertyGroup):
         poll=_is_mesh,
         update=tag_owner,
     )
+    camera: PointerProperty(
+        name="Camera",
+        description="Camera whose picture is measured in parts; with none it is that of the scene",
+        type=Object,
+        poll=_is_camera,
+        update=tag_owner,
+    )
+    columns: IntProperty(
+        name="Columns",
+        description="Parts of the picture across. Default 6: few enough for their numbers to be read",
+        default=6,
+        min=1,
+        max=256,
+        soft_max=32,
+        update=tag_owner,
+    )
+    rows: IntProperty(
+        name="Rows",
+        description="Parts of the picture along. Default 4: about square in a usual picture",
+        default=4,
+        min=1,
+        max=256,
+        soft_max=32,
+        update=tag_owner,
+    )
     height: FloatProperty(
         name="Height",
         description="Of the sensors over the floor, in metres. Default 0.75: that of desks",
@@ -175,6 +226,30 @@ class LumenraySensorSettings(PropertyGroup):
         soft_max=1.0,
         update=tag_owner,
     )
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "Key of what is required of the light here, such as emergency.open_area. Default empty: what is required of all "
+            "sensors of the scene"
+        ),
+        search=_search_requirements,
+        update=redraw_views,
+    )
+    lighting_scenes: StringProperty(
+        name="In Scenes",
+        description=(
+            "Lighting scenes in which these sensors are judged, by their names with commas between them, such as Day, "
+            "Evening. Default empty: in all of them"
+        ),
+        update=redraw_views,
+    )
+    area: EnumProperty(
+        name="Area",
+        description="Which area of a requirement the sensors are judged as. Default By Quantity: that of most",
+        items=JUDGED_AREAS,
+        default="AUTO",
+        update=redraw_views,
+    )
     use_spacing: BoolProperty(
         name="Own Spacing",
         description=(
@@ -193,30 +268,6 @@ class LumenraySensorSettings(PropertyGroup):
         soft_min=0.05,
         soft_max=5.0,
         update=tag_owner,
-    )
-    requirement: StringProperty(
-        name="Requirement",
-        description=(
-            "Key of what is required of the light here, such as office.writing, for verdicts. Default empty: nothing is "
-            "required"
-        ),
-        search=find_requirements,
-    )
-    area: EnumProperty(
-        name="Area",
-        description=(
-            "What of the requirement these sensors are judged by. Default By Quantity: cylindrical ones as such, others as "
-            "the first area that the requirement speaks of"
-        ),
-        items=AREA_ITEMS,
-        default="AUTO",
-    )
-    lighting_scenes: StringProperty(
-        name="In Scenes",
-        description=(
-            "Lighting scenes in which the requirement holds, by their names with commas between them, such as Day, Evening. "
-            "Default empty: all of them"
-        ),
     )
     show_isolux: BoolProperty(
         name="Isolux Lines",
@@ -279,27 +330,32 @@ class LumenraySensorsSettings(PropertyGroup):
         ),
         default=False,
     )
-    requirement_file: StringProperty(
-        name="Own Requirements",
-        description="TOML file with requirements of your own, beside those that ship. Default empty: those that ship",
-        subtype="FILE_PATH",
-        options=PATH_OPTIONS,
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "What the readings are judged by, such as office.writing: a key of the requirements that ship. Default empty: "
+            "nothing is judged"
+        ),
+        search=_search_requirements,
+        update=redraw_views,
     )
     maintenance: FloatProperty(
-        name="Maintenance Factor",
+        name="Maintenance",
         description=(
-            "Factor on illuminances in verdicts, for the light that lamps and surfaces lose with time. Default 1: the "
-            "luminaires have theirs, or the values are of new ones"
+            "Maintenance factor on judged illuminances, for luminaires without one of their own. Default 1: they have one"
         ),
         default=1.0,
         min=0.01,
         max=1.0,
-        subtype="FACTOR",
+        update=redraw_views,
     )
-    use_modified: BoolProperty(
-        name="Modified Mean",
-        description="Ask for the modified mean illuminance where a requirement has one. Default off: the required one",
+    modified: BoolProperty(
+        name="Modified Value",
+        description=(
+            "Ask for the modified mean illuminance where the requirement has one. Default off: the usual one"
+        ),
         default=False,
+        update=redraw_views,
     )
     automatic: BoolProperty(
         name="Automatic Scale",

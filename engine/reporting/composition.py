@@ -95,17 +95,32 @@ def _table_of_verdicts(scene: LightingScene) -> Table:
         made = area.assessment
         verdict = Cell("-")
         required = ""
-        if made is not None:
+        if area.observers:
+            required = f"UGR at most {area.observers[0].limit:g}"
+            verdict = Cell(area.state.value, area.state)
+        elif made is not None:
             verdict = Cell(_tell_state(made), made.state)
             required = f"{made.requirement.title} ({made.requirement.standard}), {made.area}"
         elif area.problem:
             verdict = Cell("not judged")
         words = f"{area.name} ({ALTERED})" if area.changed else area.name
-        mean = estimate(area.figures.mean, area.figures.mean_error, area.unit)
-        uniformity = f"{area.figures.overall.value:.2f}" if len(area.values) > 1 else "-"
+        mean = tell_mean(area)
+        is_field = len(area.values) > 1 and not area.is_rating
+        uniformity = f"{area.figures.overall.value:.2f}" if is_field else "-"
         rows.append((words, required or "-", mean, uniformity, verdict))
     head = ("Area", "Requirement", "Mean", "U0", "Verdict")
     return Table(head, tuple(rows), (0.19, 0.33, 0.18, 0.08, 0.22), texts=2)
+
+
+def tell_mean(area: SensorArea) -> str:
+    """The mean of an area, or the worst rating of its observers."""
+    if not area.is_rating:
+        return estimate(area.figures.mean, area.figures.mean_error, area.unit)
+    known = np.isfinite(area.values)
+    if not known.any():
+        return "no glare source"
+    worst = int(np.nanargmax(area.values))
+    return f"UGR {'up to ' * (len(area.values) > 1)}{estimate(area.values[worst], area.errors[worst])}"
 
 
 def _tell_state(made: Assessment) -> str:
@@ -134,6 +149,9 @@ def _tell_area(report: Report, area: SensorArea):
     yield Heading(2, area.name)
     if area.changed:
         yield Text(f"Out of date: {ALTERED}: {area.changed}")
+    if area.is_rating:
+        yield from _tell_observers(area)
+        return
     figures, count = area.figures, len(area.values)
     lines = [("Quantity", area.quantity), ("Sensors", str(count))]
     mean = estimate(figures.mean, figures.mean_error, area.unit)
@@ -159,6 +177,30 @@ def _tell_area(report: Report, area: SensorArea):
     yield from _list_values(area)
 
 
+def _tell_observers(area: SensorArea):
+    """Ratings of observers, and what is allowed."""
+    yield Text(
+        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees; of all light as it "
+        "was measured, whatever the levels of light groups."
+    )
+    if area.problem:
+        yield Text(f"Not judged: {area.problem}")
+    rows = []
+    for k, (place, value) in enumerate(zip(area.positions, area.values, strict=True)):
+        verdict = area.observers[k] if area.observers else None
+        rows.append(
+            (
+                str(k + 1),
+                *(f"{each:.3f}" for each in place),
+                estimate(value, area.errors[k]) if np.isfinite(value) else "no glare source",
+                "-" if verdict is None else f"at most {verdict.limit:g}",
+                Cell("-") if verdict is None else Cell(verdict.state.value, verdict.state),
+            )
+        )
+    head = ("Observer", "x [m]", "y [m]", "z [m]", "UGR", "Required", "Verdict")
+    yield Table(head, tuple(rows), (0.12, 0.11, 0.11, 0.11, 0.17, 0.16, 0.22))
+
+
 def _tell_assessment(made: Assessment):
     requirement = made.requirement
     title = f"{requirement.title}, {made.area} ({requirement.standard}; {requirement.key})"
@@ -170,8 +212,10 @@ def _tell_assessment(made: Assessment):
     head = ("Limit", "Required", "Found", "True value within", "Verdict")
     yield Table(head, tuple(rows), (0.22, 0.17, 0.15, 0.22, 0.24))
     words = ""
+    if requirement.is_direct:
+        words = "Of the light that was not reflected, as the standard counts it. "
     if made.maintenance != 1.0:
-        words = f"Illuminances are multiplied by the maintenance factor {made.maintenance:g}. "
+        words += f"Illuminances are multiplied by the maintenance factor {made.maintenance:g}. "
     yield Text(f"{words}Source of the requirement: {requirement.source or 'not stated'}.", True)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..formats.report import known, write_json
 from ..judgement.assessment import Assessment
-from ..judgement.verdict import State
+from ..judgement.verdict import State, Verdict
 from ..reading.whole_file import write_whole
 from .results import LightingScene, LuminaireSheet, Report, SensorArea
 
@@ -32,9 +32,10 @@ def write_values(path, report: Report) -> Path:
                 for place, normal, value, error in zip(
                     area.positions, area.normals, area.values, area.errors, strict=True
                 ):
-                    numbers = [f"{each:.7g}" for each in (*place, *normal, value)]
+                    numbers = [f"{each:.7g}" for each in (*place, *normal)]
+                    told = [f"{value:.7g}", f"{error:.3g}"] if np.isfinite(value) else ["", ""]
                     head = (scene.name, area.name, area.quantity)
-                    writer.writerow([*head, *numbers, f"{error:.3g}", area.unit])
+                    writer.writerow([*head, *numbers, *told, area.unit])
     return Path(path)
 
 
@@ -88,8 +89,8 @@ def _describe_area(area: SensorArea) -> dict:
         "name": area.name,
         "quantity": area.quantity,
         "unit": area.unit,
-        "mean": figures.mean,
-        "mean_standard_error": figures.mean_error,
+        "mean": known(figures.mean),
+        "mean_standard_error": known(figures.mean_error),
     }
     for key, extreme in (
         ("minimum", figures.least),
@@ -97,9 +98,10 @@ def _describe_area(area: SensorArea) -> dict:
         ("uniformity_u0", figures.overall),
         ("diversity_ud", figures.diversity),
     ):
-        row[key], row[f"{key}_range"] = extreme.value, [known(extreme.low), known(extreme.high)]
+        row[key], row[f"{key}_range"] = known(extreme.value), [known(extreme.low), known(extreme.high)]
     return row | {
         "verdict": None if area.assessment is None else _describe_assessment(area.assessment),
+        "observers": [_describe_limit(each) for each in area.observers],
         "not_judged": area.problem,
         "out_of_date": area.changed,
         "samples": area.samples,
@@ -122,19 +124,19 @@ def _describe_assessment(made: Assessment) -> dict:
         "maintenance_factor": made.maintenance,
         "state": made.state.value,
         "seconds_more": made.seconds,
-        "limits": [
-            {
-                "name": each.name,
-                "limit": each.limit,
-                "is_most": each.is_most,
-                "state": each.state.value,
-                "value": None if each.found is None else known(each.found.value),
-                "range": None
-                if each.found is None
-                else [known(each.found.low), known(each.found.high)],
-            }
-            for each in made.verdicts
-        ],
+        "limits": [_describe_limit(each) for each in made.verdicts],
+    }
+
+
+def _describe_limit(made: Verdict) -> dict:
+    found = made.found
+    return {
+        "name": made.name,
+        "limit": made.limit,
+        "is_most": made.is_most,
+        "state": made.state.value,
+        "value": None if found is None else known(found.value),
+        "range": None if found is None else [known(found.low), known(found.high)],
     }
 
 

@@ -10,7 +10,7 @@ from ..analysis.sheet import Sheet
 from ..analysis.ugr_table import UgrTable
 from ..judgement.assessment import Assessment
 from ..judgement.schedule import Fitting, Schedule
-from ..judgement.verdict import State, overall
+from ..judgement.verdict import State, Verdict, join_states, overall
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +46,7 @@ class SensorArea:
     assessment : Assessment or None    None: nothing is required of them, or `problem` says why it is not judged.
     problem : str    Why they are not judged although something is required.
     changed : str    What has changed in the scene since they were measured; empty: nothing.
+    observers : tuple of Verdict    On the UGR of each, where the sensors are observers' eyes.
     """
 
     name: str
@@ -65,6 +66,19 @@ class SensorArea:
     assessment: Assessment | None = None
     problem: str = ""
     changed: str = ""
+    observers: tuple[Verdict, ...] = ()
+
+    @property
+    def is_rating(self) -> bool:
+        """Whether the values are ratings of glare, NaN where nothing dazzles."""
+        return self.unit == "UGR"
+
+    @property
+    def state(self) -> State | None:
+        """Of what is required of them; None: they are not judged."""
+        if self.assessment is not None:
+            return self.assessment.state
+        return overall(self.observers) if self.observers else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +109,8 @@ class LightingScene:
     @property
     def state(self) -> State:
         """Of all that is required."""
-        judged = [area.assessment for area in self.areas if area.assessment is not None]
-        return overall(judged)
+        states = [area.state for area in self.areas if area.state is not None]
+        return join_states(states)
 
 
 @dataclass(frozen=True, eq=False)

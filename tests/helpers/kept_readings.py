@@ -30,12 +30,15 @@ class FakeMeters:
         exact = share * sum(LUX[self.owner[key]] for key in self.shining)
         noise = np.random.default_rng(seed + (reflections == 0)).normal(size=len(positions))
         error = np.full(len(positions), max(self.noise * exact, 1e-9))
-        origin = SimpleNamespace(samples=16, seed=seed, notes=("a note",), decisions=())
+        origin = SimpleNamespace(
+            samples=16, seed=seed, notes=("a note",), decisions=(), seconds=1.0
+        )
         return SimpleNamespace(
             illuminance=exact + error * noise,
             standard_error=error,
             provenance=origin,
             method="made up",
+            has_common_errors=True,
         )
 
 

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 from kept_readings import LUX, NOISE, measure, new_room, set_sliders
 from lumenray.blender_addon.rendering import lighting_scenes
-from lumenray.blender_addon.sensors import verdict_lines
+from lumenray.blender_addon.sensors import scene_verdicts
 from lumenray.blender_addon.sensors.readings import readings_of
-from lumenray.blender_addon.sensors.verdicts import judge_sensors
 from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.verdict import State
 
@@ -27,8 +26,7 @@ def room():
 
 
 def judged(empty, chosen):
-    settings = bpy.context.scene.lumenray.sensors
-    return judge_sensors(empty, readings_of(empty), settings, chosen.levels, chosen.name).assessment
+    return scene_verdicts.judge_all(bpy.context.scene, chosen).areas.get(empty.name)
 
 
 def test_scenes_are_sums_of_groups_and_judged_each(room):
@@ -40,7 +38,8 @@ def test_scenes_are_sums_of_groups_and_judged_each(room):
         made = judged(room, chosen)
         assert made.state is state
         assert made.verdicts[0].found.low < exact < made.verdicts[0].found.high
-    assert verdict_lines.tell_all(bpy.context.scene, evening) == [("Desk A", "not met")]
+    made = scene_verdicts.judge_all(bpy.context.scene, evening)
+    assert scene_verdicts.tell(made) == [("Desk A", "not met")]
     # The light mix as its sliders stand is judged like the scene that they show.
     assert judged(room, lighting_scenes.Chosen("", evening.levels)).state is State.NOT_MET
 
@@ -120,5 +119,5 @@ def test_emergency_lighting_is_judged_by_what_was_not_reflected():
     empty.lumenray.sensor.requirement = "office.writing"
     assert not measure().wants_direct
     empty.lumenray.sensor.requirement = "emergency.open_area"
-    told = judge_sensors(empty, readings_of(empty), bpy.context.scene.lumenray.sensors)
-    assert "light that was not reflected, which was not measured" in told.problem
+    told = scene_verdicts.judge_all(bpy.context.scene, chosen).problems[empty.name]
+    assert "counts light that was not reflected; measure again" in told

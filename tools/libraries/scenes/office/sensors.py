@@ -55,6 +55,11 @@ def build_sensors(collection):
         settings = _add_floor(collection, name, quantity, height)
         if area:
             settings.requirement, settings.area, settings.lighting_scenes = WRITING, area, NORMAL
+    eye = _add(collection, "Eyes at Desk A", "POINT", "GLARE")
+    # Above the chair, looking over the desk.
+    eye.location = on_desk("A", 0.0, 0.75, EYE_HEIGHT - DESK_HEIGHT)
+    eye.rotation_euler = (0.0, 0.0, math.radians(PLACES["A"][1] - 90.0))
+    eye.lumenray.sensor.requirement, eye.lumenray.sensor.lighting_scenes = WRITING, NORMAL
     settings = _add_floor(collection, "Escape Area", "PLANAR", 0.0)
     settings.requirement, settings.lighting_scenes = "emergency.open_area", "Emergency"
 
