@@ -5,7 +5,17 @@ from pathlib import Path
 
 from ..blender_addon import assumptions
 from .blend_file import open_blend
-from .options import add_rule, add_scene, add_witness, rule_of, seed_of, share, size, transport_of, whole
+from .options import (
+    add_rule,
+    add_scene,
+    add_witness,
+    rule_of,
+    seed_of,
+    share,
+    size,
+    transport_of,
+    whole,
+)
 from .output import add_output, check_free, say, table
 from .progress import Bar
 
@@ -18,7 +28,11 @@ def add_command(commands) -> None:
         epilog=assumptions.CODES,
     )
     add_scene(report)
-    add_output(report, "OUT.html", "one file that opens without network; OUT.csv and OUT.json with all values beside it")
+    add_output(
+        report,
+        "OUT.html",
+        "one file that opens without network; OUT.csv and OUT.json with all values beside it",
+    )
     report.add_argument("--pdf", type=Path, metavar="OUT.pdf", help="also as PDF pages")
     report.add_argument(
         "--kept",
@@ -27,7 +41,9 @@ def add_command(commands) -> None:
     )
     report.add_argument("--title", metavar="TEXT", help="of the cover (default: the scene's)")
     report.add_argument("--client", metavar="TEXT", help="whom it is for (default: the scene's)")
-    report.add_argument("--author", metavar="TEXT", help="who made the design (default: the scene's)")
+    report.add_argument(
+        "--author", metavar="TEXT", help="who made the design (default: the scene's)"
+    )
     report.add_argument(
         "--date", metavar="TEXT", help="of the cover (default: today, as YYYY-MM-DD)"
     )

@@ -154,7 +154,9 @@ def _absolute(name: str) -> Path:
     FileFormatError    It lies beside a .blend file that was not saved yet.
     """
     if name.startswith("//") and not bpy.data.filepath:
-        raise FileFormatError(name, "lies beside the .blend file; save that first, or choose another place")
+        raise FileFormatError(
+            name, "lies beside the .blend file; save that first, or choose another place"
+        )
     return Path(bpy.path.abspath(name)).absolute()
 
 

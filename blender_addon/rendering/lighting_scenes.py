@@ -1,4 +1,4 @@
-"""Lighting scenes: levels of the light groups under a name, kept in the file; light adds up, so that nothing is computed anew."""
+"""Lighting scenes: levels of the light groups under a name, kept in the file; light adds up, so nothing is computed anew."""
 
 from dataclasses import dataclass
 

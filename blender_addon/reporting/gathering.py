@@ -25,7 +25,9 @@ PLAN = (760, 480)
 """Size of plans. [pixel]"""
 
 
-def gather(depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date: str = "") -> Report:
+def gather(
+    depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date: str = ""
+) -> Report:
     """Bring the report of a scene together from what its sensors have told.
 
     Parameters
@@ -46,7 +48,9 @@ def gather(depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date
     known = [(empty, readings) for empty, readings in held if readings is not None]
     if not known:
         raise SceneError("no sensor of the scene has been measured; measure them first")
-    remarks = [f"sensors '{empty.name}' have not been measured" for empty, each in held if each is None]
+    remarks = [
+        f"sensors '{empty.name}' have not been measured" for empty, each in held if each is None
+    ]
     scenes = []
     chosen_scenes = lighting_scenes.choose_all(scene)
     for chosen in chosen_scenes:
@@ -65,7 +69,9 @@ def gather(depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date
         groups = dict.fromkeys(name for _, readings in known for name in readings.groups)
         remarks += lighting_scenes.remarks_of(chosen, groups)
         if not chosen.levels.is_neutral:
-            remarks += [f"sensors '{empty.name}': {UNMIXED}" for empty, r in known if r.groups == ("",)]
+            remarks += [
+                f"sensors '{empty.name}': {UNMIXED}" for empty, r in known if r.groups == ("",)
+            ]
     schedule, sheets, others, problems = find_luminaires(depsgraph)
     told = list(find_remarks(conversion, notes))
     goals = [f"goal: {words}" for words in dict.fromkeys(filter(None, shortfalls))]
@@ -157,6 +163,9 @@ def _find_floor(known, depsgraph, levels) -> Floor | None:
 
 def _tell_settings(settings):
     sensors = settings.sensors
-    yield "Sensors measured until", f"a relative standard error of {100.0 * sensors.error:.3g} % of all together, or {sensors.time:g} s"
+    yield (
+        "Sensors measured until",
+        f"a relative standard error of {100.0 * sensors.error:.3g} % of all together, or {sensors.time:g} s",
+    )
     yield "Light groups", settings.light_mix.groups.lower()
     yield "Modified means", "asked for" if sensors.modified else "not asked for"

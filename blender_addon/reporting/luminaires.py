@@ -71,7 +71,10 @@ def _facts(fitting: Fitting):
             yield label, printable(" ".join(text.split()))
     units = file.units
     yield "Count", str(fitting.count)
-    yield "Flux of each", f"{fitting.luminous_flux:.4g} lm as set, {made.total_flux:.4g} {units.flux} by the file"
+    yield (
+        "Flux of each",
+        f"{fitting.luminous_flux:.4g} lm as set, {made.total_flux:.4g} {units.flux} by the file",
+    )
     if file.watts is not None:
         told = f"{file.watts:g} W"
         if made.efficacy is not None and file.quantity == LUMINOUS:

@@ -103,9 +103,7 @@ def show(picture: Picture, levels: LightMix, settings) -> tuple[Shown, ...]:
         made = filter_noise(linear, mixed)
         linear, words = made.colour, made.words or words
     pixels = encode_display(np.asarray(linear))
-    told = (
-        f"{mixed.provenance.samples} samples a pixel, error of the picture {100.0 * mixed.relative_error:.2g} %"
-    )
+    told = f"{mixed.provenance.samples} samples a pixel, error of the picture {100.0 * mixed.relative_error:.2g} %"
     seen = Shown(
         f"What the camera sees; {white:.4g} cd/m² is white; {words}; {told}",
         Image.fromarray(pixels),

@@ -120,7 +120,9 @@ class SensorJob:
             for kind in kinds:
                 rule = rules[kind]
                 if rule.seconds is not None:
-                    rule = replace(rule, seconds=rule.seconds / len(parts) / (len(kinds) + len(asks)))
+                    rule = replace(
+                        rule, seconds=rule.seconds / len(parts) / (len(kinds) + len(asks))
+                    )
                 found = self._measure(session, scene, name, kind, rule, number + 1, progress)
                 made[name, kind] = found
                 notes |= dict.fromkeys(found.notes)

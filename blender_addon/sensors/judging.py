@@ -106,7 +106,9 @@ def judge_sensors(
         elif area not in requirement.areas:
             skipped[name] = f"{requirement.key} asks nothing of the area '{area}'"
         elif requirement.is_direct and not readings.has_direct:
-            skipped[name] = f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
+            skipped[name] = (
+                f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
+            )
         elif not levels.is_neutral and readings.groups == ("",):
             skipped[name] = UNMIXED
         else:

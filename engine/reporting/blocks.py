@@ -55,8 +55,7 @@ class Table:
     head : tuple of str
     rows : tuple of tuple of (str or Cell)
     widths : tuple of float    Shares of the width, by column.
-    texts : int    How many columns at the left are texts; of the others those without a `Cell` are numbers, which stand at the
-        right.
+    texts : int    How many columns at the left are texts; of the others those without a `Cell` are numbers, at the right.
     is_small : bool    Whether it has many numbers.
     """
 

@@ -74,14 +74,14 @@ def _summarise(report: Report):
             yield Text(scene.levels, is_note=True)
         yield _table_of_verdicts(scene)
     yield Text(
-        "Values are means over the area with their standard error (one standard deviation); least over mean is the uniformity "
-        f"U0. A verdict that is stated is wrong in at most {100 * WRONG:g} % of cases.",
+        "Values are means over the area with their standard error (one standard deviation); least over mean is the "
+        f"uniformity U0. A verdict that is stated is wrong in at most {100 * WRONG:g} % of cases.",
         is_note=True,
     )
     count = len(report.remarks)
     if count:
         yield Text(
-            f"{count} remark{'' if count == 1 else 's'} on what was assumed, left out or not reached: see Method and errors.",
+            f"{count} remark{'' if count == 1 else 's'} on what was assumed, left out, not reached: see Method and errors.",
             is_note=True,
         )
     pictures = [scene.pictures[0] for scene in report.scenes if scene.pictures][:1]
@@ -120,7 +120,9 @@ def tell_mean(area: SensorArea) -> str:
     if not known.any():
         return "no glare source"
     worst = int(np.nanargmax(area.values))
-    return f"UGR {'up to ' * (len(area.values) > 1)}{estimate(area.values[worst], area.errors[worst])}"
+    return (
+        f"UGR {'up to ' * (len(area.values) > 1)}{estimate(area.values[worst], area.errors[worst])}"
+    )
 
 
 def _tell_state(made: Assessment) -> str:
@@ -180,8 +182,8 @@ def _tell_area(report: Report, area: SensorArea):
 def _tell_observers(area: SensorArea):
     """Ratings of observers, and what is allowed."""
     yield Text(
-        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees; of all light as it "
-        "was measured, whatever the levels of light groups."
+        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees; of all light as "
+        "it was measured, whatever the levels of light groups."
     )
     if area.problem:
         yield Text(f"Not judged: {area.problem}")
@@ -354,8 +356,8 @@ def _tell_glare(report: Report):
         return
     yield Heading(1, "Glare")
     yield Text(
-        "Unified glare ratings of the luminaires in the rooms of CIE 190:2010, computed from their photometric files; spacing "
-        "0.25 H. X and Y are the sizes of the room across and along the line of sight, in heights H of the luminaires above "
+        "Unified glare ratings of the luminaires in the rooms of CIE 190:2010, computed from their photometric files; "
+        "spacing 0.25 H. X and Y are the sizes of the room across and along the line of sight, in heights H of the luminaires above "
         "the eye."
     )
     for sheet in told:
@@ -423,8 +425,8 @@ def _tell_method(report: Report):
         "that is found from independent groups of samples; a value without ± is known to all its digits. Ranges of least, "
         f"largest and uniformities hold the true value in at least {100 * PROBABILITY:g} % of cases, "
         "those of verdicts so often "
-        f"that a stated verdict is wrong in at most {100 * WRONG:g} % of cases over all its limits. Lighting scenes are sums of "
-        "light groups that were computed apart: light adds up, groups are independent, and their errors add up as squares."
+        f"that a stated verdict is wrong in at most {100 * WRONG:g} % of cases over all its limits. Lighting scenes are sums "
+        "of light groups that were computed apart: light adds up, groups are independent, and their errors add up as squares."
     )
     yield Facts(
         (

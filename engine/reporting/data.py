@@ -98,7 +98,10 @@ def _describe_area(area: SensorArea) -> dict:
         ("uniformity_u0", figures.overall),
         ("diversity_ud", figures.diversity),
     ):
-        row[key], row[f"{key}_range"] = known(extreme.value), [known(extreme.low), known(extreme.high)]
+        row[key], row[f"{key}_range"] = (
+            known(extreme.value),
+            [known(extreme.low), known(extreme.high)],
+        )
     return row | {
         "verdict": None if area.assessment is None else _describe_assessment(area.assessment),
         "observers": [_describe_limit(each) for each in area.observers],

@@ -41,14 +41,16 @@ nav a.below { padding-left: 16px; color: #66707c; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 3px 20px; margin: 8px 0 14px; }
 dt { color: #66707c; } dd { margin: 0; font-variant-numeric: tabular-nums; }
 table { border-collapse: collapse; width: 100%; margin: 8px 0 14px; font-variant-numeric: tabular-nums; font-size: 14px; }
-th { text-align: left; font-weight: 600; border-bottom: 1.5px solid #20252c; padding: 5px 16px 5px 0; vertical-align: bottom; }
+th { text-align: left; font-weight: 600; border-bottom: 1.5px solid #20252c; padding: 5px 16px 5px 0;
+  vertical-align: bottom; }
 td { border-bottom: 1px solid #dfe3e8; padding: 5px 16px 5px 0; vertical-align: top; }
 th.number, td.number { text-align: right; } table.small { font-size: 11.5px; width: auto; }
 table.small th, table.small td { padding: 2px 8px 2px 0; white-space: nowrap; }
 thead { display: table-header-group; } tr { break-inside: avoid; }
 .state { font-weight: 600; } .met { color: #1a6e3c; } .missed { color: #b3261e; } .open { color: #8a5a00; }
 .unknown { color: #66707c; }
-.state::before { display: inline-block; width: 1.2em; } .met::before { content: "\\2713"; } .missed::before { content: "\\2717"; }
+.state::before { display: inline-block; width: 1.2em; }
+.met::before { content: "\\2713"; } .missed::before { content: "\\2717"; }
 .open::before { content: "?"; } .unknown::before { content: "\\2013"; }
 figure { margin: 14px 0; break-inside: avoid; } figure svg, figure img { display: block; max-width: 100%; height: auto; }
 figcaption { color: #66707c; font-size: 13px; margin-top: 4px; }

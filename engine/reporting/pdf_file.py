@@ -31,7 +31,7 @@ MARGIN, HEAD = 48.0, 54.0
 TALLEST = 0.82
 """Share of the height of a page that a figure takes at most."""
 
-MISSING = "In this file the letters of some names are replaced: its fonts have Latin ones alone. The HTML file has them all."
+MISSING = "Letters of some names are replaced here: the fonts have Latin ones alone. The HTML file has them all."
 
 
 def require_reportlab() -> None:
@@ -64,7 +64,7 @@ def write_pdf(path, document: Document) -> Path:
 
 
 def latin(text: str) -> str:
-    """A text in the letters that the fonts of every PDF reader have (Windows-1252): others lose their accents, or become ?."""
+    """A text in the letters that the fonts of every PDF reader have (Windows-1252): others lose their accents or become ?."""
     text = printable(text).replace("\N{REPLACEMENT CHARACTER}", "?")
     return "".join(_latin_letter(letter) for letter in text)
 
@@ -366,9 +366,7 @@ def _draw_shape(pen, shape, height: float, letters) -> None:
         from reportlab.lib.utils import ImageReader
 
         (x, y), (width, tall) = shape.corner, shape.size
-        pen.drawImage(
-            ImageReader(Image.fromarray(shape.pixels)), x, height - y - tall, width, tall
-        )
+        pen.drawImage(ImageReader(Image.fromarray(shape.pixels)), x, height - y - tall, width, tall)
     else:
         _draw_text(pen, shape, height, letters)
 

@@ -1,4 +1,4 @@
-"""Sensors over a made-up room whose light groups are known exactly: the engine is a fake that adds noise of a stated size."""
+"""Sensors in a made-up room whose light groups are known exactly: the engine is a fake that adds noise of a stated size."""
 
 from types import SimpleNamespace
 

@@ -1,10 +1,9 @@
-"""The report of an open file has what its sensors told, what is required, and its luminaires; operator and command write it."""
+"""The report of an open file has what its sensors told, verdicts and luminaires; operator and command write it."""
 
 import json
 
 import bpy
 import pytest
-from blender_objects import add_quad, new_paint
 from kept_readings import measure, new_room, set_sliders
 from lumenray.blender_addon.reporting import gathering
 from lumenray.blender_addon.rendering import lighting_scenes
@@ -88,7 +87,7 @@ def test_the_operator_writes_it_and_the_panel_shows_what_is_missing(room, tmp_pa
     with pytest.raises(RuntimeError, match="save that first"):
         bpy.ops.lumenray.write_report()
     settings.filepath = str(tmp_path / "out.txt")
-    with pytest.raises(RuntimeError, match="ends in .html"):
+    with pytest.raises(RuntimeError, match=r"ends in \.html"):
         bpy.ops.lumenray.write_report()
     settings.filepath, settings.title = str(tmp_path / "out.html"), "Town Hall"
     assert "lumenray.write_report" in draw(
