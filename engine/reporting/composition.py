@@ -357,8 +357,9 @@ def _tell_glare(report: Report):
     yield Heading(1, "Glare")
     yield Text(
         "Unified glare ratings of the luminaires in the rooms of CIE 190:2010, computed from their photometric files; "
-        "spacing 0.25 H. X and Y are the sizes of the room across and along the line of sight, in heights H of the luminaires above "
-        "the eye."
+        "spacing 0.25 H. X and Y are the sizes of the room across and along the line of sight, in heights H of the "
+        "luminaires above the eye; C columns look across the lamps, E columns along them, by the reflectances of ceiling, "
+        "walls and floor in per cent."
     )
     for sheet in told:
         yield Heading(2, sheet.fitting.name)
@@ -425,8 +426,9 @@ def _tell_method(report: Report):
         "that is found from independent groups of samples; a value without ± is known to all its digits. Ranges of least, "
         f"largest and uniformities hold the true value in at least {100 * PROBABILITY:g} % of cases, "
         "those of verdicts so often "
-        f"that a stated verdict is wrong in at most {100 * WRONG:g} % of cases over all its limits. Lighting scenes are sums "
-        "of light groups that were computed apart: light adds up, groups are independent, and their errors add up as squares."
+        f"that a stated verdict is wrong in at most {100 * WRONG:g} % of cases over all its limits. Lighting scenes are "
+        "sums of light groups that were computed apart: light adds up, groups are independent, and their errors add up as "
+        "squares."
     )
     yield Facts(
         (

@@ -64,7 +64,7 @@ def write_pdf(path, document: Document) -> Path:
 
 
 def latin(text: str) -> str:
-    """A text in the letters that the fonts of every PDF reader have (Windows-1252): others lose their accents or become ?."""
+    """A text in the letters that PDF readers have (Windows-1252): others lose their accents or become ?."""
     text = printable(text).replace("\N{REPLACEMENT CHARACTER}", "?")
     return "".join(_latin_letter(letter) for letter in text)
 
