@@ -66,6 +66,11 @@ def add_command(commands) -> None:
         "scene says)",
     )
     measure.add_argument(
+        "--lighting-scene",
+        metavar="NAME",
+        help="levels of the light groups as a lighting scene of the file says (default: as the sliders stand)",
+    )
+    measure.add_argument(
         "--mix",
         type=level,
         action="append",
@@ -122,7 +127,7 @@ def run_list(options) -> int:
     from ..engine.accuracy.stopping import StopRule
     from ..engine.formats.sensors import read_sensors, write_measurements
 
-    for name in ("objects", "plans", "light_groups", "mix"):
+    for name in ("objects", "plans", "light_groups", "lighting_scene", "mix"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name.replace('_', '-')} is for sensors that stand in the file, not for those of a list"
@@ -178,7 +183,7 @@ def run_list(options) -> int:
 
 def run_scene(options) -> int:
     """Measure at the sensors that stand in the file."""
-    from ..blender_addon.rendering import light_mix
+    from ..blender_addon.rendering import light_mix, lighting_scenes
     from ..blender_addon.sensors import asked, judging
     from ..engine.session import Session
 
@@ -193,6 +198,9 @@ def run_scene(options) -> int:
     scene = depsgraph.scene
     if options.light_groups:
         scene.lumenray.light_mix.groups = options.light_groups.upper()
+    own_levels = light_mix.levels_of(scene)
+    if options.lighting_scene is not None:
+        own_levels = lighting_scenes.find(scene, options.lighting_scene).levels
     empties = _chosen(options, scene)
     requirement = sensor_judgement.find(options, scene.lumenray.sensors)
     rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
@@ -202,7 +210,7 @@ def run_scene(options) -> int:
     job.method = options.method or settings.bake.method.lower()
     job.witness, job.reflections = options.witness, options.reflections
     known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
-    levels = _levels(options, light_mix.levels_of(scene), known)
+    levels = _levels(options, own_levels, known)
     if options.plans is not None:
         _check_plans(options, job)
     with Bar("measure") as bar:

@@ -136,3 +136,22 @@ def test_the_command_measures_and_renders(tmp_path):
     assert area["values"][0] > 0.0
     assert area["samples"] >= 64
     assert out.read_text(encoding="utf-8").count("data:image/png;base64,") >= 2
+
+
+@pytest.mark.mitsuba
+@pytest.mark.slow
+def test_measuring_takes_the_levels_of_a_lighting_scene(room, tmp_path, capsys):
+    """A lamp 2 m over a grid, whose parts at once are half of one group and none of the other."""
+    blend = tmp_path / "room.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    mean = {}
+    for name in ("Day", HOSTILE):
+        out = tmp_path / f"{len(mean)}.json"
+        more = ["--lighting-scene", name, "--samples", "64", "--no-witness"]
+        assert command_line.main(["measure", str(blend), "-o", str(out), *more]) == 0
+        mean[name] = json.loads(out.read_text(encoding="utf-8"))["sensors"][0]["mean"]
+    # Two equal lamps at one place: half of one is a quarter of both.
+    assert mean[HOSTILE] == pytest.approx(0.25 * mean["Day"], rel=1e-3)
+    more = ["-o", str(tmp_path / "no.json"), "--lighting-scene", "Night"]
+    assert command_line.main(["measure", str(blend), *more]) == 1
+    assert "there is no lighting scene 'Night'" in capsys.readouterr().err
