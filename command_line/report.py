@@ -50,7 +50,7 @@ def add_command(commands) -> None:
     report.add_argument(
         "--light-groups",
         choices=("none", "groups", "each"),
-        help="keep light groups apart, for lighting scenes (default: as the scene says)",
+        help="keep light groups apart (default: as the scene says; groups where it has lighting scenes)",
     )
     report.add_argument(
         "--maintenance",
@@ -117,6 +117,8 @@ def _set(options, scene) -> None:
             setattr(settings.report, name, getattr(options, name))
     if options.light_groups:
         settings.light_mix.groups = options.light_groups.upper()
+    elif settings.light_mix.scenes and settings.light_mix.groups == "NONE":
+        settings.light_mix.groups = "GROUPS"
     if options.maintenance is not None:
         settings.sensors.maintenance = options.maintenance
     if options.size:
