@@ -43,6 +43,8 @@ from .rendering import mix_settings
 from .rendering import settings as render_settings
 from .rendering.mix_settings import LumenrayLightMixSettings
 from .rendering.settings import LumenrayRenderSettings, LumenrayViewportSettings
+from .reporting import settings as report_settings
+from .reporting.settings import LumenrayReportSettings
 from .scattering.settings import LumenrayMeasuredSettings
 from .sensors import settings as sensor_settings
 from .sensors.settings import LumenraySensorSettings, LumenraySensorsSettings
@@ -229,6 +231,7 @@ class LumenraySceneSettings(PropertyGroup):
     look: PointerProperty(type=LumenrayLookSettings)
     year: PointerProperty(type=LumenrayYearSettings)
     sensors: PointerProperty(type=LumenraySensorsSettings)
+    report: PointerProperty(type=LumenrayReportSettings)
     seed: IntProperty(
         name="Seed",
         description=(
@@ -320,6 +323,7 @@ CLASSES = (
     LumenrayCameraSettings,
     *render_settings.CLASSES,
     *mix_settings.CLASSES,
+    *report_settings.CLASSES,
     *bake_settings.CLASSES,
     *baked_tables.CLASSES,
     LumenraySceneSettings,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import Cancelled, FileFormatError, LumenrayError
-from . import requirements
+from . import bake_observers, requirements
 from .bake_table import print_bake, print_table
 from .blend_file import open_blend, quiet
 from .interruption import Interruption
@@ -137,6 +137,7 @@ def run(options) -> int:
     print_bake(job.result)
     if required is not None:
         _judge(job, options, *required)
+        bake_observers.judge_observers(options, depsgraph, required[0])
     say(f"written to {options.output}")
     if options.gltf in job.files:
         say(f"written to {options.gltf}")
@@ -183,7 +184,7 @@ def check_files(options) -> None:
         results = (path for name in RESULTS for path in options.output.glob(name))
         remedy = "--force replaces it, --resume goes on with an unfinished bake"
         check_free(options, *results, remedy=remedy)
-        check_free(options, options.gltf, options.save)
+        check_free(options, options.gltf, options.save, options.output / bake_observers.FILE)
 
 
 def bake_open(options, depsgraph):

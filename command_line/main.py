@@ -12,6 +12,7 @@ from .output import complain
 MODULES = {
     "render": "render",
     "bake": "bake",
+    "mix": "mix",
     "measure": "measure",
     "observe": "observe",
     "difference": "difference",
@@ -26,7 +27,9 @@ MODULES = {
     "sky": "sky.commands",
     "environment": "environment.commands",
     "glare": "glare",
+    "report": "report",
     "requirements": "requirements",
+    "road": "road",
     "probe": "probe",
     "validate": "validate",
     "demo": "demo",
@@ -39,6 +42,7 @@ EPILOG = """examples:
   lumenray bake office.blend -o lux --objects "Floor,Desk Top A" --lumels-per-m 20 --error 1%
   lumenray bake office.blend -o lux --error-lx 5 --time 600 --layers groups --gltf office.glb
   lumenray measure office.blend -o sensors.csv --plans plans
+  lumenray report office.blend -o report.html --pdf report.pdf
   lumenray measure office.blend --sensors grid.csv -o readings.csv --error 0.5%
   lumenray daylight office.blend --weather town.epw --floor Floor -o daylight
   lumenray explain office.blend
@@ -48,6 +52,7 @@ EPILOG = """examples:
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
   lumenray glare fisheye.exr
+  lumenray road street.ldt --width 7 --lanes 2 --spacing 30 --height 8 --require road.m4
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.
 """

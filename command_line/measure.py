@@ -1,12 +1,13 @@
 """The command ``lumenray measure``: illuminance at the sensors that stand in a file, or at those of a list."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.scene.sensor import SensorKind
-from . import requirements
+from . import requirements, sensor_judgement
 from .blend_file import open_blend, open_session
 from .options import (
     add_rule,
@@ -65,6 +66,11 @@ def add_command(commands) -> None:
         "scene says)",
     )
     measure.add_argument(
+        "--lighting-scene",
+        metavar="NAME",
+        help="levels of the light groups as a lighting scene of the file says (default: as the sliders stand)",
+    )
+    measure.add_argument(
         "--mix",
         type=level,
         action="append",
@@ -121,7 +127,7 @@ def run_list(options) -> int:
     from ..engine.accuracy.stopping import StopRule
     from ..engine.formats.sensors import read_sensors, write_measurements
 
-    for name in ("objects", "plans", "light_groups", "mix"):
+    for name in ("objects", "plans", "light_groups", "lighting_scene", "mix"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name.replace('_', '-')} is for sensors that stand in the file, not for those of a list"
@@ -177,11 +183,11 @@ def run_list(options) -> int:
 
 def run_scene(options) -> int:
     """Measure at the sensors that stand in the file."""
-    from ..blender_addon.rendering import light_mix
-    from ..blender_addon.sensors import asked
+    from ..blender_addon.rendering import light_mix, lighting_scenes
+    from ..blender_addon.sensors import asked, judging
     from ..engine.session import Session
 
-    for name in ("kind", "colour", "spectrum", "require"):
+    for name in ("kind", "colour", "spectrum"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name} is for sensors of a list; those of the file say what they are"
@@ -192,7 +198,11 @@ def run_scene(options) -> int:
     scene = depsgraph.scene
     if options.light_groups:
         scene.lumenray.light_mix.groups = options.light_groups.upper()
+    own_levels = light_mix.levels_of(scene)
+    if options.lighting_scene is not None:
+        own_levels = lighting_scenes.find(scene, options.lighting_scene).levels
     empties = _chosen(options, scene)
+    requirement = sensor_judgement.find(options, scene.lumenray.sensors)
     rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
     job, report = asked.prepare(depsgraph, empties, rule, options.accept_missing)
     settings = scene.lumenray
@@ -200,14 +210,19 @@ def run_scene(options) -> int:
     job.method = options.method or settings.bake.method.lower()
     job.witness, job.reflections = options.witness, options.reflections
     known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
-    levels = _levels(options, light_mix.levels_of(scene), known)
+    levels = _levels(options, own_levels, known)
     if options.plans is not None:
         _check_plans(options, job)
     with Bar("measure") as bar:
         job.run(Session(), bar)
-    _write(options, job, report, levels)
+    judged = None
+    if requirement is not None:
+        judged = sensor_judgement.judge(options, scene, job, levels, requirement)
+    _write(options, job, report, levels, judged)
     assumptions.tell(report, job.notes, job.shortfall)
     _tell(job, levels)
+    for line in [] if judged is None else judging.tell(judged):
+        say(line)
     say(f"written to {options.output}")
     return assumptions.exit_code(report, options.accept_missing, job.shortfall)
 
@@ -248,9 +263,9 @@ def _check_plans(options, job) -> None:
         check_free(options, stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.svg"))
 
 
-def _write(options, job, report, levels) -> None:
-    """Write readings, and plans where they are asked for."""
-    from ..blender_addon.sensors import files, pictures
+def _write(options, job, report, levels, judged) -> None:
+    """Write readings with verdicts, and plans where they are asked for."""
+    from ..blender_addon.sensors import files, judging, pictures
 
     named = [(placed.name, job.answer[placed.uid]) for placed in job.places]
     if options.output.suffix.lower() == ".json":
@@ -262,9 +277,11 @@ def _write(options, job, report, levels) -> None:
             report.to_dicts(),
             job.notes,
             job.shortfall,
+            None if judged is None else judging.describe(judged),
         )
     else:
-        remarks = assumptions.lines_of(report, job.notes, job.shortfall)
+        remarks = list(assumptions.lines_of(report, job.notes, job.shortfall))
+        remarks += [] if judged is None else judging.tell(judged)
         files.write_rows(options.output, named, levels, remarks)
     if options.plans is not None:
         plans = [
@@ -281,6 +298,11 @@ def _tell(job, levels) -> None:
     for placed in job.places:
         readings = job.answer[placed.uid]
         figures = readings.figures(levels)
+        if math.isnan(figures.mean):
+            rows.append(
+                (placed.name, str(len(readings.positions)), *["-"] * 4, readings.unit, "-", "-")
+            )
+            continue
         ratios = [f"{x.value:.3f}" for x in (figures.overall, figures.diversity)]
         numbers = [figures.mean, figures.least.value, figures.largest.value]
         mean, least, largest = (f"{value:.4g}" for value in numbers)

@@ -1,20 +1,17 @@
 """The command ``lumenray observe``: glare that observers in a scene are exposed to."""
 
 import csv
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ..blender_addon import assumptions
+from ..engine.observers import FREEDOM, PARTS, SAMPLES, SIZE, rate_observers
 from .blend_file import open_session
 from .options import add_scene, real, seed_of, transport_of, whole
 from .output import add_output, check_free, say
 from .progress import Bar
 from .requirements import add_files
-
-PARTS = 4
-"""Pictures with samples of their own, whose figures differ by their errors."""
 
 COLUMNS = {
     "ugr": "ugr",
@@ -46,16 +43,16 @@ def add_command(commands) -> None:
     observe.add_argument(
         "--size",
         type=whole(64, 4096),
-        default=600,
+        default=SIZE,
         metavar="N",
-        help="width of the fisheye that is rendered for each observer, in pixels (default: 600)",
+        help=f"width of the fisheye that is rendered for each observer, in pixels (default: {SIZE})",
     )
     observe.add_argument(
         "--samples",
         type=whole(PARTS),
-        default=16,
+        default=SAMPLES,
         metavar="N",
-        help="of a pixel (default: 16)",
+        help=f"of a pixel (default: {SAMPLES})",
     )
     observe.add_argument(
         "--threshold",
@@ -83,44 +80,29 @@ def run(options) -> int:
     observers = read_sensors(options.observers)
     requirement = _requirement(options)
     settings, report, session = open_session(options)
-    rows, notes = [], {}
     with Bar("observe") as bar:
-        for number, observer in enumerate(observers):
-            bar.share(number / len(observers))
-            values, said = _rate(session, observer, options, settings)
-            rows.append(values)
-            notes |= dict.fromkeys(said)
+        table, notes = rate_observers(
+            session,
+            observers[:, :3],
+            observers[:, 3:],
+            options.size,
+            options.samples,
+            options.threshold,
+            seed_of(options, settings),
+            transport_of(options, settings),
+            bar,
+        )
+    rows = [{name: values[k] for name, values in table.items()} for k in range(len(observers))]
     judged = [] if requirement is None else _judge(requirement, rows)
-    remarks = (*assumptions.lines_of(report, tuple(notes)), *judged)
+    remarks = (*assumptions.lines_of(report, notes), *judged)
     _write(options.output, observers, rows, remarks)
-    assumptions.tell(report, tuple(notes))
+    assumptions.tell(report, notes)
     for number, row in enumerate(rows, start=1):
         say(f"observer {number}: {_words(row)}")
     for line in judged:
         say(line)
     say(f"{len(observers)} observers, written to {options.output}")
     return assumptions.exit_code(report, options.accept_missing)
-
-
-def _rate(session, observer, options, settings) -> tuple[dict, tuple[str, ...]]:
-    """Figures of an observer with their standard errors, NaN where one has no meaning, and notes."""
-    from ..engine.accuracy.stopping import StopRule
-    from ..engine.analysis.observer_glare import rate_observer
-    from ..engine.analysis.observer_view import eye_camera
-    from ..engine.formats.luminance_picture import view_of_camera
-    from ..engine.views import ViewSettings
-
-    camera = eye_camera(observer[:3], observer[3:], options.size + options.size % 2)
-    view, seed = view_of_camera(camera), seed_of(options, settings)
-    rule = StopRule(samples=max(options.samples // PARTS, 1))
-    # Sums over all pixels need few paths, which takes less time than finding the light of cells.
-    wanted = ViewSettings(rule, seed, transport=transport_of(options, settings), method="paths")
-    pictures, notes = [], ()
-    for part in range(PARTS):
-        made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
-        pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
-        notes += made.provenance.notes
-    return rate_observer(np.stack(pictures), view, options.threshold), notes
 
 
 def _requirement(options):
@@ -141,7 +123,7 @@ def _judge(requirement, rows: list[dict]) -> list[str]:
     from ..engine.judgement.verdict import State, overall
 
     limit = glare_limit(requirement)
-    verdicts = judge_observers(limit, [row["ugr"] for row in rows], PARTS - 1)
+    verdicts = judge_observers(limit, [row["ugr"] for row in rows], FREEDOM)
     words = overall(verdicts).value
     if overall(verdicts) is State.UNDECIDED:
         words += ": more --samples and a larger --size lower the errors"

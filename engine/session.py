@@ -18,10 +18,12 @@ from .accuracy.lost_samples import tell_lost
 from .accuracy.stopping import Progress, StopRule
 from .analysis.explanation import Explanation, explain_rays
 from .baking.lumel_sheet import LumelSheet
+from .baking.mixed_maps import MixedMap, mix_maps
 from .baking.order import BakeOrder, BakeResult
 from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import SceneError
 from .grouped_picture import Rendered, render_groups
+from .light_mix import LightMix
 from .live import WatchedView
 from .measurements import Measurement, SensorSpectra, SurfaceProbe
 from .scene.camera import Camera
@@ -163,6 +165,17 @@ class Session:
         from .formats.exr import write_spectral
 
         write_spectral(path, picture)
+
+    def mix_maps(
+        self, folder: str, levels: LightMix, target: str, progress: Callable | None = None
+    ) -> tuple[MixedMap, ...]:
+        """Add up the lux maps of a bake's light groups, see `baking.mixed_maps`; ``progress`` is told of nothing.
+
+        Raises
+        ------
+        LumenrayError    As of `mixed_maps.mix_maps`.
+        """
+        return tuple(mix_maps(folder, levels, target)[0])
 
     def measure(
         self,

@@ -10,6 +10,7 @@ from . import (
     daylight_year,
     drag_sun,
     environment_picture,
+    lighting_scenes,
     list_lights,
     luminaire_files,
     measure_sensors,
@@ -24,6 +25,8 @@ from . import (
     sun_from_shadow,
     sun_lamp,
     try_devices,
+    write_mixed_maps,
+    write_report,
 )
 
 CLASSES = (
@@ -36,6 +39,7 @@ CLASSES = (
     *daylight_year.CLASSES,
     *drag_sun.CLASSES,
     *environment_picture.CLASSES,
+    *lighting_scenes.CLASSES,
     *list_lights.CLASSES,
     *luminaire_files.CLASSES,
     *measure_sensors.CLASSES,
@@ -50,4 +54,6 @@ CLASSES = (
     *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
+    *write_mixed_maps.CLASSES,
+    *write_report.CLASSES,
 )

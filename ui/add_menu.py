@@ -64,6 +64,8 @@ SENSORS = (
     ("Semicylindrical Point", "POINT", "SEMICYLINDRICAL", 1.5),
     ("Spherical Point", "POINT", "SPHERICAL", 1.2),
     ("Luminance Meter", "POINT", "LUMINANCE", 1.2),
+    ("Camera Luminances", "CAMERA", "LUMINANCE", 1.2),
+    ("Observer of Glare", "POINT", "GLARE", 1.2),
 )
 """Entries of the menu: text, layout, quantity, height over the floor [m]; eyes are 1.2 m up, of who stands 1.6."""
 

@@ -354,6 +354,7 @@ class LUMENRAY_PT_baked_light(SidebarPanel, bpy.types.Panel):
             layout.template_list(
                 "LUMENRAY_UL_layers", "", settings, "layers", settings, "layer_index", rows=3
             )
+            layout.operator("lumenray.write_mixed_maps", icon="FILE_TICK")
 
     def _draw_scale(self, layout, context):
         settings = context.scene.lumenray.look

@@ -3,7 +3,7 @@
 import bpy
 
 from ..blender_addon.rendering.light_mix import levels_of
-from ..blender_addon.sensors import results, running, words
+from ..blender_addon.sensors import results, running, verdicts, words
 from ..blender_addon.sensors.places import find_sensors, is_sensor
 from ..blender_addon.sensors.readings import readings_of
 from .parts import draw_lines, draw_text, draw_wide
@@ -38,6 +38,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
         else:
             row.operator("lumenray.measure_sensors", icon="OUTLINER_DATA_LIGHTPROBE")
         self._draw_list(layout, scene, empties)
+        self._draw_verdict(layout, context, empties)
         column = layout.column()
         column.prop(settings, "automatic")
         if not settings.automatic:
@@ -53,14 +54,23 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
             if readings is None:
                 lines.append((empty.name, "not measured"))
                 continue
-            figures = readings.figures(levels)
-            text = f"{figures.mean:.4g} {readings.unit}"
-            if len(readings.positions) > 1:
-                text += f", U0 {figures.overall.value:.2f}"
+            text = words.brief(readings, levels)
             lines.append(
                 (empty.name, f"{text}, out of date" if results.is_outdated(empty) else text)
             )
         draw_lines(layout.box(), lines)
+
+    def _draw_verdict(self, layout, context, empties):
+        settings = context.scene.lumenray.sensors
+        column = layout.column()
+        column.prop(settings, "requirement")
+        if not settings.requirement:
+            return
+        column.prop(settings, "maintenance")
+        column.prop(settings, "modified")
+        box = layout.box()
+        for text in verdicts.texts_of(context.scene, empties):
+            draw_text(box, context, text)
 
 
 class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
@@ -87,10 +97,15 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "layout")
         column.prop(settings, "quantity")
-        if settings.quantity == "LUMINANCE":
+        if settings.quantity == "LUMINANCE" and settings.layout != "CAMERA":
             column.prop(settings, "acceptance")
+        if settings.quantity not in {"LUMINANCE", "GLARE"}:
+            column.prop(settings, "area")
+        column.prop(settings, "requirement")
+        if context.scene.lumenray.light_mix.scenes:
+            column.prop(settings, "lighting_scenes")
         self._draw_size(column, settings)
-        if settings.layout != "POINT":
+        if settings.layout not in {"POINT", "CAMERA"}:
             column.prop(settings, "use_spacing")
             if settings.use_spacing:
                 column.prop(settings, "spacing", text="Spacing [m]")
@@ -104,6 +119,10 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
 
     def _draw_size(self, layout, settings):
         kind = settings.layout
+        if kind == "CAMERA":
+            layout.prop(settings, "camera")
+            layout.prop(settings, "columns")
+            layout.prop(settings, "rows")
         if kind in {"LINE", "GRID", "BAND"}:
             layout.prop(settings, "length", text="Length [m]")
         if kind in {"GRID", "BAND"}:

@@ -50,7 +50,7 @@ def find_fittings(depsgraph) -> tuple[list[Fitting], list[str], int]:
             problems.append(f"{source.name_full}: {error}")
             continue
         name = _name(reading.file, photometric_files.absolute_path(settings) or source.name_full)
-        fittings.append(Fitting(name, amount.luminous_flux, reading.file.watts))
+        fittings.append(Fitting(name, amount.luminous_flux, reading.file.watts, file=reading.file))
     return fittings, list(dict.fromkeys(problems)), others
 
 

@@ -77,9 +77,12 @@ def levels_of(scene) -> LightMix:
     settings = scene.lumenray.light_mix
     if settings.groups == "NONE":
         return LightMix()
-    return LightMix(
-        tuple(Level(row.name, row.factor, _colour(row), row.is_on) for row in settings.rows)
-    )
+    return levels_of_rows(settings.rows)
+
+
+def levels_of_rows(rows) -> LightMix:
+    """Return the levels that rows of settings say."""
+    return LightMix(tuple(Level(row.name, row.factor, _colour(row), row.is_on) for row in rows))
 
 
 def _colour(row) -> tuple[float, float, float]:

@@ -51,6 +51,12 @@ class LumenrayGroupLevel(PropertyGroup):
     )
 
 
+class LumenrayLightingScene(PropertyGroup):
+    """Levels of all light groups under a name, such as day, evening or emergency. Its ``name`` is for people."""
+
+    rows: CollectionProperty(type=LumenrayGroupLevel)
+
+
 class LumenrayLightMixSettings(PropertyGroup):
     """Which light groups pictures and views keep apart, and how they are mixed."""
 
@@ -75,6 +81,10 @@ class LumenrayLightMixSettings(PropertyGroup):
     )
     rows: CollectionProperty(type=LumenrayGroupLevel)
     row_index: IntProperty(name="Active Group", description="Group whose light is told", min=0)
+    scenes: CollectionProperty(type=LumenrayLightingScene)
+    scene_index: IntProperty(
+        name="Active Lighting Scene", description="Lighting scene that buttons are about", min=0
+    )
 
 
-CLASSES = (LumenrayGroupLevel, LumenrayLightMixSettings)
+CLASSES = (LumenrayGroupLevel, LumenrayLightingScene, LumenrayLightMixSettings)

@@ -17,6 +17,7 @@ TITLES = {
     "FACE": "Sensors on Face",
     "FLOOR": "Sensors over Floor",
     "BAND": "Sensor Band",
+    "CAMERA": "Camera Luminances",
 }
 """Names of new empties by their layout."""
 
@@ -55,6 +56,9 @@ def add_sensors(context, layout: str, quantity: str = "PLANAR", height: float = 
         matrix = Matrix.Translation(surface.matrix_world.translation)
     empty = _new(context, TITLES[layout], matrix, layout, quantity)
     empty.lumenray.sensor.surface, empty.lumenray.sensor.height = surface, height
+    if layout == "CAMERA":
+        # Nothing else is told of them.
+        empty.lumenray.sensor.quantity = "LUMINANCE"
     if layout == "FACE":
         _follow(empty, surface, matrix)
     _select(context, [empty])
@@ -89,11 +93,14 @@ def add_room(context) -> list:
                 empty = _new(context, name, matrix, "FACE", "PLANAR")
                 empty.lumenray.sensor.surface = mesh
                 _follow(empty, mesh, matrix)
+                empty.lumenray.sensor.area = "CEILING" if name == "Ceiling" else "WALLS"
                 made.append(empty)
     if floor is not None:
         matrix = Matrix.Translation(floor.matrix_world.translation)
         empty = _new(context, "Floor", matrix, "FLOOR", "PLANAR")
         empty.lumenray.sensor.surface, empty.lumenray.sensor.height = floor, 0.0
+        # Requirements are of places above it.
+        empty.lumenray.sensor.area = "NONE"
         made.append(empty)
     if is_sensor(task) and task.lumenray.sensor.layout == "GRID":
         made += _add_bands(context, task, floor)
@@ -111,7 +118,7 @@ def _add_bands(context, task, floor) -> list:
         empty = _new(context, name, task.matrix_world.copy(), "BAND", own.quantity)
         settings = empty.lumenray.sensor
         settings.length, settings.width, settings.band = length, width, band
-        settings.surface = floor
+        settings.surface, settings.area = floor, name.upper()
         length, width = length + 2.0 * band, width + 2.0 * band
         made.append(empty)
     return made

@@ -9,6 +9,8 @@ from ..light_groups import find_groups
 from ..sync.scene import convert_scene
 from .job import SensorJob
 from .places import find_sensors, place_sensors, signature_of
+from .scene_verdicts import required_of
+from .shipped import shipped_requirements
 
 FLOOR = 0.1
 """Readings below it count as large as it where every sensor is to reach an error. [lx]"""
@@ -56,5 +58,13 @@ def prepare(
         transport=settings.transport.lower(),
         method=settings.bake.method.lower(),
         groups=find_groups(converted.luminous, scene.world, mode),
+        wants_direct=asks_for_direct(scene, empties),
     )
     return job, converted.report
+
+
+def asks_for_direct(scene, empties) -> bool:
+    """Whether anything that is required of sensors is of light that was not reflected."""
+    known = shipped_requirements()
+    keys = {required_of(empty, scene) for empty in empties}
+    return any(key in known and known[key].is_direct for key in keys)

@@ -88,7 +88,7 @@ def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:
         fills[:, 3] = OPACITY
         lines = np.zeros((0, 3))
         settings = empty.lumenray.sensor
-        if settings.show_isolux and min(readings.shape) > 1:
+        if settings.show_isolux and min(readings.shape) > 1 and not readings.is_rating:
             lines, texts = find_lines(readings, values)
             labels += [Label(text, place, True, is_outdated) for text, place in texts]
         if settings.show_values:
@@ -179,6 +179,8 @@ def label_values(readings: Readings, levels: LightMix, is_outdated: bool) -> lis
 
 def _tell(value: float, error: float, unit: str) -> str:
     """A reading, with its unit where that is not the usual one."""
+    if np.isnan(value):
+        return "no glare"
     words = format_reading(value, error)
     return words if unit == "lx" else f"{words} {unit}"
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...engine.formats.report import known, write_json
 from ...engine.light_mix import LightMix
 from ...engine.reading.whole_file import write_whole
-from .places import LUMINANCE
+from .places import GLARE, LUMINANCE
 from .readings import Readings
 
 COLUMNS = (
@@ -40,36 +40,52 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
             values, errors = readings.mixed(levels)
             for k, (value, error) in enumerate(zip(values, errors, strict=True)):
                 place = [*readings.positions[k], *readings.normals[k]]
-                parts = [readings.values[readings.groups.index(group)][k] for group in groups]
+                parts = [
+                    f"{readings.values[readings.groups.index(group)][k]:.7g}"
+                    if group in readings.groups
+                    else ""
+                    for group in groups
+                ]
                 writer.writerow(
                     [
                         name,
                         readings.quantity.lower(),
                         *(f"{v:.7g}" for v in place),
-                        f"{value:.7g}",
-                        f"{error:.3g}",
+                        "" if np.isnan(value) else f"{value:.7g}",
+                        "" if np.isnan(error) else f"{error:.3g}",
                         readings.unit,
-                        *(f"{part:.7g}" for part in parts),
+                        *parts,
                     ]
                 )
     return Path(path)
 
 
 def write_document(
-    path, file: str, named, levels: LightMix, conversion=(), notes=(), shortfall: str = ""
+    path,
+    file: str,
+    named,
+    levels: LightMix,
+    conversion=(),
+    notes=(),
+    shortfall: str = "",
+    requirement: dict | None = None,
 ) -> Path:
     """Write figures of every object and all readings as JSON; parameters as of `write_rows`.
+
+    ``requirement``: verdicts as of `judging.describe`.
 
     Raises
     ------
     FileFormatError    The file cannot be written.
     """
     first = named[0][1]
+    is_mixed = any(readings.groups != ("",) for _, readings in named)
     content = {
         "scene": {"file": file, "hash": first.scene_hash},
         "seed": first.seed,
         "goal": {"reached": not shortfall, "shortfall": shortfall},
-        "light_mix": levels.text() if first.groups != ("",) else "",
+        "light_mix": levels.text() if is_mixed else "",
+        "requirement": requirement,
         "sensors": [describe_readings(name, readings, levels) for name, readings in named],
         "notes": list(notes),
         "conversion": list(conversion),
@@ -85,8 +101,8 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
         "name": name,
         "quantity": _name(readings.quantity),
         "unit": readings.unit,
-        "mean": figures.mean,
-        "mean_standard_error": figures.mean_error,
+        "mean": known(figures.mean),
+        "mean_standard_error": known(figures.mean_error),
     }
     for key, extreme in (
         ("minimum", figures.least),
@@ -94,7 +110,8 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
         ("uniformity_u0", figures.overall),
         ("diversity_ud", figures.diversity),
     ):
-        row[key], row[f"{key}_range"] = extreme.value, [extreme.low, known(extreme.high)]
+        row[key] = known(extreme.value)
+        row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
     return row | {
         "samples": readings.samples,
         "method": readings.method,
@@ -112,10 +129,11 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
 
 
 def _name(quantity: str) -> str:
-    return "luminance" if quantity == LUMINANCE else f"{quantity.lower()} illuminance"
+    plain = {LUMINANCE: "luminance", GLARE: "unified glare rating"}
+    return plain.get(quantity, f"{quantity.lower()} illuminance")
 
 
 def _numbers(values) -> list:
-    """Nested lists of numbers of seven digits."""
+    """Nested lists of numbers of seven digits, None for what is none."""
     values = np.asarray(values, dtype=np.float64)
-    return [_numbers(each) if each.ndim else float(f"{each:.7g}") for each in values]
+    return [_numbers(each) if each.ndim else known(float(f"{each:.7g}")) for each in values]

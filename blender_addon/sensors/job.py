@@ -1,5 +1,6 @@
 """The job that measures the sensors of a scene: one by one kind of illuminance, and light group by light group."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -8,12 +9,14 @@ import numpy as np
 from ...engine.accuracy.estimate import Estimate
 from ...engine.accuracy.stopping import Progress, StopRule
 from ...engine.baking.light_layers import split_lights
+from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
+from ...engine.observers import SAMPLES, rate_observers
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
-from .places import PlacedSensors
+from .places import GLARE, PlacedSensors
 from .readings import Readings, make_readings
 
 GROUP_SEEDS = 1_000_003
@@ -36,6 +39,8 @@ class Found:
     seed: int
     method: str
     notes: tuple[str, ...]
+    seconds: float
+    has_common: bool = True
 
 
 @dataclass(eq=False)
@@ -49,6 +54,7 @@ class SensorJob:
     signatures : list of str    Of the empties as they are.
     rule : StopRule    Of each measurement; its time is that of all of them together.
     groups : tuple of LightGroup    Light groups that are kept apart; none: all light together.
+    wants_direct : bool    Whether to keep what was not reflected besides, which some requirements ask for.
 
     Attributes
     ----------
@@ -67,6 +73,7 @@ class SensorJob:
     witness: bool = True
     reflections: int | None = None
     groups: tuple[LightGroup, ...] = ()
+    wants_direct: bool = False
     answer: dict[str, Readings] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     shortfall: str = ""
@@ -91,11 +98,13 @@ class SensorJob:
         """
         self._session, self._held = session, Scene()
         kinds = list(dict.fromkeys(placed.kind for placed in self.places))
+        has_observers = GLARE in kinds
+        kinds = [kind for kind in kinds if kind != GLARE]
         rules = dict.fromkeys(kinds, self.rule)
         parts = split_lights(self.scene, self.groups) if self.groups else []
         if len(parts) > 1 and self.rule.each is not None:
             # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
-            self._steps, self._step = (len(parts) + 1) * len(kinds), 0
+            self._steps, self._step = (len(parts) + 1) * len(kinds) + has_observers, 0
             for kind in kinds:
                 short = replace(self.rule, samples=FIRST_SAMPLES)
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
@@ -103,21 +112,34 @@ class SensorJob:
         else:
             if len(parts) < 2:
                 parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
-            self._steps, self._step = len(parts) * len(kinds), 0
-        made, notes, short = {}, {}, {}
+            self._steps, self._step = len(parts) * len(kinds) + has_observers, 0
+        made, direct, notes, short = {}, {}, {}, {}
+        asks = [kind for kind in kinds if self._asks_for_direct(kind)]
+        self._steps += len(parts) * len(asks)
         for number, (name, scene) in enumerate(parts):
             for kind in kinds:
                 rule = rules[kind]
                 if rule.seconds is not None:
-                    rule = replace(rule, seconds=rule.seconds / len(parts) / len(kinds))
+                    rule = replace(
+                        rule, seconds=rule.seconds / len(parts) / (len(kinds) + len(asks))
+                    )
                 found = self._measure(session, scene, name, kind, rule, number + 1, progress)
                 made[name, kind] = found
                 notes |= dict.fromkeys(found.notes)
+                if kind in asks:
+                    direct[name, kind] = self._measure(
+                        session, scene, name, kind, rule, number + 1, progress, reflections=0
+                    )
         names = [name for name, _ in parts]
         for kind in kinds:
             found = [made[name, kind] for name in names]
-            self._keep(kind, names, found)
+            self._keep(kind, names, found, [direct[name, kind] for name in names if kind in asks])
             short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
+        if has_observers:
+            # Ratings do not add up: they are those of all light together.
+            rated = self._measure(session, self.scene, "", GLARE, self.rule, 1, progress)
+            self._keep(GLARE, [""], [rated])
+            notes |= dict.fromkeys(rated.notes)
         self.notes, self.shortfall = tuple(notes), "; ".join(short)
 
     def cancel(self) -> None:
@@ -126,13 +148,21 @@ class SensorJob:
         if self._session is not None:
             self._session.cancel()
 
-    def _measure(self, session, scene: Scene, name: str, kind, rule, number: int, progress):
-        """Measure the sensors of a kind in a scene; ``number``: of the seed, 0 for what tells how long to measure."""
+    def _asks_for_direct(self, kind) -> bool:
+        return self.wants_direct and self.reflections is None and isinstance(kind, SensorKind)
+
+    def _measure(
+        self, session, scene: Scene, name: str, kind, rule, number: int, progress, reflections=None
+    ):
+        """Measure the sensors of a kind in a scene; ``number``: of the seed, 0 for what tells how long to measure.
+
+        ``reflections``: at most, in place of those of the job.
+        """
         if self._is_cancelled:
             raise Cancelled("cancelled")
         session.apply(_difference(self._held, scene))
         self._held = scene
-        rows = [row for row, placed in enumerate(self.places) if placed.kind is kind]
+        rows = [row for row, placed in enumerate(self.places) if placed.kind == kind]
         positions, normals = (
             np.concatenate([getattr(self.places[row], name) for row in rows])
             for name in ("positions", "normals")
@@ -148,7 +178,7 @@ class SensorJob:
                 self.transport,
                 follow,
                 kind=kind,
-                reflections=self.reflections,
+                reflections=self.reflections if reflections is None else reflections,
                 method=self.method,
                 witness=self.witness and number > 0,
             )
@@ -160,11 +190,19 @@ class SensorJob:
                 own,
                 made.method,
                 origin.notes,
+                origin.seconds,
+                made.has_common_errors,
             )
+        elif kind == GLARE:
+            found = self._rate(session, positions, normals, own, follow)
         else:
-            meters = measure_luminance(
-                session, positions, normals, kind, rule, own, self.transport, self.method, follow
-            )
+            start = time.perf_counter()
+            how = (rule, own, self.transport, self.method, follow)
+            if isinstance(kind, tuple):
+                placed = self.places[rows[0]]
+                meters = measure_regions(session, placed.camera, placed.shape, *how)
+            else:
+                meters = measure_luminance(session, positions, normals, kind, *how)
             found = Found(
                 meters.luminance,
                 meters.standard_error,
@@ -172,15 +210,34 @@ class SensorJob:
                 own,
                 "pictures",
                 meters.notes,
+                time.perf_counter() - start,
             )
         self._step += 1
         return found
 
-    def _keep(self, kind, names, found) -> None:
+    def _rate(self, session, positions, normals, seed: int, follow) -> Found:
+        """Rate the glare of observers; their pictures have a size of their own, whatever the rule."""
+        start = time.perf_counter()
+        table, notes = rate_observers(
+            session,
+            positions,
+            normals,
+            seed=seed,
+            transport=self.transport,
+            progress=follow,
+            is_cancelled=lambda: self._is_cancelled,
+        )
+        values, errors = table["ugr"].T
+        # Where nothing dazzles there is no rating, and nothing to be wrong about.
+        errors = np.where(np.isfinite(values), errors, np.nan)
+        seconds = time.perf_counter() - start
+        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, has_common=False)
+
+    def _keep(self, kind, names, found, direct=()) -> None:
         """Share what was measured of a kind out among the empties."""
         start = 0
         for placed, signature in zip(self.places, self.signatures, strict=True):
-            if placed.kind is not kind:
+            if placed.kind != kind:
                 continue
             end = start + len(placed.positions)
             self.answer[placed.uid] = make_readings(
@@ -193,6 +250,11 @@ class SensorJob:
                 scene_hash=self.scene.hash(),
                 method=found[0].method,
                 signature=signature,
+                has_common=any(each.has_common for each in found),
+                seconds=sum(each.seconds for each in found),
+                reflections=self.reflections if isinstance(kind, SensorKind) else None,
+                direct=[each.values[start:end] for each in direct] or None,
+                direct_errors=[each.errors[start:end] for each in direct] or None,
             )
             start = end
 

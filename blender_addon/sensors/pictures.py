@@ -14,7 +14,7 @@ from ..rendering.light_mix import levels_of
 from .drawing import axes_of
 from .places import find_sensors
 from .readings import Readings, readings_of
-from .words import TITLES
+from .words import TITLES, brief
 
 PREFIX = "Plan "
 """Beginning of the names of images."""
@@ -22,18 +22,21 @@ PREFIX = "Plan "
 
 def has_plan(readings: Readings) -> bool:
     """Whether the sensors stand in a grid, of which there is a plan."""
-    return min(readings.shape) > 1
+    return min(readings.shape) > 1 and bool(np.isfinite(readings.values).any())
 
 
 def draw_plan(name: str, readings: Readings, levels: LightMix = NEUTRAL) -> Sheet:
     """Draw the plan of a grid, as seen from the side that its plane faces."""
     values, _ = readings.mixed(levels)
     figures = readings.figures(levels)
-    caption = (
-        f"{TITLES[readings.quantity].lower()}: mean {figures.mean:.4g} {readings.unit} (error {figures.mean_error:.2g}), "
-        f"{figures.least.value:.4g} to {figures.largest.value:.4g} {readings.unit}, "
-        f"U0 {figures.overall.value:.2f}, Ud {figures.diversity.value:.2f}"
-    )
+    caption = brief(readings, levels)
+    if not readings.is_rating:
+        caption = (
+            f"mean {figures.mean:.4g} {readings.unit} (error {figures.mean_error:.2g}), "
+            f"{figures.least.value:.4g} to {figures.largest.value:.4g} {readings.unit}, "
+            f"U0 {figures.overall.value:.2f}, Ud {figures.diversity.value:.2f}"
+        )
+    caption = f"{TITLES[readings.quantity].lower()}: {caption}"
     mixed = levels.text() if readings.groups != ("",) else ""
     if mixed:
         caption += f"; {mixed}"

@@ -6,10 +6,12 @@ import numpy as np
 
 from ...engine.errors import SceneError
 from ...engine.scene import sensor_layout
+from ...engine.scene.camera import Camera
 from ...engine.scene.sensor import SensorKind
 from ..foundation.identity import identity_of
 from ..foundation.pose import pose_of
 from ..foundation.units import metres_per_unit
+from .camera_regions import camera_signature, lay_regions
 
 LEVEL = 0.95
 """Least upward part of the normal of a floor's triangle. [-]"""
@@ -27,12 +29,12 @@ KINDS = {
     "SEMICYLINDRICAL": SensorKind.SEMICYLINDRICAL,
     "SPHERICAL": SensorKind.SPHERICAL,
 }
-"""Kinds of the engine by quantity; luminance has none."""
+"""Kinds of the engine by quantity; luminance and glare have none."""
 
-LUMINANCE = "LUMINANCE"
-"""The quantity that is no illuminance."""
+LUMINANCE, GLARE = "LUMINANCE", "GLARE"
+"""Quantities that are no illuminances."""
 
-UNITS = {LUMINANCE: "cd/m²"}
+UNITS = {LUMINANCE: "cd/m²", GLARE: "UGR"}
 """Units of quantities, where they are not lx."""
 
 SETTINGS = (
@@ -55,6 +57,7 @@ class PlacedSensors:
     cells : (n,) int array    Which cell of a grid each stands in, row by row.
     shape : (int, int)    Rows and columns of the grid; a line is one row.
     acceptance : float    Of luminance meters, the full width of their cone. [rad]
+    camera : Camera or None    Whose picture's parts the sensors are.
     """
 
     uid: str
@@ -67,10 +70,18 @@ class PlacedSensors:
     cells: np.ndarray
     shape: tuple[int, int]
     acceptance: float = 0.0
+    camera: Camera | None = None
 
     @property
-    def kind(self) -> SensorKind | float:
-        """Kind of the engine, of luminance meters their acceptance angle: what sensors share that are measured together."""
+    def kind(self) -> SensorKind | float | str | tuple[str, str]:
+        """What sensors share that are measured together.
+
+        Kind of the engine, of luminance meters their acceptance angle, of observers `GLARE`, of cameras their own.
+        """
+        if self.camera is not None:
+            return "camera", self.uid
+        if self.quantity == GLARE:
+            return GLARE
         return self.acceptance if self.quantity == LUMINANCE else KINDS[self.quantity]
 
 
@@ -101,6 +112,8 @@ def place_sensors(empty, depsgraph) -> PlacedSensors:
 def _place(empty, depsgraph) -> PlacedSensors:
     settings = empty.lumenray.sensor
     metres = metres_per_unit(depsgraph.scene)
+    if settings.layout == "CAMERA":
+        return _place_regions(empty, depsgraph, metres)
     frame = pose_of(empty.evaluated_get(depsgraph).matrix_world, metres).frame
     spacing = settings.spacing if settings.use_spacing else None
     heights = None
@@ -119,7 +132,7 @@ def _place(empty, depsgraph) -> PlacedSensors:
     positions = local @ frame[:3, :3].T + frame[:3, 3]
     looks_level = settings.quantity in {"VERTICAL", "SEMICYLINDRICAL"}
     facing = _level_axis(frame[:3, 0]) if looks_level else frame[:3, 2]
-    if settings.quantity == LUMINANCE:
+    if settings.quantity in {LUMINANCE, GLARE}:
         facing = frame[:3, 0]
     normals = np.tile(facing, (len(plane), 1))
     if heights is not None:
@@ -136,6 +149,24 @@ def _place(empty, depsgraph) -> PlacedSensors:
         cells,
         shape,
         settings.acceptance,
+    )
+
+
+def _place_regions(empty, depsgraph, metres: float) -> PlacedSensors:
+    """Return the parts of a camera's picture as sensors."""
+    settings = empty.lumenray.sensor
+    camera, positions, normals, frame, plane = lay_regions(empty, depsgraph, metres)
+    return PlacedSensors(
+        identity_of(empty),
+        empty.name,
+        settings.quantity,
+        positions,
+        normals,
+        frame,
+        plane,
+        np.arange(len(plane)),
+        (settings.rows, settings.columns),
+        camera=camera,
     )
 
 
@@ -245,6 +276,18 @@ def _lay_floor(settings, frame, depsgraph, metres: float, spacing):
     return plane, sensor_layout.find_heights(plane, local) + settings.height, cells, shape
 
 
+def floor_area(empty, depsgraph) -> float:
+    """Area of what is level of the surface of sensors over a floor, seen from above. [m2]
+
+    Raises
+    ------
+    SceneError    There is no surface, or nothing of it is level.
+    """
+    corners = _floor_triangles(empty.lumenray.sensor, depsgraph, metres_per_unit(depsgraph.scene))
+    sides = corners[:, 1:, :2] - corners[:, :1, :2]
+    return float(0.5 * np.abs(np.linalg.det(sides)).sum())
+
+
 def signature_of(empty) -> tuple:
     """What of an empty says where its sensors stand; meshes are told of by Blender."""
     settings = empty.lumenray.sensor
@@ -254,4 +297,5 @@ def signature_of(empty) -> tuple:
         round(value, 6) if isinstance(value, float) else value
         for value in (getattr(settings, name) for name in SETTINGS)
     )
-    return (*own, "" if surface is None else identity_of(surface), matrix)
+    camera = camera_signature(empty) if settings.layout == "CAMERA" else ()
+    return (*own, "" if surface is None else identity_of(surface), matrix, *camera)

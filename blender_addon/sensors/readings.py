@@ -9,13 +9,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import UNITS, PlacedSensors
+from .places import GLARE, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
+
+DIRECT = ("direct", "direct_errors")
+"""Further arrays, where they were measured."""
 
 VERSION = 1
 
@@ -35,6 +39,11 @@ class Readings:
     seed : int
     scene_hash, method : str
     signature : str    Of the empty when it was measured, see `places.signature_of`.
+    has_common : bool    Whether errors of sensors may have much in common.
+    seconds : float    That it took to measure these and those that were measured with them. [s]
+    reflections : int or None    How often the light that counts was reflected at most; None: without a limit.
+    direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
+        for.
     """
 
     quantity: str
@@ -52,10 +61,20 @@ class Readings:
     scene_hash: str
     method: str
     signature: str
+    has_common: bool = True
+    seconds: float = 0.0
+    reflections: int | None = None
+    direct: np.ndarray | None = None
+    direct_errors: np.ndarray | None = None
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
         return GroupSum(self.values, self.errors)
+
+    @property
+    def is_rating(self) -> bool:
+        """Whether the values rate glare: they do not add up, and are NaN where nothing dazzles."""
+        return self.quantity == GLARE
 
     @property
     def unit(self) -> str:
@@ -67,9 +86,32 @@ class Readings:
         self._sum.set_levels([levels.level(name).flux for name in self.groups])
         return self._sum.total.copy(), self._sum.error
 
+    @functools.cached_property
+    def _direct_sum(self) -> GroupSum:
+        return GroupSum(self.direct, self.direct_errors)
+
+    @property
+    def has_direct(self) -> bool:
+        """Whether it is known what was not reflected."""
+        return self.direct is not None or self.reflections == 0
+
+    def mixed_direct(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
+        """As `mixed`, of the light that was not reflected; only where `has_direct`."""
+        if self.direct is None:
+            return self.mixed(levels)
+        self._direct_sum.set_levels([levels.level(name).flux for name in self.groups])
+        return self._direct_sum.total.copy(), self._direct_sum.error
+
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
-        """Mean, extremes and uniformity with the groups at other levels."""
-        return judge_readings(*self.mixed(levels))
+        """Mean, extremes and uniformity with the groups at other levels; of ratings where there are any, else NaN."""
+        values, errors = self.mixed(levels)
+        if self.is_rating:
+            seen = np.isfinite(values)
+            values, errors = values[seen], errors[seen]
+            if not seen.any():
+                none = Extreme(np.nan, np.nan, np.nan)
+                return Figures(np.nan, np.nan, none, none, none, none)
+        return judge_readings(values, errors)
 
     def grid(self, values) -> np.ndarray:
         """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""
@@ -79,9 +121,23 @@ class Readings:
 
 
 def make_readings(
-    placed: PlacedSensors, groups, values, errors, *, samples, seed, scene_hash, method, signature
+    placed: PlacedSensors,
+    groups,
+    values,
+    errors,
+    *,
+    samples,
+    seed,
+    scene_hash,
+    method,
+    signature,
+    has_common=True,
+    seconds=0.0,
+    reflections=None,
+    direct=None,
+    direct_errors=None,
 ) -> Readings:
-    """Return readings of sensors that stand somewhere; ``values``, ``errors``: (g, n). [lx]"""
+    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
         placed.quantity,
         placed.positions.astype(np.float32),
@@ -98,16 +154,23 @@ def make_readings(
         scene_hash,
         method,
         signature,
+        bool(has_common),
+        float(seconds),
+        reflections,
+        None if direct is None else np.asarray(direct, dtype=np.float32),
+        None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
     )
 
 
 def write_readings(readings: Readings) -> str:
     """Return readings as text."""
-    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS]
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + DIRECT]
     head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
+    arrays = ARRAYS if readings.direct is None else ARRAYS + DIRECT
+    head["arrays"] = arrays
     stream = io.BytesIO()
     stream.write(json.dumps(head).encode() + b"\n")
-    for name in ARRAYS:
+    for name in arrays:
         np.save(stream, getattr(readings, name), allow_pickle=False)
     return base64.b85encode(zlib.compress(stream.getvalue(), 6)).decode()
 
@@ -122,9 +185,14 @@ def read_readings(text: str) -> Readings | None:
         head = json.loads(stream.readline())
         if head.pop("version") != VERSION:
             return None
-        arrays = {name: np.load(stream, allow_pickle=False) for name in ARRAYS}
+        # Older files do not say which arrays they have.
+        names = head.pop("arrays", ARRAYS)
+        arrays = {name: np.load(stream, allow_pickle=False) for name in names}
     except (ValueError, zlib.error, KeyError, EOFError):
         # A file that was damaged, or written by hand: the sensors are measured again.
+        return None
+    known = {entry.name for entry in fields(Readings)}
+    if not set(ARRAYS) <= arrays.keys() or not (head.keys() | arrays.keys()) <= known:
         return None
     head["shape"], head["groups"] = tuple(head["shape"]), tuple(head["groups"])
     return Readings(**head, **arrays)

@@ -6,16 +6,22 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
+    IntProperty,
     PointerProperty,
     StringProperty,
 )
 from bpy.types import Object, PropertyGroup
 
 from ..foundation.settings import percentage, redraw_views, tag_owner
+from .shipped import shipped_requirements
 
 
 def _is_mesh(self, thing) -> bool:
     return thing.type == "MESH"
+
+
+def _is_camera(self, thing) -> bool:
+    return thing.type == "CAMERA"
 
 
 LAYOUTS = [
@@ -34,6 +40,12 @@ LAYOUTS = [
         "Band",
         "A grid on the band around a rectangle in the empty's XY plane, as around a task area",
         5,
+    ),
+    (
+        "CAMERA",
+        "Camera",
+        "The parts of a camera's picture, in rows and columns, of which the mean luminances are told",
+        6,
     ),
 ]
 
@@ -64,7 +76,35 @@ QUANTITIES = [
         "Mean luminance in cd/m² within a cone about the empty's X axis, as a meter reads it",
         5,
     ),
+    (
+        "GLARE",
+        "Glare",
+        "Unified glare rating (UGR) of an observer whose eye is here and looks along the empty's X axis",
+        6,
+    ),
 ]
+
+JUDGED_AREAS = [
+    (
+        "AUTO",
+        "By Quantity",
+        "Task area of planar, cylindrical of cylindrical illuminance, else none",
+        0,
+    ),
+    ("NONE", "None", "The sensors are not judged", 1),
+    ("TASK", "Task", "Where the task is done", 2),
+    ("SURROUNDINGS", "Surroundings", "The band around a task area", 3),
+    ("BACKGROUND", "Background", "What lies around the surroundings", 4),
+    ("WALLS", "Walls", "Walls", 5),
+    ("CEILING", "Ceiling", "The ceiling", 6),
+    ("CYLINDRICAL", "Cylindrical", "Faces of people", 7),
+]
+
+
+def _search_requirements(_self, _context, typed: str):
+    """Keys of the requirements that ship, with their titles."""
+    known = shipped_requirements()
+    return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
 class LumenraySensorSettings(PropertyGroup):
@@ -140,6 +180,31 @@ class LumenraySensorSettings(PropertyGroup):
         poll=_is_mesh,
         update=tag_owner,
     )
+    camera: PointerProperty(
+        name="Camera",
+        description="Camera whose picture is measured in parts; with none it is that of the scene",
+        type=Object,
+        poll=_is_camera,
+        update=tag_owner,
+    )
+    columns: IntProperty(
+        name="Columns",
+        description="Parts of the picture across. Default 6: few enough for their numbers to be read",
+        default=6,
+        min=1,
+        max=256,
+        soft_max=32,
+        update=tag_owner,
+    )
+    rows: IntProperty(
+        name="Rows",
+        description="Parts of the picture along. Default 4: about square in a usual picture",
+        default=4,
+        min=1,
+        max=256,
+        soft_max=32,
+        update=tag_owner,
+    )
     height: FloatProperty(
         name="Height",
         description="Of the sensors over the floor, in metres. Default 0.75: that of desks",
@@ -160,6 +225,30 @@ class LumenraySensorSettings(PropertyGroup):
         max=10.0,
         soft_max=1.0,
         update=tag_owner,
+    )
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "Key of what is required of the light here, such as emergency.open_area. Default empty: what is required of all "
+            "sensors of the scene"
+        ),
+        search=_search_requirements,
+        update=redraw_views,
+    )
+    lighting_scenes: StringProperty(
+        name="In Scenes",
+        description=(
+            "Lighting scenes in which these sensors are judged, by their names with commas between them, such as Day, "
+            "Evening. Default empty: in all of them"
+        ),
+        update=redraw_views,
+    )
+    area: EnumProperty(
+        name="Area",
+        description="Which area of a requirement the sensors are judged as. Default By Quantity: that of most",
+        items=JUDGED_AREAS,
+        default="AUTO",
+        update=redraw_views,
     )
     use_spacing: BoolProperty(
         name="Own Spacing",
@@ -240,6 +329,33 @@ class LumenraySensorsSettings(PropertyGroup):
             "takes the processor's time"
         ),
         default=False,
+    )
+    requirement: StringProperty(
+        name="Requirement",
+        description=(
+            "What the readings are judged by, such as office.writing: a key of the requirements that ship. Default empty: "
+            "nothing is judged"
+        ),
+        search=_search_requirements,
+        update=redraw_views,
+    )
+    maintenance: FloatProperty(
+        name="Maintenance",
+        description=(
+            "Maintenance factor on judged illuminances, for luminaires without one of their own. Default 1: they have one"
+        ),
+        default=1.0,
+        min=0.01,
+        max=1.0,
+        update=redraw_views,
+    )
+    modified: BoolProperty(
+        name="Modified Value",
+        description=(
+            "Ask for the modified mean illuminance where the requirement has one. Default off: the usual one"
+        ),
+        default=False,
+        update=redraw_views,
     )
     automatic: BoolProperty(
         name="Automatic Scale",

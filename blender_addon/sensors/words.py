@@ -1,9 +1,13 @@
 """What sensors told, in words for panels and tables."""
 
+import math
+
+import numpy as np
+
 from ...engine.accuracy.readings import Figures
 from ...engine.light_mix import NEUTRAL, LightMix
 from .. import readout
-from .readings import readings_of
+from .readings import Readings, readings_of
 from .results import why_outdated
 from .settings import QUANTITIES
 
@@ -19,9 +23,14 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     figures = readings.figures(levels)
     count = len(readings.positions)
     lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
-    lines += describe_figures(figures, count, readings.unit)
+    if readings.is_rating:
+        lines += _describe_ratings(readings, figures)
+    else:
+        lines += describe_figures(figures, count, readings.unit)
     words = levels.text()
-    if words and readings.groups == ("",):
+    if words and readings.is_rating:
+        words = "glare is of all light as it was measured"
+    elif words and readings.groups == ("",):
         words = "measure again to have light groups apart"
     if words:
         lines.append(("light mix", words))
@@ -30,6 +39,35 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     if changed:
         lines.append(("out of date", f"changed since: {changed}"))
     return tuple(lines)
+
+
+def brief(readings: Readings, levels: LightMix = NEUTRAL) -> str:
+    """What sensors told, in few words."""
+    figures = readings.figures(levels)
+    if readings.is_rating:
+        if math.isnan(figures.mean):
+            return "no glare"
+        return f"UGR {'up to ' * (len(readings.positions) > 1)}{figures.largest.value:.1f}"
+    text = f"{figures.mean:.4g} {readings.unit}"
+    if len(readings.positions) > 1:
+        text += f", U0 {figures.overall.value:.2f}"
+    return text
+
+
+def _describe_ratings(readings: Readings, figures: Figures) -> list[tuple[str, str]]:
+    """Labels and values of the glare of observers."""
+    values, errors = readings.mixed()
+    if len(values) == 1:
+        if math.isnan(values[0]):
+            return [("UGR", "none: no glare source")]
+        return [("UGR", readout.format_estimate(values[0], errors[0]))]
+    dark = int(np.isnan(values).sum())
+    if dark == len(values):
+        return [("UGR", "none: no glare source")]
+    lines = [("UGR", f"{figures.least.value:.1f} to {figures.largest.value:.1f}")]
+    if dark:
+        lines.append(("no glare source", f"{dark} of {len(values)}"))
+    return lines
 
 
 def describe_figures(figures: Figures, count: int, unit: str = "lx") -> list[tuple[str, str]]:

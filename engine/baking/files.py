@@ -21,6 +21,7 @@ from ..formats.report import (
     write_json,
     write_table,
 )
+from .mixed_maps import AREA, OBJECT
 from .order import AtlasPage, BakeOrder, BakeResult
 
 LINE_SMOOTHING = 1
@@ -52,6 +53,10 @@ def write_page(
         "standard_error.Y": page.standard_error,
         "covered.Y": page.covered.astype(np.float32),
     }
+    if page.layers:
+        # So that layers can be mixed by object, see `mixed_maps`.
+        values[OBJECT] = np.where(page.covered, page.object, -1).astype(np.float32)
+        values[AREA] = page.area
     base = {"unit": "lx", "quantity": "illuminance", "page": str(page.number), **attributes}
     path = folder / f"illuminance.{tile}.exr"
     files = [exr.write_channels(path, values, base)]

@@ -48,6 +48,8 @@ def assess(
     maintenance: float = 1.0,
     light: dict[str, Range] | None = None,
     is_modified: bool = False,
+    ratios: dict[str, Range] | None = None,
+    count: int | None = None,
 ) -> Assessment:
     """Judge an area by a requirement.
 
@@ -60,6 +62,8 @@ def assess(
     maintenance : float    Factor on mean, least and largest; 1 where luminaires have theirs already. [-]
     light : dict of str to Range    By `requirement.LIGHT`, what is known.
     is_modified : bool    Whether the modified mean is asked for, where there is one.
+    ratios : dict of str to Range    What is known of roads besides, by `requirement.RATIOS`.
+    count : int or None    How many limits share the probability of a wrong verdict, if more than those of the area.
 
     Raises
     ------
@@ -70,13 +74,14 @@ def assess(
             f"the maintenance factor is {maintenance:g}, expected a number above 0 up to 1"
         )
     limits = _limits(requirement, area, is_modified)
-    count = count_limits(requirement, area, is_modified)
+    count = count or count_limits(requirement, area, is_modified)
     known = {
         "mean": figures.mean,
         "modified": figures.mean,
         "minimum": figures.minimum,
         "uniformity": figures.uniformity,
         "diversity": figures.diversity,
+        **(ratios or {}),
     }
     verdicts = []
     for name, limit in limits.items():

@@ -20,7 +20,9 @@ def glare_limit(requirement: Requirement) -> float:
     return requirement.light["ugr"]
 
 
-def judge_observers(limit: float, ratings, freedom: float) -> list[Verdict]:
+def judge_observers(
+    limit: float, ratings, freedom: float, count: int | None = None
+) -> list[Verdict]:
     """Judge observers, who share the probability of a wrong verdict.
 
     Parameters
@@ -28,12 +30,13 @@ def judge_observers(limit: float, ratings, freedom: float) -> list[Verdict]:
     limit : float    Largest UGR.
     ratings : sequence of (float, float)    UGR of each and its standard error; NaN: no glare source is seen.
     freedom : float    Degrees of freedom of the errors.
+    count : int or None    How many limits share it, where others do besides those of the observers.
 
     Returns
     -------
     list of Verdict    Of each. How much longer open ones need is not foretold: the size of pixels has a part in the errors.
     """
-    count = len(ratings)
+    count = count or len(ratings)
     reach = t_quantile(1.0 - tail(count), freedom)
     verdicts = []
     for value, error in ratings:

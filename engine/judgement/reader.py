@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 from ...libraries import requirements
@@ -24,7 +25,8 @@ def read_requirements(path) -> dict[str, Requirement]:
     ----------
     path : str or Path
         ``standard`` and tables such as ``[office.writing]`` with ``title``, ``source``, and what is asked of areas
-        (``task = { mean = 500, uniformity = 0.6 }``) and of the light (``light = { ugr = 19, ra = 80 }``).
+        (``task = { mean = 500, uniformity = 0.6 }``) and of the light (``light = { ugr = 19, ra = 80 }``). With
+        ``direct = true`` before them only light counts that was not reflected.
 
     Returns
     -------
@@ -46,7 +48,12 @@ def read_requirements(path) -> dict[str, Requirement]:
     standard = content.pop("standard", "")
     if not isinstance(standard, str):
         raise FileFormatError(path, "expected a text for 'standard'")
+    is_direct = content.pop("direct", False)
+    if not isinstance(is_direct, bool):
+        raise FileFormatError(path, "expected true or false for 'direct'")
     found = dict(_activities(path, standard, content, ()))
+    if is_direct:
+        found = {key: replace(each, is_direct=True) for key, each in found.items()}
     if not found:
         raise FileFormatError(path, "holds no activity, expected tables such as [office.writing]")
     return found

@@ -22,11 +22,12 @@ LIMITS = {
     "uniformity": "uniformity Uo",
     "diversity": "uniformity Ud",
     "longitudinal": "longitudinal uniformity Ul",
+    "edge": "edge illuminance ratio EIR",
 }
 """What may be asked of an area, as its least value, with the words for people: Uo is least over mean, Ud least over largest,
-Ul the worst along a lane."""
+Ul the worst along a lane, EIR that of the light beside the carriageway to that on its strips along the edges."""
 
-RATIOS = frozenset({"uniformity", "diversity", "longitudinal"})
+RATIOS = frozenset({"uniformity", "diversity", "longitudinal", "edge"})
 """Those without a unit, which maintenance does not change."""
 
 LIGHT = {"ugr": "UGR", "ra": "Ra", "threshold_increment": "threshold increment"}
@@ -47,6 +48,7 @@ class Requirement:
     areas : dict of str to dict    Limits of areas, by `AREAS` and `LIMITS`. [lx, cd/m2, -]
     light : dict    By `LIGHT`. [-], [%]
     path : Path    File.
+    is_direct : bool    Whether only light counts that was not reflected.
     """
 
     key: str
@@ -56,3 +58,4 @@ class Requirement:
     areas: dict[str, dict[str, float]]
     light: dict[str, float] = field(default_factory=dict)
     path: Path = Path()
+    is_direct: bool = False

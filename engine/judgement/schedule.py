@@ -1,6 +1,8 @@
 """Schedule of luminaires: how many of each kind, their light, and the power that they take."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+
+from ..luminaires.formats.record import LuminaireFile
 
 
 @dataclass(frozen=True)
@@ -13,12 +15,14 @@ class Fitting:
     luminous_flux : float    Of each as it is set. [lm]
     watts : float or None    Electrical, of each at full flux; None: its file does not say.
     count : int
+    file : LuminaireFile or None    What describes it.
     """
 
     name: str
     luminous_flux: float
     watts: float | None
     count: int = 1
+    file: LuminaireFile | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

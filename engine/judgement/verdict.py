@@ -104,7 +104,12 @@ def judge(
 
 def overall(verdicts) -> State:
     """How a requirement stands by its limits: met if all are, not met if one is not; what is not measured does not count."""
-    states = [each.state for each in verdicts if each.state is not State.UNKNOWN]
+    return join_states(each.state for each in verdicts)
+
+
+def join_states(states) -> State:
+    """As `overall`, of states."""
+    states = [state for state in states if state is not State.UNKNOWN]
     if not states:
         return State.UNKNOWN
     if State.NOT_MET in states:

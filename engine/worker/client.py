@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy.stopping import Progress, StopRule
+from ..baking.mixed_maps import MixedMap
 from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
+from ..light_mix import LightMix
 from ..measurements import Measurement
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
@@ -120,6 +122,10 @@ class RemoteSession:
     def write_spectral(self, path: str, picture: Picture) -> None:
         """Write the bands of a picture, as `Session.write_spectral`. Raises as `render`."""
         self._wait("write_spectral", (path, picture), {}, None, None)
+
+    def mix_maps(self, folder: str, levels: LightMix, target: str) -> tuple[MixedMap, ...]:
+        """Add up the lux maps of light groups, as `Session.mix_maps`. Raises as `render`."""
+        return self._wait("mix_maps", (folder, levels, target), {}, None, None)
 
     def measure(
         self,

@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import light_mix, measurements, views
 from ..accuracy import extremes, history, stopping
-from ..baking import lumel_sheet, order
+from ..baking import lumel_sheet, mixed_maps, order
 from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
 from ..scene import (
@@ -57,7 +57,7 @@ DTYPES = {
 _MODULES = (
     camera, distribution, film, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene,
     sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order,
-    backend, coefficients, lumel_sheet,
+    backend, coefficients, lumel_sheet, mixed_maps,
 )  # fmt: skip
 
 

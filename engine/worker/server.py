@@ -24,6 +24,7 @@ JOBS = {
     "status": 0,
     "render": 1,
     "write_spectral": 1,
+    "mix_maps": 1,
     "measure": 2,
     "measure_sensors": 2,
     "find_daylight": 3,

@@ -56,9 +56,13 @@ def measured(monkeypatch):
             from types import SimpleNamespace
 
             values = 100.0 + 50.0 * positions[:, 0]
-            origin = SimpleNamespace(samples=16, seed=seed, notes=(), decisions=())
+            origin = SimpleNamespace(samples=16, seed=seed, notes=(), seconds=1.0)
             return SimpleNamespace(
-                illuminance=values, standard_error=0.01 * values, provenance=origin, method="fake"
+                illuminance=values,
+                standard_error=0.01 * values,
+                provenance=origin,
+                method="fake",
+                has_common_errors=False,
             )
 
     add_lamp("Lamp")

@@ -1,0 +1,218 @@
+"""Verdicts on the readings of a scene's sensors by one requirement, whose limits they share."""
+
+import math
+from dataclasses import dataclass, replace
+
+from ...engine.judgement.assessment import Assessment, assess, count_limits
+from ...engine.judgement.assessment import tell as tell_assessment
+from ...engine.judgement.figures import find_figures
+from ...engine.judgement.observers import judge_observers
+from ...engine.judgement.requirement import LIGHT, Requirement
+from ...engine.judgement.verdict import Range, State, Verdict, overall, tail
+from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
+from ...engine.accuracy.readings import FREEDOM
+from .readings import Readings
+
+MEASURE_DIRECT = "measure again, so that it is known apart"
+
+UNMIXED = "its light groups were not measured apart; measure again with light groups"
+
+BY_QUANTITY = {"PLANAR": "task", "CYLINDRICAL": "cylindrical"}
+"""Areas of sensors that state none, by what they measure."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Verdicts on a scene's sensors.
+
+    Parameters
+    ----------
+    requirement : Requirement
+    areas : dict of str to Assessment    By the name of the object.
+    observers : dict of str to tuple of Verdict    On the UGR of each observer, likewise.
+    skipped : dict of str to str    Objects that are not judged, and why.
+    """
+
+    requirement: Requirement
+    areas: dict[str, Assessment]
+    observers: dict[str, tuple[Verdict, ...]]
+    skipped: dict[str, str]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """All of them."""
+        made = [each for judged in self.areas.values() for each in judged.verdicts]
+        return made + [each for judged in self.observers.values() for each in judged]
+
+    @property
+    def state(self) -> State:
+        """Of all that was measured."""
+        return overall(self.verdicts)
+
+    @property
+    def missing(self) -> list[str]:
+        """What the requirement asks for that no sensor tells, in words."""
+        known = {judged.area for judged in self.areas.values()}
+        told = {LIGHT["ugr"]} if self.observers else set()
+        return [area for area in self.requirement.areas if area not in known] + [
+            LIGHT[name] for name in self.requirement.light if LIGHT[name] not in told
+        ]
+
+
+def area_of(readings: Readings, stated: str) -> str | None:
+    """Area that sensors are judged as; ``stated``: one of `settings.JUDGED_AREAS`. None: they are not."""
+    if stated == "AUTO":
+        return BY_QUANTITY.get(readings.quantity)
+    return None if stated == "NONE" or readings.unit != "lx" else stated.lower()
+
+
+def judge_sensors(
+    named,
+    requirement: Requirement,
+    levels: LightMix = NEUTRAL,
+    maintenance: float = 1.0,
+    is_modified: bool = False,
+) -> Judged:
+    """Judge readings.
+
+    Parameters
+    ----------
+    named : list of (str, Readings, str or None)    Name of the object, its readings and their area, see `area_of`.
+    requirement : Requirement
+    levels : LightMix    Of the light groups; ratings of glare are of all light as it was measured.
+    maintenance : float    Factor on illuminances. [-]
+    is_modified : bool    Whether the modified mean is asked for.
+
+    Raises
+    ------
+    SceneError    The maintenance factor is not usable.
+
+    Notes
+    -----
+    All limits of all objects share the probability of a wrong verdict, so that it holds for what is said of the whole.
+    """
+    # Of the light as a whole only glare is known here, of the observers.
+    plain = replace(requirement, light={})
+    skipped, chosen, seen = {}, [], []
+    for name, readings, area in named:
+        if readings.is_rating:
+            if "ugr" in requirement.light:
+                seen.append((name, readings))
+            else:
+                skipped[name] = f"{requirement.key} asks nothing of {LIGHT['ugr']}"
+        elif area is None:
+            skipped[name] = "stands for no area"
+        elif area not in requirement.areas:
+            skipped[name] = f"{requirement.key} asks nothing of the area '{area}'"
+        elif requirement.is_direct and not readings.has_direct:
+            skipped[name] = (
+                f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
+            )
+        elif not levels.is_neutral and readings.groups == ("",):
+            skipped[name] = UNMIXED
+        else:
+            chosen.append((name, readings, area))
+    count = sum(count_limits(plain, area, is_modified) for *_, area in chosen)
+    count += sum(len(readings.positions) for _, readings in seen)
+    areas, observers = {}, {}
+    for name, readings, area in chosen:
+        mixed = readings.mixed_direct if requirement.is_direct else readings.mixed
+        values, errors = mixed(levels)
+        figures = find_figures(values, errors, tail(count), FREEDOM, readings.has_common)
+        areas[name] = assess(
+            plain,
+            area,
+            figures,
+            readings.seconds,
+            maintenance,
+            is_modified=is_modified,
+            count=count,
+        )
+    for name, readings in seen:
+        ratings = zip(*readings.mixed(), strict=True)
+        limit = requirement.light["ugr"]
+        observers[name] = tuple(judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count))
+    return Judged(requirement, areas, observers, skipped)
+
+
+def tell(judged: Judged) -> list[str]:
+    """Lines for people: the verdict of all, then of each object."""
+    requirement = judged.requirement
+    words = judged.state.value
+    missing = judged.missing
+    if missing and judged.state is not State.UNKNOWN:
+        words += f" (without {', '.join(missing)}, not measured)"
+    lines = [f"{requirement.key} ({requirement.standard}: {requirement.title}): {words}"]
+    for name, assessment in judged.areas.items():
+        first, *rest = tell_assessment(assessment)
+        # The requirement has been named.
+        lines.append(f"{name}, {assessment.area}: {first.rpartition('): ')[2]}")
+        lines += rest
+    for name, verdicts in judged.observers.items():
+        lines.append(
+            f"{name}, {verdicts[0].name} at most {verdicts[0].limit:g}: {overall(verdicts).value}"
+        )
+        for number, verdict in enumerate(verdicts, start=1):
+            if len(verdicts) > 1 or verdict.state is not State.MET:
+                lines.append(
+                    f"  observer {number}: {verdict.state.value}, {tell_rating(verdict.found)}"
+                )
+            else:
+                lines[-1] += f", {tell_rating(verdict.found)}"
+    lines += [f"{name}: not judged, {why}" for name, why in judged.skipped.items()]
+    return lines
+
+
+def tell_rating(found: Range) -> str:
+    """A UGR with its range in words."""
+    if not math.isfinite(found.value):
+        return "no glare source"
+    return f"{found.value:.1f} ({found.low:.1f} to {found.high:.1f})"
+
+
+def describe(judged: Judged) -> dict:
+    """Verdicts as plain data for JSON."""
+    return {
+        "key": judged.requirement.key,
+        "title": judged.requirement.title,
+        "standard": judged.requirement.standard,
+        "state": judged.state.value,
+        "not_measured": judged.missing,
+        "areas": [
+            {
+                "object": name,
+                "area": assessment.area,
+                "state": assessment.state.value,
+                "maintenance": assessment.maintenance,
+                "seconds_more": assessment.seconds,
+                "limits": [_limit(each) for each in assessment.verdicts],
+            }
+            for name, assessment in judged.areas.items()
+        ],
+        "observers": [
+            {
+                "object": name,
+                "state": overall(verdicts).value,
+                "limits": [_limit(each) for each in verdicts],
+            }
+            for name, verdicts in judged.observers.items()
+        ],
+        "not_judged": judged.skipped,
+    }
+
+
+def _limit(verdict: Verdict) -> dict:
+    found = verdict.found
+    values = [None] * 3
+    if found is not None:
+        ends = (found.value, found.low, found.high)
+        values = [each if math.isfinite(each) else None for each in ends]
+    return {
+        "name": verdict.name,
+        "limit": verdict.limit,
+        "is_most": verdict.is_most,
+        "value": values[0],
+        "range": values[1:],
+        "state": verdict.state.value,
+    }

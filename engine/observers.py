@@ -1,0 +1,81 @@
+"""Observers in a scene: glare that eyes are exposed to, from fisheye pictures of all that is before them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from .accuracy.stopping import Progress, StopRule
+from .analysis.glare_sources import THRESHOLD
+from .analysis.observer_glare import FIGURES, rate_observer
+from .analysis.observer_view import eye_camera
+from .errors import Cancelled
+from .formats.luminance_picture import view_of_camera
+from .views import ViewSettings
+
+PARTS = 4
+"""Pictures with samples of their own, whose figures differ by their errors."""
+
+FREEDOM = PARTS - 1
+"""Degrees of freedom of the errors."""
+
+SIZE, SAMPLES = 600, 16
+"""Width and height of the pictures [pixel], and samples of a pixel in all of them together."""
+
+
+def rate_observers(
+    session,
+    positions,
+    directions,
+    size: int = SIZE,
+    samples: int = SAMPLES,
+    threshold: float = THRESHOLD,
+    seed: int = 0,
+    transport: str = "auto",
+    progress: Callable[[Progress], None] | None = None,
+    is_cancelled: Callable[[], bool] = lambda: False,
+) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
+    """Rate what observers see.
+
+    Parameters
+    ----------
+    session : Session or RemoteSession    With the scene.
+    positions, directions : (n, 3) array    Of the eyes [m], and where they look.
+    size : int    Width and height of the pictures; an odd one is raised by one. [pixel]
+    samples : int    Of a pixel, in all pictures of an observer together.
+    threshold : float    Luminance above which pixels are part of glare sources. [cd/m2]
+    progress : callable or None    Gets a `Progress`.
+    is_cancelled : callable    Asked before every picture.
+
+    Returns
+    -------
+    dict of str to (n, 2) array
+        By `observer_glare.FIGURES`: values and standard errors; NaN where one has no meaning, as UGR where nothing dazzles.
+    tuple of str    Notes for people.
+
+    Raises
+    ------
+    SceneError    An observer has no line of sight.
+    Cancelled    It was cancelled.
+    """
+    rule = StopRule(samples=max(samples // PARTS, 1))
+    # Sums over all pixels need few paths, which takes less time than finding the light of cells.
+    wanted = ViewSettings(rule, seed, transport=transport, method="paths")
+    rows, notes, seconds = [], {}, 0.0
+    for number, (place, direction) in enumerate(zip(positions, directions, strict=True)):
+        camera = eye_camera(place, direction, size + size % 2)
+        pictures = []
+        for part in range(PARTS):
+            if is_cancelled():
+                raise Cancelled("cancelled")
+            made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
+            pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
+            notes |= dict.fromkeys(made.provenance.notes)
+            seconds += made.provenance.seconds
+        rows.append(rate_observer(np.stack(pictures), view_of_camera(camera), threshold))
+        if progress is not None:
+            done = (number + 1) / len(positions)
+            stage = f"observer {number + 1} of {len(positions)}"
+            progress(Progress(done, rule.samples * PARTS, np.inf, seconds, None, stage))
+    table = {name: np.array([row[name] for row in rows], dtype=np.float64) for name in FIGURES}
+    return table, tuple(notes)

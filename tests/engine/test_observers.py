@@ -1,0 +1,125 @@
+"""Luminaires that are seen: pictures, luminance meters and ratings of glare agree with what their file says."""
+
+import numpy as np
+import pytest
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.analysis.glare import (
+    Observer,
+    guth_position_index,
+    sight_angles,
+    unified_glare_rating,
+)
+from lumenray.engine.luminaires.distribution import flux, intensity
+from lumenray.engine.luminaires.openings import projected_area
+from lumenray.engine.luminance_meter import measure_luminance
+from lumenray.engine.observers import rate_observers
+from lumenray.engine.scene.camera import Camera, Projection
+from lumenray.engine.scene.distribution import Opening
+from lumenray.engine.scene.light import Luminaire, Output, Quantity, UniformWorld
+from lumenray.engine.scene.spectrum import Constant
+from lumenray.engine.views import ViewSettings
+from luminaires import grid
+from small_scenes import session_of
+
+pytestmark = pytest.mark.mitsuba
+
+EYE = np.array([0.0, 0.0, 1.2])
+
+OPENINGS = {
+    "rectangle": Opening("rectangle", (1.2, 0.3, 0.0), "z"),
+    "ellipse": Opening("ellipse", (0.5, 0.3, 0.0), "z"),
+    "box": Opening("box", (0.6, 0.4, 0.1), "z"),
+    "ellipsoid": Opening("ellipsoid", (0.4, 0.4, 0.4), "z"),
+    "cylinder": Opening("cylinder", (1.2, 0.1, 0.1), "x"),
+}
+
+BATWING = grid(
+    np.arange(0.0, 361.0, 15.0),
+    np.arange(0.0, 181.0, 2.5),
+    lambda c, g: 800.0 * (1.1 + np.cos(g)) * (1.0 + 1.5 * np.sin(g) ** 2 * (1.0 + np.cos(2.0 * c))),
+)
+"""It shines up and down, unlike along and across. [cd]"""
+
+
+def hung(opening, place=(0.3, 3.0, 2.8), name="lamp"):
+    frame = np.eye(4)
+    frame[:3, 3] = place
+    output = Output(Quantity.LUMINOUS_FLUX, flux(BATWING), Constant(1.0))
+    return Luminaire(name, name, output, frame, BATWING, opening)
+
+
+def candelas(lamp, eye=EYE):
+    """Towards an eye, and the area that the opening shows it."""
+    away = eye - lamp.frame[:3, 3]
+    return float(intensity(BATWING, away)), float(projected_area(lamp.opening, away))
+
+
+@pytest.mark.parametrize(
+    "shape", [s if s == "box" else pytest.param(s, marks=pytest.mark.slow) for s in OPENINGS]
+)
+def test_a_luminance_meter_reads_candelas_over_the_area_that_is_seen(shape):
+    """A narrow meter on the opening; and a wide one that holds all of it: L times its cone is I over d squared."""
+    lamp = hung(OPENINGS[shape])
+    session = session_of(lamp)
+    towards = lamp.frame[:3, 3] - EYE
+    distance = np.linalg.norm(towards)
+    candela, area = candelas(lamp)
+    rule = StopRule(each=0.003, floor=1e-3)
+    narrow = measure_luminance(session, [EYE], [towards], np.deg2rad(0.2), rule)
+    assert narrow.luminance[0] == pytest.approx(candela / area, rel=0.01)
+    angle = 2.0 * np.arctan(0.75 / distance)
+    wide = measure_luminance(session, [EYE], [towards], angle, rule)
+    cone = 2.0 * np.pi * (1.0 - np.cos(0.5 * angle))
+    # All of it is not quite in one direction: 1.2 m at 3.4 m.
+    within = 0.025 if max(lamp.opening.size) > 1.0 else 0.012
+    assert wide.luminance[0] * cone == pytest.approx(candela / distance**2, rel=within)
+
+
+def test_pixels_of_a_picture_have_the_luminance_of_the_file():
+    """Each of them by its own direction: a box is seen from below and from its side at once."""
+    lamp = hung(OPENINGS["box"], (0.0, 1.5, 2.0))
+    session = session_of(lamp)
+    forwards = lamp.frame[:3, 3] - EYE
+    backwards = -forwards / np.linalg.norm(forwards)
+    right = np.cross([0.0, 0.0, 1.0], backwards)
+    right /= np.linalg.norm(right)
+    frame = np.eye(4)
+    frame[:3, :3] = np.stack([right, np.cross(backwards, right), backwards], axis=1)
+    frame[:3, 3] = EYE
+    extent = 0.1
+    camera = Camera(frame, Projection.PERSPECTIVE, 16, 16, extent, extent)
+    made = session.render(camera, ViewSettings(StopRule(samples=16), 0))
+    luminance = made.tristimulus[..., 1]
+    middles = extent * ((np.arange(16) + 0.5) / 16 - 0.5)
+    across, up = np.meshgrid(middles, middles)
+    rays = np.stack([across, up, np.full_like(across, -1.0)], axis=-1) @ frame[:3, :3].T
+    expected = intensity(BATWING, -rays) / projected_area(lamp.opening, -rays)
+    np.testing.assert_allclose(luminance, expected, rtol=0.005)
+    assert expected.max() > 1.005 * expected.min()
+
+
+@pytest.mark.slow
+def test_observers_see_the_glare_that_the_files_tell():
+    """CIE 117: four luminaires before an even background of 100 cd/m2, L = I / A, omega = A / d^2."""
+    square = Opening("rectangle", (0.6, 0.6, 0.0), "z")
+    lamps = [
+        hung(square, place, f"lamp {k}")
+        for k, place in enumerate(
+            [(-1.0, 2.5, 2.8), (1.0, 2.5, 2.8), (-1.0, 4.5, 2.8), (1.0, 4.5, 2.8)]
+        )
+    ]
+    session = session_of(*lamps, UniformWorld(100.0))
+    eyes = np.array([EYE, [0.5, -0.5, 1.2]])
+    directions = np.array([[0.0, 1.0, 0.0]] * 2)
+    found, _ = rate_observers(session, eyes, directions, size=360, samples=8, threshold=500.0)
+    for eye, direction, (value, error) in zip(eyes, directions, found["ugr"], strict=True):
+        places = np.array([lamp.frame[:3, 3] for lamp in lamps])
+        candela, area = np.array([candelas(lamp, eye) for lamp in lamps]).T
+        solid = area / ((places - eye) ** 2).sum(axis=1)
+        index = guth_position_index(*sight_angles(Observer(eye, direction), places))
+        expected = unified_glare_rating(100.0, candela / area, solid, index)
+        assert error < 0.3
+        assert abs(value - expected) < 0.2 + 2.0 * error
+    # Where nothing is as bright there is nothing to rate.
+    dark, _ = rate_observers(session, eyes[:1], -directions[:1], size=64, samples=4)
+    assert np.isnan(dark["ugr"][0, 0])
