@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
-from lumenray.blender_addon.sensors import asked, files, judging, results, verdicts, words
+from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
 from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
 from lumenray.blender_addon.sensors.readings import readings_of, read_readings, write_readings
@@ -218,3 +218,15 @@ def test_a_camera_tells_the_luminances_of_its_picture_by_part():
     empty.lumenray.sensor.quantity = "PLANAR"
     with pytest.raises(SceneError, match="set the quantity to Luminance"):
         place_sensors(empty, bpy.context.evaluated_depsgraph_get())
+
+
+def test_logarithmic_colours_spread_over_three_powers_of_ten(measured):
+    settings = bpy.context.scene.lumenray.sensors
+    settings.automatic, settings.high = False, 1000.0
+    plain = drawing.make_drawing(bpy.context.scene).scale
+    settings.logarithmic = True
+    scale = drawing.make_drawing(bpy.context.scene).scale
+    assert plain.share(100.0) == pytest.approx(0.1)
+    assert scale.share(100.0) == pytest.approx(2.0 / 3.0)
+    for each in (plain, scale):
+        np.testing.assert_allclose(each.share(each.value([0.1, 0.5, 1.0])), [0.1, 0.5, 1.0])
