@@ -24,6 +24,7 @@ from . import (
     sun_from_shadow,
     sun_lamp,
     try_devices,
+    turn_sun,
 )
 
 CLASSES = (
@@ -50,4 +51,5 @@ CLASSES = (
     *sun_from_shadow.CLASSES,
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
+    *turn_sun.CLASSES,
 )
