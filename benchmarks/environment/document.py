@@ -13,8 +13,8 @@ TITLE = """# Pictures of the surroundings
 
 Bright sources of equirectangular pictures taken out as lights, clipped suns mended, and what is said of pictures.
 {cpu}, {cores} cores; Mitsuba {mitsuba}, Lumenray {lumenray}. To repeat it:
-`lumenray benchmark environment --json out/environment.json`; parts by themselves with
-`--parts maps,shadow,repair,noise,shadows,files,collection`.
+`lumenray benchmark environment --maps FOLDER --json out/environment.json`; parts by themselves with
+`--parts maps,shadow,repair,noise,shadows,files,collection`, and more of them into the same numbers with `--resume`.
 
 """
 
@@ -46,7 +46,7 @@ that changes the sun, is said with every result (*stated*): all times have to li
 NOISE = """## Noise
 
 64 sensors on the ground round a wall under a clear sky with its sun, the same number of samples: the sun in the map, and
-as a light beside the clipped map.
+as a light beside the clipped map. Means of three runs each.
 
 """
 

@@ -17,14 +17,14 @@ mkdir -p "$LUMENRAY_OUT/environment"
 [ -n "${LUMENRAY_INSTALLED:-}" ] || "$here/install.sh"
 "$VENV/bin/python" "$here/environment_files.py" "$LUMENRAY_OUT/environment"
 "$here/blender.sh" run bash -euc '
-  Xvfb :77 -screen 0 1600x1000x24 >/dev/null 2>&1 &
+  Xvfb :77 -screen 0 1280x800x24 >/dev/null 2>&1 &
   export DISPLAY=:77
   for _ in $(seq 50); do xdotool getdisplaygeometry >/dev/null 2>&1 && break; sleep 0.2; done
   cd /out/environment
-  blender --window-geometry 0 0 1600 1000 --python /project/tests/real_blender/environment.py >log.txt 2>&1 &
+  blender --window-geometry 0 0 1280 800 --python /project/tests/real_blender/environment.py >log.txt 2>&1 &
   # The last two places are those of a drag; a place before them is clicked.
   gesture() {
-    for _ in $(seq 400); do [ -f "$1.txt" ] && break; sleep 0.5; done
+    for _ in $(seq 1800); do [ -f "$1.txt" ] && break; sleep 0.5; done
     sleep 2
     mapfile -t places <"$1.txt"
     if [ "${#places[@]}" -gt 2 ]; then
