@@ -1,7 +1,7 @@
 """Drag the suns and the ground of a photomontage and of a world's picture in a window, and drop a picture of surroundings.
 
-Run by ``run_environment.sh``, which moves the mouse where files in ``/out/environment`` say, one gesture after the other, and
-reads ``told.txt`` there: what came of each.
+Run by ``run_environment.sh``, which moves the mouse where files in ``/out/environment`` say, gesture by gesture, and reads
+``told.txt`` there: what came of each.
 """
 
 import math
