@@ -48,14 +48,22 @@ def film_place(corners: np.ndarray, mouse) -> np.ndarray:
     return (np.asarray(mouse, dtype=np.float64) - low) / (high - low)
 
 
-def sun_for(scene, chosen):
-    """Return the Sun light that is turned: the chosen object if it is one that follows no time, or one of its own name."""
+def find_free_sun(scene, chosen):
+    """Return the Sun light that may be turned: the chosen object if it follows no time, or that of `NAME`, or None."""
     follower = None if scene.world is None else scene.world.lumenray.sun.lamp
     known = scene.objects.get(NAME)
     for each in (chosen, known):
         is_sun = each is not None and each.type == "LIGHT" and each.data.type == "SUN"
         if is_sun and each is not follower:
             return each
+    return None
+
+
+def sun_for(scene, chosen):
+    """Return the Sun light that is turned: as `find_free_sun`, made where there is none."""
+    found = find_free_sun(scene, chosen)
+    if found is not None:
+        return found
     made = bpy.data.objects.new(NAME, bpy.data.lights.new(NAME, "SUN"))
     made.data.angle = SUN_ANGLE
     scene.collection.objects.link(made)

@@ -113,6 +113,11 @@ def add_command(commands) -> None:
     environment.add_argument(
         "--maps", type=Path, metavar="FOLDER", help="pictures that are analysed (default: none)"
     )
+    environment.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --parts are measured again",
+    )
     judgement = _add(
         kinds,
         "judgement",
@@ -318,10 +323,11 @@ def _run_environment(options, say) -> int:
     from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.environment import run as environment
 
-    result = environment.run(options.parts, options.maps, say=say)
+    earlier = _read_earlier(options, environment)
+    result = environment.run(options.parts, options.maps, say, earlier)
     bars = environment.check_bars(result)
     tell(tell_bars(bars))
-    _write(environment, result, options, options.parts is not None)
+    _write(environment, result, options, not set(environment.PARTS) <= result["parts"].keys())
     return int(any(bar.passed is False for bar in bars))
 
 

@@ -526,6 +526,12 @@ class Session:
                 lights.enter_context(bright_spots(compiled, *seen))
             if compiled.bent is not None and compiled.catchers is not None:
                 notes = (*notes, "caustics do not fall on shadow catchers")
+            reflects = compiled.mirrors is not None or compiled.bent is not None
+            if compiled.catchers is not None and reflects:
+                notes = (
+                    *notes,
+                    "mirrors and glass show shadow catchers as the objects that they are",
+                )
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
             made, samples, lost, more = picture.render(

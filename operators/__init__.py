@@ -27,6 +27,7 @@ from . import (
     try_devices,
     write_mixed_maps,
     write_report,
+    turn_sun,
 )
 
 CLASSES = (
@@ -56,4 +57,5 @@ CLASSES = (
     *try_devices.CLASSES,
     *write_mixed_maps.CLASSES,
     *write_report.CLASSES,
+    *turn_sun.CLASSES,
 )

@@ -1,4 +1,4 @@
-"""The ground of the surroundings in the 3D view: its rings and lines, and an arrow that is dragged for its height."""
+"""The surroundings in the 3D view: rings and lines of their ground, an arrow for its height, and a handle at their sun."""
 
 import bpy
 import gpu
@@ -6,7 +6,8 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from .sun_arc import is_seen
+from ..blender_addon.sun_handle import find_handle
+from .sun_arc import SUN_COLOUR, is_seen
 
 COLOUR, WIDTH = (0.85, 0.35, 0.3, 0.8), 1.2
 """Of its lines, as red as those of the reference system; width [pixel]."""
@@ -40,11 +41,27 @@ def place_of(scene) -> tuple[float, float, float, float] | None:
     return x, y, settings.level, settings.radius
 
 
+def handle_of(context):
+    """Return the sun that can be dragged, as `find_handle`, None without one."""
+    return find_handle(
+        context.scene, context.object, (place_of(context.scene) or (0.0, 0.0, 0.0))[:3]
+    )
+
+
 def draw_lines() -> None:
-    """Draw the ground in a 3D view; called by Blender for every 3D view."""
+    """Draw ground and sun in a 3D view; called by Blender for every 3D view."""
     context = bpy.context
-    shown = place_of(context.scene)
-    if shown is None or not is_seen(context):
+    if not is_seen(context):
+        return
+    shown, sun = place_of(context.scene), handle_of(context)
+    lines = []
+    if shown is not None:
+        lines.append((COLOUR, shown[3] * make_lines() + np.array(shown[:3])))
+    if sun is not None:
+        lines.append(
+            (SUN_COLOUR, sun.middle + np.array([0.0 * sun.towards, sun.radius * sun.towards]))
+        )
+    if not lines:
         return
     before = gpu.state.depth_test_get(), gpu.state.blend_get()
     gpu.state.depth_test_set("LESS_EQUAL")
@@ -53,9 +70,10 @@ def draw_lines() -> None:
         shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
         shader.uniform_float("viewportSize", (context.region.width, context.region.height))
         shader.uniform_float("lineWidth", WIDTH * context.preferences.system.pixel_size)
-        shader.uniform_float("color", COLOUR)
-        points = (shown[3] * make_lines() + np.array(shown[:3])).astype(np.float32)
-        batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+        for colour, points in lines:
+            shader.uniform_float("color", colour)
+            content = {"pos": points.astype(np.float32)}
+            batch_for_shader(shader, "LINES", content).draw(shader)
     finally:
         gpu.state.depth_test_set(before[0])
         gpu.state.blend_set(before[1])
@@ -92,6 +110,38 @@ class LUMENRAY_GGT_ground(bpy.types.GizmoGroup):
         self.arrow.matrix_basis = Matrix.Translation((shown[0], shown[1], 0.0))
 
 
+class LUMENRAY_GGT_surroundings_sun(bpy.types.GizmoGroup):
+    """The sun of a photo or of the world's picture, which is dragged."""
+
+    bl_idname = "LUMENRAY_GGT_surroundings_sun"
+    bl_label = "Sun of the Surroundings"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
+
+    @classmethod
+    def poll(cls, context):
+        return is_seen(context) and handle_of(context) is not None
+
+    def setup(self, context):
+        handle = self.gizmos.new("GIZMO_GT_button_2d")
+        handle.icon = "LIGHT_SUN"
+        handle.draw_options = {"BACKDROP", "OUTLINE"}
+        handle.color, handle.alpha = SUN_COLOUR[:3], 0.9
+        handle.color_highlight, handle.alpha_highlight = (1.0, 1.0, 0.7), 1.0
+        handle.scale_basis = 0.2
+        self.action = handle.target_set_operator("lumenray.turn_sun")
+        self.handle = handle
+
+    def draw_prepare(self, context):
+        sun = handle_of(context)
+        if sun is not None:
+            self.action.middle = sun.middle
+            self.handle.matrix_basis = Matrix.Translation(sun.middle + sun.radius * sun.towards)
+
+
+GROUPS = (LUMENRAY_GGT_ground, LUMENRAY_GGT_surroundings_sun)
+
 _handles = []
 
 
@@ -100,13 +150,15 @@ def attach():
     if _handles or bpy.app.background:
         return
     # Groups of gizmos do not tell whether they are registered, as other classes do.
-    bpy.utils.register_class(LUMENRAY_GGT_ground)
+    for group in GROUPS:
+        bpy.utils.register_class(group)
     _handles.append(bpy.types.SpaceView3D.draw_handler_add(draw_lines, (), "WINDOW", "POST_VIEW"))
 
 
 def detach():
     """Draw no more."""
     if _handles:
-        bpy.utils.unregister_class(LUMENRAY_GGT_ground)
+        for group in GROUPS:
+            bpy.utils.unregister_class(group)
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")

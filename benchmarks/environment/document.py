@@ -13,8 +13,8 @@ TITLE = """# Pictures of the surroundings
 
 Bright sources of equirectangular pictures taken out as lights, clipped suns mended, and what is said of pictures.
 {cpu}, {cores} cores; Mitsuba {mitsuba}, Lumenray {lumenray}. To repeat it:
-`lumenray benchmark environment --json out/environment.json`; parts by themselves with
-`--parts maps,shadow,repair,noise,shadows,files,collection`.
+`lumenray benchmark environment --maps FOLDER --json out/environment.json`; parts by themselves with
+`--parts maps,shadow,repair,noise,shadows,files,collection`, and more of them into the same numbers with `--resume`.
 
 """
 
@@ -38,14 +38,15 @@ REPAIR = """## Suns mended
 Clear skies of the CIE with their suns for random moments of four places, 2026, drawn, turned and clipped; time, and sun by
 one place of the sky, found again. Nearer to noon than {noon:.0f} minutes the sun's height says little of the time, and of
 suns lower than {low:g}° the light changes by more than 5 % a degree, where the place of a clipped sun is known to half a
-pixel: the demands do not count these.
+pixel: the demands on time and sun do not count these. How wide a time is within half a pixel of the height, and by how much
+that changes the sun, is said with every result (*stated*): all times have to lie within.
 
 """
 
 NOISE = """## Noise
 
 64 sensors on the ground round a wall under a clear sky with its sun, the same number of samples: the sun in the map, and
-as a light beside the clipped map.
+as a light beside the clipped map. Means of three runs each.
 
 """
 
@@ -74,7 +75,7 @@ def check_bars(result: dict) -> list[Bar]:
     """Judge by the demands."""
     parts = result["parts"]
     shadow, shadows = parts.get("shadow"), parts.get("shadows")
-    rows = parts.get("maps") or ()
+    rows, mended = parts.get("maps") or (), parts.get("repair") or ()
     counts = [row for row in rows if row["found"] == row["expected"]]
     return [
         _below("horizontal illuminance kept", result["illuminance_error_percent"], KEPT, " %", 5),
@@ -93,6 +94,12 @@ def check_bars(result: dict) -> list[Bar]:
             4,
         ),
         _below("time by the sun's height", result["repair_minutes"], MINUTES, " min", 2),
+        Bar(
+            "times within what is stated",
+            "all",
+            f"{sum(row['is_within'] for row in mended)} of {len(mended)}" if mended else "-",
+            all(row["is_within"] for row in mended) if mended else None,
+        ),
         _below("sun by a place of the sky", result["rebuilt_error_percent"], SUN, " %", 3),
         _below(
             "unshaded pixels of a catcher", shadows and shadows["unshadowed_change"], 1e-3, "", 6
@@ -144,10 +151,11 @@ def _tell_shadow(row) -> str:
 def _tell_repair(rows) -> str:
     lines = [
         f"| {row['latitude']:g}° | {row['elevation_deg']:.1f}° | {row['clip']:g} | {row['from_noon_s'] / 60.0:.0f} min | "
-        f"{row['minutes']:.2f} min | {row['sun_percent']:.3f} % |"
+        f"{row['minutes']:.2f} min | {row['width_minutes']:.1f} min | {row['sun_percent']:.3f} % | "
+        f"{row['spread_percent']:.2f} % |"
         for row in sorted(rows, key=lambda row: -row["from_noon_s"])
     ]
-    head = "| latitude | sun's height | clip | from noon | time off | sun off |"
+    head = "| latitude | sun's height | clip | from noon | time off | stated width | sun off | stated |"
     return REPAIR.format(noon=NEAR_NOON / 60.0, low=LOW_SUN) + make_table(head, lines)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ..common.machine import describe_machine
-from ..common.output import write_numbers
+from ..common.output import read_numbers, write_numbers
 from .document import check_bars, describe
 from .files import describe_maps, try_files
 from .noise import measure_noise
@@ -14,10 +14,12 @@ from .suns import LOW_SUN, NEAR_NOON, measure_maps, measure_repair, measure_shad
 
 PARTS = ("maps", "shadow", "repair", "noise", "shadows", "files", "collection")
 
-__all__ = ["PARTS", "check_bars", "run", "write_results"]
+__all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
 
 
-def run(parts=None, folder: Path | None = None, say=lambda text: None) -> dict:
+def run(
+    parts=None, folder: Path | None = None, say=lambda text: None, earlier: dict | None = None
+) -> dict:
     """Measure.
 
     Parameters
@@ -25,6 +27,7 @@ def run(parts=None, folder: Path | None = None, say=lambda text: None) -> dict:
     parts : iterable of str or None    Which of `PARTS`; None: all.
     folder : Path or None    A collection of pictures that is analysed; None: none.
     say : callable    Told of every step.
+    earlier : dict or None    Results that are gone on with: without ``parts`` those that they lack are measured.
 
     Returns
     -------
@@ -49,11 +52,12 @@ def run(parts=None, folder: Path | None = None, say=lambda text: None) -> dict:
         "shadows": measure_shadows,
         "files": try_files,
     }
-    wanted = parts or PARTS
+    kept = {} if earlier is None else earlier["parts"]
+    wanted = parts or [name for name in PARTS if name not in kept]
     made = {name: measure(say) for name, measure in measures.items() if name in wanted}
     if folder is not None and "collection" in wanted:
         made["collection"] = describe_maps(folder, say)
-    return _sum_up({"machine": describe_machine(), "parts": made})
+    return _sum_up({"machine": describe_machine(), "parts": {**kept, **made}})
 
 
 def _sum_up(result: dict) -> dict:
@@ -73,6 +77,11 @@ def _sum_up(result: dict) -> dict:
         "shadow_error_percent": shadows and shadows["shadow_error_percent"],
         "variance_gain": noise and noise["gain"],
     }
+
+
+def read_results(path: Path) -> dict:
+    """Read the numbers of an earlier run; as `read_numbers`."""
+    return read_numbers(path, {"machine", "parts", "variance_gain"})
 
 
 def write_results(result: dict, folder: Path, path: Path | None) -> None:

@@ -7,7 +7,13 @@ import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
 from ...engine.environment.extraction import clip_sources
-from ...engine.environment.repair import choose_time, find_sun_of, find_times, rebuild_sun
+from ...engine.environment.repair import (
+    choose_time,
+    find_sun_of,
+    find_times,
+    find_tolerance,
+    rebuild_sun,
+)
 from ...engine.environment.sources import find_sources
 from ...engine.scene.light import CieSky, Output, Quantity, SunLight
 from ...engine.scene.material import Black, Material
@@ -175,17 +181,22 @@ def _mend(rng, place: Place, seconds: float, sun) -> dict:
     source = find_sources(image).sources[0]
     height = float(np.degrees(np.arcsin(source.core[2])))
     day = datetime.fromtimestamp(seconds, tz=find_zone(place.zone))
-    times = find_times(height, place, day.year, day.month, day.day, is_lifted=False)
+    tolerance = find_tolerance(HEIGHT)
+    times = find_times(height, place, day.year, day.month, day.day, False, tolerance)
     found = choose_time(times, float(sun.solar_time) < 12.0)
     picked = Spot(float(rng.uniform(20.0, 70.0)), turn + float(rng.uniform(60.0, 300.0)))
-    made = rebuild_sun(image, source.core, picked.towards)
+    made = rebuild_sun(image, source.core, picked.towards, tolerance=tolerance)
+    bounds = [each.timestamp() for each in (found.first, found.last)]
     return {
         "latitude": place.latitude,
         "elevation_deg": elevation,
         "clip": clip,
         "from_noon_s": abs(float(sun.solar_time) - 12.0) * 3600.0,
         "minutes": abs(found.seconds - seconds) / 60.0,
+        "width_minutes": (bounds[1] - bounds[0]) / 60.0,
+        "is_within": bounds[0] <= seconds <= bounds[1],
         "sun_percent": 100.0 * abs(made.illuminance / spot.illuminance - 1.0),
+        "spread_percent": 100.0 * made.spread,
     }
 
 

@@ -10,7 +10,13 @@ import numpy as np
 from ...engine.analysis.canvas import to_pixels
 from ...engine.environment.analysis import Analysis, analyse, format_range, format_ratio
 from ...engine.environment.marked_picture import draw_marked
-from ...engine.environment.repair import choose_time, find_north, find_times
+from ...engine.environment.repair import (
+    choose_time,
+    find_north,
+    find_times,
+    find_tolerance,
+    tell_times,
+)
 from ...engine.errors import SceneError
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.picture import find_illuminance
@@ -18,6 +24,7 @@ from ..daylight.moment import frame_of, read_place, state_moment
 from ..foundation.report import ConversionReport
 from ..readout import Description, format_amount
 from ..sky import UPWARDS
+from ..sun_handle import keep_sun
 from ..sync.world import find_picture
 from ..sync.world_sources import choose_sun, read_coefficients, take_sources
 from ..sync.world_suns import illuminance_of
@@ -94,6 +101,7 @@ def keep(world, found: Found) -> None:
         "state": _state_of(world),
         "lines": lines,
         "words": [*found.analysis.verdict, *found.notes],
+        "sun": keep_sun(world, found.analysis.sun),
     }
     world.lumenray.environment.found = json.dumps(kept)
 
@@ -134,19 +142,21 @@ def state_time(scene, world) -> str:
     ------
     SceneError    The picture shows no sun, or the sun never stands so high on the day.
     """
-    shown = analyse_world(world, scene.lumenray.efficacy).analysis.sun
+    analysis = analyse_world(world, scene.lumenray.efficacy).analysis
+    shown, tolerance = analysis.sun, find_tolerance(analysis.height)
     if shown is None:
         raise SceneError("the picture shows no sun; choose Brightest Source where it is one")
     own, place = world.lumenray, read_place(world)
     time = own.time
-    times = find_times(shown.elevation, place, time.year, time.month, time.day, time.use_refraction)
+    day = (time.year, time.month, time.day)
+    times = find_times(shown.elevation, place, *day, time.use_refraction, tolerance)
     chosen = choose_time(times, own.environment.half == "MORNING")
     up, turn = np.radians([shown.elevation, shown.azimuth])
     towards = (np.cos(up) * np.sin(turn), np.cos(up) * np.cos(turn), np.sin(up))
     own.place.north = np.radians(find_north(towards, chosen.azimuth))
     state_moment(world, frame_of(scene), chosen.seconds)
-    sure = 0.1 / max(chosen.speed, 1e-6)
-    return f"the sun stands {shown.elevation:.1f}° high at {chosen.clock:%H:%M}; 0.1° of its height are {sure:.1f} minutes"
+    when = f"the sun stands {shown.elevation:.1f}° high at {chosen.clock:%H:%M}"
+    return f"{when}; {tell_times(chosen, tolerance)}"
 
 
 def _tell(settings, found: Found):

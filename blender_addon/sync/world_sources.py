@@ -9,7 +9,7 @@ import numpy as np
 
 from ...engine.environment.cells import direction_at
 from ...engine.environment.extraction import clip_sources
-from ...engine.environment.repair import find_sun_of, rebuild_sun, sun_factor
+from ...engine.environment.repair import find_sun_of, find_tolerance, rebuild_sun, sun_factor
 from ...engine.environment.sources import Coefficients, Search, Source, find_sources
 from ...engine.errors import SceneError
 from ...engine.scene.texture import ImageTexture
@@ -24,6 +24,9 @@ from .world_suns import Disk
 SUN_ANGLE = math.radians(2.0 * RADIUS)
 """Diameter of the sun. [rad]"""
 
+
+UNSURE = 0.02
+"""Part of a sun's light by which half a pixel of its height changes it, above which that is told. [-]"""
 
 TOO_BRIGHT = 1.05
 """Part of what the sun gives outside the atmosphere above which a sun is told; it is nearer in January. [-]"""
@@ -91,7 +94,7 @@ def take_sources(world, image: ImageTexture, rotation: np.ndarray, report) -> Ta
             )
         return Taken(clipped, tuple(disks))
     try:
-        towards, mended = _mend(world, sun, others, clipped, rotation)
+        towards, mended = _mend(world, sun, others, clipped, rotation, report)
     except SceneError as error:
         report.fault(world.name, error, "the sun gives what the picture says")
         towards, mended = sun.towards, sun.irradiance
@@ -117,7 +120,7 @@ def _disk(source: Source, rotation) -> Disk:
     )
 
 
-def _mend(world, sun: Source, others, clipped: ImageTexture, rotation):
+def _mend(world, sun: Source, others, clipped: ImageTexture, rotation, report):
     """Return the picture's direction to the sun, and its components on a plane facing it, as the settings say. (3,) each"""
     settings, up = world.lumenray.environment, rotation @ UPWARDS
     if settings.repair == "RATIO":
@@ -138,7 +141,14 @@ def _mend(world, sun: Source, others, clipped: ImageTexture, rotation):
             _distance(world),
             world.lumenray.place.elevation,
             rotation=rotation,
+            tolerance=find_tolerance(clipped.pixels.shape[0]),
         )
+        if made.spread > UNSURE:
+            report.info(
+                world.name,
+                f"half a pixel of the height of its picture's sun changes its light by {100.0 * made.spread:.0f} %",
+                "a larger picture says more of so low a sun",
+            )
         return sun.core, sun.irradiance * (made.illuminance / sun.illuminance)
     return sun.towards, sun.irradiance
 

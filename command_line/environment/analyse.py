@@ -83,6 +83,7 @@ def describe(made, remarks) -> dict:
         "small_places": made.small,
         "sources": [describe_source(row) for row in made.sources],
         "verdict": list(made.verdict),
+        "sun_doubts": list(made.doubts),
         "remarks": [*remarks, *told],
     }
 
@@ -111,5 +112,5 @@ def tell_source(row) -> str:
     return (
         f"{'sun' if row.is_sun else 'lamp'} {row.elevation:.2f}° high, azimuth {row.azimuth:.2f}°, "
         f"{row.diameter:.2f}° wide, pixel {row.column:.0f},{row.row:.0f}: {row.illuminance:.4g} lx facing it, "
-        "{row.horizontal:.4g} lx horizontal"
+        f"{row.horizontal:.4g} lx horizontal"
     )

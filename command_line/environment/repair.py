@@ -105,13 +105,21 @@ def run(options) -> int:
     before, after = (
         per_unit * find_illuminance(each, np.eye(3), np.array(UPWARDS)) for each in (image, mended)
     )
-    for sentence in told:
+    for sentence in (*_tell_doubts(options, image, per_unit), *told):
         say(sentence)
     own = per_unit * sun.on(UPWARDS)
     say(f"sun, horizontal: {own:.5g} lx before, {own * factor:.5g} lx after")
     say(f"horizontal: {before:.5g} lx before, {after:.5g} lx after")
     say(f"written to {write_map(options.output, pixels)}")
     return 0
+
+
+def _tell_doubts(options, image, per_unit: float) -> list[str]:
+    """Sentences about whether it is a sun that is mended."""
+    from ...engine.environment.analysis import analyse
+
+    doubts = analyse(image, per_unit, find_coefficients(options), sun_chooser(options)).doubts
+    return [f"lamp or sun? {', and '.join(doubts)}"] if doubts else []
 
 
 def _check(options) -> None:
@@ -152,7 +160,14 @@ def _by_model(options, sun, clipped):
     import numpy as np
 
     from ...engine.environment.cells import direction_at
-    from ...engine.environment.repair import choose_time, find_north, find_times, rebuild_sun
+    from ...engine.environment.repair import (
+        choose_time,
+        find_north,
+        find_times,
+        find_tolerance,
+        rebuild_sun,
+        tell_times,
+    )
     from ...engine.sky.solar_position import find_sun
 
     place = find_place(options)
@@ -163,16 +178,26 @@ def _by_model(options, sun, clipped):
     if not (0.0 <= x < width and 0.0 <= y < height):
         raise SceneError(f"the pixel {x:g},{y:g} is not in the picture of {width} x {height}")
     elevation = float(np.degrees(np.arcsin(np.clip(sun.core[2], -1.0, 1.0))))
-    day = options.date
-    times = find_times(elevation, place, day.year, day.month, day.day)
+    day, tolerance = options.date, find_tolerance(height)
+    times = find_times(elevation, place, day.year, day.month, day.day, tolerance=tolerance)
     chosen = choose_time(times, options.half == "morning")
     distance = float(find_sun(chosen.seconds, place).distance)
     towards = direction_at((x + 0.5) / width, 1.0 - (y + 0.5) / height)
-    made = rebuild_sun(clipped, sun.core, towards, options.turbidity, distance, place.elevation)
+    made = rebuild_sun(
+        clipped,
+        sun.core,
+        towards,
+        options.turbidity,
+        distance,
+        place.elevation,
+        tolerance=tolerance,
+    )
     told = (
         f"{place.name or 'place'}, {chosen.clock:%Y-%m-%d %H:%M} ({chosen.clock.tzname()}): the sun is "
-        f"{elevation:.2f}° high; 0.1° of that are {0.1 / max(chosen.speed, 1e-6):.1f} minutes",
+        f"{elevation:.2f}° high",
+        tell_times(chosen, tolerance),
         f"the picture's +Y lies {find_north(sun.core, chosen.azimuth) % 360.0:.1f}° from north over east",
-        f"the model's sun gives {made.model:.5g} lx facing it, and a value of 1 is {made.scale:.4g} cd/m² by the model",
+        f"the model's sun gives {made.model:.5g} lx facing it, and a value of 1 is {made.scale:.4g} cd/m² by the model; "
+        f"half a pixel of its height changes its light by {100.0 * made.spread:.1f} %",
     )
     return made.illuminance / sun.illuminance, told

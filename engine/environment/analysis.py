@@ -6,7 +6,7 @@ A. G. Voloboy: Software technologies that automate the making of realistic image
 of Applied Mathematics, Moscow 2012 (in Russian), section 1.3.4
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from .extraction import clip_sources
 from .repair import clear_ratio, find_sun_of
 from .scale import UPWARDS
 from .sources import Coefficients, Source, find_sources
+from .sun_doubt import find_doubts
 
 DARKEST = 1.0
 """Luminance to which everything below is lifted: eyes tell no difference there. [cd/m2]"""
@@ -82,6 +83,7 @@ class Analysis:
     faults : (int, int, int)    Pixels that are NaN, infinite and negative.
     sources : tuple of SourceRow
     verdict : tuple of str    What that means, a sentence each.
+    doubts : tuple of str    What speaks against the sun being one, and for a lamp.
     """
 
     width: int
@@ -99,7 +101,8 @@ class Analysis:
     small: int
     faults: tuple[int, int, int]
     sources: tuple[SourceRow, ...]
-    verdict: tuple[str, ...]
+    verdict: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def sun(self) -> SourceRow | None:
@@ -168,10 +171,11 @@ def analyse(
         search.small,
         count_faults(image.pixels),
         rows,
-        (),
     )
-    object.__setattr__(made, "verdict", tell_verdict(made))
-    return made
+    if sun is not None:
+        found = find_doubts(sun, image, clipped, made.ratio, made.sun.elevation, rotation @ up)
+        made = replace(made, doubts=found)
+    return replace(made, verdict=tell_verdict(made))
 
 
 def _describe(source: Source, image, per_unit: float, is_sun: bool, rotation) -> SourceRow:
@@ -207,7 +211,10 @@ def tell_verdict(analysis: Analysis) -> tuple[str, ...]:
     """Return what an analysis means for renders, a sentence each."""
     if not analysis.horizontal > 0.0 and not analysis.below > 0.0:
         return ("the picture is black",)
-    told = [_tell_sources(analysis), _tell_range(analysis)]
+    told = [_tell_sources(analysis)]
+    if analysis.doubts:
+        told.append(f"lamp or sun? {', and '.join(analysis.doubts)}")
+    told.append(_tell_range(analysis))
     if analysis.wide:
         told.append("large bright areas, such as windows or a bright cloud, stay in the picture")
     return tuple(told)
@@ -220,14 +227,17 @@ def _tell_sources(analysis: Analysis) -> str:
         if not analysis.sources:
             return "no bright source: even light, soft shadows"
         return f"{_count(others)}, none that stands out as a sun"
+    name = "a sun or a lamp" if analysis.doubts else "a sun"
     if analysis.ratio is None:
-        return f"a sun and nothing else{beside}"
+        return f"{name} and nothing else{beside}"
     is_weak, usual = judge_sun(analysis)
     shown = format_ratio(analysis.ratio)
     if usual is None:
-        return f"a sun on the horizon at {shown}{beside}"
+        return f"{name} on the horizon at {shown}{beside}"
     if is_weak:
-        return f"a sun clipped at {shown}{beside}; clear weather gives about {usual:.1f} : 1; expect weak shadows"
+        return f"{name} clipped at {shown}{beside}; clear weather gives about {usual:.1f} : 1; expect weak shadows"
+    if analysis.doubts:
+        return f"{name} at {shown}{beside}; expect clear shadows"
     return f"a sun at {shown}{beside}, as in clear weather; expect clear shadows"
 
 

@@ -11,7 +11,7 @@ A. G. Voloboy: Software technologies that automate the making of realistic image
 of Applied Mathematics, Moscow 2012 (in Russian), section 1.3.5
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -43,20 +43,26 @@ LARGEST_SUN = np.radians(4.0)
 PATCH = np.radians(0.5)
 """Radius about a place of the sky in which its luminance is averaged. [rad]"""
 
+LEAST_HEIGHT = 1e-3
+"""At which a sun that stands on the horizon within its tolerance is taken. [degree]"""
+
 NEAREST = np.radians(5.0)
 """Least angle between that place and the sun, whose glare the lens spreads. [rad]"""
 
 TURBIDITY = 3.0
 """Luminous turbidity of a clear day. [-]"""
 
-STEP = 300.0
-"""Between times of a day at which the sun's height is looked up before it is refined. [s]"""
+VAGUE = 10.0
+"""Width from which on a time is called vague. [min]"""
+
+STEP, FINE_STEP = 300.0, 20.0
+"""Between times of a day at which the sun's height is looked up before it is refined, and before its bounds are. [s]"""
 
 
 def find_sun_of(search: Search, up=UPWARDS) -> Source | None:
     """Return the source that is likely the sun, None if there is none: small, above the horizon, and far the brightest.
 
-    A single bright lamp looks the same, which only people can tell.
+    A single bright lamp may look the same; `sun_doubt` tells what speaks for one.
 
     Parameters
     ----------
@@ -112,11 +118,23 @@ class ModelSun:
     illuminance : float    Of a plane that faces it, in units of the picture's values.
     model : float    The same in the model. [lx]
     scale : float    Luminance of the model over that of a value of 1. [cd/m2]
+    spread : float    Most by which the illuminance changes within the tolerance of the sun's height, relative. [-]
     """
 
     illuminance: float
     model: float
     scale: float
+    spread: float = 0.0
+
+
+def find_tolerance(rows: int) -> float:
+    """Return how well the height of a clipped sun is known: to half a pixel. [degree]
+
+    Parameters
+    ----------
+    rows : int    Of the picture, from pole to pole.
+    """
+    return 90.0 / rows
 
 
 def rebuild_sun(
@@ -128,6 +146,7 @@ def rebuild_sun(
     height: float = 0.0,
     kind: int = CLEAR,
     rotation: np.ndarray | None = None,
+    tolerance: float = 0.0,
 ) -> ModelSun:
     """Return the sun of a sky of the CIE that is as bright as a picture at one place.
 
@@ -142,6 +161,7 @@ def rebuild_sun(
     height : float    Of the place above the sea. [m]
     kind : int    Type of the sky, 1 to 15 of the CIE's.
     rotation : (3, 3) array or None    As of `ImageWorld`; None: the picture is upright, and its +y is the world's.
+    tolerance : float    By which the sun may stand higher or lower. [degree]
 
     Raises
     ------
@@ -166,10 +186,28 @@ def rebuild_sun(
     seen = find_patch_luminance(image, rotation @ towards_sky)
     if not seen > 0.0:
         raise SceneError("the picture is black at the place of the sky")
-    sky = CieSky(kind, towards_sun, usual_illuminance(condition_of_type(kind), elevation))
-    scale = _sky_luminance(image, sky, towards_sky, rotation) / seen
-    sun = direct_illuminance(elevation, turbidity, distance, standard_air(height).pressure)
-    return ModelSun(sun / scale, sun, scale)
+    pressure = standard_air(height).pressure
+
+    def make(elevation: float) -> ModelSun:
+        towards = _lifted_to(towards_sun, elevation)
+        sky = CieSky(kind, towards, usual_illuminance(condition_of_type(kind), elevation))
+        scale = _sky_luminance(image, sky, towards_sky, rotation) / seen
+        sun = direct_illuminance(elevation, turbidity, distance, pressure)
+        return ModelSun(sun / scale, sun, scale)
+
+    made = make(elevation)
+    bounds = [np.clip(elevation + side * tolerance, LEAST_HEIGHT, 90.0) for side in (-1.0, 1.0)]
+    spread = max(abs(make(float(each)).illuminance / made.illuminance - 1.0) for each in bounds)
+    return replace(made, spread=float(spread) if tolerance > 0.0 else 0.0)
+
+
+def _lifted_to(towards, elevation: float) -> np.ndarray:
+    """Return a direction turned to a height [degree] above where it points on the ground. (3,)"""
+    plan = np.array([towards[0], towards[1], 0.0])
+    length = np.linalg.norm(plan)
+    plan = plan / length if length > 0.0 else np.array([0.0, 1.0, 0.0])
+    up = np.radians(elevation)
+    return np.cos(up) * plan + np.sin(up) * np.array([0.0, 0.0, 1.0])
 
 
 def find_patch_luminance(image: ImageTexture, towards) -> float:
@@ -219,18 +257,27 @@ class SunTime:
     clock : datetime    What the place's clocks show, with their zone.
     azimuth : float    Of the sun then, from north over east. [degree]
     is_morning : bool    Whether it rises.
-    speed : float    How fast it rises or sinks: the time is as sure as the height. [degree/min]
+    first, last : datetime    Between these times it stands as high within the tolerance, on clocks as ``clock``.
+    turn : float    By which its azimuth changes between these. [degree]
     """
 
     seconds: float
     clock: datetime
     azimuth: float
     is_morning: bool
-    speed: float
+    first: datetime
+    last: datetime
+    turn: float
 
 
 def find_times(
-    elevation: float, place: Place, year: int, month: int, day: int, is_lifted: bool = True
+    elevation: float,
+    place: Place,
+    year: int,
+    month: int,
+    day: int,
+    is_lifted: bool = True,
+    tolerance: float = 0.0,
 ):
     """Return when the sun stands at a height on a day.
 
@@ -240,10 +287,12 @@ def find_times(
     place : Place
     year, month, day : int    Of the place's clocks.
     is_lifted : bool    Whether it is the height at which the sun is seen, with the refraction of the place's air.
+    tolerance : float    By which the sun may stand higher or lower. [degree]
 
     Returns
     -------
-    tuple of SunTime    Mostly one in the morning and one in the afternoon.
+    tuple of SunTime    Mostly one in the morning and one in the afternoon; noon alone where the sun misses the height by no
+        more than the tolerance then.
 
     Raises
     ------
@@ -260,34 +309,83 @@ def find_times(
     times = np.append(np.arange(begin, end, STEP), end)
     heights = find_sun(times, place, air).elevation
     found = [
-        _refine(times[i], times[i + 1], elevation, place, air)
+        (_refine(times[i], times[i + 1], elevation, place, air), bool(heights[i + 1] > heights[i]))
         for i in np.flatnonzero((heights[:-1] < elevation) != (heights[1:] < elevation))
     ]
+    fine = np.append(np.arange(begin, end, FINE_STEP), end)
+    off = find_sun(fine, place, air).elevation - elevation
+    top = int(np.argmax(off))
+    if not found and -tolerance <= off[top] < 0.0:
+        found = [(float(fine[top]), True)]
     if not found:
         low, high = float(heights.min()), float(heights.max())
         raise SceneError(
             f"the sun stands {elevation:.1f} degrees high in the picture, but {low:.1f} to {high:.1f} degrees on "
             f"{year}-{month:02d}-{day:02d} at the place"
         )
-    return tuple(found)
+    return tuple(
+        _tell_time(seconds, is_morning, _bounds(seconds, fine, np.abs(off), tolerance), place)
+        for seconds, is_morning in found
+    )
 
 
-def _refine(low: float, high: float, elevation: float, place: Place, air) -> SunTime:
-    """Return the time between two at which the sun passes a height."""
+def _refine(low: float, high: float, elevation: float, place: Place, air) -> float:
+    """Return the time between two at which the sun passes a height. [s]"""
     first, last = find_sun(np.array([low, high]), place, air).elevation
-    is_morning = bool(last > first)
     for _ in range(20):
         middle = 0.5 * (low + high)
         is_below = float(find_sun(middle, place, air).elevation) < elevation
-        low, high = (middle, high) if is_below == is_morning else (low, middle)
-    speed = abs(float(last - first)) / (STEP / 60.0)
-    azimuth = float(find_sun(middle, place, air).azimuth)
-    return SunTime(middle, to_local(middle, place.zone), azimuth, is_morning, speed)
+        low, high = (middle, high) if is_below == (last > first) else (low, middle)
+    return middle
+
+
+def _bounds(seconds: float, times, off, tolerance: float) -> tuple[float, float]:
+    """Return between which times about one the sun misses the height by no more than the tolerance. [s]
+
+    By the times themselves and not by its speed, which is none at noon.
+
+    Parameters
+    ----------
+    times, off : (n,) array    Of the day [s], and by what it misses the height then. [degree]
+    """
+    made = []
+    for part in (np.flatnonzero(times < seconds)[::-1], np.flatnonzero(times > seconds)):
+        inner, least = seconds, 0.0
+        for k in part:
+            if off[k] > tolerance:
+                share = (tolerance - least) / (off[k] - least) if off[k] > least else 0.0
+                inner += (times[k] - inner) * max(share, 0.0)
+                break
+            inner, least = times[k], off[k]
+        made.append(float(inner))
+    return made[0], made[1]
+
+
+def _tell_time(seconds: float, is_morning: bool, bounds, place: Place) -> SunTime:
+    azimuth, first, last = (float(each) for each in find_sun([seconds, *bounds], place).azimuth)
+    return SunTime(
+        seconds,
+        to_local(seconds, place.zone),
+        azimuth,
+        is_morning,
+        *(to_local(each, place.zone) for each in bounds),
+        abs((last - first + 180.0) % 360.0 - 180.0),
+    )
 
 
 def choose_time(times, is_morning: bool) -> SunTime:
     """Return the time of the half of the day that is asked for, or the only one."""
     return next((each for each in times if each.is_morning == is_morning), times[0])
+
+
+def tell_times(time: SunTime, tolerance: float) -> str:
+    """Return in words how sure a time is. ``tolerance``: of the sun's height. [degree]"""
+    first, last = (f"{each:%H:%M:%S}" for each in (time.first, time.last))
+    minutes = (time.last - time.first).total_seconds() / 60.0
+    words = f"its height is sure to {tolerance:.2f}°, half a pixel, the time to {minutes:.1f} minutes: {first} to {last}"
+    if minutes > VAGUE:
+        words += f"; it moves too slowly then, so its height says little of the time, and north is sure to {time.turn:.1f}°"
+    return words
 
 
 def find_north(towards_sun, azimuth: float) -> float:

@@ -14,6 +14,9 @@ from ..photometry.colour import REC709_LUMINANCE
 from ..scene.memo import recall
 from ..scene.texture import ImageTexture
 
+WHITE = "D65"
+"""Illuminant of what is white in a picture."""
+
 ROWS_AT_ONCE = 256
 """Rows of a picture that are worked on together, so that large pictures need little memory."""
 

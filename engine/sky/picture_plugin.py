@@ -9,10 +9,7 @@ import numpy as np
 from ..arrays import upload
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency
 from .far_light import far_light_class
-from .picture import ROWS_AT_ONCE, Grid, clean, find_luminances, find_mean, grid_of
-
-WHITE = "D65"
-"""Illuminant of what is white in a picture."""
+from .picture import ROWS_AT_ONCE, WHITE, Grid, clean, find_luminances, find_mean, grid_of
 
 COARSE = 2
 """Step of the sums that find the luminance of a pixel's smooth spectrum. [nm]"""

@@ -9,8 +9,9 @@ from ..photometry.spectra import GRID, evaluate_emission
 from ..scene.light import FormulaSky, ImageWorld, Luminaire, UniformWorld
 from ..scene.memo import recall
 from ..scene.scene import Scene
-from ..scene.spectrum import Constant, Rgb
+from ..scene.spectrum import Constant, Illuminant, Rgb
 from ..scene.texture import ImageTexture
+from ..sky.picture import WHITE
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,9 @@ def emission_spectra(scene: Scene) -> list:
             found.append(world.spectrum)
         if isinstance(world, FormulaSky) and world.illuminance > 0.0:
             found.append(world.spectrum)
+        # The colours of a picture or a photo are told apart from this.
+        if _is_pictured(world) or world.photo is not None:
+            found.append(Illuminant(WHITE))
     return found
 
 
@@ -122,8 +126,7 @@ def _distinct_lamps(scene: Scene) -> int:
         and _is_coloured(material.emission.pattern)
         for material in met_materials(scene)
     )
-    photographed = any(world.photo is not None for world in worlds(scene))
-    return len(shapes) + sum(map(_is_pictured, worlds(scene))) + photographed + patterned
+    return len(shapes) + patterned
 
 
 def _has_colours(light) -> bool:

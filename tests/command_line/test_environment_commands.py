@@ -56,6 +56,7 @@ def test_analyse_tells_people_and_programs(street, tmp_path, capsys):
     text = written(capsys, "analyse", street, "--lux", "5000")
     assert "clipped at 1 : 1.6" in text
     assert "5000 lx" in text
+    assert "lx horizontal" in text and "{" not in text
     row = json.loads(written(capsys, "analyse", street, "--json", "--white", 10, "--factor", 2))
     assert row["luminance_per_unit_cd_m2"] == 20.0
     row = json.loads(written(capsys, "analyse", street, "--json", "--source", 10000))
@@ -91,6 +92,8 @@ def test_repair_finds_the_time_and_the_model_s_sun(tmp_path, capsys):
     where = ("--place", "Berlin", "--date", "2026-05-20", "--sky", "100,200")
     text = written(capsys, "repair", yard, "-o", out, *where)
     assert "2026-05-20 09:2" in text
+    assert "its height is sure to 0.18°, half a pixel, the time to" in text
+    assert "half a pixel of its height changes its light by" in text
     row = json.loads(written(capsys, "analyse", out, "--json"))
     lit = row["sources"][0]["illuminance_lx"] / 179.0
     # The sun is farther away in May than the mean, by 1.2 %, and Berlin lies 34 m above the sea.

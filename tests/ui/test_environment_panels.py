@@ -35,7 +35,9 @@ def test_the_panel_says_what_the_picture_holds(world):
     assert bpy.ops.lumenray.analyse_environment() == {"FINISHED"}
     seen = draw("LUMENRAY_PT_world_picture", where)
     assert {"Horizontal", "Sun : Rest", "Range", "Sun"} <= set(seen)
-    assert any("A sun clipped at 1 : 5" in text for text in seen)
+    assert any("A sun or a lamp clipped at 1 : 5" in text for text in seen)
+    # It is 3 degrees wide.
+    assert any("Lamp or sun?" in text for text in seen)
     # pi lx by the sky, and a little less than the sun's sine.
     given = next(text for text in seen if text.endswith("lx") and "°" not in text)
     assert float(given.split("\u2009")[0].split(" ")[0]) == pytest.approx(3.78, abs=0.03)

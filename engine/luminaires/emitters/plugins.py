@@ -246,7 +246,11 @@ def _surroundings_class():
                 dr.make_opaque(towards, cap, reach, share)
                 limb = Limb.of(float(props.get(f"limb_{i}", 0.0)), float(props[f"cap_{i}"]))
                 self.suns.append((props[f"sun_{i}"], towards, cap, reach, share, limb))
-            self.world_share = self._all_world = float(props.get("world_share", 1.0))
+            self.world_share = float(props.get("world_share", 1.0))
+            if self.world is not None and self.suns:
+                # As data, or each strength of a sun would need a kernel of its own.
+                self.world_share = dr.opaque(mi.Float, self.world_share)
+            self._plain_share = self.world_share
             self._left_out = frozenset()
             self.portals = None
             self.portal_share = 0.0
@@ -262,7 +266,7 @@ def _surroundings_class():
             """Give no light of some suns, by their numbers; samples go to the others."""
             self._left_out = frozenset(suns)
             shines = len(self._left_out) < len(self.suns)
-            self.world_share = self._all_world if shines or self.world is None else 1.0
+            self.world_share = self._plain_share if shines or self.world is None else 1.0
 
         def _shining(self):
             """Suns that are not left out, each with its share of the samples."""
@@ -318,7 +322,7 @@ def _surroundings_class():
             world, suns = mi.Float(self.world_share), mi.Float(1.0)
             if self.suns:
                 world = dr.select(asks, world, 0.0)
-                suns = dr.select(asks, suns, 1.0 / max(1.0 - self.world_share, 1e-9))
+                suns = dr.select(asks, suns, 1.0 / dr.maximum(1.0 - self.world_share, 1e-9))
             if self.portals is not None:
                 asks &= self.portals.has_ahead(it.p)
             return world, dr.select(asks, mi.Float(self.portal_share), 0.0), suns, asks
@@ -326,7 +330,7 @@ def _surroundings_class():
         def _density(self, it, ds, active):
             pdf = mi.Float(0.0)
             world_share, portal_share, sun_factor, asks = self._shares(it)
-            if self.world is not None and self.world_share > 0.0:
+            if self.world is not None:
                 pdf += world_share * (1.0 - portal_share) * self.world.pdf_direction(it, ds, active)
             if self.portals is not None:
                 # Many portals take long, so who does not ask must not wait for them.
@@ -353,7 +357,7 @@ def _surroundings_class():
             u, start = sample.x, mi.Float(0.0)
             direction = mi.Vector3f(0.0, 0.0, 1.0)
             world_share, portal_share, sun_factor, _ = self._shares(it)
-            if self.world is not None and self.world_share > 0.0:
+            if self.world is not None:
                 stretched = dr.clip(u / dr.maximum(world_share, 1e-9), 0.0, 0.9999999)
                 aims = stretched < portal_share
                 if self.portals is not None:

@@ -11,8 +11,8 @@ from ...photometry import units
 from ...photometry.spectra import GRID
 from ...scene.light import FormulaSky, ImageWorld, SunLight, UniformWorld
 from ...scene.spectrum import Illuminant
-from ...sky.picture import clean, find_luminances
-from ...sky.picture_plugin import WHITE, make_picture
+from ...sky.picture import WHITE, clean, find_luminances
+from ...sky.picture_plugin import make_picture
 from ...sky.plugin import make_sky
 from ...sky.projection_plugin import make_projection
 from ...sky.skies import check_sky, mean_luminance
@@ -21,6 +21,9 @@ from .lights import Source
 
 SUN_POINT_ANGLE = 1e-5
 """Suns narrower than this are computed as disks of this angular diameter; no shadow shows the difference. [rad]"""
+
+LEAST_SHARE = 0.2
+"""Least share of the samples for the world and for all suns: neither is forgotten where the other is hidden. [-]"""
 
 PORTAL_SHARE = 0.75
 """Share of the world's samples that aim at panes, where there are any."""
@@ -145,16 +148,15 @@ def make_surroundings(world: World | None, suns: list[SunLight], radius: float, 
     if world is None and not suns:
         return None
     plugin = {"type": "lumenray_surroundings", "suns": len(suns)}
-    # Half of the samples go to the world and half to the suns: both matter and neither is known beforehand.
-    world_share = 0.0 if world is None else (0.5 if suns else 1.0)
+    amounts = [emission.sun_illuminance(sun) for sun in suns]
+    total = sum(illuminance.amount for illuminance in amounts)
+    world_share = share_of_world(None if world is None else world.mean_luminance, total)
     plugin["world_share"] = world_share
     reach = max(radius, 1.0)
     flux = 0.0
     if world is not None:
         plugin["world"] = world.emitter
         flux = world.mean_luminance * 4.0 * np.pi**2 * reach**2
-    amounts = [emission.sun_illuminance(sun) for sun in suns]
-    total = sum(illuminance.amount for illuminance in amounts)
     for i, (sun, illuminance) in enumerate(zip(suns, amounts, strict=True)):
         half = 0.5 * max(sun.angle, SUN_POINT_ANGLE)
         plugin[f"sun_{i}"] = illuminance.scaled(
@@ -170,6 +172,24 @@ def make_surroundings(world: World | None, suns: list[SunLight], radius: float, 
     if world is not None:
         emitter.set_portals(portals, PORTAL_SHARE)
     return emitter, flux
+
+
+def share_of_world(mean_luminance: float | None, sunlight: float) -> float:
+    """Return the share of the samples that goes to the world, the rest to the suns: by the light through a sphere.
+
+    So a sun that is taken out of a picture is sampled about as often as it was in there.
+
+    Parameters
+    ----------
+    mean_luminance : float or None    Of the world, over all directions; None: there is none. [cd/m2]
+    sunlight : float    Sum of the illuminances of planes that face the suns; 0 without any. [lx]
+    """
+    if mean_luminance is None:
+        return 0.0
+    if sunlight <= 0.0:
+        return 1.0
+    share = 4.0 * np.pi * mean_luminance
+    return float(np.clip(share / (share + sunlight), LEAST_SHARE, 1.0 - LEAST_SHARE))
 
 
 class Outside:

@@ -58,6 +58,35 @@ def test_the_verdict_is_in_words(light, words):
     )
 
 
+BLUE = np.array([0.6, 1.0, 1.8])
+
+
+@pytest.mark.parametrize(
+    ("spot", "sky", "words"),
+    [
+        # A lamp of 3 degrees; a bluish lamp in a room whose walls are yellowish; a lamp in a dark hall.
+        (Spot(50.0, 200.0, 3.0, 9.0), BLUE, "3.1° wide"),
+        (Spot(50.0, 200.0, 0.53, 9.0, (0.9, 1.0, 1.2)), 1.0 / BLUE, "bluer than that of all else"),
+        (Spot(50.0, 200.0, 0.53, 900.0), BLUE, "times the light of all else"),
+    ],
+)
+def test_a_lamp_that_stands_alone_is_asked_about(spot, sky, words):
+    pixels = make_map(256, [spot])
+    pixels[pixels.max(axis=2) < 1.5] *= sky.astype(np.float32)
+    made = analyse(ImageTexture(pixels), 1000.0)
+    assert made.sun is not None and len(made.doubts) == 1
+    assert made.verdict[0].startswith("a sun or a lamp")
+    assert made.verdict[1].startswith("lamp or sun? ") and words in made.verdict[1]
+
+
+@pytest.mark.parametrize("clip", [None, 2000.0, 200.0])
+def test_a_sun_in_a_blue_sky_is_not_doubted(clip):
+    image = make_map(512, [Spot(40.0, 200.0, 0.53, 12.0, (1.1, 1.0, 0.8))], clip=clip)
+    image[image.max(axis=2) < 1.5] *= BLUE.astype(np.float32)
+    made = analyse(ImageTexture(image), 1000.0)
+    assert made.sun is not None and made.doubts == ()
+
+
 def test_ratios_read_as_people_say_them():
     assert [format_ratio(each) for each in (4.04, 1.0, 0.2, 0.0)] == [
         "4 : 1",

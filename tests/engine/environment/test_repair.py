@@ -9,8 +9,10 @@ from lumenray.engine.environment.repair import (
     choose_time,
     find_north,
     find_times,
+    find_tolerance,
     rebuild_sun,
     sun_factor,
+    tell_times,
 )
 from lumenray.engine.environment.sources import find_sources
 from lumenray.engine.errors import SceneError
@@ -97,3 +99,57 @@ def test_a_sun_that_is_never_so_high_is_refused():
         find_times(70.0, BERLIN, 2026, 12, 21)
     with pytest.raises(SceneError, match="no day"):
         find_times(20.0, BERLIN, 2026, 2, 30)
+
+
+def test_near_noon_the_time_is_said_to_be_wide():
+    """Altitude and time from the sun's own positions: at the bounds it stands a tolerance lower, and noon lies within."""
+    noon = datetime(2026, 5, 20, 11, 2, tzinfo=UTC).timestamp()
+    high = float(find_sun(noon, BERLIN).elevation)
+    for minutes in (5.0, 20.0):
+        wanted = noon - 60.0 * minutes
+        height, tolerance = float(find_sun(wanted, BERLIN).elevation), find_tolerance(512)
+        found = choose_time(
+            find_times(height, BERLIN, 2026, 5, 20, is_lifted=False, tolerance=tolerance), True
+        )
+        first, last = found.first.timestamp(), found.last.timestamp()
+        assert first < wanted < last
+        assert float(find_sun(first, BERLIN).elevation) == pytest.approx(
+            height - tolerance, abs=1e-3
+        )
+        assert (last > noon) == (high < height + tolerance)
+        assert last - first > 900.0 and found.turn > 5.0
+        assert "says little of the time" in tell_times(found, tolerance)
+    # Read half a pixel too high, the sun never stands so: it was noon then, and that is as wide.
+    (found,) = find_times(
+        high + 0.1, BERLIN, 2026, 5, 20, is_lifted=False, tolerance=find_tolerance(512)
+    )
+    assert abs(found.seconds - noon) < 180.0
+    assert found.first.timestamp() < found.seconds < found.last.timestamp()
+    with pytest.raises(SceneError, match="high in the picture"):
+        find_times(high + 0.3, BERLIN, 2026, 5, 20, is_lifted=False, tolerance=find_tolerance(512))
+
+
+def test_away_from_noon_the_time_is_as_wide_as_the_suns_speed_makes_it():
+    wanted = datetime(2026, 3, 20, 6, 30, tzinfo=UTC).timestamp()
+    around = find_sun(np.array([wanted - 30.0, wanted, wanted + 30.0]), BERLIN).elevation
+    found = choose_time(
+        find_times(float(around[1]), BERLIN, 2026, 3, 20, is_lifted=False, tolerance=0.1), True
+    )
+    minutes = (found.last - found.first).total_seconds() / 60.0
+    assert minutes == pytest.approx(0.2 / float(around[2] - around[0]), rel=0.02)
+    assert "little" not in tell_times(found, 0.1)
+
+
+def test_a_low_sun_says_how_much_its_height_changes_its_light():
+    """A sun drawn half a pixel off gives another light by no more than is said, and by about as much."""
+    for elevation, least in ((5.0, 0.02), (45.0, 0.0)):
+        image, _ = clear_map(elevation, 130.0, 2e4, 256)
+        tolerance, place = find_tolerance(256), Spot(50.0, 330.0).towards
+        made, lower, higher = (
+            rebuild_sun(image, Spot(elevation + off, 130.0).towards, place, tolerance=tolerance)
+            for off in (0.0, -tolerance, tolerance)
+        )
+        change = max(abs(each.illuminance / made.illuminance - 1.0) for each in (lower, higher))
+        assert made.spread == pytest.approx(change, rel=1e-6)
+        assert made.spread > least
+    assert made.spread < 0.01
