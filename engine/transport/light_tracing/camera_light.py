@@ -275,7 +275,8 @@ class CameraLight:
             parts += list(wavelengths)
         amount = sum(colour[1:], colour[0])
         is_number = dr.isfinite(amount)
-        kept = seen & is_number & (amount != 0.0)
+        # Places beside the film are no part of the picture, and next to the camera's plane their light is boundless.
+        kept = seen & is_number & (amount != 0.0) & self._is_on_film(link)
         columns = [*(each[0] for each in link.places), *(each[1] for each in link.places), *colour]
         columns += parts
         dr.eval(columns, kept, is_number, seen, pair)
@@ -288,6 +289,13 @@ class CameraLight:
         rest = table[2 * many :]
         pairs = np.broadcast_to(np.array(pair), len(np.array(kept)))[chosen]
         return _Splats(x, y, np.stack(rest[:3], axis=1), pairs, rest[3:])
+
+    def _is_on_film(self, link):
+        """Whether any pixel gets light of a place."""
+        size, held = self._film.size, mi.Bool(False)
+        for x, y in link.places:
+            held |= (x > -0.5) & (x < size.x + 0.5) & (y > -0.5) & (y < size.y + 0.5)
+        return held
 
     def _splat(self, landed: "_Splats", sums: np.ndarray) -> None:
         """Share light out among the pixels about where it is seen. ``sums``: (pixels, 3 + bands)."""

@@ -240,6 +240,22 @@ def test_cameras_that_light_is_not_traced_to_look_for_it_themselves():
     assert shown[0] == pytest.approx(shown[1], rel=0.03)
 
 
+def test_places_beside_the_picture_do_not_decide_what_is_traced():
+    """Where surfaces cross the plane of the camera, light that it does not see would weigh most of all."""
+    from lumenray.engine.transport.light_tracing.bent_lights import bent_lights
+    from lumenray.engine.transport.light_tracing.camera_light import CameraLight
+    from lumenray.engine.transport.paths.film import Film
+
+    wide = quad("wide", (-2, -2, 0), (4, 0, 0), (0, 4, 0), "paint")
+    scene = session_of(paint(0.6), GLASS, wide, LENS, LAMP)._prepare("auto", False)
+    scene.settle()
+    view = camera(Projection.PERSPECTIVE, pixels=24, height=0.2, tilt=1.2)
+    view = replace(view, extent_x=1.2, extent_y=1.2)
+    with bent_lights(scene):
+        settings = ViewSettings(StopRule(samples=2))
+        assert CameraLight(scene, Film(view, scene.origin), settings).is_needed
+
+
 def test_pictures_without_bends_are_those_of_paths_alone():
     from lumenray.engine.transport.light_tracing.camera_light import CameraLight
     from lumenray.engine.transport.paths.film import Film
