@@ -254,7 +254,7 @@ def _range(extreme: Extreme | Range, unit: str) -> str:
 def _short(value: float) -> str:
     if not math.isfinite(value):
         return "not known" if value > 0.0 else "none"
-    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
+    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
 
 
 def _list_values(area: SensorArea):
