@@ -22,8 +22,8 @@ from . import picture as pictures
 from .luminaires import find_luminaires
 
 KEPT = (
-    "the values are those that the file has kept of its last measurement; what was noted then, and whether it reached its goal, "
-    "is not kept with them"
+    "the values are those that the file has kept of its last measurement; what was noted then, and whether it reached its "
+    "goal, is not kept with them"
 )
 """Remark of reports of which nothing was measured."""
 
