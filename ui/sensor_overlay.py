@@ -169,9 +169,8 @@ def _draw_scale(context, shown: Drawing, font: int, zoom: float) -> None:
     width, height = BAR[0] * zoom, BAR[1] * zoom
     left, bottom = 24.0 * zoom, 40.0 * zoom
     shares = np.linspace(0.0, 1.0, BAR_STEPS)
-    top = shown.scale.high
     colours = np.ones((BAR_STEPS, 4), np.float32)
-    colours[:, :3] = shown.scale.colours(shares * top) / 255.0
+    colours[:, :3] = shown.scale.colours(shown.scale.value(shares)) / 255.0
     y = bottom + shares * height
     points = np.stack([np.stack([np.full(BAR_STEPS, x), y], 1) for x in (left, left + width)], 1)
     first = 2 * np.arange(BAR_STEPS - 1)[:, None]
@@ -187,12 +186,11 @@ def _draw_scale(context, shown: Drawing, font: int, zoom: float) -> None:
     blf.size(font, VALUE_SIZE * zoom)
     blf.color(font, *TEXT_COLOUR)
     for tick in shown.scale.ticks():
-        blf.position(
-            font, left + width + 6.0 * zoom, bottom + tick / top * height - 4.0 * zoom, 0.0
-        )
+        up = float(shown.scale.share(tick)) * height
+        blf.position(font, left + width + 6.0 * zoom, bottom + up - 4.0 * zoom, 0.0)
         blf.draw(font, f"{tick:g}")
     blf.position(font, left, bottom + height + 8.0 * zoom, 0.0)
-    blf.draw(font, shown.scale.unit)
+    blf.draw(font, f"{shown.scale.unit}, log" if shown.scale.is_log else shown.scale.unit)
 
 
 @persistent

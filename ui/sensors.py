@@ -40,6 +40,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
         self._draw_list(layout, scene, empties)
         self._draw_verdict(layout, context, empties)
         column = layout.column()
+        column.prop(settings, "logarithmic")
         column.prop(settings, "automatic")
         if not settings.automatic:
             column.prop(settings, "high", text="To [lx]")

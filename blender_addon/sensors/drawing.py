@@ -67,7 +67,7 @@ def scale_of(scene, held) -> ColourScale | None:
     if not values:
         return None
     high = nice_maximum(np.concatenate(values)) if settings.automatic else settings.high
-    return even_scale([high], "lx", high)
+    return even_scale([high], "lx", high, settings.logarithmic)
 
 
 def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:

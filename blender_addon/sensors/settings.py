@@ -189,7 +189,7 @@ class LumenraySensorSettings(PropertyGroup):
     )
     columns: IntProperty(
         name="Columns",
-        description="Parts of the picture across. Default 6: few enough for their numbers to be read",
+        description="Number of parts of the picture across. Default 6: few enough for their numbers to be read",
         default=6,
         min=1,
         max=256,
@@ -198,7 +198,7 @@ class LumenraySensorSettings(PropertyGroup):
     )
     rows: IntProperty(
         name="Rows",
-        description="Parts of the picture along. Default 4: about square in a usual picture",
+        description="Number of parts of the picture from below. Default 4: parts of usual pictures are about square",
         default=4,
         min=1,
         max=256,
@@ -361,6 +361,15 @@ class LumenraySensorsSettings(PropertyGroup):
         name="Automatic Scale",
         description="Fit the scale of the colours to the readings. Default on: nothing has to be known before",
         default=True,
+        update=redraw_views,
+    )
+    logarithmic: BoolProperty(
+        name="Logarithmic",
+        description=(
+            "Spread the colours over three powers of ten, so that equal ratios are equal steps. Default off: equal "
+            "differences are"
+        ),
+        default=False,
         update=redraw_views,
     )
     high: FloatProperty(

@@ -39,13 +39,21 @@ class ColourScale:
 
     def colours(self, values) -> np.ndarray:
         """Colours of values. (...) -> (..., 3) uint8"""
-        return colour_maps.colours_of(self._share(values), self.colour_map)
+        return colour_maps.colours_of(self.share(values), self.colour_map)
 
-    def _share(self, values) -> np.ndarray:
+    def share(self, values) -> np.ndarray:
+        """Where values lie on the scale, 0 to 1."""
         values, low, high = (np.asarray(x, dtype=np.float64) for x in (values, self.low, self.high))
         if self.is_log:
             values, low, high = (np.log(np.maximum(x, self.low)) for x in (values, low, high))
         return np.clip((values - low) / max(float(high - low), 1e-30), 0.0, 1.0)
+
+    def value(self, share) -> np.ndarray:
+        """Values at places of the scale, 0 to 1: the inverse of `share`."""
+        share = np.asarray(share, dtype=np.float64)
+        if self.is_log:
+            return self.low * (self.high / self.low) ** share
+        return self.low + (self.high - self.low) * share
 
     def ticks(self) -> list[float]:
         """Round numbers of the scale."""
@@ -66,7 +74,7 @@ class ColourScale:
         sheet.picture(np.repeat(rows[:, None], BAR, axis=1), (left, top), (BAR, bottom - top))
         right = left + BAR
         for tick in self.ticks():
-            y = bottom - float(self._share(tick)) * (bottom - top)
+            y = bottom - float(self.share(tick)) * (bottom - top)
             sheet.line([(right, y), (right + 4, y)], sheet.colours.axis)
             sheet.write((right + 7, y), f"{tick:g}", 10)
         words = f"{self.unit}, log" if self.is_log else self.unit
@@ -82,7 +90,7 @@ class ColourScale:
             y = top * SCALE + k
             canvas.pen.line([(left * SCALE, y), (right * SCALE, y)], tuple(map(int, colour)), 2)
         for tick in self.ticks():
-            y = bottom - float(self._share(tick)) * (bottom - top)
+            y = bottom - float(self.share(tick)) * (bottom - top)
             canvas.line([(right, y), (right + 4 * unit, y)], canvas.colours.axis)
             canvas.write((right + 7 * unit, y), f"{tick:g}", 10, "lm")
         canvas.write((left, top - 10 * unit), self.unit, 11, "lm", is_caption=True)

@@ -196,6 +196,8 @@ def sensors():
     running = module("blender_addon.sensors.running")
     yield from wait_for(lambda: not running.is_running(), "the sensors", 240.0)
     yield from sidebar("sidebar_sensors_measured")
+    bpy.context.scene.lumenray.sensors.requirement = "office.writing"
+    yield from sidebar("sidebar_sensors_judged")
     seen = next(each for each in area.regions if each.type == "WINDOW")
     picture("view_sensors", seen)
     lamp = next(o for o in bpy.data.collections["Lit Room"].objects if o.type in {"EMPTY", "LIGHT"})

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
-from lumenray.blender_addon.sensors import asked, files, judging, results, verdicts, words
+from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
 from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
 from lumenray.blender_addon.sensors.readings import readings_of, read_readings, write_readings
@@ -218,3 +218,44 @@ def test_a_camera_tells_the_luminances_of_its_picture_by_part():
     empty.lumenray.sensor.quantity = "PLANAR"
     with pytest.raises(SceneError, match="set the quantity to Luminance"):
         place_sensors(empty, bpy.context.evaluated_depsgraph_get())
+
+
+def test_logarithmic_colours_spread_over_three_powers_of_ten(measured):
+    settings = bpy.context.scene.lumenray.sensors
+    settings.automatic, settings.high = False, 1000.0
+    plain = drawing.make_drawing(bpy.context.scene).scale
+    settings.logarithmic = True
+    scale = drawing.make_drawing(bpy.context.scene).scale
+    assert plain.share(100.0) == pytest.approx(0.1)
+    assert scale.share(100.0) == pytest.approx(2.0 / 3.0)
+    for each in (plain, scale):
+        np.testing.assert_allclose(each.share(each.value([0.1, 0.5, 1.0])), [0.1, 0.5, 1.0])
+
+
+def test_a_bake_rates_the_observers_that_stand_in_its_file(monkeypatch, tmp_path, capsys):
+    from lumenray.command_line import bake_observers
+
+    monkeypatch.setattr(
+        sensor_job,
+        "rate_observers",
+        lambda session, positions, *_, **__: (
+            {"ugr": np.array([[22.0, 0.02]] * len(positions))},
+            (),
+        ),
+    )
+    options = SimpleNamespace(
+        accept_missing=False, seed=3, transport=None, output=tmp_path, file=tmp_path / "a.blend"
+    )
+    add_lamp("Lamp")
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    bake_observers.judge_observers(options, depsgraph, OFFICE)
+    assert not list(tmp_path.iterdir())
+    new_sensor("Eye", "GLARE")
+    new_sensor("Desk", layout="GRID")
+    bpy.context.view_layer.update()
+    bake_observers.judge_observers(options, bpy.context.evaluated_depsgraph_get(), OFFICE)
+    assert "Eye, UGR at most 19: not met" in capsys.readouterr().out
+    content = json.loads((tmp_path / bake_observers.FILE).read_text())
+    assert [each["name"] for each in content["sensors"]] == ["Eye"]
+    assert content["requirement"]["observers"][0]["limits"][0]["value"] == 22.0
+    assert content["seed"] == 3
