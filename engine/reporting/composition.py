@@ -182,8 +182,8 @@ def _tell_area(report: Report, area: SensorArea):
 def _tell_observers(area: SensorArea):
     """Ratings of observers, and what is allowed."""
     yield Text(
-        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees; of all light as "
-        "it was measured, whatever the levels of light groups."
+        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees with all light "
+        "as in the scene, whatever the levels of light groups."
     )
     if area.problem:
         yield Text(f"Not judged: {area.problem}")
