@@ -128,12 +128,13 @@ def _set(options, scene) -> None:
 
 def _measure(options, depsgraph):
     """Measure all sensors of the open file and keep what they tell; return the conversion report, notes and shortfalls."""
-    from ..blender_addon.foundation.report import ConversionReport
+    from ..blender_addon.reporting import gathering
     from ..blender_addon.sensors import asked, results
+    from ..blender_addon.sync.scene import convert_scene
     from ..engine.session import Session
 
     if options.kept:
-        return ConversionReport(), {}, []
+        return convert_scene(depsgraph).report, {gathering.KEPT: None}, []
     scene = depsgraph.scene
     settings = scene.lumenray
     rule = rule_of(options, lambda: asked.rule_of(settings.sensors))

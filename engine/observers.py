@@ -19,6 +19,9 @@ PARTS = 4
 FREEDOM = PARTS - 1
 """Degrees of freedom of the errors."""
 
+DARK = "where an observer sees no light at all, or too little to be found, glare is not rated"
+"""What is told of those."""
+
 SIZE, SAMPLES = 600, 16
 """Width and height of the pictures [pixel], and samples of a pixel in all of them together."""
 
@@ -72,7 +75,11 @@ def rate_observers(
             pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
             notes |= dict.fromkeys(made.provenance.notes)
             seconds += made.provenance.seconds
-        rows.append(rate_observer(np.stack(pictures), view_of_camera(camera), threshold))
+        if all(picture.any() for picture in pictures):
+            rows.append(rate_observer(np.stack(pictures), view_of_camera(camera), threshold))
+        else:
+            rows.append(dict.fromkeys(FIGURES, (np.nan, np.nan)))
+            notes[DARK] = None
         if progress is not None:
             done = (number + 1) / len(positions)
             stage = f"observer {number + 1} of {len(positions)}"

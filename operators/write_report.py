@@ -7,10 +7,10 @@ import bpy
 
 from ..blender_addon import feedback
 from ..blender_addon.foundation import background_job, engine_process
-from ..blender_addon.foundation.report import ConversionReport
 from ..blender_addon.reporting import files, gathering, picture
 from ..blender_addon.sensors.places import find_sensors
 from ..blender_addon.sensors.readings import readings_of
+from ..blender_addon.sync.scene import convert_scene
 from ..engine.errors import Cancelled, FileFormatError, LumenrayError
 from ..engine.reporting.pdf_file import require_reportlab
 
@@ -96,9 +96,12 @@ class LUMENRAY_OT_write_report(bpy.types.Operator):
         files.check_name(self._path)
         if settings.use_pdf:
             require_reportlab()
-        self._job, self._report = None, ConversionReport()
+        depsgraph = context.evaluated_depsgraph_get()
         if settings.use_picture and context.scene.camera is not None:
-            self._job, self._report = picture.prepare(context.evaluated_depsgraph_get())
+            self._job, self._report = picture.prepare(depsgraph)
+        else:
+            # What cannot be taken over is told in any case.
+            self._job, self._report = None, convert_scene(depsgraph).report
 
     def _finish(self, context):
         settings = context.scene.lumenray.report
@@ -108,7 +111,7 @@ class LUMENRAY_OT_write_report(bpy.types.Operator):
                 context.evaluated_depsgraph_get(),
                 made,
                 self._report.to_dicts(),
-                () if made is None else made.provenance.notes,
+                (gathering.KEPT, *(() if made is None else made.provenance.notes)),
                 () if made is None else (self._job.shortfall,),
                 date.today().isoformat(),
             )
@@ -117,8 +120,7 @@ class LUMENRAY_OT_write_report(bpy.types.Operator):
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        if self._job is not None:
-            feedback.show_report(context.window_manager, self._report)
+        feedback.show_report(context.window_manager, self._report)
         self.report({"INFO"}, f"Written: {', '.join(str(path) for path in paths)}")
         return {"FINISHED"}
 

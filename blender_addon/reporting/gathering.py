@@ -21,6 +21,12 @@ from ..sensors.words import TITLES
 from . import picture as pictures
 from .luminaires import find_luminaires
 
+KEPT = (
+    "the values are those that the file has kept of its last measurement; what was noted then, and whether it reached its "
+    "goal, is not kept with them"
+)
+"""Remark of reports of which nothing was measured."""
+
 PLAN = (760, 480)
 """Size of plans. [pixel]"""
 

@@ -85,7 +85,7 @@ def _facts(fitting: Fitting):
     if made.downward_fraction is not None:
         yield "Downward share", f"{100.0 * made.downward_fraction:.3g} %"
     c, gamma = made.peak_direction
-    yield "Largest intensity", f"{made.peak:.4g} {units.intensity} at C {c:g}°, γ {gamma:g}°"
+    yield "Largest intensity", f"{made.peak:.4g} {units.intensity} at C {c:g}°, gamma {gamma:g}°"
     angles = ["-" if each is None else f"{each:.3g}°" for each in made.beam_angles]
     yield "Beam angle (50 %)", f"{angles[0]} in C0-C180, {angles[1]} in C90-C270"
     yield "CIE flux code", " ".join(f"{100.0 * code:.0f}" for code in made.flux_codes)

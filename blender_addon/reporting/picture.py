@@ -26,6 +26,9 @@ from ..sync.scene import convert_scene
 NAME = "report"
 """Of the job."""
 
+NOISIEST = 0.1
+"""Relative error of a picture up to which lines of equal luminance are more than noise. [-]"""
+
 LINE_SMOOTHING = 2
 """How often neighbouring pixels are averaged before lines are drawn, so that noise does not fray them."""
 
@@ -109,8 +112,18 @@ def show(picture: Picture, levels: LightMix, settings) -> tuple[Shown, ...]:
         Image.fromarray(pixels),
     )
     caption = f"mean {float(luminance.mean()):.4g} cd/m², {told}"
-    scale = even_scale(luminance, "cd/m²")
+    # Lamps are a thousand times as bright as what they light.
+    scale = even_scale(luminance, "cd/m²", is_log=True)
+    is_even = mixed.relative_error <= NOISIEST
     sheet = draw_map(
-        "Luminance", luminance, None, caption, scale, unit="cd/m²", smoothing=LINE_SMOOTHING
+        "Luminance",
+        luminance,
+        None,
+        caption,
+        scale,
+        levels=None if is_even else (),
+        unit="cd/m²",
+        smoothing=LINE_SMOOTHING if is_even else 0,
     )
-    return seen, Shown("Luminance in false colours with lines of equal luminance", sheet)
+    lines = "with" if is_even else "too noisy for"
+    return seen, Shown(f"Luminance in false colours, {lines} lines of equal luminance", sheet)

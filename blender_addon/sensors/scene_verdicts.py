@@ -12,6 +12,9 @@ from .readings import readings_of
 from .shipped import shipped_requirements
 
 
+ALL_LIGHT = "ratings of glare do not add up: it was rated with all light as in the scene, which is not that of these levels"
+
+
 @dataclass(frozen=True)
 class SceneVerdicts:
     """How the sensors of a scene stand; by the names of their objects.
@@ -50,6 +53,9 @@ def judge_all(scene, chosen: Chosen) -> SceneVerdicts:
             continue
         if readings is None:
             made.problems[empty.name] = "not measured"
+            continue
+        if readings.is_rating and not chosen.levels.is_neutral:
+            made.problems[empty.name] = ALL_LIGHT
             continue
         own = empty.lumenray.sensor
         area = judging.area_of(readings, own.area)

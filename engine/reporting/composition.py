@@ -182,8 +182,8 @@ def _tell_area(report: Report, area: SensorArea):
 def _tell_observers(area: SensorArea):
     """Ratings of observers, and what is allowed."""
     yield Text(
-        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees; of all light as "
-        "it was measured, whatever the levels of light groups."
+        "Unified glare ratings (CIE 117) of observers at these places, found in pictures of what each sees with all light "
+        "as in the scene, whatever the levels of light groups."
     )
     if area.problem:
         yield Text(f"Not judged: {area.problem}")
@@ -254,7 +254,7 @@ def _range(extreme: Extreme | Range, unit: str) -> str:
 def _short(value: float) -> str:
     if not math.isfinite(value):
         return "not known" if value > 0.0 else "none"
-    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
+    return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.4g}"
 
 
 def _list_values(area: SensorArea):

@@ -1,5 +1,7 @@
 """Luminaires that are seen: pictures, luminance meters and ratings of glare agree with what their file says."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
@@ -12,7 +14,7 @@ from lumenray.engine.analysis.glare import (
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.openings import projected_area
 from lumenray.engine.luminance_meter import measure_luminance
-from lumenray.engine.observers import rate_observers
+from lumenray.engine.observers import DARK, rate_observers
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import Luminaire, Output, Quantity, UniformWorld
@@ -123,3 +125,27 @@ def test_observers_see_the_glare_that_the_files_tell():
     # Where nothing is as bright there is nothing to rate.
     dark, _ = rate_observers(session, eyes[:1], -directions[:1], size=64, samples=4)
     assert np.isnan(dark["ugr"][0, 0])
+
+
+class _Dim:
+    """Session whose pictures are dark but for some."""
+
+    def __init__(self, *luminances):
+        self._left = list(luminances)
+
+    def render(self, camera, settings):
+        value = self._left.pop(0)
+        origin = SimpleNamespace(notes=(), seconds=0.0)
+        picture = np.full((camera.height, camera.width, 3), value)
+        return SimpleNamespace(tristimulus=picture, provenance=origin)
+
+
+def test_observers_in_the_dark_are_not_rated_and_the_others_are():
+    eyes, ahead = np.zeros((3, 3)), np.array([[0.0, 1.0, 0.0]] * 3)
+    session = _Dim(0.0, 0.0, 0.0, 0.0, 50.0, 50.0, 50.0, 50.0, 50.0, 0.0, 50.0, 50.0)
+    found, notes = rate_observers(session, eyes, ahead, size=64, samples=4)
+    assert np.isnan(found["ugr"]).all()
+    np.testing.assert_allclose(
+        found["illuminance"][:, 0], [np.nan, 50.0 * np.pi, np.nan], rtol=0.01
+    )
+    assert notes == (DARK,)

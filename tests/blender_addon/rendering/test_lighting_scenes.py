@@ -121,3 +121,31 @@ def test_emergency_lighting_is_judged_by_what_was_not_reflected():
     empty.lumenray.sensor.requirement = "emergency.open_area"
     told = scene_verdicts.judge_all(bpy.context.scene, chosen).problems[empty.name]
     assert "counts light that was not reflected; measure again" in told
+
+
+def test_glare_is_judged_where_all_light_is_as_it_was_rated(room):
+    """Ratings do not add up, so that they are not those of another light mix."""
+    from dataclasses import replace
+
+    from lumenray.blender_addon.sensors.readings import write_readings
+
+    eyes = bpy.data.objects.new("Eyes", None)
+    bpy.context.scene.collection.objects.link(eyes)
+    own = eyes.lumenray.sensor
+    own.is_sensor, own.quantity, own.requirement = True, "GLARE", "office.writing"
+    rated = replace(
+        readings_of(room),
+        quantity="GLARE",
+        groups=("",),
+        shape=(1, 1),
+        **{name: getattr(readings_of(room), name)[:1] for name in ("positions", "normals", "plane", "cells")},
+        values=np.array([[16.0]], np.float32),
+        errors=np.array([[0.1]], np.float32),
+    )  # fmt: skip
+    own.kept = write_readings(rated)
+    day, evening = lighting_scenes.choose_all(bpy.context.scene)
+    made = scene_verdicts.judge_all(bpy.context.scene, day)
+    assert [each.state for each in made.observers["Eyes"]] == [State.MET]
+    made = scene_verdicts.judge_all(bpy.context.scene, evening)
+    assert "Eyes" not in made.observers
+    assert "do not add up" in made.problems["Eyes"]

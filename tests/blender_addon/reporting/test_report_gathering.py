@@ -96,6 +96,7 @@ def test_the_operator_writes_it_and_the_panel_shows_what_is_missing(room, tmp_pa
     assert bpy.ops.lumenray.write_report() == {"FINISHED"}
     kept = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert kept["title"] == "Town Hall"
+    assert any(gathering.KEPT in remark for remark in kept["remarks"])
     assert "Town Hall" in (tmp_path / "out.html").read_text(encoding="utf-8")
     assert (tmp_path / "out.csv").exists()
     assert draw("LUMENRAY_PT_lighting_scenes_sidebar", context(scene=bpy.context.scene))

@@ -23,8 +23,8 @@ WRITING, NORMAL = "office.writing", "Day, Evening"
 DESK_HEIGHT, EYE_HEIGHT = 0.75, 1.2
 """Of work, and of the eyes of people who sit. [m]"""
 
-TASK = (1.2, 0.6)
-"""Length and width of the task area on a desk. [m]"""
+TASK, TASK_AT = (0.8, 0.4), 0.1
+"""Length and width of the task area on a desk, and its middle towards the user, clear of what stands on the desk. [m]"""
 
 
 def build_sensors(collection):
@@ -48,13 +48,8 @@ def build_sensors(collection):
             level.is_on = level.factor > 0.0
     for desk, (_, turn) in PLACES.items():
         _add_task(collection, desk, turn)
-    for name, quantity, height, area in (
-        ("Room", "PLANAR", DESK_HEIGHT, ""),
-        ("Faces", "CYLINDRICAL", EYE_HEIGHT, "CYLINDRICAL"),
-    ):
-        settings = _add_floor(collection, name, quantity, height)
-        if area:
-            settings.requirement, settings.area, settings.lighting_scenes = WRITING, area, NORMAL
+    settings = _add_floor(collection, "Faces", "CYLINDRICAL", EYE_HEIGHT)
+    settings.requirement, settings.lighting_scenes = WRITING, NORMAL
     eye = _add(collection, "Eyes at Desk A", "POINT", "GLARE")
     # Above the chair, looking over the desk.
     eye.location = on_desk("A", 0.0, 0.75, EYE_HEIGHT - DESK_HEIGHT)
@@ -67,7 +62,7 @@ def build_sensors(collection):
 def _add_task(collection, desk: str, turn: float):
     """Add the task area of a desk."""
     empty = _add(collection, f"Desk {desk}", "GRID", "PLANAR")
-    empty.location = on_desk(desk, 0.0, 0.0, 0.01)
+    empty.location = on_desk(desk, 0.0, TASK_AT, 0.03)
     empty.rotation_euler = (0.0, 0.0, math.radians(turn))
     settings = empty.lumenray.sensor
     settings.length, settings.width = TASK
