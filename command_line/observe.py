@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..blender_addon import assumptions
-from ..engine.observers import FREEDOM, PARTS, SAMPLES, SIZE, rate_observers
+from ..engine.observers import FREEDOM, PARTS, SAMPLES, SIZE, find_unseen, rate_observers
 from .blend_file import open_session
 from .options import add_scene, real, seed_of, transport_of, whole
 from .output import add_output, check_free, say
@@ -91,6 +91,12 @@ def run(options) -> int:
             seed_of(options, settings),
             transport_of(options, settings),
             bar,
+        )
+    unseen = find_unseen(session.scene)
+    if unseen:
+        notes = (
+            *notes,
+            f"lights without a size are not seen, so their glare is not rated: {', '.join(unseen)}",
         )
     rows = [{name: values[k] for name, values in table.items()} for k in range(len(observers))]
     judged = [] if requirement is None else _judge(requirement, rows)

@@ -38,6 +38,7 @@ class Readings:
     signature : str    Of the empty when it was measured, see `places.signature_of`.
     has_common : bool    Whether errors of sensors may have much in common.
     seconds : float    That it took to measure these and those that were measured with them. [s]
+    lacks : str    What the values lack, in words; empty: nothing.
     """
 
     quantity: str
@@ -57,6 +58,7 @@ class Readings:
     signature: str
     has_common: bool = True
     seconds: float = 0.0
+    lacks: str = ""
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -108,6 +110,7 @@ def make_readings(
     signature,
     has_common=True,
     seconds=0.0,
+    lacks="",
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors``: (g, n). [lx]"""
     return Readings(
@@ -128,6 +131,7 @@ def make_readings(
         signature,
         bool(has_common),
         float(seconds),
+        lacks,
     )
 
 
