@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..blender_addon import assumptions
-from ..engine.observers import FREEDOM, PARTS, SAMPLES, SIZE, rate_observers
+from ..engine.observers import FREEDOM, PARTS, SAMPLES, SIZE, find_unseen, rate_observers
 from .blend_file import open_session
 from .options import add_scene, real, seed_of, transport_of, whole
 from .output import add_output, check_free, say
@@ -92,8 +92,14 @@ def run(options) -> int:
             transport_of(options, settings),
             bar,
         )
+    unseen = find_unseen(session.scene)
+    if unseen:
+        notes = (
+            *notes,
+            f"lights without a size are not seen, so their glare is not rated: {', '.join(unseen)}",
+        )
     rows = [{name: values[k] for name, values in table.items()} for k in range(len(observers))]
-    judged = [] if requirement is None else _judge(requirement, rows)
+    judged = [] if requirement is None else _judge(requirement, rows, bool(unseen))
     remarks = (*assumptions.lines_of(report, notes), *judged)
     _write(options.output, observers, rows, remarks)
     assumptions.tell(report, notes)
@@ -117,13 +123,21 @@ def _requirement(options):
     return requirement
 
 
-def _judge(requirement, rows: list[dict]) -> list[str]:
-    """Lines of verdicts: of all observers, and of each."""
+def _judge(requirement, rows: list[dict], is_partial: bool) -> list[str]:
+    """Lines of verdicts: of all observers, and of each; ``is_partial``: whether some glare is not seen."""
+    from dataclasses import replace
+
     from ..engine.judgement.observers import glare_limit, judge_observers
     from ..engine.judgement.verdict import State, overall
 
     limit = glare_limit(requirement)
     verdicts = judge_observers(limit, [row["ugr"] for row in rows], FREEDOM)
+    if is_partial:
+        # More glare could only be worse.
+        verdicts = [
+            each if each.state is State.NOT_MET else replace(each, state=State.UNKNOWN)
+            for each in verdicts
+        ]
     words = overall(verdicts).value
     if overall(verdicts) is State.UNDECIDED:
         words += ": more --samples and a larger --size lower the errors"

@@ -26,6 +26,17 @@ SIZE, SAMPLES = 600, 16
 """Width and height of the pictures [pixel], and samples of a pixel in all of them together."""
 
 
+def find_unseen(scene) -> list[str]:
+    """Names of the lights of a `Scene` that no eye can see, as they have no size: their glare is in no rating."""
+    made = []
+    for light in scene.lights.values():
+        is_point = getattr(light, "radius", None) == 0.0
+        opening = getattr(light, "opening", None)
+        if is_point or (opening is not None and opening.shape == "point"):
+            made.append(light.name)
+    return sorted(made)
+
+
 def rate_observers(
     session,
     positions,

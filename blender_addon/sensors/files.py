@@ -113,6 +113,7 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
         row[key] = known(extreme.value)
         row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
     return row | {
+        "lacks": readings.lacks,
         "samples": readings.samples,
         "method": readings.method,
         "grid": list(readings.shape),

@@ -12,7 +12,7 @@ from ...engine.baking.light_layers import split_lights
 from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
-from ...engine.observers import SAMPLES, rate_observers
+from ...engine.observers import DARK, SAMPLES, find_unseen, rate_observers
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
@@ -24,6 +24,9 @@ GROUP_SEEDS = 1_000_003
 
 FIRST_SAMPLES = 256
 """Samples of a sensor that tell how exact light groups have to be."""
+
+MOST_NAMES = 4
+"""Lights that a note names."""
 
 LEAST_PART = 1e-3
 """Share of the mean below which readings count as large as it. [-]"""
@@ -41,6 +44,7 @@ class Found:
     notes: tuple[str, ...]
     seconds: float
     has_common: bool = True
+    lacks: str = ""
 
 
 @dataclass(eq=False)
@@ -231,7 +235,16 @@ class SensorJob:
         # Where nothing dazzles there is no rating, and nothing to be wrong about.
         errors = np.where(np.isfinite(values), errors, np.nan)
         seconds = time.perf_counter() - start
-        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, has_common=False)
+        unseen, lacks = find_unseen(self.scene), [note for note in notes if note == DARK]
+        if unseen:
+            more = ", …" if len(unseen) > MOST_NAMES else ""
+            names = ", ".join(unseen[:MOST_NAMES]) + more
+            lacks.append(
+                f"lights without a size are not seen, so their glare is not rated: {names}"
+            )
+            notes = (*notes, lacks[-1])
+        told = "; ".join(lacks)
+        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, False, told)
 
     def _keep(self, kind, names, found, direct=()) -> None:
         """Share what was measured of a kind out among the empties."""
@@ -255,6 +268,7 @@ class SensorJob:
                 reflections=self.reflections if isinstance(kind, SensorKind) else None,
                 direct=[each.values[start:end] for each in direct] or None,
                 direct_errors=[each.errors[start:end] for each in direct] or None,
+                lacks=found[0].lacks,
             )
             start = end
 

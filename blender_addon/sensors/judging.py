@@ -54,7 +54,9 @@ class Judged:
     def missing(self) -> list[str]:
         """What the requirement asks for that no sensor tells, in words."""
         known = {judged.area for judged in self.areas.values()}
-        told = {LIGHT["ugr"]} if self.observers else set()
+        seen = [each for judged in self.observers.values() for each in judged]
+        is_known = any(each.state is not State.UNKNOWN for each in seen)
+        told = {LIGHT["ugr"]} if is_known else set()
         return [area for area in self.requirement.areas if area not in known] + [
             LIGHT[name] for name in self.requirement.light if LIGHT[name] not in told
         ]
@@ -132,7 +134,15 @@ def judge_sensors(
     for name, readings in seen:
         ratings = zip(*readings.mixed(), strict=True)
         limit = requirement.light["ugr"]
-        observers[name] = tuple(judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count))
+        verdicts = judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count)
+        if readings.lacks:
+            # More glare could only be worse.
+            verdicts = [
+                each if each.state is State.NOT_MET else replace(each, state=State.UNKNOWN)
+                for each in verdicts
+            ]
+            skipped[name] = readings.lacks
+        observers[name] = tuple(verdicts)
     return Judged(requirement, areas, observers, skipped)
 
 
@@ -160,7 +170,8 @@ def tell(judged: Judged) -> list[str]:
                 )
             else:
                 lines[-1] += f", {tell_rating(verdict.found)}"
-    lines += [f"{name}: not judged, {why}" for name, why in judged.skipped.items()]
+    for name, why in judged.skipped.items():
+        lines.append(f"{name}: {why}" if name in judged.observers else f"{name}: not judged, {why}")
     return lines
 
 

@@ -44,6 +44,7 @@ class Readings:
     reflections : int or None    How often the light that counts was reflected at most; None: without a limit.
     direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
         for.
+    lacks : str    What the values lack, in words; empty: nothing.
     """
 
     quantity: str
@@ -66,6 +67,7 @@ class Readings:
     reflections: int | None = None
     direct: np.ndarray | None = None
     direct_errors: np.ndarray | None = None
+    lacks: str = ""
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -136,6 +138,7 @@ def make_readings(
     reflections=None,
     direct=None,
     direct_errors=None,
+    lacks="",
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
@@ -159,6 +162,7 @@ def make_readings(
         reflections,
         None if direct is None else np.asarray(direct, dtype=np.float32),
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
+        lacks,
     )
 
 

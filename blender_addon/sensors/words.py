@@ -25,6 +25,8 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
     if readings.is_rating:
         lines += _describe_ratings(readings, figures)
+        if readings.lacks:
+            lines.append(("not in it", readings.lacks))
     else:
         lines += describe_figures(figures, count, readings.unit)
     words = levels.text()

@@ -66,7 +66,7 @@ def measured(monkeypatch):
         return {"ugr": table}, ("seen",)
 
     monkeypatch.setattr(sensor_job, "rate_observers", rate)
-    add_lamp("Lamp")
+    add_lamp("Lamp").data.shadow_soft_size = 0.1
     new_sensor("Task", layout="GRID")
     wall = new_sensor("Wall", layout="GRID", area="WALLS")
     wall.rotation_euler.x = 0.5 * np.pi
@@ -246,7 +246,7 @@ def test_a_bake_rates_the_observers_that_stand_in_its_file(monkeypatch, tmp_path
     options = SimpleNamespace(
         accept_missing=False, seed=3, transport=None, output=tmp_path, file=tmp_path / "a.blend"
     )
-    add_lamp("Lamp")
+    add_lamp("Lamp").data.shadow_soft_size = 0.1
     depsgraph = bpy.context.evaluated_depsgraph_get()
     bake_observers.judge_observers(options, depsgraph, OFFICE)
     assert not list(tmp_path.iterdir())
@@ -259,3 +259,23 @@ def test_a_bake_rates_the_observers_that_stand_in_its_file(monkeypatch, tmp_path
     assert [each["name"] for each in content["sensors"]] == ["Eye"]
     assert content["requirement"]["observers"][0]["limits"][0]["value"] == 22.0
     assert content["seed"] == 3
+
+
+def test_lights_that_cannot_be_seen_leave_glare_open(measured):
+    """A lamp without a size dazzles, but not in pictures: what they rate can be not met, never met."""
+    eyes = bpy.data.objects["Eyes"]
+    assert readings_of(eyes).lacks == ""
+    bpy.data.objects["Lamp"].data.shadow_soft_size = 0.0
+    bpy.context.view_layer.update()
+    job, _ = asked.prepare(bpy.context.evaluated_depsgraph_get())
+    job.run(Fake())
+    results.store(job)
+    assert "without a size are not seen" in readings_of(eyes).lacks
+    assert any("without a size" in note for note in job.notes)
+    judged = judging.judge_sensors(named(), OFFICE)
+    assert {each.state for each in judged.observers["Eyes"]} == {State.UNKNOWN}
+    assert "UGR" in judged.missing
+    assert any(line.startswith("Eyes: lights without a size") for line in judging.tell(judged))
+    strict = Requirement("a", "a", "a", "", {}, {"ugr": 16.0})
+    states = [each.state for each in judging.judge_sensors(named(), strict).observers["Eyes"]]
+    assert states == [State.NOT_MET, State.UNKNOWN, State.NOT_MET]
