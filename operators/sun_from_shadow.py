@@ -81,7 +81,7 @@ class LUMENRAY_OT_sun_from_shadow(bpy.types.Operator):
             self.lamp = shadow_sun.sun_for(scene, context.object)
             if self.lamp not in before:
                 amount = shadow_sun.illuminance_for(scene, towards)
-                self.lamp.data.lumenray.illuminance = amount
+                self.lamp.data.lumenray.value = amount
         shadow_sun.turn_sun(self.lamp, towards)
         elevation, azimuth = np.degrees(angles(towards))
         self.area.header_text_set(f"Sun {elevation:.1f}° high at {azimuth:.1f}°")
