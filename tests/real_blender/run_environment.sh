@@ -42,9 +42,9 @@ mkdir -p "$LUMENRAY_OUT/environment"
   }
   for name in shadow ground sun; do gesture "$name"; done
   for _ in $(seq 1800); do [ -f drop.txt ] && break; sleep 0.5; done
-  # The menu of what a dropped picture may become opens below the mouse, ours is its last item.
-  sleep 20; import -window root drop.png
-  xdotool key Up; sleep 2; xdotool key Return; sleep 5
+  # The menu of what a dropped picture may become opens with its last item, ours, below the mouse.
+  sleep 15; xdotool mousemove_relative -- -4 -4; sleep 3; import -window root drop.png
+  xdotool click 1; sleep 5
   touch drop.done
   gesture picture
   for _ in $(seq 600); do [ -f end.txt ] && break; sleep 0.5; done'
