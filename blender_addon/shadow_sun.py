@@ -79,6 +79,11 @@ def turn_sun(lamp, towards: np.ndarray) -> None:
     lamp.rotation_euler = turned.to_euler()
 
 
+def light_sun(lamp, scene, towards: np.ndarray) -> None:
+    """Give a new Sun light the illuminance of `illuminance_for`."""
+    lamp.data.lumenray.value = illuminance_for(scene, towards)
+
+
 def illuminance_for(scene, towards: np.ndarray) -> float:
     """Return what faces a new sun gets, if white matt ground in it and in a clear sky is to show as white. [lx]"""
     white = white_luminance(scene.lumenray) or WHITE

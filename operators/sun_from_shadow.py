@@ -80,8 +80,7 @@ class LUMENRAY_OT_sun_from_shadow(bpy.types.Operator):
             before = set(scene.objects)
             self.lamp = shadow_sun.sun_for(scene, context.object)
             if self.lamp not in before:
-                amount = shadow_sun.illuminance_for(scene, towards)
-                self.lamp.data.lumenray.illuminance = amount
+                shadow_sun.light_sun(self.lamp, scene, towards)
         shadow_sun.turn_sun(self.lamp, towards)
         elevation, azimuth = np.degrees(angles(towards))
         self.area.header_text_set(f"Sun {elevation:.1f}° high at {azimuth:.1f}°")

@@ -63,5 +63,7 @@ def test_a_sun_is_turned_or_made_but_none_that_follows_the_time():
     assert np.array(made.matrix_world.col[2])[:3] == pytest.approx(towards, abs=1e-6)
     # On level ground four fifths of what makes white matt ground white.
     white = scene.lumenray.white_luminance
-    level = shadow_sun.illuminance_for(scene, towards) * towards[2]
-    assert level / math.pi == pytest.approx(0.8 * white)
+    shadow_sun.light_sun(made, scene, towards)
+    assert made.data.lumenray.use_physical and made.data.lumenray.quantity == "ILLUMINANCE"
+    level = made.data.lumenray.value * towards[2]
+    assert level / math.pi == pytest.approx(0.8 * white, rel=1e-6)

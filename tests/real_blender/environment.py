@@ -20,6 +20,9 @@ TOWARDS = np.array([0.5, -0.35, 0.7]) / np.linalg.norm([0.5, -0.35, 0.7])
 FOOT, TOP = (-1.14, 0.66, 0.0), (-1.14, 0.66, 1.0)
 """Of the post. [m]"""
 
+STILL = 3
+"""Rounds after which what has not moved stands still."""
+
 PICTURE = "/out/environment/outside.hdr"
 
 
@@ -55,6 +58,28 @@ def ask(name: str, *places) -> None:
     lines = [" ".join(map(str, place)) for place in places]
     (FOLDER / f"{name}.tmp").write_text("\n".join(lines) + "\n", encoding="ascii")
     (FOLDER / f"{name}.tmp").rename(FOLDER / f"{name}.txt")
+
+
+def follow(name: str, read, then) -> None:
+    """Go on with ``then(value)`` when the mouse has let go and what it drags, ``read()``, stands still.
+
+    Events wait in a busy window: a gesture is over when nothing has moved for some rounds of Blender's loop. ``NAME.moved``
+    says that what is dragged has arrived, with the button still down.
+    """
+    state = {"value": read(), "start": read(), "still": 0}
+
+    def look():
+        value = read()
+        state["still"] = state["still"] + 1 if value == state["value"] else 0
+        state["value"] = value
+        if value != state["start"] and state["still"] >= STILL:
+            (FOLDER / f"{name}.moved").touch()
+        if not (FOLDER / f"{name}.done").exists() or state["still"] < 2 * STILL:
+            return 0.5
+        then(value)
+        return None
+
+    bpy.app.timers.register(look, first_interval=0.5)
 
 
 def tell(words: str) -> None:
@@ -98,26 +123,22 @@ def start_shadow():
         bpy.ops.lumenray.sun_from_shadow("INVOKE_DEFAULT")
     end = np.array(TOP) - TOWARDS * (TOP[2] / TOWARDS[2])
     ask("shadow", on_screen(FOOT), on_screen(TOP), on_screen(end))
-    bpy.app.timers.register(wait_for_sun, first_interval=1.0)
+    follow("shadow", sun_towards, tell_shadow)
 
 
 def sun_towards():
     """Direction to the photo's sun, None while there is none. (3,)"""
     lamp = bpy.data.objects.get("Photo Sun")
-    return None if lamp is None else np.array(lamp.matrix_world.col[2][:3])
+    return None if lamp is None else tuple(lamp.matrix_world.col[2][:3])
 
 
-def wait_for_sun():
-    """Go on when the gesture is over."""
-    if not (FOLDER / "shadow.done").exists():
-        return 0.5
-    towards = sun_towards()
+def tell_shadow(towards):
+    """Say by how much the sun is off. [degree]"""
     off = 180.0
     if towards is not None:
-        off = math.degrees(math.acos(min(float(towards @ TOWARDS), 1.0)))
+        off = math.degrees(math.acos(min(float(np.array(towards) @ TOWARDS), 1.0)))
     tell(f"shadow {off:.3f}")
     start_ground()
-    return None
 
 
 def start_ground():
@@ -133,37 +154,31 @@ def ask_ground():
     """Say where the arrow is: it stands below the camera."""
     x, y = on_screen((0.0, -6.0, 0.0))
     ask("ground", (x, y - 45), (x, y - 125))
-    bpy.app.timers.register(wait_for_ground, first_interval=1.0)
-
-
-def wait_for_ground():
-    """Go on when the gesture is over."""
-    if not (FOLDER / "ground.done").exists():
-        return 0.5
     settings = bpy.context.scene.world.lumenray.ground
-    tell(f"ground {settings.level:.3f}")
-    settings.level = 0.0
+    follow("ground", lambda: settings.level, tell_ground)
+
+
+def tell_ground(level):
+    """Say how high the ground is, and go on with the sun's handle. [m]"""
+    tell(f"ground {level:.3f}")
+    bpy.context.scene.world.lumenray.ground.level = 0.0
     bpy.context.scene.world.lumenray.arc.radius = 3.0
     bpy.app.timers.register(ask_sun, first_interval=2.0)
-    return None
 
 
 def ask_sun():
     """Ask for a drag of the sun's handle by the width of a hand."""
-    place = np.array([0.0, -6.0, 0.0]) + 3.0 * sun_towards()
+    place = np.array([0.0, -6.0, 0.0]) + 3.0 * np.array(sun_towards())
     x, y = on_screen(place)
     tell("sun_before " + " ".join(f"{value:.3f}" for value in sun_towards()))
     ask("sun", (x, y), (x - 90, y + 40))
-    bpy.app.timers.register(wait_for_drag, first_interval=1.0)
+    follow("sun", sun_towards, tell_sun)
 
 
-def wait_for_drag():
-    """Go on when the gesture is over."""
-    if not (FOLDER / "sun.done").exists():
-        return 0.5
-    tell("sun_after " + " ".join(f"{value:.3f}" for value in sun_towards()))
+def tell_sun(towards):
+    """Say where the sun is now, and go on with a dropped picture."""
+    tell("sun_after " + " ".join(f"{value:.3f}" for value in towards))
     drop()
-    return None
 
 
 def drop():
@@ -177,13 +192,23 @@ def drop():
             directory=str(FOLDER),
             files=[{"name": Path(PICTURE).name}],
         )
-    bpy.app.timers.register(ask_picture, first_interval=3.0)
+    # Blender asks what the picture is to be, as an empty or a camera may show it too.
+    (FOLDER / "drop.txt").write_text("\n", encoding="ascii")
+    follow("drop", dropped_name, tell_drop)
 
 
-def ask_picture():
-    """Analyse what was dropped and say where its sun's handle is."""
-    shown = [n for n in bpy.context.scene.world.node_tree.nodes if n.type == "TEX_ENVIRONMENT"]
-    tell(f"dropped {shown[0].image.name if shown and shown[0].image else '-'}")
+def dropped_name() -> str:
+    """Name of the image that the world shows."""
+    nodes = bpy.context.scene.world.node_tree.nodes
+    images = [n.image for n in nodes if n.type == "TEX_ENVIRONMENT" and n.image]
+    return images[0].name if images else "-"
+
+
+def tell_drop(name):
+    """Say what was dropped, and analyse it."""
+    tell(f"dropped {name}")
+    if name == "-":
+        bpy.ops.lumenray.load_environment(filepath=PICTURE)
     bpy.ops.lumenray.analyse_environment(use_picture=False)
     bpy.app.timers.register(ask_picture_sun, first_interval=3.0)
 
@@ -199,25 +224,22 @@ def ask_picture_sun():
 
 def ask_picture_drag():
     """Say where the handle is."""
-    x, y = on_screen(3.0 * find_picture_sun())
+    x, y = on_screen(3.0 * np.array(find_picture_sun()))
     ask("picture", (x, y), (x - 110, y))
-    bpy.app.timers.register(wait_for_picture, first_interval=1.0)
+    follow("picture", find_picture_sun, tell_picture)
 
 
 def find_picture_sun():
     """Direction to the sun of the world's picture, by its handle."""
     from bl_ext.user_default.lumenray.blender_addon.sun_handle import sun_of_picture
 
-    return sun_of_picture(bpy.context.scene.world)
+    return tuple(sun_of_picture(bpy.context.scene.world))
 
 
-def wait_for_picture():
-    """End when the gesture is over."""
-    if not (FOLDER / "picture.done").exists():
-        return 0.5
-    tell("picture_after " + " ".join(f"{value:.3f}" for value in find_picture_sun()))
+def tell_picture(towards):
+    """Say where the sun of the picture is now, and end."""
+    tell("picture_after " + " ".join(f"{value:.3f}" for value in towards))
     (FOLDER / "end.txt").write_text("\n", encoding="ascii")
-    return None
 
 
 def start():

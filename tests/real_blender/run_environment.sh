@@ -35,13 +35,19 @@ mkdir -p "$LUMENRAY_OUT/environment"
     for i in $(seq 15); do
       xdotool mousemove $((x + (to_x - x) * i / 15)) $((y + (to_y - y) * i / 15)); sleep 0.2
     done
-    sleep 2
+    for _ in $(seq 180); do [ -f "$1.moved" ] && break; sleep 0.5; done
     import -window root "$1.png"
-    xdotool mouseup 1; sleep 2
+    xdotool mouseup 1; sleep 1
     touch "$1.done"
   }
-  for name in shadow ground sun picture; do gesture "$name"; done
-  for _ in $(seq 60); do [ -f end.txt ] && break; sleep 0.5; done'
+  for name in shadow ground sun; do gesture "$name"; done
+  for _ in $(seq 1800); do [ -f drop.txt ] && break; sleep 0.5; done
+  # The menu of what a dropped picture may become opens with its last item, ours, below the mouse.
+  sleep 15; xdotool mousemove_relative -- -4 -4; sleep 3; import -window root drop.png
+  xdotool click 1; sleep 5
+  touch drop.done
+  gesture picture
+  for _ in $(seq 600); do [ -f end.txt ] && break; sleep 0.5; done'
 
 told="$LUMENRAY_OUT/environment/told.txt"
 cat "$told"
