@@ -107,13 +107,13 @@ class Bands:
         light = self.light / self.light.max()
         return LUMINOUS_EFFICACY * float((light * observer()[:, 1]).sum())
 
-    def luminous(self) -> np.ndarray:
-        """Weights by which ratios at the nodes add up to light, up to a factor; sum 1. (count,)"""
+    def luminous(self, some=slice(None)) -> np.ndarray:
+        """Weights by which ratios at the nodes, or at some of them, add up to light, up to a factor; sum 1. (count,)"""
         if self.count == 1:
             return np.ones(1)
         weight = self.light * observer()[:, 1]
-        places = self.nodes - int(MINIMUM_WAVELENGTH)
-        hats = np.stack([np.interp(np.arange(len(GRID)), places, e) for e in np.eye(self.count)])
+        places = self.nodes[some] - int(MINIMUM_WAVELENGTH)
+        hats = np.stack([np.interp(np.arange(len(GRID)), places, e) for e in np.eye(len(places))])
         made = hats @ weight
         return made / made.sum()
 

@@ -23,8 +23,11 @@ FEWEST = 2
 """Samples of a cell in the first sweeps, over all turns."""
 
 CAREFUL, CAREFUL_PATHS = 32, 1 << 21
-"""Samples by which the quarters of a cell are compared, likewise, eight of each turn at least; and paths of a sweep, where
-cells are few."""
+"""Samples by which the quarters of a cell are compared, likewise; and paths of a sweep, where cells are few."""
+
+LEAST_CAREFUL, QUARTERS = 8, 4
+"""Samples of a turn by which they are compared, at least: one of each quarter for either half. And of jobs that are to begin
+soon: one of each quarter, where every other turn is a half."""
 
 CAREFUL_SHARE, MOST_CAREFUL = 0.1, 256
 """Samples of such a sweep, relative to those of the job where they are known; and most for a cell. [-]"""
@@ -124,10 +127,17 @@ class Sweeper:
         """
         finish(self.finding(work, careful))
 
-    def finding(self, work: float | None = None, careful: int = CAREFUL_PATHS, is_warm=False):
+    def finding(
+        self,
+        work: float | None = None,
+        careful: int = CAREFUL_PATHS,
+        is_warm=False,
+        least: int = LEAST_CAREFUL,
+    ):
         """As `find`, but a generator that pauses after every launch.
 
-        ``is_warm``: whether to set out from the light that the cells hold, that of another state of the scene.
+        ``is_warm``: whether to set out from the light that the cells hold, that of another state of the scene. ``least``:
+        samples of a turn in the last sweep, `LEAST_CAREFUL` or `QUARTERS`.
         """
         turns = self.cells.bands.turns
         lit = yield from self._renewing() if is_warm else self._converging()
@@ -135,7 +145,8 @@ class Sweeper:
         wanted = max(CAREFUL // turns, careful // lanes)
         if work is not None:
             wanted = min(wanted, max(CAREFUL_SHARE * work, careful) / lanes)
-        wanted = max(wanted, 8)
+        # In photometric variants one turn is all there is.
+        wanted = max(wanted, least if turns > 1 else LEAST_CAREFUL)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
         for number, share in enumerate((ROUGH_SHARE, 1.0)):
             if is_warm and share < 1.0:
@@ -272,11 +283,12 @@ class Sweeper:
         dr.eval(self.cells.values)
 
     def _mark_uneven(self, made: np.ndarray) -> None:
-        light = np.tensordot(self._luminous, made.astype(np.float64), axes=(0, 1))
+        light = self._light_of_halves(made.astype(np.float64))
         quarters = light.mean(axis=2)
         noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)
         brightest, darkest = quarters.max(axis=1), quarters.min(axis=1)
         mean = self._mean(quarters.mean(axis=1))
+        noise = _pool(noise, quarters.mean(axis=1), DARK * mean)
         marked = brightest - darkest > SIGNIFICANT * np.sqrt(2.0) * noise
         marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
         marked |= self._edges(quarters.mean(axis=1), noise, mean)
@@ -284,6 +296,20 @@ class Sweeper:
         flags[self._sides] = marked
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)
+
+    def _light_of_halves(self, made: np.ndarray) -> np.ndarray:
+        """Light of quarters by halves: those of the samples, or every other turn where there is but one sample of a turn.
+
+        Nodes of turns lie between each other, so that either half has all colours. (sides, nodes, 4, 1 or 2) to
+        (sides, 4, 2)
+        """
+        if made.shape[-1] == 2:
+            return np.tensordot(self._luminous, made, axes=(0, 1))
+        bands, halves = self.cells.bands, []
+        for parity in range(2):
+            own = np.arange(bands.count) % bands.turns % 2 == parity
+            halves.append(np.tensordot(bands.luminous(own), made[..., 0][:, own], axes=(0, 1)))
+        return np.stack(halves, axis=-1)
 
     def _emptying_shade(self, values: np.ndarray):
         """Sweep dark sides until they have lost what came from cells that are not read any more.
@@ -330,12 +356,12 @@ class Sweeper:
 
         Returns
         -------
-        (2, sides, nodes, 4, 2) float32 array of ``samples`` of 8 and more, (.., 1, 1) of fewer.
+        (2, sides, nodes, 4, 2) float32 array of ``samples`` of 8 and more, (.., 4, 1) of 4, (.., 1, 1) of fewer.
 
         It pauses after every launch.
         """
         turns = self.cells.bands.turns
-        split = (4, 2) if samples >= 8 else (1, 1)
+        split = {QUARTERS: (4, 1)}.get(samples, (4, 2) if samples >= LEAST_CAREFUL else (1, 1))
         block = samples // (split[0] * split[1])
         per_launch = max(LANES // (turns * samples), 1)
         nodes = self.cells.bands.count
@@ -428,6 +454,19 @@ def finish(steps):
             next(steps)
     except StopIteration as end:
         return end.value
+
+
+def _pool(noise: np.ndarray, light: np.ndarray, least: float) -> np.ndarray:
+    """Standard errors of quarters of cells, drawn towards those that are usual, relative to their light. (n,)
+
+    Four differences tell a cell's own error so badly that, of all that differ by chance, those would stand out whose halves
+    happen to agree (Student). ``least``: light of a cell that tells what is usual.
+    """
+    lit = light > least
+    if not lit.any():
+        return noise
+    usual = float(np.median(noise[lit] / light[lit]))
+    return np.sqrt(0.5 * (noise**2 + (usual * light) ** 2))
 
 
 def _whole(made: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..compiled.changes import Stamps
 from ..compiled.diffuse import DiffuseTable
 from ..lux_maps.bands import Bands
 from ..lux_maps.cell_guide import Guide
-from ..lux_maps.cell_iterations import Sweeper, finish
+from ..lux_maps.cell_iterations import QUARTERS, Sweeper, finish
 from ..lux_maps.cell_reader import NEAR
 from ..lux_maps.cells import CellSet
 from ..paths.film import GROUPS
@@ -32,7 +32,7 @@ SWEPT, MOST_SWEPT = 1 << 18, 64
 APART = 2
 """Sweeps of a group before one counts: what the groups have in common loses with each what surfaces absorb."""
 
-CAREFUL = 1 << 19
+CAREFUL = 1 << 18
 """Paths of the sweep that finds out which cells are uneven. Pictures are ready when lux maps have just begun."""
 
 FIRST_SWEEP = 1 << 20
@@ -233,7 +233,7 @@ class ViewCells:
         light, sweeper = self._light, self._sweeper
         self._restore(light)
         if light is None or self._is_stale:
-            yield from sweeper.finding(self._planned, CAREFUL, is_warm=light is not None)
+            yield from sweeper.finding(self._planned, CAREFUL, light is not None, QUARTERS)
         guide = Guide(self.cells, None, self._sides)
         self.guide = sweeper.guide = guide if guide.is_useful else None
         wanted = np.log2(SWEPT / (self._groups * max(sweeper.lanes_per_sample, 1)))

@@ -481,3 +481,43 @@ def test_a_room_behind_a_wall_that_stands_on_a_shared_floor_stays_dark():
     lit, dark = session.bake_objects(order).maps
     assert lit.mean > 100.0
     assert dark.largest.value < 1e-3 * lit.mean
+
+
+def marked_of(light, bands, luminous):
+    """Which sides are found to be uneven, by their light (sides, nodes, quarters, halves)."""
+    from lumenray.engine.transport.lux_maps.cell_iterations import Sweeper
+
+    sweeper = object.__new__(Sweeper)
+    none = np.zeros(0, dtype=np.int64)
+    sweeper.cells = SimpleNamespace(count=len(light) // 2, neighbours=(none, none), bands=bands)
+    sweeper._sides, sweeper._weights = np.arange(len(light)), np.ones(len(light))
+    sweeper._luminous = luminous
+    sweeper._mark_uneven(light)
+    return np.array(sweeper.cells.uneven)
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.2])
+def test_even_cells_are_not_taken_for_uneven_by_chance(noise):
+    """Of cells whose quarters differ by noise alone few are marked, of those that are lit by halves nearly all."""
+    prepare()
+    draw = np.random.default_rng(4)
+    light = 1.0 + noise * draw.standard_normal((8000, 1, 4, 2))
+    light[:1000] *= np.array([1.0, 1.0, 5.0, 5.0])[:, None]
+    marked = marked_of(light, SimpleNamespace(count=1, turns=1), np.ones(1))
+    assert marked[:1000].mean() > 0.98
+    assert marked[1000:].mean() < 0.02
+
+
+def test_every_other_turn_tells_as_much_as_halves_of_the_samples():
+    """Of a smooth spectrum both halves of the wavelengths have the same light, so no noise is seen where there is none."""
+    from lumenray.engine.transport.lux_maps.bands import Bands
+    from lumenray.engine.transport.lux_maps.cell_iterations import Sweeper
+
+    prepare(transport="spectral")
+    bands = Bands(np.linspace(0.2, 1.0, 471))
+    colour = np.exp(-(((bands.nodes - 620.0) / 90.0) ** 2))
+    made = np.ones((2, bands.count, 4, 1)) * colour[:, None, None]
+    sweeper = SimpleNamespace(cells=SimpleNamespace(bands=bands), _luminous=bands.luminous())
+    light = Sweeper._light_of_halves(sweeper, made)
+    assert light.shape == (2, 4, 2)
+    np.testing.assert_allclose(light, colour @ bands.luminous(), rtol=0.005)
