@@ -46,20 +46,27 @@ def transport(request):
 
 @pytest.fixture(scope="session")
 def registered():
-    """Register the extension's property groups once."""
+    """Register the extension's property groups once, in a Blender with its factory's preferences."""
+    import bpy
     from lumenray.blender_addon import registry
 
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     registry.register()
+
+
+def read_empty_file():
+    """Open an empty file, and leave the preferences: starting Blender's own extensions anew takes five times as long."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
 
 
 @pytest.fixture
 def empty_file(registered):
     """Start from an empty file in Blender, and leave one."""
-    import bpy
-
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    read_empty_file()
     yield
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    read_empty_file()
 
 
 @pytest.fixture
