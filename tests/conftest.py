@@ -38,6 +38,31 @@ def pytest_report_header():
     return None if HAS_BLENDER else f"bpy is not installed, left out: {', '.join(WITH_BLENDER)}"
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Leave most combinations of parameters to the slow tests, of tests that are marked so.
+
+    Quick are the first values of all parameters together, and each other value with the first ones of the rest.
+    """
+    firsts = {}
+    for item in items:
+        if item.get_closest_marker("one_at_a_time"):
+            first = firsts.setdefault(item.function, item)
+            if count_departures(item, first) > 1:
+                item.add_marker(pytest.mark.slow)
+
+
+def count_departures(item, first):
+    """Count the parameters in which a test differs from the first of its function; those stated together are one."""
+    together = {}
+    for mark in item.iter_markers("parametrize"):
+        names = mark.args[0].split(",") if isinstance(mark.args[0], str) else mark.args[0]
+        together |= {name.strip(): names[0] for name in names}
+    base = first.callspec.params
+    values = item.callspec.params.items()
+    return len({together.get(name, name) for name, value in values if value is not base[name]})
+
+
 @pytest.fixture(params=["mono", "spectral"])
 def transport(request):
     """Run with both kinds of transport."""

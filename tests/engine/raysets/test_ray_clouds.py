@@ -308,7 +308,8 @@ def test_the_unit_of_length_changes_nothing_but_lengths():
 
 
 def test_the_same_seed_gives_the_same_rays():
-    first, second = (cloud_of.__wrapped__(disk, 3000, seed=1) for _ in range(2))
+    rays = Rays(*disk(numbers(500, 1)), np.ones(500, np.float32))
+    first, second = (make_cloud(rays, 1.0, Fluctuation(0.1), seed=1) for _ in range(2))
     a, b = (cloud.draw(100, np.random.default_rng(5)) for cloud in (first, second))
     assert np.array_equal(a.position, b.position)
     assert np.array_equal(a.direction, b.direction)
@@ -325,11 +326,9 @@ def test_very_small_sets_work(count):
 
 
 def test_a_point_source_stays_a_point():
-    direction = disk(numbers(2000, 1))[1]
-    point = np.full((2000, 3), 0.02, np.float32)
-    drawn = make_cloud(Rays(point, direction, np.ones(2000, np.float32)), 1.0).draw(
-        1000, np.random.default_rng(1)
-    )
+    direction = disk(numbers(500, 1))[1]
+    rays = Rays(np.full((500, 3), 0.02, np.float32), direction, np.ones(500, np.float32))
+    drawn = make_cloud(rays, 1.0, Fluctuation(0.1)).draw(1000, np.random.default_rng(1))
     assert np.abs(drawn.position - 0.02).max() < 1e-7
 
 
@@ -356,13 +355,14 @@ def test_preparation_can_be_stopped():
 
 
 def test_intensities_of_a_disk_follow_the_cosine_and_keep_the_flux():
-    cloud = cloud_of(disk)
+    cloud = cloud_of(disk, 3000)
     rng = np.random.default_rng(3)
-    pieces = [(d.direction, d.flux / 8) for d in (cloud.draw(1 << 18, rng) for _ in range(8))]
+    pieces = [(d.direction, d.flux / 4) for d in (cloud.draw(1 << 17, rng) for _ in range(4))]
     reduced = reduce_rays(pieces, 2.5, 1)
     polar, table = reduced.distribution.polar, reduced.distribution.intensity[0]
     exact = 100.0 / np.pi * np.maximum(np.cos(polar), 0.0)
-    inside = polar < np.deg2rad(75.0)
+    # Straight ahead the cell is so small that it has few rays.
+    inside = (polar > np.deg2rad(1.0)) & (polar < np.deg2rad(75.0))
     np.testing.assert_allclose(table[inside], exact[inside], atol=0.05 * exact[0])
     from lumenray.engine.luminaires.distribution import flux
 

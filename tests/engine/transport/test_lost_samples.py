@@ -141,6 +141,7 @@ def test_pictures_tell_lost_samples_and_hold_their_light(monkeypatch):
 # ---- maps ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["cells", "paths"])
 @pytest.mark.parametrize("kind", ["direct", "gathered"])
 def test_maps_tell_lost_samples_and_hold_their_light(monkeypatch, method, kind):

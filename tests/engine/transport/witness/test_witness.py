@@ -145,6 +145,7 @@ def lights_of(kind):
     return [lamp_at(MIDDLE, spectrum=LUMENS.spectrum)] if kind == "ray set" else LIGHTS[kind]
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("kind", [*LIGHTS, "ray set"])
 def test_all_light_of_a_light_lands_in_a_black_room(kind, transport):
     made, _ = report_of(BLACK, ROOM, *lights_of(kind), transport=transport)
@@ -170,6 +171,7 @@ def test_a_pattern_weighs_the_places_of_a_glowing_mesh():
     assert_within(*flux_of(made, "box"), 500.0 * np.pi * 0.5)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize(("angle", "limb"), [(0.0, 0.0), (0.1, 0.0), (0.1, 0.8)])
 def test_a_sun_lights_a_plane_by_the_cosine(angle, limb, transport):
     towards = np.array([0.0, np.sin(0.7), np.cos(0.7)])
@@ -188,6 +190,7 @@ WORLDS = {
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_world_lights_a_plane(name, transport):
     world, expected = WORLDS[name]
@@ -241,6 +244,7 @@ def test_a_lamp_lights_a_square_by_its_solid_angle():
     assert_within(made.left.value, made.left.error, 500.0 / 6.0)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("reflectance", [0.3, 0.9])
 def test_a_closed_room_keeps_all_light(reflectance, transport):
     """Light falls on it 1 / (1 - rho) times, and all is absorbed."""
