@@ -42,8 +42,9 @@ def light_of(source, count=20_000):
         return prepare_light(path)
 
 
-def lamp_at(position, source=disk, spectrum=WHITE, **more):
-    made = light_of(source)
+def lamp_at(position, source=disk, spectrum=WHITE, count=None, **more):
+    """The light of a source at a place, of ``count`` rays where the usual ones are more than is asked."""
+    made = light_of(source) if count is None else light_of(source, count)
     frame = np.eye(4)
     frame[:3, 3] = position
     output = Output(Quantity.LUMINOUS_FLUX, FLUX, spectrum)
