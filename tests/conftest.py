@@ -38,6 +38,31 @@ def pytest_report_header():
     return None if HAS_BLENDER else f"bpy is not installed, left out: {', '.join(WITH_BLENDER)}"
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Leave most combinations of parameters to the slow tests, of tests that are marked so.
+
+    Quick are the first values of all parameters together, and each other value with the first ones of the rest.
+    """
+    firsts = {}
+    for item in items:
+        if item.get_closest_marker("one_at_a_time"):
+            first = firsts.setdefault(item.function, item)
+            if count_departures(item, first) > 1:
+                item.add_marker(pytest.mark.slow)
+
+
+def count_departures(item, first):
+    """Count the parameters in which a test differs from the first of its function; those stated together are one."""
+    together = {}
+    for mark in item.iter_markers("parametrize"):
+        names = mark.args[0].split(",") if isinstance(mark.args[0], str) else mark.args[0]
+        together |= {name.strip(): names[0] for name in names}
+    base = first.callspec.params
+    values = item.callspec.params.items()
+    return len({together.get(name, name) for name, value in values if value is not base[name]})
+
+
 @pytest.fixture(params=["mono", "spectral"])
 def transport(request):
     """Run with both kinds of transport."""
@@ -46,20 +71,27 @@ def transport(request):
 
 @pytest.fixture(scope="session")
 def registered():
-    """Register the extension's property groups once."""
+    """Register the extension's property groups once, in a Blender with its factory's preferences."""
+    import bpy
     from lumenray.blender_addon import registry
 
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     registry.register()
+
+
+def read_empty_file():
+    """Open an empty file, and leave the preferences: starting Blender's own extensions anew takes five times as long."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
 
 
 @pytest.fixture
 def empty_file(registered):
     """Start from an empty file in Blender, and leave one."""
-    import bpy
-
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    read_empty_file()
     yield
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    read_empty_file()
 
 
 @pytest.fixture

@@ -341,9 +341,9 @@ def _prepare(
     seed: int,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
-    weighed: int = MADE,
+    weighed: int = 0,
 ) -> RayCloud:
-    """Make the cloud of rays that stand in order. ``weighed``: rays that find its weight by direction."""
+    """Make the cloud of rays that stand in order. ``weighed``: rays that find its weight by direction, `MADE` if 0."""
     size = shape.size
     spread = spread_rays(rays.position, rays.direction, size, share, seed, progress, cancelled)
     spread = _override(spread, rays, fluctuation)
@@ -362,7 +362,7 @@ def _prepare(
         share,
         error,
     )
-    return replace(cloud, moments=_match_moments(cloud, rays, seed, weighed))
+    return replace(cloud, moments=_match_moments(cloud, rays, seed, weighed or MADE))
 
 
 def _override(spread: Spread, rays: Rays, fluctuation: Fluctuation) -> Spread:

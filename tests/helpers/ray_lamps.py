@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 from baking_rooms import lumel_places
 from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
-from lumenray.engine.raysets.emission import prepare_light
+from lumenray.engine.raysets.cloud import Fluctuation
+from lumenray.engine.raysets.emission import Wish, prepare_light
 from lumenray.engine.raysets.record import Rays
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.spectrum import Constant
@@ -17,6 +18,9 @@ SIZE = 0.1
 """Diameter of the source. [m]"""
 
 SCALE = SIZE / (2.0 * RADIUS)
+CHOSEN = {(disk, 20_000): 0.0064}
+"""Shares of all rays that are neighbours of one, as `choose_share` finds them in many seconds."""
+
 FLUX = 100.0
 WHITE = Constant(1.0)
 BLACK = paint(0.0, "black")
@@ -39,11 +43,12 @@ def light_of(source, count=20_000):
         path = Path(folder) / "lamp.dat"
         rays = rays_of(source, count)
         path.write_bytes(zemax(np.column_stack([1e3 * rays.position, rays.direction, rays.weight])))
-        return prepare_light(path)
+        return prepare_light(path, Wish(Fluctuation(CHOSEN.get((source, count)))))
 
 
-def lamp_at(position, source=disk, spectrum=WHITE, **more):
-    made = light_of(source)
+def lamp_at(position, source=disk, spectrum=WHITE, count=None, **more):
+    """The light of a source at a place, of ``count`` rays where the usual ones are more than is asked."""
+    made = light_of(source) if count is None else light_of(source, count)
     frame = np.eye(4)
     frame[:3, 3] = position
     output = Output(Quantity.LUMINOUS_FLUX, FLUX, spectrum)

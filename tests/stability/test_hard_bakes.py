@@ -57,6 +57,7 @@ def measured(
 ROOM = replace(without_floor(box(4.0, 4.0, 2.5)), vertices=box(4.0, 4.0, 2.5).vertices - [2, 2, 0])
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize(
     ("scale", "offset"), [(1.0, (0, 0, 0)), (1.0, (1e4, -1e4, 1e4)), (1e-3, (0, 0, 0))]
 )

@@ -32,6 +32,7 @@ def moved(mesh, offset, scale=1.0):
     return replace(mesh, vertices=mesh.vertices * scale + offset)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("scale", [0.05, 1.0, 1e4])
 @pytest.mark.parametrize("offset", [(0, 0, 0), (1e5, -2e5, 3e4)])
 def test_a_room_gives_the_same_lux_far_from_the_origin_and_at_any_scale(offset, scale):

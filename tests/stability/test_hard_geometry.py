@@ -162,6 +162,7 @@ GRAZING = np.radians(90.0 - 89.99)
 """Elevation of light that arrives at 89.99 degrees to the normal. [rad]"""
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("kind", ["point", "sphere", "spot", "sun"])
 @pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
 def test_grazing_light_of_points_and_beams(kind, turn):

@@ -187,6 +187,7 @@ PLACES = np.array([[0.7, 0.8, 0.0], [0.5, 0.5, 1.0]])
 RULE = StopRule(samples=1 << 10)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", dark_things())
 def test_what_gives_no_light_gives_exactly_none(name, transport):
     # Owed: exactly 0 lx with an error of 0, not a share of rounding or a number that is none.

@@ -64,6 +64,7 @@ def test_a_millimetre_off_an_opening(gap):
         assert made.illuminance[0] == pytest.approx(expected, rel=0.025)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", ["rectangle", "sphere", "cylinder"])
 @pytest.mark.parametrize(("size", "distance"), [(1e-3, 1.0), (1e-3, 3000.0), (1.0, 10_000.0)])
 def test_far_away_any_opening_is_a_point(name, size, distance):

@@ -105,6 +105,7 @@ def stack(kind, count):
     return [*made, GLASS, Material("pane", "pane", ThinGlass(INDEX, Constant(1.0)))]
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("count", [1, 5])
 @pytest.mark.parametrize("kind", ["panes", "slabs"])
 def test_a_stack_of_glass_keeps_all_light(kind, count):
@@ -257,6 +258,7 @@ def test_an_almost_perfect_mirror_shows_the_image_of_the_lamp(roughness):
     assert_agrees(made, 0.8 * np.pi * 1000.0 / (1.0 + (4.001) ** 2), 3e-3)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("roughness", [0.0, 0.01, JUST_BELOW, JUST_ABOVE, 0.04, 0.1])
 @pytest.mark.parametrize(
     "surface",
@@ -280,6 +282,7 @@ def test_smooth_surfaces_make_no_light(surface, roughness):
         np.testing.assert_allclose(made.reflectance[:4], 1.0, atol=1e-3)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("roughness", [JUST_BELOW, JUST_ABOVE])
 @pytest.mark.parametrize(
     "surface",

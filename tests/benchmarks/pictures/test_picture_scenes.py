@@ -64,7 +64,7 @@ def test_stand_ins_are_for_others_only():
     assert surfaces(scene.known_items) == scene.stand_ins
 
 
-@pytest.mark.parametrize("key", ["cabin", "glass"])
+@pytest.mark.parametrize("key", ["cabin", pytest.param("glass", marks=pytest.mark.slow)])
 def test_cameras_see_the_room_and_its_light(key):
     """No pixel looks out of the closed room, and most of it is lit."""
     from lumenray.benchmarks.pictures.scenes import build

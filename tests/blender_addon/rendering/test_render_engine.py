@@ -93,6 +93,7 @@ def rendered(scene, path):
     return channels, bpy.context.window_manager.lumenray.render
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("is_cropped", [True, False])
 @pytest.mark.parametrize(
     "border",

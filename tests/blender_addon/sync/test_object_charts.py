@@ -238,6 +238,7 @@ SHAPES = [
 ]
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("name", CASES)
 def test_objects_show_what_cycles_shows(name, shape, tmp_path):
@@ -308,6 +309,7 @@ ATTRIBUTES = {
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("output", ["Color", "Fac", "Alpha"])
 @pytest.mark.parametrize("name", ATTRIBUTES)
 def test_attributes_are_those_of_cycles(name, output, tmp_path):
@@ -334,6 +336,7 @@ def test_the_colour_attribute_that_is_shown_is_the_default(tmp_path):
     assert see()[0].max() == pytest.approx(0.7, rel=1e-3)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("kind", ["GEOMETRY", "OBJECT", "VIEW_LAYER"])
 @pytest.mark.parametrize("output", ["Color", "Fac", "Alpha"])
 def test_an_attribute_that_is_not_there_is_that_of_cycles(output, kind, tmp_path):

@@ -163,6 +163,7 @@ def test_a_sky_is_turned_by_what_is_linked_to_it(coarse, tmp_path):
     assert ours.mean() == pytest.approx(theirs.mean(), rel=1e-3)
 
 
+@pytest.mark.one_at_a_time
 @needs_cycles
 @pytest.mark.parametrize("kind", SCATTERED)
 @pytest.mark.parametrize(("elevation", "size"), [(0.26, 0.0095), (0.002, 0.0095), (0.3, 0.4)])

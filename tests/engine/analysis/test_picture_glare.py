@@ -84,6 +84,7 @@ def test_the_same_scene_is_rated_alike_by_every_mapping(scene):
         assert np.ptp(values) < allowed * values.mean(), (name, values)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("scene", ["window", "sun", "lamps", "low"])
 @pytest.mark.parametrize("mapping", [Mapping.EQUIDISTANT, Mapping.PERSPECTIVE])
 def test_what_evalglare_says(scene, mapping, tmp_path):

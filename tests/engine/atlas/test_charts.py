@@ -61,6 +61,7 @@ def test_a_box_has_six_charts_of_its_exact_sides():
     assert charts.notes == ()
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("limits", [ChartLimits(), NO_SEARCH], ids=["search", "normals"])
 @pytest.mark.parametrize("cone", [1.0, 0.4])
 @pytest.mark.parametrize(

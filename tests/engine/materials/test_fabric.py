@@ -136,6 +136,7 @@ def test_a_map_behind_a_blind_has_the_same_mean():
     assert result.mean == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize(("way", "share"), [(-1.0, 0.4), (1.0, 0.3)])
 def test_a_picture_shows_a_fabric_by_light_from_behind_and_from_the_front(transport, way, share):
     tilt = np.radians(40.0)

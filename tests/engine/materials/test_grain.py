@@ -60,6 +60,7 @@ def test_narrow_facets_are_those_of_mitsubas_rough_conductor():
     np.testing.assert_allclose(found, expected, rtol=0.01, atol=0.01)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("stretch", [0.3, 3.0])
 @pytest.mark.parametrize("angles", [(0.2, 0.4), (1.2, 0.0), (1.2, 0.8), (1.45, 1.5)])
 def test_white_facets_reflect_everything(stretch, angles):

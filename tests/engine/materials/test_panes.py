@@ -81,6 +81,7 @@ def from_table(values):
 # ---- tables ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["front", "back"])
 @pytest.mark.parametrize("angle", [0.0, 12.0, 50.0, 57.0, 80.0])
 def test_a_lamp_behind_a_tabulated_pane_shines_as_the_table_says(transport, angle, side):
@@ -220,6 +221,7 @@ def test_a_table_travels_to_the_worker():
 # ---- the goniometer ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("internal", [1.0, 0.9584])
 def test_a_probed_pane_follows_the_sum_of_its_inner_reflections(transport, internal):
     pane = ThinGlass(1.52, Constant(internal))

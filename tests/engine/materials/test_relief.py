@@ -85,6 +85,7 @@ def answer(model, wi, wo):
     return float(np.array(value)[0, 0]), float(np.array(pdf)[0])
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("angle", [20, 75, 130])
 @pytest.mark.parametrize("name", [*SURFACES])
 def test_a_white_surface_with_a_relief_makes_no_light(name, angle):
@@ -231,6 +232,7 @@ def lit(normal, up=(0.0, 0.0, 1.0)):
 GREY = Diffuse(Constant(0.5))
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["paths", "cells"])
 @pytest.mark.parametrize("azimuth", [0.0, 90.0, 180.0])
 def test_a_tilted_normal_is_lit_as_a_tilted_facet_and_its_illuminance_is_that_of_the_floor(

@@ -15,6 +15,7 @@ from lumenray.benchmarks.raysets.sources import (
     sphere,
 )
 from lumenray.engine.errors import Cancelled
+from lumenray.engine.raysets import cloud as cloud_module
 from lumenray.engine.raysets.body import Hull, Plane, Sphere, find_body
 from lumenray.engine.raysets.cloud import Fluctuation, alias_table, hold_rays, make_cloud
 from lumenray.engine.raysets.reader import read_rayset
@@ -39,6 +40,12 @@ def cloud_of(source, count=COUNTED, seed=1, choose=even_numbers):
 
 def relative_rms(found, exact):
     return float(np.sqrt(((found - exact) ** 2).mean()) / exact.mean())
+
+
+@pytest.fixture
+def few_made(monkeypatch):
+    """Compare fewer rays, for what does not ask how well."""
+    monkeypatch.setattr(cloud_module, "MADE", 1 << 14)
 
 
 # ---- the body ----
@@ -307,15 +314,15 @@ def test_the_unit_of_length_changes_nothing_but_lengths():
     np.testing.assert_allclose(first.direction, second.direction, atol=1e-4)
 
 
-def test_the_same_seed_gives_the_same_rays():
-    first, second = (cloud_of.__wrapped__(disk, 3000, seed=1) for _ in range(2))
+def test_the_same_seed_gives_the_same_rays(few_made):
+    first, second = (cloud_of.__wrapped__(disk, 2000, seed=1) for _ in range(2))
     a, b = (cloud.draw(100, np.random.default_rng(5)) for cloud in (first, second))
     assert np.array_equal(a.position, b.position)
     assert np.array_equal(a.direction, b.direction)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 40])
-def test_very_small_sets_work(count):
+def test_very_small_sets_work(count, few_made):
     position, direction = disk(numbers(64, 1))
     cloud = make_cloud(Rays(position[:count], direction[:count], np.ones(count, np.float32)), 5.0)
     drawn = cloud.draw(1000, np.random.default_rng(1))
@@ -324,7 +331,7 @@ def test_very_small_sets_work(count):
     assert drawn.flux.sum() == pytest.approx(5.0)
 
 
-def test_a_point_source_stays_a_point():
+def test_a_point_source_stays_a_point(few_made):
     direction = disk(numbers(2000, 1))[1]
     point = np.full((2000, 3), 0.02, np.float32)
     drawn = make_cloud(Rays(point, direction, np.ones(2000, np.float32)), 1.0).draw(
@@ -356,13 +363,14 @@ def test_preparation_can_be_stopped():
 
 
 def test_intensities_of_a_disk_follow_the_cosine_and_keep_the_flux():
-    cloud = cloud_of(disk)
+    cloud = cloud_of(disk, 3000)
     rng = np.random.default_rng(3)
-    pieces = [(d.direction, d.flux / 8) for d in (cloud.draw(1 << 18, rng) for _ in range(8))]
+    pieces = [(d.direction, d.flux / 4) for d in (cloud.draw(1 << 17, rng) for _ in range(4))]
     reduced = reduce_rays(pieces, 2.5, 1)
     polar, table = reduced.distribution.polar, reduced.distribution.intensity[0]
     exact = 100.0 / np.pi * np.maximum(np.cos(polar), 0.0)
-    inside = polar < np.deg2rad(75.0)
+    # Straight ahead the cell is so small that it has few rays.
+    inside = (polar > np.deg2rad(1.0)) & (polar < np.deg2rad(75.0))
     np.testing.assert_allclose(table[inside], exact[inside], atol=0.05 * exact[0])
     from lumenray.engine.luminaires.distribution import flux
 

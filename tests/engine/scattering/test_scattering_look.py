@@ -48,6 +48,7 @@ def test_a_matt_surface_has_its_reflectance_and_no_gloss(reflectance):
     assert (found.metallic, found.ior, found.transmission, found.translucency) == (0, 1, 0, 0)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("roughness", [0.1, 0.2, 0.3, 0.5, 0.7])
 @pytest.mark.parametrize("reflectance", [0.02, 0.3, 0.7])
 def test_a_coated_surface_gives_back_roughness_index_and_colour(roughness, reflectance):

@@ -43,6 +43,7 @@ def test_what_is_linear_between_nodes_is_kept():
     assert projection.node_areas.sum() == pytest.approx(2.0 * np.pi)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("kind", [1, 7, 12, 14])
 @pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, -0.64, 0.48)])
 def test_skies_give_sensors_what_their_formula_gives(kind, normal):

@@ -136,6 +136,7 @@ def test_the_camera_sees_the_picture_pixel_by_pixel(transport):
 # ---- sampling ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("interpolation", ["linear", "closest"])
 @pytest.mark.parametrize("shape", [(1, 1), (2, 3), (6, 10), (16, 32)], ids=str)

@@ -152,7 +152,7 @@ def box_shape(scale):
     return mi.load_dict({"type": "cube", "to_world": mi.ScalarTransform4f().scale(scale)})
 
 
-@pytest.mark.parametrize("kind", ["mono", "spectral"])
+@pytest.mark.parametrize("kind", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_jobs_with_known_answers_are_right_on_the_processor(kind):
     answers = list(device_trial.try_jobs(kind))
     assert [one.job for one in answers] == ["measure", "bake", "render"]

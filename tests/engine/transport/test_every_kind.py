@@ -51,7 +51,7 @@ def assert_nothing_lost(told):
     assert not lost, lost
 
 
-@pytest.mark.parametrize("method", ["cells", "paths"])
+@pytest.mark.parametrize("method", ["cells", pytest.param("paths", marks=pytest.mark.slow)])
 def test_rooms_of_usual_materials_and_lights_lose_no_samples(method):
     """One surface with a coat once made what is no number of every path that ended on bare paint."""
     session = session_of(*room_with(("matt", "coat", "half a mirror"), ("bulb", "area"), 3))

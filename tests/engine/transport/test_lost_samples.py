@@ -141,6 +141,7 @@ def test_pictures_tell_lost_samples_and_hold_their_light(monkeypatch):
 # ---- maps ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["cells", "paths"])
 @pytest.mark.parametrize("kind", ["direct", "gathered"])
 def test_maps_tell_lost_samples_and_hold_their_light(monkeypatch, method, kind):
@@ -176,6 +177,7 @@ def test_maps_without_any_sample_left_state_no_finite_error(monkeypatch):
     assert np.isinf(made.pages[0].standard_error[made.pages[0].covered]).all()
 
 
+@pytest.mark.slow
 def test_maps_tell_what_cells_lost(monkeypatch):
     from lumenray.engine.transport.lux_maps import cell_iterations
 
@@ -188,6 +190,7 @@ def test_maps_tell_what_cells_lost(monkeypatch):
         assert 0.0 < other.mean - one.mean < one.mean_standard_error
 
 
+@pytest.mark.slow
 def test_a_bake_that_goes_on_remembers_what_it_lost(monkeypatch, tmp_path):
     from lumenray.engine.baking import saver
     from lumenray.engine.baking.layer_state import LayerState
@@ -207,6 +210,7 @@ def test_a_bake_that_goes_on_remembers_what_it_lost(monkeypatch, tmp_path):
 # ---- light paths ----
 
 
+@pytest.mark.slow
 def test_maps_tell_what_traced_light_lost(monkeypatch):
     from lumenray.engine.transport.light_tracing import deposits
 

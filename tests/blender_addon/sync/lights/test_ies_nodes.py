@@ -167,6 +167,7 @@ FACING_DOWN = {
 """Turns that bring where Cycles points the photometric types (-Z, +Y and -X) down."""
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("tilted", [(0.0, 0.0, 0.0), (0.3, -0.2, 1.1), (-0.2, 0.3, -2.5)])
 @pytest.mark.parametrize("kind", ["C", "B", "A"])
 def test_a_light_shines_as_it_does_in_cycles(kind, tilted, cycles_illuminance):
@@ -211,6 +212,7 @@ def test_power_strength_colour_and_factors_give_the_level_of_cycles(cycles_illum
     np.testing.assert_allclose(cycles_illuminance(), lit_plane(light), rtol=0.02)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("blend", [0.0, 0.6])
 @pytest.mark.parametrize("kind", ["C", "A"])
 def test_the_cone_of_a_spot_cuts_the_profile_as_in_cycles(kind, blend, cycles_illuminance):

@@ -61,6 +61,7 @@ PLACES = {
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("radius", [RADIUS, 0.2])
 def test_a_tube_gives_what_its_surface_integrates_to(place, radius):

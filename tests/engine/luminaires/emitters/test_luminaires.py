@@ -109,6 +109,7 @@ def places_near(opening, seed, count=8):
     return distance[:, None] * direction, normals_near(direction, seed)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", OPENINGS)
 @pytest.mark.parametrize("shape", ["asymmetric", "spot"])
 def test_openings_light_their_surroundings_as_quadrature_says(name, shape):
@@ -222,6 +223,7 @@ def test_far_away_every_opening_is_a_point(name):
 # ---- what is conserved ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize(
     ("shape", "name"),
     [("type A", "point"), ("batwing", "cylinder"), ("asymmetric", "box"), ("irregular", "ellipse")],

@@ -122,6 +122,7 @@ STRIPS = {
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("items", STRIPS.values(), ids=STRIPS)
 def test_a_strip_nearby_follows_its_closed_form_with_little_scatter(transport, items):
     made = session_of(*items).measure(PLACES, NORMALS, StopRule(samples=1024), transport=transport)
@@ -133,6 +134,7 @@ def test_a_strip_nearby_follows_its_closed_form_with_little_scatter(transport, i
     assert np.all(made.standard_error * np.sqrt(1024) < 0.15 * np.array(expected))
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("shift", [(1.0, 0.0), (0.0, 0.1)], ids=["trapezium", "kite"])
 def test_a_face_of_two_triangles_that_is_no_rectangle_shines_all_the_same(transport, shift):
     mesh, glow = strip_of_triangles()

@@ -61,6 +61,7 @@ def frame_at(height):
     return frame
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("spectrum", SPECTRA, ids=lambda s: str(s)[:30])
 def test_a_point_of_100_lm_gives_7_96_lx_at_1_m_whatever_its_spectrum(transport, spectrum):
     expected = 100.0 / (4.0 * np.pi)
@@ -73,6 +74,7 @@ def test_a_sphere_of_100_lm_obeys_the_inverse_square_law_outside(transport):
     assert_agrees(read([point(Output(FLUX, 100.0), radius=0.2)], transport), expected)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_a_small_lambertian_area_of_100_lm_gives_31_83_lx_on_its_axis_at_1_m(transport, shape):
     light = AreaLight("a", "a", Output(FLUX, 100.0), frame_at(1.0), 0.004, 0.004, shape)
@@ -124,6 +126,7 @@ def test_a_blended_spot_keeps_its_flux():
     assert abs(flux - 100.0) < 0.05
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("angle", [0.0, math.radians(0.53), math.radians(20.0)])
 def test_a_sun_gives_the_stated_illuminance_of_a_facing_plane(transport, angle):
     light = SunLight("s", "s", Output(Quantity.ILLUMINANCE, 10000.0), np.array([0, 0, -1.0]), angle)
@@ -132,6 +135,7 @@ def test_a_sun_gives_the_stated_illuminance_of_a_facing_plane(transport, angle):
     assert abs(value - 10000.0) < 3.0 * error + 2.0
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("limb", [0.0, 0.6, 1.0])
 @pytest.mark.parametrize("part", [None, -0.6, 0.0, 0.7])
 def test_a_sun_darkened_at_its_limb_gives_all_its_light_and_less_from_its_edge(

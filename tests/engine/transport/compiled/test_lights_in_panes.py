@@ -73,6 +73,7 @@ def assert_near(made, expected, relative=1e-3, error=5e-3):
 # ---- suns ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize("angle", [0.0, DISK], ids=["point", "disk"])
 @pytest.mark.parametrize("degrees", [35.0, 65.0, 82.0])
@@ -129,6 +130,7 @@ def test_a_window_is_seen_in_a_mirror(metal):
 # ---- lamps ----
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("radius", [0.0, 0.002])
 def test_a_lamp_shines_by_its_image_in_a_pane_and_through_it(transport, radius):
     places = np.array([[0.3, 0.1, 1.5], [2.0, -1.0, 0.2], [1.0, 0.0, -1.0], [0.0, 2.0, -2.0]])

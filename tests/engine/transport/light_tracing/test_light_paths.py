@@ -156,6 +156,7 @@ def test_a_spot_and_a_point_like_luminaire_send_what_they_state():
         assert_near(made.flux, flux, 2e-3)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", ["sphere", "disk", "mesh", "both sides"])
 def test_a_small_luminous_surface_in_a_glass_ball_sends_out_all_its_light(name, transport):
     """Nothing is absorbed: what the glass reflects comes back to the lamp, which lets it pass, or is black and small."""
@@ -233,6 +234,7 @@ def test_illuminance_under_a_slab_follows_snell_and_fresnel(transport):
     assert np.average(deposits.cosine[rows][near], weights=flux[near]) > 0.99
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("degrees", [0.0, 45.0])
 @pytest.mark.parametrize("angle", [0.0, math.radians(0.53)])
 def test_sun_through_a_slab(degrees, angle):

@@ -200,7 +200,7 @@ def test_a_body_within_the_rays_casts_no_shadow():
     """The lamp's own mesh around its centre does not stop what begins outside of it."""
     centre = np.array([0.0, 0.0, 1.2])
     body = moved(box(0.04, 0.04, 0.04, "black", inwards=False), "body", centre - 0.02)
-    lamp = lamp_at(centre, sphere)
+    lamp = lamp_at(centre, sphere, count=2000)
     free, clad = (
         bake(items, ("floor",), 256, density=16.0, margin=1).maps[0].mean
         for items in ((floor(0.4), BLACK, lamp), (floor(0.4), BLACK, body, lamp))
@@ -299,7 +299,7 @@ def test_a_long_source_does_not_shine_through_the_ceiling_above_it():
     """The rays start within a thin bar: what lies beyond the bar shades, though a ball around the bar would reach it."""
     centre = np.array([0.0, 0.0, 1.0])
     thin = np.array([0.001, SIZE * 0.5, 0.001])
-    lamp = lamp_at(centre, sphere)
+    lamp = lamp_at(centre, sphere, count=2000)
     lamp = replace(lamp, rays=replace(lamp.rays, half=thin, near=0.0))
     ceiling = quad("ceiling", (-1.0, -1.0, 1.0 + 0.2 * SIZE), (2, 0, 0), (0, 2, 0), "black")
     above = quad("above", (-0.5, 0.5, 2.0), (1, 0, 0), (0, -1, 0), "black")

@@ -65,6 +65,7 @@ def look_up(pane, is_exact):
     return np.array((rest + read)[0])
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("is_exact", [False, True], ids=["cells", "paths"])
 @pytest.mark.parametrize("internal", [1.0, 0.5])
 def test_a_pane_is_seen_through_and_in_at_once(internal, is_exact):

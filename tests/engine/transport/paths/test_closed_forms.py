@@ -12,6 +12,7 @@ PLACES = np.array([[1.0, 1.0, 0.0], [0.3, 0.2, 0.0], [0.9, 0.2, 1.0]])
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("reflectance", [0.5, 0.9])
 def test_a_closed_furnace_is_filled_with_the_geometric_series(transport, reflectance):
     # Every wall emits L and reflects rho: everywhere L / (1 - rho), so E = pi L / (1 - rho).

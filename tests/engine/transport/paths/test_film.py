@@ -272,6 +272,7 @@ def picture_of(camera, *items, **more):
     return render(session_of(paint(0.0), WORLD, *items), camera, **more)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["paths", "cells"])
 @pytest.mark.parametrize(
     "projection", [Projection.PERSPECTIVE, Projection.ORTHOGRAPHIC, Projection.EQUIDISTANT]

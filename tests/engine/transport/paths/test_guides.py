@@ -54,7 +54,7 @@ def test_edges_are_means_and_nothing_is_seen_beside():
     assert set(np.unique(made.normal[:, 24, 2])) <= {0.0, 1.0}
 
 
-@pytest.mark.parametrize("transport", ["mono", "spectral"])
+@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_panes_and_mirrors_show_what_is_seen_in_them(transport):
     glass = Material("glass", "glass", ThinGlass(1.5))
     pane = quad("pane", (-5, -5, 1), (5, 0, 0), (0, 10, 0), "glass")

@@ -52,7 +52,7 @@ def luminance(picture):
     return picture.tristimulus[..., 1]
 
 
-@pytest.mark.parametrize("method", ["paths", "cells"])
+@pytest.mark.parametrize("method", ["paths", pytest.param("cells", marks=pytest.mark.slow)])
 def test_half_the_sky_is_half_of_what_is_behind(method):
     """A wall without end takes half of an even sky, so the ratio is 1/2; the camera sees 7 cd/m2 behind all."""
     session = session_of(BLACK, floor(), wall(), WORLD)
@@ -111,6 +111,7 @@ def test_what_a_wall_throws_on_the_floor_counts():
     assert luminance(made).mean() == pytest.approx(0.7 * 7.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_shade_has_the_colour_of_the_light_that_is_left():
     """A red wall throws red light alone: of red 1/2 + 0.8 / 4 is left, of blue 1/2."""
     red = Material("red", "red", Diffuse(Rgb(0.8, 0.0, 0.0)))
@@ -127,6 +128,7 @@ def test_catchers_shade_each_other_in_the_picture_behind_already():
     assert luminance(look(session)) == pytest.approx(7.0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_what_glows_of_objects_is_no_lamp():
     """A wall that glows like the sky that it hides leaves the floor as it was."""
     glow = Material("glow", "glow", Diffuse(Constant(0.0)), Emission(luminance=100.0))
@@ -134,6 +136,7 @@ def test_what_glows_of_objects_is_no_lamp():
     assert luminance(made).mean() == pytest.approx(7.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_veil_before_a_catcher_takes_its_share():
     veil = Material("veil", "veil", Transparent(Constant(0.5)))
     over = quad("over", (-9, -9, 0.5), (18, 0, 0), (0, 18, 0), "veil")
@@ -199,6 +202,7 @@ def test_the_live_view_shows_the_shade():
     assert frame.pixels[..., 1].mean() == pytest.approx(3.5, rel=0.02)
 
 
+@pytest.mark.slow
 def test_caustics_leave_no_specks_on_a_catcher_and_it_is_said():
     """A mirror throws a narrow sun on the floor: nothing is brighter than what is behind, and a note says what lacks."""
     mirror = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))

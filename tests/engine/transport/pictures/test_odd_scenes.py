@@ -26,14 +26,15 @@ LIT = {
     "nothing matt": (ROOM, Material("paint", "paint", Glossy(Constant(0.8), 0.3)), lamp()),
 }
 RULES = {
+    "error": StopRule(error=0.05),
     "1 sample": StopRule(samples=1),
     "3 samples": StopRule(samples=3),
     "1000 samples": StopRule(samples=1000),
     "time": StopRule(seconds=0.2),
-    "error": StopRule(error=0.05),
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["cells", "paths"])
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("scene", DARK)
@@ -43,6 +44,7 @@ def test_dark_pictures_end(scene, rule, method):
     assert not made.luminance_error.any()
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("method", ["cells", "paths"])
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("scene", LIT)

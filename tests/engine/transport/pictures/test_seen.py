@@ -59,6 +59,9 @@ def luminance(picture):
 
 
 METHODS = pytest.mark.parametrize("method", ["paths", "cells"])
+PATHS_FIRST = pytest.mark.parametrize(
+    "method", ["paths", pytest.param("cells", marks=pytest.mark.slow)]
+)
 
 
 @METHODS
@@ -76,7 +79,7 @@ def test_the_camera_sees_its_own_world_and_surfaces_are_lit_by_the_other(method)
     assert luminance(look(session, method))[:, 5:] == pytest.approx(100.0, rel=1e-3)
 
 
-@METHODS
+@PATHS_FIRST
 def test_a_backdrop_alone_lights_nothing(method):
     left = quad("floor", (-9, -9, 0), (9, 0, 0), (0, 18, 0), "paint")
     session = session_of(paint(0.5), left, UniformWorld(0.0, seen=UniformWorld(7.0)))
@@ -118,7 +121,7 @@ def test_a_backdrop_may_be_a_picture_and_suns_stay_in_view():
     assert np.median(made) == pytest.approx(expected, rel=0.02)
 
 
-@METHODS
+@PATHS_FIRST
 def test_the_camera_sees_its_own_material_and_light_follows_the_other(method):
     """A ceiling of 0.2 over a floor whose light half is 0.9 and whose seen half is 0.1, in an even world from the sides."""
     split = paint(0.9, seen=paint(0.1, "paint/seen"))
@@ -137,7 +140,7 @@ def test_the_camera_sees_its_own_material_and_light_follows_the_other(method):
     assert sent_too == pytest.approx(sent, rel=0.01)
 
 
-@METHODS
+@PATHS_FIRST
 def test_what_glows_for_the_camera_alone_lights_nothing(method):
     glow = Material("paint/seen", "glow", Diffuse(Constant(0.0)), Emission(luminance=30.0))
     session = session_of(paint(0.5, seen=glow), floor(half=9.0), UniformWorld(10.0))
@@ -169,6 +172,7 @@ def test_edits_of_what_is_seen_give_what_a_new_scene_gives():
     assert luminance(look(session)).mean() == pytest.approx(5.0, rel=0.01)
 
 
+@pytest.mark.one_at_a_time
 @METHODS
 @pytest.mark.parametrize("transparent", [False, True])
 def test_holdouts_are_holes_to_the_camera_and_as_ever_to_light(method, transparent):

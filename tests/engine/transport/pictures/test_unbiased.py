@@ -63,7 +63,7 @@ def compare(room, **more):
 
 
 @pytest.mark.usefixtures("wrong_cells")
-@pytest.mark.parametrize("room", ["matt", "metal"])
+@pytest.mark.parametrize("room", ["matt", pytest.param("metal", marks=pytest.mark.slow)])
 def test_what_wrong_cells_change_is_taken_out(room):
     """Of matt surfaces, of points on bright cells, and of what is read in rough metal by paths of the camera."""
     corrected = compare(room, transport="mono")

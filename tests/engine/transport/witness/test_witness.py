@@ -1,21 +1,16 @@
 """The second witness: light of every kind of light, where it lands and where it goes, against closed forms."""
 
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from baking_rooms import lamp, moved
 from glass_scenes import ball
-from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
-from lumenray.engine.raysets.emission import prepare_light
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import (
     AreaLight,
     CieSky,
     ImageWorld,
-    Luminaire,
     Output,
     PointLight,
     Quantity,
@@ -37,7 +32,7 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from luminaires import luminaire
-from ray_files import zemax
+from ray_lamps import lamp_at
 from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
@@ -116,17 +111,6 @@ def assert_within(value, error, expected, systematic=1e-3):
     )
 
 
-def ray_lamp():
-    """A disk of 10 cm by rays from a file."""
-    position, direction = disk(even_numbers(4000, 1))
-    rays = np.column_stack([50.0 * position / RADIUS, direction, np.full(4000, 0.025)])
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "lamp.dat"
-        path.write_bytes(zemax(rays))
-        made = prepare_light(path)
-    return Luminaire("a", "a", LUMENS, placed(), made.distribution, rays=made.emission)
-
-
 def placed(light_frame=MIDDLE):
     frame = np.eye(4)
     frame[:3, 3] = light_frame
@@ -148,7 +132,6 @@ LIGHTS = {
     "spread": [AreaLight("a", "a", LUMENS, placed(), 0.5, 0.2, "rectangle", 0.4)],
     "luminaire": [luminaire("batwing", place=MIDDLE, lumens=100.0)],
     "wide luminaire": [luminaire("batwing", Opening("rectangle", (0.3, 0.2, 0.0)), MIDDLE, lumens=100.0)],
-    "ray set": [ray_lamp()],
     "mesh": [glowing(False), BOX],
 }  # fmt: skip
 EMITTED = {"mesh": 1000.0 * np.pi * 6 * 0.04}
@@ -157,9 +140,15 @@ EMITTED = {"mesh": 1000.0 * np.pi * 6 * 0.04}
 # ---- every kind of light gives its flux ----
 
 
-@pytest.mark.parametrize("kind", LIGHTS)
+def lights_of(kind):
+    """Rays take seconds to be made ready, and are so for the test that asks for them."""
+    return [lamp_at(MIDDLE, spectrum=LUMENS.spectrum)] if kind == "ray set" else LIGHTS[kind]
+
+
+@pytest.mark.one_at_a_time
+@pytest.mark.parametrize("kind", [*LIGHTS, "ray set"])
 def test_all_light_of_a_light_lands_in_a_black_room(kind, transport):
-    made, _ = report_of(BLACK, ROOM, *LIGHTS[kind], transport=transport)
+    made, _ = report_of(BLACK, ROOM, *lights_of(kind), transport=transport)
     expected = EMITTED.get(kind, 100.0)
     assert_within(made.emitted.value, made.emitted.error, expected)
     assert_within(*flux_of(made, "box"), expected)
@@ -182,6 +171,7 @@ def test_a_pattern_weighs_the_places_of_a_glowing_mesh():
     assert_within(*flux_of(made, "box"), 500.0 * np.pi * 0.5)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize(("angle", "limb"), [(0.0, 0.0), (0.1, 0.0), (0.1, 0.8)])
 def test_a_sun_lights_a_plane_by_the_cosine(angle, limb, transport):
     towards = np.array([0.0, np.sin(0.7), np.cos(0.7)])
@@ -200,6 +190,7 @@ WORLDS = {
 }
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_world_lights_a_plane(name, transport):
     world, expected = WORLDS[name]
@@ -253,6 +244,7 @@ def test_a_lamp_lights_a_square_by_its_solid_angle():
     assert_within(made.left.value, made.left.error, 500.0 / 6.0)
 
 
+@pytest.mark.one_at_a_time
 @pytest.mark.parametrize("reflectance", [0.3, 0.9])
 def test_a_closed_room_keeps_all_light(reflectance, transport):
     """Light falls on it 1 / (1 - rho) times, and all is absorbed."""
