@@ -138,6 +138,10 @@ def tell_shadow(towards):
     if towards is not None:
         off = math.degrees(math.acos(min(float(np.array(towards) @ TOWARDS), 1.0)))
     tell(f"shadow {off:.3f}")
+    if towards is None:
+        # Nothing is left to be dragged.
+        (FOLDER / "end.txt").write_text("\n", encoding="ascii")
+        return
     start_ground()
 
 

@@ -24,7 +24,11 @@ mkdir -p "$LUMENRAY_OUT/environment"
   blender --window-geometry 0 0 1280 800 --python /project/tests/real_blender/environment.py >log.txt 2>&1 &
   # The last two places are those of a drag; a place before them is clicked.
   gesture() {
-    for _ in $(seq 1800); do [ -f "$1.txt" ] && break; sleep 0.5; done
+    for _ in $(seq 1800); do
+      [ -f "$1.txt" ] && break
+      if [ -f end.txt ]; then echo "the mouse was not heard; is the machine busy?" >&2; exit 1; fi
+      sleep 0.5
+    done
     sleep 2
     mapfile -t places <"$1.txt"
     if [ "${#places[@]}" -gt 2 ]; then
