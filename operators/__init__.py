@@ -25,9 +25,9 @@ from . import (
     sun_from_shadow,
     sun_lamp,
     try_devices,
+    turn_sun,
     write_mixed_maps,
     write_report,
-    turn_sun,
 )
 
 CLASSES = (

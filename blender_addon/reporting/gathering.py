@@ -13,9 +13,9 @@ from ...engine.reporting.results import Floor, Grid, LightingScene, Report, Sens
 from ..rendering import lighting_scenes
 from ..sensors import results
 from ..sensors.drawing import axes_of
+from ..sensors.judging import UNMIXED
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
-from ..sensors.judging import UNMIXED
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
 from ..sensors.words import TITLES
 from . import picture as pictures

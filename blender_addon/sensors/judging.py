@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
+from ...engine.accuracy.readings import FREEDOM
 from ...engine.judgement.assessment import Assessment, assess, count_limits
 from ...engine.judgement.assessment import tell as tell_assessment
 from ...engine.judgement.figures import find_figures
@@ -11,7 +12,6 @@ from ...engine.judgement.requirement import LIGHT, Requirement
 from ...engine.judgement.verdict import Range, State, Verdict, overall, tail
 from ...engine.light_mix import NEUTRAL, LightMix
 from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
-from ...engine.accuracy.readings import FREEDOM
 from .readings import Readings
 
 MEASURE_DIRECT = "measure again, so that it is known apart"

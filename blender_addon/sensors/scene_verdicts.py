@@ -11,7 +11,6 @@ from .places import find_sensors
 from .readings import readings_of
 from .shipped import shipped_requirements
 
-
 ALL_LIGHT = "ratings of glare do not add up: it was rated with all light as in the scene, which is not that of these levels"
 
 

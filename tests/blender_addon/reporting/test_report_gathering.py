@@ -5,14 +5,14 @@ import json
 import bpy
 import pytest
 from kept_readings import measure, new_room, set_sliders
-from lumenray.blender_addon.reporting import gathering
 from lumenray.blender_addon.rendering import lighting_scenes
+from lumenray.blender_addon.reporting import gathering
 from lumenray.blender_addon.sensors.readings import readings_of
 from lumenray.command_line import main as command_line
 from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.verdict import State
-from lumenray.engine.reporting.html_file import to_html
 from lumenray.engine.reporting.composition import compose
+from lumenray.engine.reporting.html_file import to_html
 from panels import context, draw
 from photometric_files import EVEN
 

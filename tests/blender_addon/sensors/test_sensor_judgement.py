@@ -10,7 +10,7 @@ from blender_bakes import add_lamp
 from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
 from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
-from lumenray.blender_addon.sensors.readings import readings_of, read_readings, write_readings
+from lumenray.blender_addon.sensors.readings import read_readings, readings_of, write_readings
 from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.requirement import Requirement
 from lumenray.engine.judgement.verdict import State
