@@ -113,7 +113,7 @@ class Readings:
             if not seen.any():
                 none = Extreme(np.nan, np.nan, np.nan)
                 return Figures(np.nan, np.nan, none, none, none, none)
-        return judge_readings(values, errors)
+        return judge_readings(values, errors, self.has_common)
 
     def grid(self, values) -> np.ndarray:
         """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""

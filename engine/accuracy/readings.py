@@ -31,16 +31,17 @@ class Figures:
     diversity: Extreme
 
 
-def judge_readings(values, errors) -> Figures:
+def judge_readings(values, errors, has_common: bool = True) -> Figures:
     """Figures of readings.
 
     Parameters
     ----------
     values, errors : (n,) array    Readings and their standard errors, at least one. [lx]
+    has_common : bool    Whether errors may have a cause in common.
 
     Notes
     -----
-    Errors of sensors may have a cause in common, so that of the mean is the mean of the errors, which it cannot exceed.
+    Where errors may have a cause in common, that of the mean is the mean of the errors, which it cannot exceed.
     Extremes are those of the readings; their ranges hold the true ones in 95 % of all cases at least: towards the inside any
     of n sensors may be the one, so that the bound holds for all at once (Bonferroni); towards the outside one suffices.
     """
@@ -48,6 +49,8 @@ def judge_readings(values, errors) -> Figures:
     single = t_quantile(0.5 * (1.0 + PROBABILITY), FREEDOM)
     at_once = t_quantile(1.0 - 0.5 * (1.0 - PROBABILITY) / len(values), FREEDOM)
     mean, mean_error = float(values.mean()), float(errors.mean())
+    if not has_common:
+        mean_error = float(np.sqrt((errors**2).mean() / len(errors)))
     least = Extreme(
         float(values.min()),
         max(float((values - single * errors).min()), 0.0),

@@ -45,3 +45,9 @@ def test_ranges_hold_the_true_figures(spread, shared):
             held[name] += extreme.low <= exact[name] <= extreme.high
     # 95 % are promised; of 600 runs at 95 % fewer than 553 hold in one of a thousand cases.
     assert min(held.values()) >= 553, held
+
+
+def test_independent_errors_cancel_in_the_mean():
+    values, errors = np.array([300.0, 400.0, 500.0, 400.0]), np.full(4, 6.0)
+    assert judge_readings(values, errors).mean_error == pytest.approx(6.0)
+    assert judge_readings(values, errors, has_common=False).mean_error == pytest.approx(3.0)
