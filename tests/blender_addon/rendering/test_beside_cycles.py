@@ -164,7 +164,7 @@ def add_room():
     new_world((0.2, 0.3, 0.5), 0.5)
 
 
-QUICK = {"perspective", "shifted", "orthographic", "clipped", "panorama", "equisolid"}
+QUICK = {"perspective", "orthographic", "panorama"}
 
 
 @needs_cycles

@@ -31,9 +31,8 @@ def compare(items, samples, longer=4, **more):
     return cells, paths
 
 
-@pytest.mark.parametrize("room", ["matt", "mirror"])
-def test_cells_show_what_paths_show(room):
-    compare(ROOMS[room], 128)
+def test_cells_show_what_paths_show():
+    compare(ROOMS["matt"], 128)
 
 
 @pytest.mark.slow
