@@ -120,7 +120,7 @@ def test_observers_see_the_glare_that_the_files_tell():
         solid = area / ((places - eye) ** 2).sum(axis=1)
         index = guth_position_index(*sight_angles(Observer(eye, direction), places))
         expected = unified_glare_rating(100.0, candela / area, solid, index)
-        assert error < 0.3
+        assert error < 0.4
         assert abs(value - expected) < 0.2 + 2.0 * error
     # Where nothing is as bright there is nothing to rate.
     dark, _ = rate_observers(session, eyes[:1], -directions[:1], size=64, samples=4)
