@@ -3,21 +3,22 @@
 import bpy
 
 from ..blender_addon import feedback
-from ..blender_addon.foundation import engine_process
 from ..blender_addon.foundation.redraw import areas
 from ..blender_addon.sensors import asked, pictures, results, running
 from ..blender_addon.sensors.places import find_sensors, is_sensor
 from ..blender_addon.sensors.readings import readings_of
-from ..engine.errors import Cancelled, LumenrayError
+from .background_operator import BackgroundOperator
 
 
-class LUMENRAY_OT_measure_sensors(bpy.types.Operator):
+class LUMENRAY_OT_measure_sensors(BackgroundOperator, bpy.types.Operator):
     """Measure all sensors that stand in the scene; their lux are kept with them in the file"""
 
     bl_idname = "lumenray.measure_sensors"
     bl_label = "Measure"
     # Not REGISTER: whatever is touched in the redo panel would measure again.
     bl_options = {"UNDO"}
+    job_name, what = running.NAME, "Measuring"
+    _measuring = None
 
     @classmethod
     def poll(cls, context):
@@ -29,61 +30,19 @@ class LUMENRAY_OT_measure_sensors(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context):
-        """Measure and return when done; for scripts."""
-        try:
-            self._prepare(context)
-            session = engine_process.open_session("sensors")
-            try:
-                self._job.run(session)
-            finally:
-                session.close()
-        except LumenrayError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return self._finish(context, results.store(self._job))
-
-    def invoke(self, context, event):
-        """Measure in the background while the window stays alive."""
-        if bpy.app.background:
-            return self.execute(context)
-        try:
-            self._prepare(context)
-            self._measuring = running.Measuring(self._job, engine_process.open_session("sensors"))
-        except LumenrayError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self._measuring.background.begin_signals(context)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        """Show progress, hear Esc, end when the work has ended."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self._job.cancel()
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        if self._measuring.background.is_alive:
-            self._measuring.background.show(context)
-            return {"PASS_THROUGH"}
-        error = self._measuring.end(context)
-        if error is not None:
-            is_wanted = isinstance(error, Cancelled)
-            self.report(
-                {"WARNING" if is_wanted else "ERROR"},
-                "Measuring cancelled" if is_wanted else str(error),
-            )
-            return {"CANCELLED"}
-        return self._finish(context, self._measuring.store())
-
-    def cancel(self, context):
-        """Blender closes or loads a file."""
-        self._measuring.end(context)
-
     def _prepare(self, context) -> None:
         self._job, self._report = asked.prepare(context.evaluated_depsgraph_get())
 
-    def _finish(self, context, empties):
+    def _begin(self, session):
+        self._measuring = running.Measuring(self._job, session)
+        return self._measuring.background
+
+    def _end(self, context) -> None:
+        self._measuring.end(context)
+
+    def _finish(self, context):
+        measuring = self._measuring
+        empties = results.store(self._job) if measuring is None else measuring.store()
         feedback.show_report(context.window_manager, self._report)
         count = sum(len(each.positions) for each in self._job.answer.values())
         text = (

@@ -6,22 +6,24 @@ from pathlib import Path
 import bpy
 
 from ..blender_addon import feedback
-from ..blender_addon.foundation import background_job, engine_process
+from ..blender_addon.foundation import background_job
 from ..blender_addon.reporting import files, gathering, picture
 from ..blender_addon.sensors.places import find_sensors
 from ..blender_addon.sensors.readings import readings_of
 from ..blender_addon.sync.scene import convert_scene
-from ..engine.errors import Cancelled, FileFormatError, LumenrayError
+from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.reporting.pdf_file import require_reportlab
+from .background_operator import BackgroundOperator
 
 
-class LUMENRAY_OT_write_report(bpy.types.Operator):
+class LUMENRAY_OT_write_report(BackgroundOperator, bpy.types.Operator):
     """Write what the sensors have told as a report: verdicts, plans, tables, luminaires, pictures, errors"""
 
     bl_idname = "lumenray.write_report"
     bl_label = "Write Report"
     # Not REGISTER: whatever is touched in the redo panel would render again.
     bl_options = set()
+    job_name, what = picture.NAME, "Report"
 
     @classmethod
     def poll(cls, context):
@@ -32,62 +34,6 @@ class LUMENRAY_OT_write_report(bpy.types.Operator):
             return True
         cls.poll_message_set("Measure the sensors of the scene first")
         return False
-
-    def execute(self, context):
-        """Render and write, and return when done; for scripts."""
-        try:
-            self._prepare(context)
-            if self._job is not None:
-                session = engine_process.open_session(picture.NAME)
-                try:
-                    self._job.run(session)
-                finally:
-                    session.close()
-        except LumenrayError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return self._finish(context)
-
-    def invoke(self, context, event):
-        """Render in the background while the window stays alive."""
-        if bpy.app.background:
-            return self.execute(context)
-        try:
-            self._prepare(context)
-            if self._job is None:
-                return self._finish(context)
-            session = engine_process.open_session(picture.NAME)
-        except LumenrayError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self._running = background_job.start(self._job, session, picture.NAME)
-        self._running.begin_signals(context)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        """Show progress, hear Esc, end when the work has ended."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self._job.cancel()
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        if self._running.is_alive:
-            self._running.show(context)
-            return {"PASS_THROUGH"}
-        self._running.end(context)
-        error = self._running.error
-        if error is not None:
-            is_wanted = isinstance(error, Cancelled)
-            self.report(
-                {"WARNING" if is_wanted else "ERROR"},
-                "Report cancelled" if is_wanted else str(error),
-            )
-            return {"CANCELLED"}
-        return self._finish(context)
-
-    def cancel(self, context):
-        """Blender closes or loads a file."""
-        self._running.end(context)
 
     def _prepare(self, context) -> None:
         """Refuse what cannot be written, and prepare the picture, before anything is computed."""
