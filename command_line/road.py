@@ -110,6 +110,7 @@ def run(options) -> int:
     made = light_road(file, road, surface, options.maintenance)
     judged = None if requirement is None else judge_road(made, requirement)
     warnings = [str(remark) for remark in file.remarks]
+    warnings += [f"surface {surface.name}: {remark}" for remark in surface.remarks]
     if options.json:
         say_json(describe(options, road, surface, made, judged, warnings))
     else:

@@ -1,7 +1,7 @@
 """Road surfaces: how much of a luminaire's light comes to a driver's eye, by tables of reduced luminance coefficients."""
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ class RoadSurface:
     tangents : (t,) float64 array    Of the angle between the incident light and the vertical, ascending from 0. [-]
     angles : (b,) float64 array    beta, between the vertical planes of observation and of incidence, 0 to 180. [deg]
     coefficients : (t, b) float64 array    r = q cos^3 gamma, 0 where the table has none. [1/sr]
+    remarks : tuple of str    What has to be told beside results.
 
     References
     ----------
@@ -37,6 +38,7 @@ class RoadSurface:
     tangents: np.ndarray
     angles: np.ndarray
     coefficients: np.ndarray
+    remarks: tuple[str, ...] = ()
 
     def reduced_coefficient(self, tangent, angle) -> np.ndarray:
         """Return r, linear between the values of the table in both directions, 0 beyond it (EN 13201-3, 8.2). [1/sr]
@@ -114,7 +116,8 @@ def find_surface(name: str) -> RoadSurface:
     """
     known = roads.files()
     if name.upper() in known:
-        return read_surface(known[name.upper()])
+        remark = roads.REMARKS.get(name.upper())
+        return replace(read_surface(known[name.upper()]), remarks=(remark,) if remark else ())
     if Path(name).suffix.lower() == ".csv":
         return read_surface(name)
     there = ", ".join(known)

@@ -56,3 +56,10 @@ def test_users_may_ask_for_an_edge_ratio(tmp_path, capsys):
     assert code == 0 and "edge illuminance ratio EIR: not met" in text
     code, _, complaint = run(capsys, STREET, *ROAD, "--require", "office.writting")
     assert code == 1 and "no requirement" in complaint
+
+
+def test_numbers_of_a_surface_that_were_corrected_are_told(capsys):
+    _, text, _ = run(capsys, STREET, *ROAD, "--json")
+    assert any("surface C2: three numbers" in each for each in json.loads(text)["warnings"])
+    _, text, _ = run(capsys, STREET, *ROAD, "--surface", "R3")
+    assert "three numbers" not in text
