@@ -156,7 +156,7 @@ def _ratio(change: np.ndarray, value: np.ndarray):
 
 
 def _choose(scene: Scene, materials: Sequence[str] | None) -> list[Material]:
-    from .transport.requirements import used_materials
+    from .requirements.facts import used_materials
 
     if materials is None:
         return [m for m in used_materials(scene) if m.surface.scaled(1.0) is not None]

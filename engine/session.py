@@ -26,6 +26,8 @@ from .grouped_picture import Rendered, render_groups
 from .light_mix import LightMix
 from .live import WatchedView
 from .measurements import Measurement, SensorSpectra, SurfaceProbe
+from .requirements.decision import Asked
+from .requirements.plan import Plan, changed_keys, make_plan
 from .scene.camera import Camera
 from .scene.checks import check_item
 from .scene.light import UniformWorld
@@ -53,6 +55,9 @@ def _garbage_left_alone():
             gc.enable()
 
 
+EXACT = Asked()
+"""What a job asks that says nothing: only what changes nothing is simplified."""
+
 EVEN_SKY = UniformWorld(1.0, Illuminant("D65"))
 """World by which daylight is found: of its spectrum is the light of all skies and of the sun."""
 
@@ -76,7 +81,9 @@ class Session:
         self._interrupt = interrupt
         self._compiled = None
         self._variant = ""
-        self._requirements: tuple | None = None
+        self._planned: tuple | None = None
+        # What stands for items of the scene in the compiled one.
+        self._simplified: dict[str, object] = {}
         self._pending: dict[str, None] = {}
         self._view: WatchedView | None = None
         # Cells of the compiled scene for pictures and views, see `transport.pictures.kept_cells`.
@@ -127,9 +134,12 @@ class Session:
         LumenrayError    The scene or the machine does not allow it; the text says what to do.
         """
         check_item(camera)
-        with self._engine(settings.transport) as compiled:
+        asked = Asked(settings.rule.relative_goal, has_colour=True)
+        with self._engine(settings.transport, asked) as compiled:
             start = time.perf_counter()
             self._kept.begin()
+            spent = compiled.requirements.spent
+            settings = replace(settings, rule=settings.rule.beside(spent))
             shares, told = [], ()
             if settings.groups and compiled.catchers is not None:
                 # Their shade is that of all light together.
@@ -148,7 +158,7 @@ class Session:
             provenance = self._provenance(
                 compiled, settings.seed, made.samples, start, notes, made.decisions
             )
-            finished = Picture(**made.fields, provenance=provenance)
+            finished = Picture(**made.fields, provenance=provenance).widened(spent)
             if settings.spectral_file and finished.bands is not None:
                 from .formats.exr import write_spectral
 
@@ -217,7 +227,8 @@ class Session:
         Cancelled    After `cancel`.
         """
         wanted = SensorColour.SPECTRUM if spectrum else SensorColour(int(colour))
-        with self._engine(transport) as compiled:
+        asked = Asked(rule.relative_goal, has_colour=bool(wanted))
+        with self._engine(transport, asked) as compiled:
             from .transport.sensors.measuring import measure, spectral_fields
 
             start = time.perf_counter()
@@ -370,9 +381,10 @@ class Session:
         SceneError    The surface or a number is not usable.
         Cancelled    After `cancel`.
         """
-        from .transport import backend, requirements
+        from .requirements.plan import check_transport
+        from .transport import backend
 
-        requirements.check_transport(transport)
+        check_transport(transport)
         check_item(surface)
         if angles is not None:
             angles = np.atleast_1d(np.asarray(angles, dtype=np.float64))
@@ -548,10 +560,10 @@ class Session:
         return Rendered(made, samples, lost, (*notes, *light.notes, *kept, *more), (reason,))
 
     @contextmanager
-    def _engine(self, transport: str, is_live: bool = False):
-        """Give the compiled scene, alone with the process's Mitsuba."""
+    def _engine(self, transport: str, asked: Asked = EXACT, is_live: bool = False):
+        """Give the compiled scene for what is asked, alone with the process's Mitsuba."""
         with self._alone(is_live):
-            compiled = self._prepare(transport, is_live)
+            compiled = self._prepare(transport, asked, is_live)
             if not is_live:
                 compiled.shine()
                 compiled.settle()
@@ -583,12 +595,12 @@ class Session:
 
             backend.start("spectral" in self._variant)
 
-    def _prepare(self, transport: str, is_live: bool):
+    def _prepare(self, transport: str, asked: Asked, is_live: bool):
         """Bring the Mitsuba objects up to date with the scene."""
         from .transport import backend
 
         self.scene.check()
-        needs = self._needs(transport)
+        needs = self._plan(transport, asked)
         if is_live and transport == "auto" and "spectral" in self._variant and self._compiled:
             # A live scene stays spectral, so that no change of colour costs a new start.
             needs = replace(needs, spectral=True)
@@ -600,12 +612,16 @@ class Session:
         start = time.perf_counter()
         compiled, self._compiled = self._compiled, None
         kept, self._kept = self._kept, None
-        named, count = list(self._pending), len(self._pending)
+        scene, pending = needs.simplify(self.scene), len(self._pending)
+        # What is no longer simplified, or now is, or otherwise, has changed as well.
+        named = list(self._pending | dict.fromkeys(changed_keys(self._simplified, needs.changes)))
+        self._simplified = needs.changes
+        count = pending
         action = ""
         if compiled is not None and self._variant == variant:
             try:
                 if named:
-                    action = compiled.commit(self.scene, named, needs).text()
+                    action = compiled.commit(scene, named, needs).text()
                 compiled.requirements = needs
             except Outgrown:
                 compiled = None
@@ -615,7 +631,7 @@ class Session:
         if compiled is None:
             # What is kept of the old one would keep it, and all its kernels, alive.
             kept = None
-            compiled = CompiledScene(self.scene, needs)
+            compiled = CompiledScene(scene, needs)
             count = len(self.scene.meshes) + len(self.scene.lights) + len(self.scene.materials)
             action = "everything built"
         if action:
@@ -629,16 +645,14 @@ class Session:
         from .transport.compiled.compile import CompiledScene
 
         scene.check()
-        return CompiledScene(scene, like.requirements)
+        return CompiledScene(like.requirements.simplify(scene), like.requirements)
 
-    def _needs(self, transport: str):
-        """Decide how the scene has to be computed; kept until it changes."""
-        from .transport import requirements
-
-        key = (self.revision, transport)
-        if self._requirements is None or self._requirements[0] != key:
-            self._requirements = (key, requirements.analyse(self.scene, transport))
-        return self._requirements[1]
+    def _plan(self, transport: str, asked: Asked) -> Plan:
+        """Decide how the scene has to be computed; kept until it or what is asked changes."""
+        key = (self.revision, transport, asked)
+        if self._planned is None or self._planned[0] != key:
+            self._planned = (key, make_plan(self.scene, asked, transport))
+        return self._planned[1]
 
     def _provenance(
         self,

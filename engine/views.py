@@ -86,6 +86,14 @@ class Picture:
     denoising_depth: np.ndarray | None = None
     groups: tuple[GroupLight, ...] = ()
 
+    def widened(self, bound: float) -> "Picture":
+        """Return the picture with errors that hold a share of its luminance as well. [-]"""
+        if not bound:
+            return self
+        luminance = self.tristimulus[..., 1]
+        error = np.hypot(self.luminance_error, np.float32(bound) * luminance)
+        return replace(self, luminance_error=error, relative_error=relative_error(luminance, error))
+
     def mixed(self, levels: LightMix) -> "Picture":
         """Return the picture with its groups at other levels, bands aside; itself where nothing is changed."""
         if not self.groups or levels.is_neutral:

@@ -112,15 +112,15 @@ def measure(lights: list[Luminaire], side: float, lanes: int, groups: int):
     float, float, float    Ratio, its standard error, and the ideal's variance over the squared mean.
     """
     backend.start(spectral=False)
+    from ...engine.requirements.plan import make_plan
     from ...engine.transport.compiled.compile import CompiledScene
     from ...engine.transport.paths import gather
     from ...engine.transport.paths.light_learning import learn
     from ...engine.transport.paths.next_event import sample_emitter
-    from ...engine.transport.requirements import analyse
 
     scene = Scene()
     scene.apply(SceneDelta(changed=tuple(lights)))
-    compiled = CompiledScene(scene, analyse(scene, "mono"))
+    compiled = CompiledScene(scene, make_plan(scene, transport="mono"))
     places = np.zeros((4096, 3))
     places[:, :2] = (np.random.default_rng(5).random((4096, 2)) - 0.5) * side
     learn(compiled, compiled.local(places), np.tile(np.float32([0, 0, 1]), (4096, 1)), None)

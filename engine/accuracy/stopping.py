@@ -2,7 +2,7 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,6 +56,23 @@ class StopRule:
                 raise SceneError(
                     f"the stopping rule's {name} is {value}, expected a number of at least 0"
                 )
+
+    @property
+    def relative_goal(self) -> float | None:
+        """Smallest relative error that is asked for, None if none is. [-]"""
+        return min((goal for goal in (self.error, self.each) if goal is not None), default=None)
+
+    def beside(self, bound: float) -> "StopRule":
+        """The rule for samples, where results may be off by a share of ``bound`` by other causes as well.
+
+        Errors of both add up in quadrature. Where the bound alone is all of an error, samples get what they would get beside
+        a half of it.
+        """
+
+        def left(goal):
+            return None if goal is None else math.sqrt(goal**2 - min(bound, 0.5 * goal) ** 2)
+
+        return replace(self, error=left(self.error), each=left(self.each)) if bound else self
 
     def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
         """Say which error was wanted and not reached, because samples or time ended before.

@@ -13,8 +13,8 @@ class Host:
     Parameters
     ----------
     scene : Scene
-    engine : callable    ``engine(transport)`` is a context that gives the compiled scene.
-    compiled : callable    ``compiled(scene, like)`` compiles another scene for the same variant.
+    engine : callable    ``engine(transport, asked)`` is a context that gives the compiled scene.
+    compiled : callable    ``compiled(scene, like)`` compiles another scene for the same variant, simplified alike.
     cancelled : callable    Whether to end; lets others work for a moment.
     provenance : callable    ``provenance(compiled, seed, samples, start)``.
     stopped : callable    Whether to end with what there is.

@@ -96,7 +96,7 @@ class Passes:
         if order.groups:
             scenes = list(split_lights(self.host.scene, order.groups))
         scenes = scenes or [("", None)]
-        rule = order.rule
+        rule = order.rule.beside(compiled.requirements.spent)
         if rule.seconds is not None:
             rule = replace(rule, seconds=rule.seconds / len(scenes))
         saver.read_states(rule, len(scenes), sum(ground.table.counts))

@@ -14,6 +14,7 @@ from ..accuracy.history import ended, join_histories
 from ..accuracy.lost_samples import tell_lost
 from ..accuracy.stopping import StopRule, format_seconds
 from ..errors import Cancelled
+from ..requirements.decision import Asked
 from ..scene.provenance import Provenance
 from ..transport.lux_maps.job import Options
 from .estimates import Estimates, estimate_lumels, find_whole
@@ -29,6 +30,7 @@ from .order import BakeOrder, BakeResult, Departure, check_order
 from .pages import make_pages
 from .passes import Passes
 from .saver import Saver
+from .simplified import hold_simplifications
 from .surfaces import Ground, arrange_charts, find_charts, find_lumels, find_surfaces
 from .testimony import HIDDEN, hear, widen
 
@@ -120,7 +122,8 @@ def _find_light(passes: Passes) -> _Light:
     atlas = arrange_charts(surfaces, charts, order)
     for name, message in atlas.notes:
         notes.depart(name, message, "baked like that")
-    with host.engine(order.transport) as compiled:
+    asked = Asked(order.rule.relative_goal, order.exitance, frozenset(order.objects))
+    with host.engine(order.transport, asked) as compiled:
         ground = find_lumels(surfaces, atlas, compiled, order.seed, host.cancelled, notes)
         if order.detail > 0.0:
             factors = passes.find_factors(compiled, ground)
@@ -144,6 +147,8 @@ def _find_light(passes: Passes) -> _Light:
             floors, balance = testimony.floors, testimony.balance
             estimates = widen(estimates, means, floors)
         estimates, floors = hold_lost_light(states, estimates, means, floors)
+        spent = compiled.requirements.spent
+        estimates, floors = hold_simplifications(estimates, means, floors, spent)
         for name, state in layers:
             for told in tell_lost(state.losses.parts()):
                 notes.depart(name or "all maps", told, HIDDEN)

@@ -21,6 +21,7 @@ from .light import (
 )
 from .material import Material, TabulatedPane
 from .mesh import Geometry, Mesh, Placement
+from .modelling import Modelling
 from .sensor import SensorSet
 from .texture import ImageTexture
 
@@ -56,7 +57,7 @@ def check_item(item) -> None:
         raise SceneError(f"{_title(item)}{fault}")
     if isinstance(item, PlacedLight):
         check_reach(_title(item), item.place - item.reach, item.place + item.reach)
-    if isinstance(item, Light) and item.fault:
+    if isinstance(item, Light | Modelling) and item.fault:
         raise SceneError(f"{_title(item)}: {item.fault}")
     if isinstance(item, Camera):
         place = np.asarray(item.frame)[:3, 3]

@@ -12,10 +12,11 @@ from .light import CieSky, CloudySky, ImageWorld, Light, PerezSky, UniformWorld,
 from .material import Material
 from .memo import recall
 from .mesh import Geometry, Mesh, Placement, place
+from .modelling import Modelling
 from .sensor import SensorSet
 from .texture import Pixels, replace_pixels
 
-Item = Geometry | Placement | Mesh | Material | Light | World | SensorSet | Pixels
+Item = Geometry | Placement | Mesh | Material | Light | World | SensorSet | Pixels | Modelling
 
 LARGE = 1 << 16
 """Arrays from this size on have a digest of their own, which is kept with them. [byte]"""
@@ -71,6 +72,7 @@ class Scene:
     lights: dict[str, Light] = field(default_factory=dict)
     sensors: dict[str, SensorSet] = field(default_factory=dict)
     world: World | None = None
+    modelling: Modelling = Modelling()
     pixels: dict[str, Pixels] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     given: dict[str, Item] = field(default_factory=dict)
@@ -152,6 +154,21 @@ class Scene:
             )
         return place(geometry, item)
 
+    def with_items(self, changes: dict[str, object]) -> "Scene":
+        """Return a scene with other items in place of this one's, by id; None: left out. This one stays as it is."""
+        tables = ("geometries", "meshes", "materials", "lights")
+        made = {name: dict(getattr(self, name)) for name in tables}
+        world = self.world
+        for key, item in changes.items():
+            if world is not None and key == world.id:
+                world = item
+            for table in made.values():
+                if key in table:
+                    table.pop(key)
+                    if item is not None:
+                        table[key] = item
+        return replace(self, **made, world=world)
+
     def hash(self) -> str:
         """Return a hexadecimal SHA-256 of all content that can change a result.
 
@@ -172,6 +189,8 @@ class Scene:
         digest = hashlib.sha256(b"".join(sorted(parts)))
         if self.world is not None:
             digest.update(self._digest(self.world))
+        if self.modelling != Modelling():
+            digest.update(content_digest(self.modelling))
         return digest.hexdigest()
 
     def digests(self) -> dict[str, str]:
@@ -202,7 +221,8 @@ class Scene:
         for table in self._tables():
             if key in table:
                 return table[key]
-        return self.world if self.world is not None and self.world.id == key else None
+        single = (each for each in (self.world, self.modelling) if each is not None)
+        return next((each for each in single if each.id == key), None)
 
     def _drop(self, gone: str) -> None:
         for table in self._tables():
@@ -212,6 +232,8 @@ class Scene:
         self.faults.pop(gone, None)
         if self.world is not None and self.world.id == gone:
             self.world = None
+        if self.modelling.id == gone:
+            self.modelling = Modelling()
 
     def _put(self, item) -> None:
         known = self._digests.get(item.id)
@@ -234,6 +256,8 @@ class Scene:
                 self.world = item
             case SensorSet():
                 self.sensors[item.id] = item
+            case Modelling():
+                self.modelling = item
             case _:
                 self.lights[item.id] = item
 

@@ -19,12 +19,12 @@ from ..errors import Cancelled, SceneError
 from ..materials import plugins
 from ..photometry.spectra import GRID
 from ..photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
+from ..requirements.facts import pictures
 from ..scattering.kernels import plugin as scattering_plugin
 from ..scene.material import Material
 from .compiled.surfaces import bsdf
 from .compiled.textures import TextureMaker, is_spectral
 from .paths.sampler import hash_words, sobol_pair
-from .requirements import pictures
 
 GROUPS = 64
 """Independent groups of samples. Which of two ways light goes is counted in whole samples; where all groups count the same,

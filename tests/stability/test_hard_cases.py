@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
+from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.material import (
     Black,
@@ -20,7 +21,6 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb
-from lumenray.engine.transport.requirements import analyse
 from small_scenes import box, paint, quad, session_of
 
 INTENSITY = Quantity.LUMINOUS_INTENSITY
@@ -200,15 +200,15 @@ def test_the_kind_of_transport_follows_from_the_scene():
             )
         )
     )
-    assert not analyse(neutral).spectral
-    assert analyse(neutral, "spectral").spectral
+    assert not make_plan(neutral).spectral
+    assert make_plan(neutral, transport="spectral").spectral
     red = Material("paint", "paint", Glossy(Rgb(0.8, 0.1, 0.1), 0.3))
     coloured.apply(SceneDelta(changed=(box(1, 1, 1), red)))
-    made = analyse(coloured)
+    made = make_plan(coloured)
     assert made.spectral
     assert "paint" in made.reasons[0]
     with pytest.raises(SceneError, match="auto, mono or spectral"):
-        analyse(neutral, "rgb")
+        make_plan(neutral, transport="rgb")
 
 
 def test_light_that_no_path_can_find_is_named():

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...arrays import upload
 from ...materials.picture_table import PictureTable, Texels
+from ...requirements.facts import spread
 from ...scene.texture import ImageTexture
-from ..requirements import spread
 
 
 @dataclass(frozen=True, eq=False)

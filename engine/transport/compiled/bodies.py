@@ -8,9 +8,9 @@ import numpy as np
 from ...arrays import pointer_id, upload
 from ...errors import SceneError
 from ...luminaires.emitters.portals import Portal, find_portals
+from ...requirements.facts import pictures
 from ...scene.material import CATCHER, HOLDOUT, Material
 from ...scene.mesh import Geometry, Mesh, find_uv_map
-from ..requirements import pictures
 from . import emission
 from .compiled_light import surface_emitter
 from .lights import Source

@@ -15,6 +15,8 @@ from ...luminaires.emitters.luminaire_plugin import make_emitter
 from ...luminaires.emitters.palette import LuminairePalette
 from ...materials import plugins as surface_plugins
 from ...photometry.spectra import GRID
+from ...requirements.facts import worlds
+from ...requirements.plan import Plan
 from ...scattering.kernels import plugin as scattering_plugin
 from ...scene.light import ImageWorld, Luminaire, SunLight
 from ...scene.light_groups import WORLD
@@ -22,7 +24,6 @@ from ...scene.material import Holdout
 from ...scene.scene import Scene
 from ...sky import plugin as sky_plugin
 from ...sky.picture import describe_faults
-from ..requirements import Requirements, worlds
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
@@ -61,7 +62,7 @@ class CompiledScene:
     SceneError    An object has a material that the scene lacks, or a light's quantity does not fit its kind.
     """
 
-    def __init__(self, scene: Scene, requirements: Requirements):
+    def __init__(self, scene: Scene, requirements: Plan):
         surface_plugins.register()
         scattering_plugin.register()
         emitter_plugins.register()
@@ -131,7 +132,7 @@ class CompiledScene:
         self._transparent.settle()
         self._shown.settle()
 
-    def commit(self, scene: Scene, named: list[str], requirements: Requirements) -> Changes:
+    def commit(self, scene: Scene, named: list[str], requirements: Plan) -> Changes:
         """Bring everything that ids name up to date.
 
         The order of the ids decides nothing but between surfaces at exactly the same place.

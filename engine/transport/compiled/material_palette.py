@@ -5,8 +5,8 @@ import numpy as np
 
 from ...arrays import pointer_id
 from ...errors import SceneError
+from ...requirements.facts import is_coloured
 from ...scene.material import Material
-from ..requirements import is_coloured
 from .bitmaps import key_of
 from .surfaces import NOTHING, approximations, bsdf, is_plain, palette, picture_row
 from .textures import TextureMaker, is_spectral

@@ -77,19 +77,23 @@ def measure(
     """
     receivers = Receivers.at_points(positions, normals, kind)
     seen = receivers.outlooks(scene)
-    heard = None
+    heard, spent = None, scene.requirements.spent
     with (
         near_rays(scene, seen[0]) as kept,
         bent_lights(scene) as notes,
         bright_spots(scene, *seen),
     ):
-        made = _Measuring(scene, receivers, rule, seed, colour, progress, cancelled)
+        sampling = rule.beside(spent)
+        made = _Measuring(scene, receivers, sampling, seed, colour, progress, cancelled)
         estimate, decision, more = made.run(method, reflections)
         blur = find_blur(
             scene, receivers, estimate.samples, seed, reflections, cancelled, made.known
         )
         if blur.any():
             estimate = estimate.widened(blur)
+        if spent:
+            light = estimate.channel(1).mean if colour else estimate.mean
+            estimate = estimate.widened(spent * light)
         # Lamps at one place and nothing else: no path from them meets anything.
         if witness and len(estimate.mean) and scene.radius > 0.0:
             bright = estimate.channel(1) if colour else estimate

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry import spectra
+from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Lines
-from lumenray.engine.transport.requirements import analyse
 from lumenray.engine.worker.codec import decode, encode
 
 LUMENS_PER_WATT = 683.002
@@ -108,9 +108,9 @@ def test_lamps_of_the_same_lines_count_as_one_spectrum_and_others_do_not():
 
     scene = Scene()
     scene.apply(SceneDelta(changed=(lamp("a", line(589.3)), lamp("b", line(589.3)))))
-    assert not analyse(scene).spectral
+    assert not make_plan(scene).spectral
     scene.apply(SceneDelta(changed=(lamp("b", line(546.1)),)))
-    assert analyse(scene).spectral
+    assert make_plan(scene).spectral
     first = scene.hash()
     scene.apply(SceneDelta(changed=(lamp("b", line(546.2)),)))
     assert scene.hash() != first

@@ -35,12 +35,12 @@ def _mono():
 
 
 def compiled(*items):
+    from lumenray.engine.requirements.plan import make_plan
     from lumenray.engine.transport.compiled.compile import CompiledScene
-    from lumenray.engine.transport.requirements import analyse
 
     scene = Scene()
     scene.apply(SceneDelta(changed=tuple(items)))
-    return CompiledScene(scene, analyse(scene, "mono"))
+    return CompiledScene(scene, make_plan(scene, transport="mono"))
 
 
 def flux(value):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import ImageWorld, Output, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
-from lumenray.engine.transport.requirements import analyse
 
 GREY = np.full((4, 8, 3), 2.0, np.float32)
 
@@ -27,10 +27,12 @@ def scene_of(*items):
 def test_a_grey_picture_and_a_sun_of_its_white_need_no_wavelengths():
     """Light that is taken out of a grey picture must not make all of a render spectral, and slow."""
     world = ImageWorld(ImageTexture(GREY), 100.0)
-    assert not analyse(scene_of(world, sun(1e4, "D65"))).spectral
-    assert analyse(scene_of(world, sun(1e4, "A"))).reasons == ("the lights have different spectra",)
+    assert not make_plan(scene_of(world, sun(1e4, "D65"))).spectral
+    assert make_plan(scene_of(world, sun(1e4, "A"))).reasons == (
+        "the lights have different spectra",
+    )
     red = ImageWorld(ImageTexture(GREY * np.float32([1.0, 0.5, 0.5])), 100.0)
-    assert analyse(scene_of(red, sun(1e4, "D65"))).reasons == (
+    assert make_plan(scene_of(red, sun(1e4, "D65"))).reasons == (
         "the picture of the surroundings has colours",
     )
 

@@ -1,10 +1,9 @@
-"""What a scene needs: the decisions, each with its reason."""
+"""What a scene holds, as far as decisions ask for it."""
 
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from ..errors import SceneError
 from ..photometry.spectra import GRID, evaluate_emission
 from ..scene.light import FormulaSky, ImageWorld, Luminaire, UniformWorld
 from ..scene.memo import recall
@@ -14,61 +13,68 @@ from ..scene.texture import ImageTexture
 from ..sky.picture import WHITE
 
 
-@dataclass(frozen=True)
-class Requirements:
-    """Decisions for one scene: ``spectral`` or photometric transport, dispersion, and why."""
-
-    spectral: bool
-    dispersive: bool
-    reasons: tuple[str, ...]
-
-
-def analyse(scene: Scene, transport: str = "auto") -> Requirements:
-    """Decide how a scene has to be computed.
+class Facts:
+    """What a scene holds; found once, when it is asked for first.
 
     Parameters
     ----------
-    scene : Scene
-    transport : str    ``auto``, ``mono`` or ``spectral``; the last two overrule the decision.
-
-    Raises
-    ------
-    SceneError    ``transport`` is none of the three.
+    scene : Scene    Must not change while this object is used.
     """
-    check_transport(transport)
-    coloured = _first_coloured_material(scene)
-    dispersive = any(material.surface.is_dispersive for material in met_materials(scene))
-    lamps = _distinct_lamps(scene)
-    reasons = []
-    if coloured:
-        reasons.append(f"material '{coloured}' has a reflectance that depends on the wavelength")
-    if lamps > 1:
-        reasons.append("the lights have different spectra")
-    if any(_is_pictured(world) and _is_coloured(world.image) for world in worlds(scene)):
-        reasons.append("the picture of the surroundings has colours")
-    photos = [world.photo for world in worlds(scene) if world.photo is not None]
-    if any(_is_coloured(photo.image) for photo in photos):
-        reasons.append("the photo behind the scene has colours")
-    if any(map(_has_colours, scene.lights.values())):
-        reasons.append("a light has other colours in other directions")
-    if dispersive:
-        reasons.append("a glass disperses light")
-    spectral = bool(reasons)
-    if not spectral:
-        reasons.append(
-            "all surfaces are neutral and all lights share one spectrum: photometric transport is exact"
-        )
-    if transport != "auto" and spectral != (transport == "spectral"):
-        verdict = "exact all the same" if transport == "spectral" else "an approximation here"
-        reasons.append(f"the user asked for {transport} transport, which is {verdict}")
-        spectral = transport == "spectral"
-    return Requirements(spectral, dispersive and spectral, tuple(reasons))
 
+    def __init__(self, scene: Scene):
+        self.scene = scene
 
-def check_transport(transport: str) -> None:
-    """Raise `SceneError` where a kind of transport is none of the three."""
-    if transport not in ("auto", "mono", "spectral"):
-        raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
+    @cached_property
+    def materials(self) -> tuple:
+        """What light and the camera meet."""
+        return tuple(met_materials(self.scene))
+
+    @property
+    def surfaces(self) -> tuple:
+        """What the materials are."""
+        return tuple(material.surface for material in self.materials)
+
+    @cached_property
+    def lamps(self) -> tuple:
+        """Spectra of everything that emits, none twice."""
+        return tuple(dict.fromkeys(emission_spectra(self.scene)))
+
+    @cached_property
+    def is_dispersive(self) -> bool:
+        """Whether a surface refracts light by its wavelength."""
+        return any(surface.is_dispersive for surface in self.surfaces)
+
+    @cached_property
+    def coloured_light_reasons(self) -> tuple[str, ...]:
+        """Why light has other colours at other places or in other directions."""
+        told = []
+        seen = worlds(self.scene)
+        if any(_is_pictured(world) and _is_coloured(world.image) for world in seen):
+            told.append("the picture of the surroundings has colours")
+        if any(_is_coloured(world.photo.image) for world in seen if world.photo is not None):
+            told.append("the photo behind the scene has colours")
+        if any(map(_has_colours, self.scene.lights.values())):
+            told.append("a light has other colours in other directions")
+        return tuple(told)
+
+    @property
+    def has_coloured_lights(self) -> bool:
+        """Whether a light has no single spectrum."""
+        return bool(self.coloured_light_reasons) or _has_patterns(self.materials)
+
+    @cached_property
+    def spectral_reasons(self) -> tuple[str, ...]:
+        """Why light needs wavelengths to be exact; empty if it needs none."""
+        coloured = _first_coloured(self.materials)
+        told = []
+        if coloured:
+            told.append(f"material '{coloured}' has a reflectance that depends on the wavelength")
+        if _count_lamps(self.lamps) + _has_patterns(self.materials) > 1:
+            told.append("the lights have different spectra")
+        told += self.coloured_light_reasons
+        if self.is_dispersive:
+            told.append("a glass disperses light")
+        return tuple(told)
 
 
 def used_materials(scene: Scene):
@@ -110,9 +116,10 @@ def emission_spectra(scene: Scene) -> list:
     return found
 
 
-def _distinct_lamps(scene: Scene) -> int:
+def _count_lamps(spectra) -> int:
+    """How many spectra differ by more than rounding."""
     shapes = []
-    for spectrum in dict.fromkeys(emission_spectra(scene)):
+    for spectrum in spectra:
         values = evaluate_emission(spectrum, GRID)
         total = values.sum()
         if total <= 0.0:
@@ -120,13 +127,17 @@ def _distinct_lamps(scene: Scene) -> int:
         values = values / total
         if not any(np.allclose(values, other, rtol=1e-4, atol=1e-7) for other in shapes):
             shapes.append(values)
-    patterned = any(
+    return len(shapes)
+
+
+def _has_patterns(materials) -> bool:
+    """Whether a surface glows in other colours at other places."""
+    return any(
         material.emission is not None
         and material.emission.luminance > 0.0
         and _is_coloured(material.emission.pattern)
-        for material in met_materials(scene)
+        for material in materials
     )
-    return len(shapes) + patterned
 
 
 def _has_colours(light) -> bool:
@@ -141,8 +152,8 @@ def _is_pictured(world) -> bool:
     return isinstance(world, ImageWorld) and world.luminance_per_unit > 0.0
 
 
-def _first_coloured_material(scene: Scene) -> str | None:
-    for material in met_materials(scene):
+def _first_coloured(materials) -> str | None:
+    for material in materials:
         surface = material.surface
         if surface.has_own_colour or any(map(_is_coloured, surface.colours)):
             return material.name

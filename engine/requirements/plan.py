@@ -1,0 +1,138 @@
+"""All decisions about what of a scene is modelled, in their order, and the budget that they share."""
+
+from dataclasses import dataclass, field, replace
+
+from ..errors import SceneError
+from ..scene.modelling import Switch
+from ..scene.scene import Scene, content_digest
+from . import colours
+from .decision import Asked, Decision, Outcome
+from .facts import Facts
+
+DECISIONS = {colours.NAME: colours.decide}
+"""What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""
+
+TRANSPORTS = ("auto", "mono", "spectral")
+"""Kinds of transport that can be asked for."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is computed of a scene.
+
+    Parameters
+    ----------
+    asked : Asked
+    decisions : tuple of Decision
+    allowed : float    Relative error that simplifications might take. [-]
+    spectral, dispersive : bool    Whether light has wavelengths, and glass refracts by them.
+    changes : dict    Items in place of the scene's, by id; None: left out.
+    """
+
+    asked: Asked
+    decisions: tuple[Decision, ...]
+    allowed: float
+    spectral: bool
+    dispersive: bool
+    changes: dict[str, object] = field(default_factory=dict, repr=False)
+
+    @property
+    def spent(self) -> float:
+        """Sum of the bounds of what is left out: relative error that results may have beside that of samples. [-]"""
+        return sum(decision.bound for decision in self.decisions)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """The decisions as sentences: of colours, and of what is simplified."""
+        told = [
+            decision.reason
+            for decision in self.decisions
+            if decision.name == colours.NAME or decision.bound > 0.0
+        ]
+        if self.spent > 0.0:
+            told.append(f"simplifications: at most {100.0 * self.spent:.2g} % of the light")
+        return tuple(told)
+
+    def simplify(self, scene: Scene) -> Scene:
+        """The scene as it is computed; itself where nothing of it changes."""
+        return scene.with_items(self.changes) if self.changes else scene
+
+
+def make_plan(scene: Scene, asked: Asked | None = None, transport: str = "auto") -> Plan:
+    """Decide how a scene has to be computed.
+
+    Parameters
+    ----------
+    scene : Scene
+    asked : Asked or None    None: as `Asked` is by itself.
+    transport : str    ``auto``, ``mono`` or ``spectral``; the last two overrule the decision about colours.
+
+    Raises
+    ------
+    SceneError    ``transport`` is none of the three, or a switch is that of no decision.
+    """
+    check_transport(transport)
+    asked, wishes = asked or Asked(), scene.modelling
+    for name, _ in wishes.switches:
+        if name not in DECISIONS:
+            raise SceneError(
+                f"there is no decision '{name}' about what is modelled, expected {', '.join(DECISIONS)}"
+            )
+    allowed = 0.0 if asked.error is None else wishes.share * asked.error
+    left, facts, made = allowed, Facts(scene), []
+    for name, decide in DECISIONS.items():
+        outcome = decide(facts, asked, max(left, 0.0), wishes.of(name))
+        made.append(outcome)
+        left -= outcome.decision.bound
+    return _put_together(asked, allowed, made, transport)
+
+
+def check_transport(transport: str) -> None:
+    """Raise `SceneError` where a kind of transport is none of the three."""
+    if transport not in TRANSPORTS:
+        raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
+
+
+def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: str) -> Plan:
+    """The plan that outcomes make, with the kind of transport that was asked for."""
+    changes, decisions = {}, []
+    spectral = dispersive = False
+    for outcome in made:
+        decision = outcome.decision
+        if outcome.is_spectral is not None:
+            spectral, dispersive = outcome.is_spectral, outcome.is_dispersive
+            if transport != "auto" and spectral != (transport == "spectral"):
+                spectral = not spectral
+                decision = _overrule(decision, transport)
+        decisions.append(decision)
+        changes |= outcome.changes
+    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes)
+
+
+def _overrule(decision: Decision, transport: str) -> Decision:
+    """The decision about colours where the user wants the other kind of transport. What that costs is told, not bounded."""
+    is_spectral = transport == "spectral"
+    verdict = "exact all the same" if is_spectral else "an approximation here"
+    return replace(
+        decision,
+        choice="spectral" if is_spectral else "photometric",
+        reason=f"{decision.reason}; the user asked for {transport} transport, which is {verdict}",
+        bound=0.0,
+        saving=0.0 if is_spectral else colours.SAVING,
+        switch=Switch.OFF if is_spectral else Switch.FORCE,
+    )
+
+
+def changed_keys(before: dict[str, object], after: dict[str, object]) -> list[str]:
+    """Ids of items that stand for others now and did not before, or the other way round, or are not what they were."""
+    return [
+        key for key in before | after if not _are_alike(before.get(key, key), after.get(key, key))
+    ]
+
+
+def _are_alike(first, second) -> bool:
+    if first is second:
+        return True
+    if any(isinstance(each, str) or each is None for each in (first, second)):
+        return False
+    return content_digest(first) == content_digest(second)

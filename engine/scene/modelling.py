@@ -1,0 +1,43 @@
+"""How much of a scene a user wants to be modelled, as pure data."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Switch(Enum):
+    """Who makes a decision."""
+
+    AUTO = "auto"
+    """Simplified where the bound of the error allows it."""
+
+    FORCE = "force"
+    """Simplified whatever it costs; the bound is in the error of results."""
+
+    OFF = "off"
+    """Modelled in full."""
+
+
+@dataclass(frozen=True)
+class Modelling:
+    """A user's wishes about what is simplified.
+
+    Parameters
+    ----------
+    switches : tuple of (str, Switch)    Decisions that are not left to us, by their names, see `requirements.plan`.
+    share : float    Part of the asked error that simplifications may take. [-]
+    """
+
+    switches: tuple[tuple[str, Switch], ...] = ()
+    share: float = 1.0 / 3.0
+    id: str = "modelling"
+
+    def of(self, name: str) -> Switch:
+        """Who makes a decision."""
+        return dict(self.switches).get(name, Switch.AUTO)
+
+    @property
+    def fault(self) -> str:
+        """What is wrong with its numbers, empty if nothing."""
+        if not 0.0 <= self.share < 1.0:
+            return f"simplifications may take {self.share:g} of the asked error, expected 0 or more and less than 1"
+        return ""
