@@ -1,22 +1,43 @@
-"""The command ``lumenray explain``: how a scene is computed, and what that costs in exactness."""
+"""The command ``lumenray explain``: what of a scene is computed, why, and what that costs in exactness."""
 
 from dataclasses import asdict
 
 from ..blender_addon import assumptions
+from ..engine.scene.modelling import Switch
 from .blend_file import open_session
-from .options import add_scene, transport_of
+from .modelling import add_modelling, apply_modelling
+from .options import add_scene, share, transport_of
 from .output import name_cell, percent, rounded, say, say_json, sheet, table
 
 NEAREST = 10
 """Objects of every ray set that are told of."""
 
+ERROR = 0.01
+"""Relative error that is asked for where none is named. [-]"""
+
 
 def add_command(commands) -> None:
     """Describe the command to argparse."""
     explain = commands.add_parser(
-        "explain", help="how a scene is computed: what is traced how, and what that costs"
+        "explain",
+        help="what of a scene is computed, why, and what that costs in exactness",
+        epilog="What the scene's data tell is told at once; --trial adds what is known once a little light has been sent.",
     )
     add_scene(explain)
+    explain.add_argument(
+        "--error",
+        type=share(),
+        default=ERROR,
+        metavar="E",
+        help=f"relative standard error that is asked for (default: {ERROR:g})",
+    )
+    explain.add_argument(
+        "--colour", action="store_true", help="colours are wanted too, as of a picture"
+    )
+    add_modelling(explain)
+    explain.add_argument(
+        "--trial", action="store_true", help="compile the scene and send a little light"
+    )
     explain.add_argument("--json", action="store_true", help="JSON instead of text")
     explain.add_argument(
         "--all", action="store_true", help="all objects of every ray set, not the nearest ten"
@@ -27,18 +48,57 @@ def add_command(commands) -> None:
 
 def run(options) -> int:
     """Explain a file; return the exit code."""
+    from ..engine.requirements.decision import Asked
+
     settings, report, session = open_session(options)
-    made = session.explain(transport_of(options, settings))
+    apply_modelling(session, options)
+    asked = Asked(options.error, options.colour)
+    made = session.explain(transport_of(options, settings), asked, options.trial)
     if options.json:
-        say_json(rounded({**asdict(made), "conversion": report.to_dicts()}))
+        say_json(rounded({**_to_dict(made), "conversion": report.to_dicts()}))
         return assumptions.exit_code(report, is_accepted=False)
-    told = [("transport", made.decisions), ("traced", made.traced), ("notes", made.notes)]
-    say(sheet(str(options.file), told))
+    say(str(options.file))
+    _print_plan(made.plan)
+    if options.trial:
+        say(sheet("\ntrial", [("traced", made.traced), ("notes", made.notes)]))
     most = None if options.all else NEAREST
     for light in dict.fromkeys(choice.light for choice in made.choices):
         _print_choices([choice for choice in made.choices if choice.light == light], most)
     assumptions.tell(report)
     return assumptions.exit_code(report, is_accepted=False)
+
+
+def _to_dict(made) -> dict:
+    """An explanation as data."""
+    plan = made.plan
+    return {
+        "asked_error": plan.asked.error,
+        "decisions": [{**asdict(each), "switch": each.switch.value} for each in plan.decisions],
+        "budget": {
+            "simplifications_allowed": plan.allowed,
+            "simplifications_at_most": plan.spent,
+            "sampling": plan.sampling_error,
+        },
+        "traced": made.traced,
+        "notes": made.notes,
+        "ray_choices": [asdict(choice) for choice in made.choices],
+    }
+
+
+def _print_plan(plan) -> None:
+    """Tell the decisions and the budget."""
+    for each in plan.decisions:
+        told = [
+            each.choice,
+            f"wrong by at most {percent(each.bound, '.2g')}" if each.bound else "exact",
+        ]
+        if each.saving:
+            told.append(f"saves about {100.0 * each.saving:.0f} % of the time")
+        if each.switch is not Switch.AUTO:
+            told.append(f"asked for: {each.switch.value}")
+        say(f"  {each.name:18}  {'; '.join(told)}")
+        say(f"  {'':18}  {each.reason}")
+    say(f"\nof an error of {percent(plan.asked.error)}: {plan.budget_text}")
 
 
 def _print_choices(choices, most: int | None) -> None:

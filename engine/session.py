@@ -399,14 +399,27 @@ class Session:
             )
         return SurfaceProbe(angles, r.mean, t.mean, r.standard_error, t.standard_error)
 
-    def explain(self, transport: str = "auto") -> Explanation:
+    def explain(
+        self, transport: str = "auto", asked: Asked = EXACT, has_trial: bool = True
+    ) -> Explanation:
         """Say how the scene would be computed, and what that costs in exactness.
+
+        Parameters
+        ----------
+        transport : str    As in `measure`.
+        asked : Asked    What is wanted of the scene.
+        has_trial : bool    Whether the scene is compiled and a little light sent, which tells what is traced from the lights
+            and what is approximated.
 
         Raises
         ------
         SceneError    Something in the scene makes no sense.
         """
-        with self._engine(transport) as compiled:
+        if not has_trial:
+            self.scene.check()
+            plan = self._plan(transport, asked)
+            return Explanation(plan, "", (), explain_rays(self.scene))
+        with self._engine(transport, asked) as compiled:
             from .transport.light_tracing.light_paths import LightTracer
 
             tracer = LightTracer(compiled)
@@ -415,7 +428,7 @@ class Session:
                 key: tracer.rays.limit_of(source) for key, source in compiled.sources().items()
             }
             return Explanation(
-                tuple(compiled.requirements.reasons),
+                compiled.requirements,
                 tracer.reason,
                 tuple(compiled.notes),
                 explain_rays(self.scene, limits),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import SceneError
+from ..requirements.budget import left_to_samples
 from .history import History
 
 
@@ -63,14 +64,10 @@ class StopRule:
         return min((goal for goal in (self.error, self.each) if goal is not None), default=None)
 
     def beside(self, bound: float) -> "StopRule":
-        """The rule for samples, where results may be off by a share of ``bound`` by other causes as well.
-
-        Errors of both add up in quadrature. Where the bound alone is all of an error, samples get what they would get beside
-        a half of it.
-        """
+        """The rule for samples, where results may be off by a share of ``bound`` by what is not modelled. [-]"""
 
         def left(goal):
-            return None if goal is None else math.sqrt(goal**2 - min(bound, 0.5 * goal) ** 2)
+            return None if goal is None else left_to_samples(goal, bound)
 
         return replace(self, error=left(self.error), each=left(self.each)) if bound else self
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..requirements.plan import Plan
 from ..scene.light import Luminaire
 from ..scene.nearness import box_distance, mesh_distance
 from ..scene.scene import Scene
@@ -48,13 +49,13 @@ class Explanation:
 
     Parameters
     ----------
-    decisions : tuple of str    What was chosen for the transport, and why.
-    traced : str    What is traced from the lights in lux maps, and why.
+    plan : Plan    What is decided of the scene, and what that may cost.
+    traced : str    What is traced from the lights in lux maps, and why; empty where no trial was made.
     notes : tuple of str    What is approximated.
     choices : tuple of RayChoice
     """
 
-    decisions: tuple[str, ...]
+    plan: Plan
     traced: str
     notes: tuple[str, ...]
     choices: tuple[RayChoice, ...]

@@ -6,6 +6,7 @@ from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
 from . import colours
+from .budget import left_to_samples
 from .decision import Asked, Decision, Outcome
 from .facts import Facts
 
@@ -52,6 +53,21 @@ class Plan:
         if self.spent > 0.0:
             told.append(f"simplifications: at most {100.0 * self.spent:.2g} % of the light")
         return tuple(told)
+
+    @property
+    def sampling_error(self) -> float | None:
+        """Relative error that is left to samples, None where none is asked for. [-]"""
+        if self.asked.error is None:
+            return None
+        return left_to_samples(self.asked.error, self.spent)
+
+    @property
+    def budget_text(self) -> str:
+        """How the asked error is shared, for people."""
+        told = f"simplifications at most {100.0 * self.spent:.2g} %"
+        if self.sampling_error is None:
+            return told
+        return f"sampling {100.0 * self.sampling_error:.3g} %, {told} (of {100.0 * self.allowed:.2g} % allowed)"
 
     def simplify(self, scene: Scene) -> Scene:
         """The scene as it is computed; itself where nothing of it changes."""

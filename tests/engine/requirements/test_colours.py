@@ -17,7 +17,7 @@ from lumenray.engine.scene.light import ImageWorld, Output, PointLight, Quantity
 from lumenray.engine.scene.material import Cauchy, Coated, Dielectric, Diffuse, Material, Mix
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
-from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb, Tabulated
+from lumenray.engine.scene.spectrum import Illuminant, Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
 from small_scenes import box, paint, session_of
 
@@ -55,7 +55,7 @@ def test_lamps_of_any_spectra_light_neutral_surfaces_without_wavelengths():
 @pytest.mark.parametrize("name", ["D65", "A", "FL11"])
 @pytest.mark.parametrize("walls", [(0.8, 0.79, 0.77), (0.5, 0.48, 0.5), (0.7, 0.4, 0.3)])
 def test_the_bound_holds_in_an_integrating_sphere(name, walls):
-    """Closed form: light that has met walls of reflectance r is r / (1 - r) of the direct light, wavelength by wavelength."""
+    """Closed form: light from walls of reflectance r is r / (1 - r) of the direct light, by wavelength."""
     values = evaluate_reflectance(Rgb(*walls), GRID)
     weights = evaluate_emission(Illuminant(name), GRID) * luminous_efficiency()
     weights /= weights.sum()
@@ -137,8 +137,6 @@ def test_scenes_that_need_wavelengths_get_them(items):
 
 def test_paths_of_many_reflections_widen_the_bound():
     """White walls that are hardly coloured make light very yellow in the end."""
-    dark, bright = (
-        bound_of(coloured(Diffuse(Rgb(x, x, x - 0.02))), lamp()) for x in (0.3, 0.95)
-    )
+    dark, bright = (bound_of(coloured(Diffuse(Rgb(x, x, x - 0.02))), lamp()) for x in (0.3, 0.95))
     assert bright > 5.0 * dark
     assert bound_of(coloured(Diffuse(Rgb(0.99, 0.99, 0.9))), lamp()) > 0.01
