@@ -38,6 +38,8 @@ from .ground import LumenrayGroundSettings
 from .light_settings import LumenrayLightSettings
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .material_settings import LumenrayMaterialSettings
+from .modelling import settings as modelling_settings
+from .modelling.settings import LumenrayModellingSettings
 from .raysets.settings import LumenrayRaysetSettings
 from .rendering import mix_settings
 from .rendering import settings as render_settings
@@ -232,6 +234,7 @@ class LumenraySceneSettings(PropertyGroup):
     year: PointerProperty(type=LumenrayYearSettings)
     sensors: PointerProperty(type=LumenraySensorsSettings)
     report: PointerProperty(type=LumenrayReportSettings)
+    modelling: PointerProperty(type=LumenrayModellingSettings)
     seed: IntProperty(
         name="Seed",
         description=(
@@ -324,6 +327,7 @@ CLASSES = (
     *render_settings.CLASSES,
     *mix_settings.CLASSES,
     *report_settings.CLASSES,
+    *modelling_settings.CLASSES,
     *bake_settings.CLASSES,
     *baked_tables.CLASSES,
     LumenraySceneSettings,

@@ -179,6 +179,11 @@ def format_error(error: float) -> str:
     return f"{100.0 * error:.2g} %" if error < UNKNOWN else "not known"
 
 
+def format_bound(bound: float) -> str:
+    """Return the largest relative error by what is left out."""
+    return f"at most {100.0 * bound:.2g} %" if bound else "none, exact"
+
+
 def describe_job(job) -> tuple[tuple[str, str], ...]:
     """Lines (label, value) about the bake that runs."""
     return (

@@ -22,6 +22,7 @@ def _groups():
     from .daylight import following, ready
     from .foundation import background_job, engine_process, identity, running_trials
     from .raysets.files import ray_files
+    from .modelling import results as modelling_results
     from .rendering import light_mix, view_drawing, viewport
     from .scattering.files import scattering_files
     from .sensors import refresh as refreshed_sensors
@@ -42,6 +43,7 @@ def _groups():
         ready,
         baked_results,
         sensor_results,
+        modelling_results,
         live,
         ray_files,
         scattering_files,

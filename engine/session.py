@@ -400,7 +400,11 @@ class Session:
         return SurfaceProbe(angles, r.mean, t.mean, r.standard_error, t.standard_error)
 
     def explain(
-        self, transport: str = "auto", asked: Asked = EXACT, has_trial: bool = True
+        self,
+        transport: str = "auto",
+        asked: Asked = EXACT,
+        has_trial: bool = True,
+        progress: Callable | None = None,
     ) -> Explanation:
         """Say how the scene would be computed, and what that costs in exactness.
 
@@ -410,6 +414,7 @@ class Session:
         asked : Asked    What is wanted of the scene.
         has_trial : bool    Whether the scene is compiled and a little light sent, which tells what is traced from the lights
             and what is approximated.
+        progress : callable or None    Is told of nothing.
 
         Raises
         ------
@@ -417,7 +422,8 @@ class Session:
         """
         if not has_trial:
             self.scene.check()
-            plan = self._plan(transport, asked)
+            # What stands for items is not told, and may be large.
+            plan = replace(self._plan(transport, asked), changes={})
             return Explanation(plan, "", (), explain_rays(self.scene))
         with self._engine(transport, asked) as compiled:
             from .transport.light_tracing.light_paths import LightTracer
@@ -685,4 +691,5 @@ class Session:
             seconds=time.perf_counter() - start,
             decisions=(*compiled.requirements.reasons, *decisions),
             notes=(*compiled.notes, *notes),
+            simplified=compiled.requirements.spent,
         )

@@ -16,6 +16,7 @@ from ...engine.baking.order import BakeResult
 from ...engine.scene.scene import Scene
 from ..foundation import open_file
 from ..foundation.handlers import leave, listen
+from ..modelling.wishes import read_wishes
 from ..sensors.places import is_sensor
 from ..sync.meshes import MESH_TYPES
 from ..sync.scene import convert_scene
@@ -202,6 +203,7 @@ def _settings_of(scene) -> tuple:
         unit.system,
         unit.scale_length,
         0 if world is None else world.session_uid,
+        read_wishes(scene.lumenray.modelling),
     )
 
 

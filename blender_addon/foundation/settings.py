@@ -40,8 +40,8 @@ def light_group_property(of: str):
     )
 
 
-def percentage(name: str, title: str, description: str):
-    """Property that shows a share, which scripts and files have, in per cent."""
+def percentage(name: str, title: str, description: str, soft_max: float = 10.0):
+    """Property that shows a share, which scripts and files have, in per cent; ``soft_max``: end of its slider."""
 
     def read(self):
         return 100.0 * getattr(self, name)
@@ -54,7 +54,7 @@ def percentage(name: str, title: str, description: str):
         description=description,
         min=0.01,
         max=100.0,
-        soft_max=10.0,
+        soft_max=soft_max,
         precision=2,
         subtype="PERCENTAGE",
         get=read,

@@ -121,7 +121,7 @@ class SceneSync:
         materials, materials_gone = sent.materials.flush()
         pictures, pictures_gone = sent.pictures.flush()
         sent.images.sweep(walk.images())
-        changed = (*pictures, *geometries, *materials, *walk.changed, *walk.worlds)
+        changed = (*pictures, *geometries, *materials, *walk.changed, *walk.worlds, *walk.wishes)
         gone = {*walk.removed, *geometries_gone, *materials_gone, *pictures_gone, *self._left}
         gone -= {item.id for item in changed}
         self._left = set()
@@ -135,20 +135,21 @@ class SceneSync:
             "material": len(materials),
             "light": len(lights),
             "world": len(walk.worlds),
+            "modelling": len(walk.wishes),
         }
         told = (
             ("everything" if delta else "")
             if is_new
-            else _describe(walk.counts, reshaped, lights, materials, bool(walk.world_changed))
+            else _describe(walk, reshaped, lights, materials)
         )
         seconds = time.perf_counter() - start
         stats = SyncStats(seconds, walk.visited, counts, len(gone), told, remade)
         return SyncStep(delta, self._report, stats)
 
 
-def _describe(counts, reshaped, lights, materials, is_world) -> str:
+def _describe(walk: Walk, reshaped, lights, materials) -> str:
     """Say in a few words what a walk found."""
-    words = []
+    words, counts = [], walk.counts
     for what, verb in (("added", "added"), ("removed", "removed"), ("moved", "moved")):
         if counts[what]:
             words.append(f"{_number(counts[what], 'object')} {verb}")
@@ -161,8 +162,8 @@ def _describe(counts, reshaped, lights, materials, is_world) -> str:
             words.append(f"{kind} '{items[0].name}'")
         elif items:
             words.append(_number(len(items), kind))
-    if is_world:
-        words.append("world")
+    words += ["world"] if walk.world_changed else []
+    words += ["what is simplified"] if walk.wishes_changed else []
     return ", ".join(words)
 
 

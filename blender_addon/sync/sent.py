@@ -6,6 +6,7 @@ import numpy as np
 
 from ...engine.scene.light import Light, SunLight
 from ...engine.scene.mesh import Placement
+from ...engine.scene.modelling import Modelling
 from ...engine.scene.spectrum import Rgb
 from ..foundation.report import ConversionReport
 from .images.cache import ImageCache
@@ -91,6 +92,7 @@ class Sent:
     Attributes
     ----------
     shown : dict    Of `Shown`, by what tells instances apart.
+    wishes : Modelling    What the user wants of simplifications; that of an empty scene is not sent.
     scale, efficacy : float    Metres per unit and lumens per watt as they were.
     filters : tuple or None    Whether the view layer showed surfaces, session uid of the material in place of all, or 0, and
         what its collections are there for.
@@ -102,7 +104,7 @@ class Sent:
         self.geometries = GeometryTable()
         self.images, self.pictures = ImageCache(), PictureTable()
         self.materials = MaterialTable(self.images, self.pictures, final, texels)
-        self.world = SentWorld()
+        self.world, self.wishes = SentWorld(), Modelling()
         self.scale = self.efficacy = 0.0
         self.filters: tuple[bool, int, bytes] | None = None
         self.walks = self.last_visit = 0
@@ -112,4 +114,5 @@ class Sent:
         held = {shown.key for shown in self.shown.values() if shown.item is not None}
         held |= {*self.geometries, *self.materials, *self.pictures}
         held |= {item.id for item in (*self.world.suns, *self.world.plane)}
+        held |= {self.wishes.id} if self.wishes != Modelling() else set()
         return held | ({self.world.key} if self.world.digest else set())

@@ -23,7 +23,7 @@ class SyncStats:
     ----------
     walk_seconds : float    Time of the walk, reading of changed data included.
     visited : int    Instances that were looked at.
-    sent : dict of str to int    Number of items by kind: picture, geometry, object, material, light, world.
+    sent : dict of str to int    Number of items by kind: picture, geometry, object, material, light, world, modelling.
     removed : int    Number of items that are gone.
     changed : str    For people: what changed; empty if nothing did.
     remade : int    Materials that are others, those aside whose pictures only follow where objects stand.

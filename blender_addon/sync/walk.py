@@ -9,6 +9,7 @@ from ...engine.errors import SceneError
 from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
+from ...engine.scene.modelling import Modelling
 from ...engine.scene.scene import content_digest
 from ..daylight.following import lamp_of
 from ..daylight.moment import frame_of
@@ -16,6 +17,7 @@ from ..foundation import identity
 from ..foundation.report import ConversionReport
 from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
+from ..modelling.wishes import read_wishes
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
@@ -74,7 +76,8 @@ class Walk:
         self.scene, self.layer = depsgraph.scene, depsgraph.view_layer
         self.changed: list[Placement | Light] = []
         self.worlds: list = []
-        self.world_changed = False
+        self.wishes: list[Modelling] = []
+        self.world_changed = self.wishes_changed = False
         self.removed: list[str] = []
         self.visited = 0
         self.counts = {"added": 0, "moved": 0, "changed": 0, "removed": 0}
@@ -110,6 +113,7 @@ class Walk:
             sent.geometries.lay_out(self._charts())
         sent.materials.refresh(self._used_materials(), self.depsgraph)
         self._update_world()
+        self._update_wishes()
 
     def images(self) -> set[int]:
         """Return session uids of the images, among others, that what is shown reads."""
@@ -666,6 +670,15 @@ class Walk:
         self.worlds += changed
         self.removed += sorted(gone)
         self.world_changed |= bool(changed or gone)
+
+    def _update_wishes(self) -> None:
+        """Send what is wanted of simplifications where that is new. Views ask for no error, of which there is no share."""
+        wishes = read_wishes(self.scene.lumenray.modelling, has_share=self.final)
+        self.wishes_changed = wishes != self.sent.wishes
+        if self.wishes_changed:
+            self.sent.wishes = wishes
+            self.wishes += [wishes] if wishes != Modelling() else []
+            self.removed += [] if self.wishes else [wishes.id]
 
     def _sun_lamp(self) -> np.ndarray | None:
         """Unit vector to where the scene's Sun light shines from, the first one by name; None without one."""

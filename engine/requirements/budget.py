@@ -10,6 +10,21 @@ MOST = 0.5
 """Share of an asked error up to which more samples make up for a bound; beside larger ones they get what that leaves. [-]"""
 
 
+def tell_parts(error: float, simplified: float) -> str:
+    """Say what an error is made of; empty where nothing was simplified.
+
+    Parameters
+    ----------
+    error : float    Relative error of a result, what may be wrong by simplifications included; infinite if not known. [-]
+    simplified : float    Largest relative error by simplifications, as of a `Provenance`. [-]
+    """
+    if not simplified:
+        return ""
+    sampling = math.sqrt(max(error**2 - simplified**2, 0.0))
+    told = f"{100.0 * sampling:.2g} %" if math.isfinite(error) else "not known"
+    return f"sampling {told}, simplifications at most {100.0 * simplified:.2g} %"
+
+
 def left_to_samples(error: float, bound: float) -> float:
     """Relative standard error that samples may have beside a bound. [-]"""
     return math.sqrt(error**2 - min(bound, MOST * error) ** 2)

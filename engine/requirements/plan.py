@@ -64,10 +64,12 @@ class Plan:
     @property
     def budget_text(self) -> str:
         """How the asked error is shared, for people."""
-        told = f"simplifications at most {100.0 * self.spent:.2g} %"
+        told = "simplifications exact"
+        if self.spent > 0.0:
+            told = f"simplifications at most {100.0 * self.spent:.2g} %"
         if self.sampling_error is None:
             return told
-        return f"sampling {100.0 * self.sampling_error:.3g} %, {told} (of {100.0 * self.allowed:.2g} % allowed)"
+        return f"sampling {100.0 * self.sampling_error:.3g} %, {told} ({100.0 * self.allowed:.2g} % allowed)"
 
     def simplify(self, scene: Scene) -> Scene:
         """The scene as it is computed; itself where nothing of it changes."""

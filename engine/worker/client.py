@@ -13,15 +13,17 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy.stopping import Progress, StopRule
+from ..analysis.explanation import Explanation
 from ..baking.mixed_maps import MixedMap
 from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
 from ..light_mix import LightMix
 from ..measurements import Measurement
+from ..requirements.decision import Asked
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
 from ..scene.sensor import SensorKind
-from ..session import BakeOrder, BakeResult, LumelSheet
+from ..session import EXACT, BakeOrder, BakeResult, LumelSheet
 from ..transport.backend import BackendStatus
 from ..views import Display, Frame, LiveSettings, Picture, ViewSettings
 from . import faults
@@ -205,6 +207,13 @@ class RemoteSession:
     ) -> BakeResult:
         """Lux maps of objects of the scene. Raises as `render`."""
         return self._wait("bake_objects", (order,), {}, _states_only(progress), idle)
+
+    def explain(
+        self, transport: str = "auto", asked: Asked = EXACT, has_trial: bool = True
+    ) -> Explanation:
+        """How the scene would be computed, as `Session.explain`. Raises as `render`."""
+        options = {"transport": transport, "asked": asked, "has_trial": has_trial}
+        return self._wait("explain", (), options, None, None)
 
     def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
         """Start or change the live view.

@@ -14,9 +14,11 @@ import numpy as np
 
 from .. import light_mix, measurements, views
 from ..accuracy import extremes, history, stopping
+from ..analysis import explanation
 from ..baking import lumel_sheet, mixed_maps, order
 from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
+from ..requirements import decision, plan
 from ..scene import (
     camera,
     distribution,
@@ -25,6 +27,7 @@ from ..scene import (
     light_groups,
     material,
     mesh,
+    modelling,
     provenance,
     ray_emission,
     relief,
@@ -55,9 +58,9 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, film, light, light_groups, material, mesh, provenance, ray_emission, relief, scattering, scene,
+    camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering, scene,
     sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order,
-    backend, coefficients, lumel_sheet, mixed_maps,
+    backend, coefficients, lumel_sheet, mixed_maps, decision, plan, explanation,
 )  # fmt: skip
 
 
@@ -153,6 +156,8 @@ class _Writer:
             return ["list", *map(self.write, value)]
         if isinstance(value, tuple):
             return ["tuple", *map(self.write, value)]
+        if isinstance(value, frozenset) and all(isinstance(entry, str) for entry in value):
+            return ["names", *sorted(value)]
         if isinstance(value, dict):
             if not all(isinstance(key, str) for key in value):
                 raise CodecError("a table has a key that is no text")
@@ -196,6 +201,11 @@ class _Reader:
 
     def _tuple(self, rest):
         return tuple(self.read(entry) for entry in rest)
+
+    def _names(self, rest):
+        if not all(isinstance(entry, str) for entry in rest):
+            raise CodecError("a message holds a set of names with one that is no text")
+        return frozenset(rest)
 
     def _dict(self, rest):
         (table,) = _expect(rest, dict)
@@ -245,6 +255,7 @@ class _Reader:
 _READERS = {
     "list": _Reader._list,
     "tuple": _Reader._tuple,
+    "names": _Reader._names,
     "dict": _Reader._dict,
     "record": _Reader._record,
     "enum": _Reader._enum,

@@ -22,6 +22,7 @@ from .channel import Channel, Message
 
 JOBS = {
     "status": 0,
+    "explain": 0,
     "render": 1,
     "write_spectral": 1,
     "mix_maps": 1,

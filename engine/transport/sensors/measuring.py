@@ -102,10 +102,12 @@ def measure(
             estimate = estimate.widened(heard.floors)
     whole = estimate.samples * len(estimate.mean)
     notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
+    # What is left out of a scene is wrong at all sensors alike.
+    has_common = made.reads_cells or spent > 0.0
     if heard is None:
-        return Reading(estimate, (decision,), notes, None, made.reads_cells)
+        return Reading(estimate, (decision,), notes, None, has_common)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
-    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance, made.reads_cells)
+    return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance, has_common)
 
 
 def spectral_fields(estimate: Estimate) -> dict:

@@ -9,6 +9,8 @@ from lumenray.engine import kernel_cache
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import Cancelled, CodecError, EngineFault, EngineLost, SceneError
+from lumenray.engine.requirements.decision import Asked
+from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
 from lumenray.engine.views import Display, ViewSettings
@@ -35,6 +37,20 @@ from workers import (
 def engine():
     with Worker(ROOT) as made:
         yield made
+
+
+def test_decisions_come_from_a_worker_as_from_the_session(engine):
+    """Nothing has to be compiled for them, so that they come at once."""
+    items = (*room(), Modelling((("colours", Switch.OFF),), 0.2))
+    asked = Asked(0.01, False, frozenset({"box"}))
+    near, far = session_of(*items), engine.session("decisions")
+    far.apply(SceneDelta(items))
+    told = far.explain("auto", asked, has_trial=False)
+    assert told == near.explain("auto", asked, has_trial=False)
+    assert told.plan.asked == asked
+    assert told.plan.decisions[0].switch is Switch.OFF
+    assert told.plan.allowed == 0.2 * 0.01
+    far.close()
 
 
 def order(steps=20, transport="auto"):

@@ -51,6 +51,8 @@ def same(a, b):
         return list(a) == list(b) and all(same(a[key], b[key]) for key in a)
     if isinstance(a, list | tuple):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, frozenset):
+        return a == b
     return repr(a) == repr(b)
 
 
@@ -58,7 +60,7 @@ PLAIN = [
     None, True, 0, -(1 << 70), 0.1, -0.0, 1e-320, float("inf"), float("nan"), "", "ä\n\ud800", [], (),
     {}, [1, (2, [3.0]), {"a": (None,)}], {"tuple": ["list"]}, ["list"], ("record", "Mesh"),
     np.float32(0.1), np.bool_(True), np.int64(-5), Projection.PERSPECTIVE, DisplayMode.PICTURE,
-    StopRule(samples=3), Progress(0.5, 3, float("inf"), 1.0, None, "x"), Display(),
+    frozenset(), frozenset({"b", "a"}), StopRule(samples=3), Progress(0.5, 3, float("inf"), 1.0, None, "x"), Display(),
 ]  # fmt: skip
 
 
@@ -124,7 +126,7 @@ Impostor = type("Material", (), {"id": "x"})
 @pytest.mark.parametrize(
     "value",
     [
-        object(), {1: 2}, {1, 2}, b"x", 1j, print, Material2(), Impostor(), Path("x"),
+        object(), {1: 2}, {1, 2}, frozenset({1}), b"x", 1j, print, Material2(), Impostor(), Path("x"),
         np.array([object()]), np.array(["text"]), np.array([1j]), np.zeros(2, "i4,f4"),
         np.datetime64("2020"), ValueError("x"), Material,
     ],
@@ -169,7 +171,7 @@ BAD = [
     ["array", "<f8", [2], "AAAA"], ["array", "<f8", [1], "!"], ["array", "<f8", [1], "ä"],
     ["array", "<f8", [1 << 40], ""], ["array", "|i1", [66], "A" * 88],
     ["number"], ["number", "<f8", [1], "AAAAAAAAAAA="], ["number", "<f8", [], "AAAA"],
-    ["number", "<f8", [], 0],
+    ["number", "<f8", [], 0], ["names", 1], ["names", ["list"]],
 ]  # fmt: skip
 
 
