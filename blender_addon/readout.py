@@ -10,6 +10,7 @@ import numpy as np
 from ..engine.accuracy.stopping import format_seconds
 from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
+from ..engine.requirements.budget import tell_parts
 from ..engine.scene.light import Output, Quantity
 from ..engine.scene.spectrum import Rgb
 from .bake.tables import UNKNOWN
@@ -235,12 +236,19 @@ def describe_bake(baked) -> tuple[tuple[str, str], ...]:
         ("Pages", f"{baked.pages}"),
         ("Time", format_seconds(baked.seconds)),
     ]
+    parts = tell_parts(_unbounded(baked.relative_error), baked.simplified)
+    lines += [("Made of", parts)] if parts else []
     if baked.shrink < 0.999:
         lines.append(("Density lowered", f"to {100.0 * baked.shrink:.0f} %"))
     if baked.seam_pairs:
         noise = format_amount(baked.seam_noise, "lx")
         lines.append(("Steps at seams", f"{format_amount(baked.seam_after, 'lx')} (noise {noise})"))
     return tuple(lines)
+
+
+def _unbounded(error: float) -> float:
+    """An error that is kept in a file, infinite where it is not known."""
+    return error if error < UNKNOWN else np.inf
 
 
 def describe_edit(status) -> tuple[tuple[str, str], ...]:

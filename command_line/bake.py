@@ -10,6 +10,7 @@ from . import bake_observers, requirements
 from .bake_table import print_bake, print_table
 from .blend_file import open_blend, quiet
 from .interruption import Interruption
+from .modelling import overrule
 from .options import add_rule, add_scene, add_witness, real, rule_of, whole, words
 from .output import add_output, check_free, complain, say
 from .progress import Bar
@@ -129,9 +130,10 @@ def run(options) -> int:
     required = requirements.find(options)
     depsgraph = open_blend(options.file)
     check_files(options)
+    kept = overrule(depsgraph.scene, options)
     job = bake_open(options, depsgraph)
     if options.save is not None:
-        _save(options.save, job)
+        _save(options.save, job, kept)
     assumptions.tell(job.report, job.notes, job.shortfall)
     print_table(job.maps)
     print_bake(job.result)
@@ -160,15 +162,20 @@ def _judge(job, options, requirement, area: str, limits: int) -> None:
         say(f"{name_cell(made.name)}: " + "\n".join(tell(judged)))
 
 
-def _save(path: Path, job) -> None:
-    """Save the open file with the maps; where that fails the report says so, and the maps in their folder stay."""
+def _save(path: Path, job, kept) -> None:
+    """Save the open file with the maps; where that fails the report says so, and the maps in their folder stay.
+
+    ``kept``: what the file says of simplifications, which stays.
+    """
     import bpy
 
     from ..blender_addon.bake import job as bake
+    from ..blender_addon.modelling.wishes import wishing
 
-    bake.store(job, bpy.context.scene)
+    scene = bpy.context.scene
+    bake.store(job, scene)
     try:
-        with quiet():
+        with wishing(scene.lumenray.modelling, kept), quiet():
             bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True)
     except RuntimeError as error:
         job.report.error(path.name, str(error).strip(), "the file is not saved")

@@ -76,6 +76,7 @@ def print_bake(result) -> None:
     """Print what holds for a bake as a whole: error, forecast, seams, bias, and what had to shrink."""
     from ..engine.accuracy.stopping import format_seconds
     from ..engine.baking.files import absolute_error
+    from ..engine.requirements.budget import tell_parts
 
     absolute = absolute_error(result)
     lux = f" ({absolute:.3g} lx)" if math.isfinite(absolute) else ""
@@ -83,6 +84,9 @@ def print_bake(result) -> None:
         f"all maps: mean {result.mean:.4g} lx, error {_format_error(result.relative_standard_error)}{lux}, "
         f"{_format_error(result.quadratic_relative_error)} of the root mean square"
     )
+    simplified = result.maps[0].provenance.simplified if result.maps else 0.0
+    if parts := tell_parts(result.relative_standard_error, simplified):
+        say(f"the error is made of: {parts}")
     marks = result.history.marks
     made = [mark for mark in marks if mark.forecast is not None]
     if made:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import LumenrayError
+from .modelling import overrule
 
 
 class quiet:
@@ -75,6 +76,7 @@ def open_session(options):
     from ..engine.session import Session
 
     depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
     converted = convert_scene(depsgraph)
     assumptions.refuse_missing(converted.report, options.accept_missing)
     session = Session()

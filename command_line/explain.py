@@ -1,11 +1,10 @@
 """The command ``lumenray explain``: what of a scene is computed, why, and what that costs in exactness."""
 
+import textwrap
 from dataclasses import asdict
 
 from ..blender_addon import assumptions
-from ..engine.scene.modelling import Switch
 from .blend_file import open_session
-from .modelling import add_modelling, apply_modelling
 from .options import add_scene, share, transport_of
 from .output import name_cell, percent, rounded, say, say_json, sheet, table
 
@@ -14,6 +13,9 @@ NEAREST = 10
 
 ERROR = 0.01
 """Relative error that is asked for where none is named. [-]"""
+
+WIDTH = 110
+"""Of reasons. [character]"""
 
 
 def add_command(commands) -> None:
@@ -34,7 +36,6 @@ def add_command(commands) -> None:
     explain.add_argument(
         "--colour", action="store_true", help="colours are wanted too, as of a picture"
     )
-    add_modelling(explain)
     explain.add_argument(
         "--trial", action="store_true", help="compile the scene and send a little light"
     )
@@ -51,7 +52,6 @@ def run(options) -> int:
     from ..engine.requirements.decision import Asked
 
     settings, report, session = open_session(options)
-    apply_modelling(session, options)
     asked = Asked(options.error, options.colour)
     made = session.explain(transport_of(options, settings), asked, options.trial)
     if options.json:
@@ -86,19 +86,28 @@ def _to_dict(made) -> dict:
 
 
 def _print_plan(plan) -> None:
-    """Tell the decisions and the budget."""
-    for each in plan.decisions:
-        told = [
+    """Tell the decisions as rows of columns, each with its reason below it, and the budget."""
+    what = "light and colours" if plan.asked.has_colour else "light"
+    say(f"{what}, asked for to a relative standard error of {percent(plan.asked.error)}\n")
+    rows = [("decision", "computed", "error by it", "time saved", "switch")]
+    rows += [
+        (
+            each.name,
             each.choice,
-            f"wrong by at most {percent(each.bound, '.2g')}" if each.bound else "exact",
-        ]
-        if each.saving:
-            told.append(f"saves about {100.0 * each.saving:.0f} % of the time")
-        if each.switch is not Switch.AUTO:
-            told.append(f"asked for: {each.switch.value}")
-        say(f"  {each.name:18}  {'; '.join(told)}")
-        say(f"  {'':18}  {each.reason}")
-    say(f"\nof an error of {percent(plan.asked.error)}: {plan.budget_text}")
+            f"at most {percent(each.bound, '.2g')}" if each.bound else "none, exact",
+            f"about {percent(each.saving, '.0f')}" if each.saving else "-",
+            each.switch.value,
+        )
+        for each in plan.decisions
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    indent = " " * (widths[0] + 2)
+    reasons = ["", *(each.reason for each in plan.decisions)]
+    for row, reason in zip(rows, reasons, strict=True):
+        say("  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
+        for line in textwrap.wrap(reason, WIDTH - len(indent)):
+            say(indent + line)
+    say(f"\nbudget: {plan.budget_text}")
 
 
 def _print_choices(choices, most: int | None) -> None:

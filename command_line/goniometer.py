@@ -8,6 +8,7 @@ from ..blender_addon import assumptions
 from ..engine.errors import LumenrayError
 from ..engine.goniometry import SIDE, measure_intensities
 from .blend_file import open_blend
+from .modelling import overrule
 from .options import add_scene, real, seed_of, transport_of, whole
 from .output import add_output, check_free, percent, say
 from .progress import Bar
@@ -91,6 +92,7 @@ def run(options) -> int:
     azimuth = _even(options.plane_step, 360.0, "--plane-step")[:-1]
     polar = _even(options.step, 180.0, "--step")
     depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
     converted = convert_scene(depsgraph)
     assumptions.refuse_missing(converted.report, options.accept_missing)
     assumptions.refuse_media(converted.report)

@@ -9,6 +9,7 @@ from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.scene.sensor import SensorKind
 from . import requirements, sensor_judgement
 from .blend_file import open_blend, open_session
+from .modelling import overrule
 from .options import (
     add_rule,
     add_scene,
@@ -22,7 +23,7 @@ from .options import (
     whole,
     words,
 )
-from .output import add_output, check_free, say, table
+from .output import add_output, check_free, name_cell, say, table
 from .progress import Bar
 
 RANGE = 0.95
@@ -126,6 +127,7 @@ def run_list(options) -> int:
     from ..engine.accuracy.estimate import Estimate
     from ..engine.accuracy.stopping import StopRule
     from ..engine.formats.sensors import read_sensors, write_measurements
+    from ..engine.requirements.budget import tell_parts
 
     for name in ("objects", "plans", "light_groups", "lighting_scene", "mix"):
         if getattr(options, name):
@@ -157,6 +159,8 @@ def run_list(options) -> int:
             spectrum=wants_spectrum,
         )
     found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)
+    parts = tell_parts(found.relative_error(), made.provenance.simplified)
+    parts = [f"errors of the sensors together: {parts}"] if parts else []
     shortfall = rule.shortfall(found.relative_error(), each=found.largest_error(rule.floor))
     notes = made.provenance.notes
     verdict = [] if required is None else _judge(made, options, *required)
@@ -166,14 +170,14 @@ def run_list(options) -> int:
         made.illuminance,
         made.standard_error,
         made.tristimulus if options.colour or options.spectrum else None,
-        (*assumptions.lines_of(report, notes, shortfall), *verdict),
+        (*assumptions.lines_of(report, notes, shortfall), *parts, *verdict),
         _spectral_columns(made.spectra) if options.spectrum else None,
     )
     assumptions.tell(report, notes, shortfall)
     say(f"method: {made.method}")
     if len(sensors) > 1:
         say(_summary(made))
-    for line in verdict:
+    for line in (*parts, *verdict):
         say(line)
     say(
         f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
@@ -196,6 +200,7 @@ def run_scene(options) -> int:
         raise FileFormatError(options.output, "expected a name that ends in .csv or .json")
     depsgraph = open_blend(options.file)
     scene = depsgraph.scene
+    overrule(scene, options)
     if options.light_groups:
         scene.lumenray.light_mix.groups = options.light_groups.upper()
     own_levels = light_mix.levels_of(scene)
@@ -278,9 +283,11 @@ def _write(options, job, report, levels, judged) -> None:
             job.notes,
             job.shortfall,
             None if judged is None else judging.describe(judged),
+            job.decisions,
         )
     else:
         remarks = list(assumptions.lines_of(report, job.notes, job.shortfall))
+        remarks += _parts(named, levels)
         remarks += [] if judged is None else judging.tell(judged)
         files.write_rows(options.output, named, levels, remarks)
     if options.plans is not None:
@@ -310,6 +317,19 @@ def _tell(job, levels) -> None:
         count = str(len(readings.positions))
         rows.append((placed.name, count, mean, error, least, largest, readings.unit, *ratios))
     say(table(rows))
+    for line in _parts([(placed.name, job.answer[placed.uid]) for placed in job.places], levels):
+        say(line)
+
+
+def _parts(named, levels) -> list[str]:
+    """Lines that say what the errors of means are made of, of sensors in a scene that was simplified."""
+    from ..engine.requirements.budget import tell_parts
+
+    told = [
+        (name_cell(name), tell_parts(readings.mean_error(levels), readings.simplified))
+        for name, readings in named
+    ]
+    return [f"error of the mean of {name}: {parts}" for name, parts in told if parts]
 
 
 def _summary(made) -> str:

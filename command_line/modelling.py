@@ -1,8 +1,13 @@
-"""Options by which a command overrules what of a scene is modelled."""
+"""The option by which a command overrules what of a scene is modelled."""
 
 import argparse
+from dataclasses import replace
 
+from ..engine.errors import LumenrayError
 from ..engine.scene.modelling import Modelling, Switch
+
+ALL = "all"
+"""Stands for all decisions."""
 
 
 def add_modelling(parser) -> None:
@@ -14,22 +19,32 @@ def add_modelling(parser) -> None:
         default=[],
         metavar="DECISION=auto|force|off",
         help="simplify by a decision of 'lumenray explain' whatever it costs (force), or not at all (off); 'all=off' models "
-        "everything in full",
+        "everything in full; may be repeated (default: as the scene says)",
     )
 
 
-def apply_modelling(session, options) -> None:
-    """Tell an engine what was asked for; what the file says stays where nothing was."""
-    from ..engine.requirements.plan import DECISIONS
-    from ..engine.scene.scene import SceneDelta
+def overrule(scene, options) -> Modelling:
+    """Let an open Blender scene ask for what the options of a command ask for; return what the file says.
 
-    if not options.model:
-        return
-    kept = session.scene.modelling
+    Raises
+    ------
+    LumenrayError    There is no such decision.
+    """
+    from ..blender_addon.modelling.wishes import read_wishes, write_wishes
+    from ..engine.requirements.plan import DECISIONS
+
+    settings = scene.lumenray.modelling
+    kept = read_wishes(settings)
     switches = dict(kept.switches)
     for name, switch in options.model:
-        switches |= dict.fromkeys(DECISIONS if name == "all" else (name,), switch)
-    session.apply(SceneDelta(changed=(Modelling(tuple(switches.items()), kept.share),)))
+        if name not in {ALL, *DECISIONS}:
+            raise LumenrayError(
+                f"--model: there is no decision '{name}', expected {', '.join(DECISIONS)} or {ALL}"
+            )
+        switches |= dict.fromkeys(DECISIONS if name == ALL else (name,), switch)
+    if options.model:
+        write_wishes(settings, replace(kept, switches=tuple(switches.items())))
+    return kept
 
 
 def _wish(text: str) -> tuple[str, Switch]:

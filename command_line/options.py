@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 from ..engine.scene.sensor import SensorKind
+from .modelling import add_modelling
 from .output import complain
 
 
@@ -45,6 +46,7 @@ def add_scene(parser) -> None:
         choices=("auto", "mono", "spectral"),
         help="photometric (mono) or spectral computation (default: the scene's)",
     )
+    add_modelling(parser)
 
 
 def add_sensors(parser, is_required: bool = True) -> None:

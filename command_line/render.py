@@ -1,12 +1,14 @@
 """The command ``lumenray render``: a picture of a scene, for looking at and for numbers."""
 
 import argparse
+import math
 from dataclasses import replace
 from pathlib import Path
 
 from ..blender_addon import assumptions
 from ..engine.errors import FileFormatError, LumenrayError
 from .blend_file import open_blend
+from .modelling import overrule
 from .options import (
     add_rule,
     add_scene,
@@ -108,7 +110,9 @@ def run(options) -> int:
         from ..engine.analysis.denoiser import require_denoiser
 
         require_denoiser()
-    return render_open(options, open_blend(options.file))
+    depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
+    return render_open(options, depsgraph)
 
 
 def render_open(options, depsgraph) -> int:
@@ -116,6 +120,7 @@ def render_open(options, depsgraph) -> int:
     from ..blender_addon.rendering.shutter import shutter_of
     from ..engine.analysis.false_colour import write_display
     from ..engine.formats.report import write_json
+    from ..engine.requirements.budget import tell_parts
 
     scene = depsgraph.scene
     if options.size:
@@ -143,9 +148,12 @@ def render_open(options, depsgraph) -> int:
     write_json(options.output.with_suffix(".json"), report)
     assumptions.tell(conversion, picture.provenance.notes, shortfall)
     mean = float(picture.tristimulus[..., 1].mean())
+    error = percent(picture.relative_error, ".2f")
+    if parts := tell_parts(picture.relative_error, picture.provenance.simplified):
+        error += f" ({parts})"
     say(
         f"{options.output}: {picture.provenance.samples} samples a pixel in {picture.provenance.seconds:.1f} s, "
-        f"mean luminance {mean:.4g} cd/m2, picture error {percent(picture.relative_error, '.2f')}, "
+        f"mean luminance {mean:.4g} cd/m2, picture error {error}, "
         f"white = {white:.4g} cd/m2" + (f"; light mix: {levels.text()}" if levels.text() else "")
     )
     return assumptions.exit_code(conversion, options.accept_missing, shortfall)
@@ -335,7 +343,8 @@ def _report(options, camera: str, picture, conversion, shortfall: str, preview: 
         "relative_standard_error": picture.relative_error,
         "samples": picture.provenance.samples,
     }
-    rows = [row, *(_group_row(group, picture.groups) for group in picture.groups)]
+    simplified = picture.provenance.simplified
+    rows = [row, *(_group_row(group, picture.groups, simplified) for group in picture.groups)]
     content = compose(
         options.file.name,
         picture.provenance,
@@ -348,8 +357,8 @@ def _report(options, camera: str, picture, conversion, shortfall: str, preview: 
     return content
 
 
-def _group_row(group, groups) -> dict:
-    """What a light group gives to the picture, at the flux of the scene."""
+def _group_row(group, groups, simplified: float) -> dict:
+    """What a light group gives to the picture, at the flux of the scene; ``simplified``: as of a `Provenance`. [-]"""
     from ..engine.accuracy.estimate import relative_error
 
     luminance = group.tristimulus[..., 1]
@@ -361,7 +370,9 @@ def _group_row(group, groups) -> dict:
         "mean": float(luminance.mean()),
         "minimum": float(luminance.min()),
         "maximum": float(luminance.max()),
-        "relative_standard_error": relative_error(luminance, group.luminance_error),
+        "relative_standard_error": math.hypot(
+            relative_error(luminance, group.luminance_error), simplified
+        ),
         "share": float(luminance.mean() / max(total.mean(), 1e-30)),
         "samples": group.samples,
     }

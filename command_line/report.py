@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..blender_addon import assumptions
 from .blend_file import open_blend
+from .modelling import overrule
 from .options import (
     add_rule,
     add_scene,
@@ -90,6 +91,7 @@ def run(options) -> int:
         check_free(options, options.pdf)
         require_reportlab()
     depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
     _set(options, depsgraph.scene)
     conversion, notes, goals = _measure(options, depsgraph)
     picture = None

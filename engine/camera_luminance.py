@@ -76,7 +76,7 @@ def measure_regions(
     weights /= np.maximum(np.kron(whole, pixels_of_part), 1e-30)
     settings = ViewSettings(StopRule(samples=1), transport=transport, method=method, shares=False)
     sums, variance = np.zeros((PICTURES, shape[0] * shape[1])), 0.0
-    done, seconds, rounds, notes = 0, 0.0, 0, {}
+    done, seconds, rounds, notes, simplified = 0, 0.0, 0, {}, 0.0
     samples = max(min(FIRST_SAMPLES, rule.samples or FIRST_SAMPLES), 2)
     while True:
         for picture in range(PICTURES):
@@ -90,6 +90,7 @@ def measure_regions(
             variance = variance + samples**2 * _sums(noise.astype(np.float64) ** 2, shape)
             notes |= dict.fromkeys(made.provenance.notes)
             seconds += made.provenance.seconds
+            simplified = max(simplified, made.provenance.simplified)
         done, rounds = done + samples, rounds + 1
         values = sums.mean(axis=0) / done
         spread = sums.std(axis=0, ddof=1) / np.sqrt(PICTURES) / done
@@ -100,7 +101,9 @@ def measure_regions(
             told = float(np.sqrt((errors**2).mean()) / max(values.mean(), rule.floor, 1e-30))
             progress(Progress(0.5, done, told, seconds, None, "camera"))
         if _is_met(rule, values, errors) or is_late or done >= (rule.samples or MOST_SAMPLES):
-            return MeterReading(values, errors, done, tuple(notes))
+            # The pictures' samples are independent, but not what is left out of all of them.
+            errors = np.hypot(errors, simplified * values)
+            return MeterReading(values, errors, done, tuple(notes), simplified)
         samples = min(done * (GROWTH - 1), (rule.samples or MOST_SAMPLES) - done)
 
 

@@ -118,7 +118,7 @@ def _pooled(found: np.ndarray) -> np.ndarray:
 
 def _items(scene: Scene) -> tuple:
     tables = (scene.pixels, scene.geometries, scene.materials, scene.meshes, scene.lights)
-    return tuple(item for table in tables for item in table.values())
+    return (*(item for table in tables for item in table.values()), scene.modelling)
 
 
 def _without_lights_seen(scene: Scene) -> SceneDelta:

@@ -32,12 +32,16 @@ METER_SEEDS = 104_729
 
 @dataclass(frozen=True)
 class MeterReading:
-    """Luminance of every meter and its standard error (n,) [cd/m2], samples of a pixel at least, and notes for people."""
+    """Luminance of every meter and its standard error (n,) [cd/m2], samples of a pixel at least, and notes for people.
+
+    ``simplified``: as of a `Provenance`, in the errors. [-]
+    """
 
     luminance: np.ndarray
     standard_error: np.ndarray
     samples: int
     notes: tuple[str, ...]
+    simplified: float = 0.0
 
 
 def measure_luminance(
@@ -74,7 +78,7 @@ def measure_luminance(
         )
     weights = find_weights(angle)
     values, errors = np.zeros(len(positions)), np.zeros(len(positions))
-    least, notes, start = MOST_SAMPLES, {}, time.perf_counter()
+    least, notes, simplified, start = MOST_SAMPLES, {}, 0.0, time.perf_counter()
     for number, (place, axis) in enumerate(zip(positions, axes, strict=True)):
         end = None
         if rule.seconds is not None:
@@ -96,12 +100,15 @@ def measure_luminance(
         values[number], errors[number] = job.value, job.error
         least = min(least, job.samples)
         notes |= dict.fromkeys(job.notes)
+        simplified = max(simplified, job.simplified)
         if progress is not None:
             seconds = time.perf_counter() - start
             done = (number + 1) / len(positions)
             stage = f"luminance meter {number + 1} of {len(positions)}"
             progress(Progress(done, job.samples, np.inf, seconds, None, stage))
-    return MeterReading(values, errors, least, tuple(notes))
+    # The pictures' samples are independent, but not what is left out of all of them.
+    errors = np.hypot(errors, simplified * values)
+    return MeterReading(values, errors, least, tuple(notes), simplified)
 
 
 class _Meter:
@@ -116,6 +123,7 @@ class _Meter:
         self.rounds = self.samples = 0
         self._sums, self._variances = np.zeros(PICTURES), np.zeros(PICTURES)
         self.notes: dict[str, None] = {}
+        self.simplified = 0.0
 
     def look(self, samples: int, seed: int) -> None:
         """Take more samples in all pictures."""
@@ -131,6 +139,7 @@ class _Meter:
             noise = self._weights * made.luminance_error
             self._variances[picture] += samples**2 * float((noise**2).sum())
             self.notes |= dict.fromkeys(made.provenance.notes)
+            self.simplified = max(self.simplified, made.provenance.simplified)
         self.samples += samples
         self.rounds += 1
 

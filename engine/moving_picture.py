@@ -157,6 +157,7 @@ class _Rounds:
         self.hashes = hashlib.sha256()
         self.notes: dict[str, None] = {}
         self.decisions: dict[str, None] = {}
+        self.simplified = 0.0
 
     def run(self) -> Picture:
         """Make rounds until the rule is met."""
@@ -228,6 +229,7 @@ class _Rounds:
         self.hashes.update(made.provenance.scene_hash.encode())
         self.notes |= dict.fromkeys(made.provenance.notes)
         self.decisions |= dict.fromkeys(made.provenance.decisions)
+        self.simplified = max(self.simplified, made.provenance.simplified)
         away = abs(time - self.shutter.middle)
         if self.middle is None or away < self.middle[0]:
             self.middle = away, made
@@ -276,10 +278,12 @@ class _Rounds:
             seconds=self.clock.seconds,
             decisions=decisions,
             notes=(note, *self.notes),
+            simplified=self.simplified,
         )
-        return replace(
+        made = replace(
             middle, **own, groups=groups, relative_error=self.error, provenance=provenance
         )
+        return made.widened(self.simplified)
 
 
 ASKED = "full paths are asked for"

@@ -87,12 +87,17 @@ class Picture:
     groups: tuple[GroupLight, ...] = ()
 
     def widened(self, bound: float) -> "Picture":
-        """Return the picture with errors that hold a share of its luminance as well. [-]"""
+        """Return the picture with errors that hold a share of its light as well; those of its groups stay. [-]"""
         if not bound:
             return self
-        luminance = self.tristimulus[..., 1]
-        error = np.hypot(self.luminance_error, np.float32(bound) * luminance)
-        return replace(self, luminance_error=error, relative_error=relative_error(luminance, error))
+        share, luminance = np.float32(bound), self.tristimulus[..., 1]
+        error = np.hypot(self.luminance_error, share * luminance)
+        made = replace(self, luminance_error=error, relative_error=relative_error(luminance, error))
+        if made.illuminance_error is None:
+            return made
+        return replace(
+            made, illuminance_error=np.hypot(made.illuminance_error, share * made.illuminance)
+        )
 
     def mixed(self, levels: LightMix) -> "Picture":
         """Return the picture with its groups at other levels, bands aside; itself where nothing is changed."""
@@ -100,7 +105,9 @@ class Picture:
             return self
         made = mix(self.groups, levels)
         error = relative_error(made.tristimulus[..., 1], made.luminance_error)
-        return replace(self, **vars(made), relative_error=error, bands=None, band_edges=None)
+        mixed = replace(self, **vars(made), relative_error=error, bands=None, band_edges=None)
+        # What is left out is wrong in all groups alike, so that it is not in their own errors.
+        return mixed.widened(self.provenance.simplified)
 
 
 @dataclass(frozen=True)

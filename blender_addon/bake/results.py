@@ -92,7 +92,9 @@ def store_results(scene, result: BakeResult, folder, changed=(), shortfall: str 
     kept.seam_pairs, kept.seam_noise = seams.pairs, seams.noise
     kept.seam_before, kept.seam_after = seams.before, seams.after
     kept.shortfall, kept.folder = shortfall, str(folder)
-    kept.scene_hash = result.maps[0].provenance.scene_hash if result.maps else ""
+    if result.maps:
+        origin = result.maps[0].provenance
+        kept.scene_hash, kept.simplified = origin.scene_hash, origin.simplified
     _remember()
     kept.serial = uuid.uuid4().hex
     _note(scene, changed)

@@ -83,6 +83,10 @@ class LumenrayBakedResults(PropertyGroup):
         name="Relative Error",
         description="Standard error of all lumels divided by the mean, as a share",
     )
+    simplified: FloatProperty(
+        name="Simplified",
+        description="Largest relative error by what was not modelled, as a share; it is in the error",
+    )
     mean: FloatProperty(name="Mean", description="Mean of everything that was baked, in lx")
     seconds: FloatProperty(
         name="Time", description="Time that the bake took, in seconds", subtype="TIME_ABSOLUTE"

@@ -149,7 +149,7 @@ def _all_items(scene: Scene) -> tuple:
     """Everything that a scene holds, pixels first as pictures name them."""
     tables = (scene.pixels, scene.geometries, scene.materials, scene.meshes, scene.lights)
     items = [item for table in tables for item in table.values()]
-    return (*items, *([scene.world] if scene.world is not None else []))
+    return (*items, scene.modelling, *([scene.world] if scene.world is not None else []))
 
 
 def find_keys(objects: dict[str, str], names, where: str) -> tuple[str, ...]:

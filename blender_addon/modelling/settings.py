@@ -41,7 +41,7 @@ def _switch(name: str):
 class LumenrayModellingSettings(PropertyGroup):
     """Who decides what is simplified, and how much of an asked error that may take."""
 
-    __annotations__ = {  # noqa: RUF012 - Blender reads properties off it
+    __annotations__ = {
         **{key: _switch(name) for name, key in SWITCHES.items()},
         "share": FloatProperty(
             name="Share",

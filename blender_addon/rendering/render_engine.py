@@ -14,6 +14,7 @@ from ...engine.analysis.denoiser import find_denoiser
 from ...engine.analysis.looking import filter_noise
 from ...engine.errors import Cancelled, LumenrayError
 from ...engine.photometry.colour import automatic_white, scene_linear
+from ...engine.requirements.budget import tell_parts
 from ...engine.views import ViewSettings
 from .. import assumptions, readout
 from ..feedback import show_render, show_report
@@ -381,9 +382,11 @@ def _fill(render_pass, values):
 def describe_picture(picture, report: ConversionReport, *words: str) -> str:
     """Say how well a picture is known, how it was filtered and mixed, and how much of its scene is not as Blender has it."""
     made = picture.provenance
+    shares = tell_parts(picture.relative_error, made.simplified)
     parts = [
         f"{made.samples} samples",
-        f"error {readout.format_error(picture.relative_error)}",
+        f"error {readout.format_error(picture.relative_error)}"
+        + (f" ({shares})" if shares else ""),
         format_seconds(made.seconds),
     ]
     counts = readout.describe_counts(row.severity.name for row, _ in report.rows)

@@ -131,6 +131,7 @@ def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdi
         verdicts.problems.get(empty.name, ""),
         results.why_outdated(empty),
         verdicts.observers.get(empty.name, ()),
+        readings.simplified,
     )
 
 

@@ -69,10 +69,11 @@ def write_document(
     notes=(),
     shortfall: str = "",
     requirement: dict | None = None,
+    decisions=(),
 ) -> Path:
     """Write figures of every object and all readings as JSON; parameters as of `write_rows`.
 
-    ``requirement``: verdicts as of `judging.describe`.
+    ``requirement``: verdicts as of `judging.describe`; ``decisions``: how it was computed, and what was simplified.
 
     Raises
     ------
@@ -87,6 +88,7 @@ def write_document(
         "light_mix": levels.text() if is_mixed else "",
         "requirement": requirement,
         "sensors": [describe_readings(name, readings, levels) for name, readings in named],
+        "decisions": list(decisions),
         "notes": list(notes),
         "conversion": list(conversion),
     }
@@ -114,6 +116,7 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
         row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
     return row | {
         "lacks": readings.lacks,
+        "simplifications_at_most": readings.simplified,
         "samples": readings.samples,
         "method": readings.method,
         "grid": list(readings.shape),

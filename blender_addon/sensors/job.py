@@ -34,7 +34,10 @@ LEAST_PART = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, and where they come from."""
+    """What sensors of one kind have told: values and errors (n,), in lx or cd/m2, and where they come from.
+
+    ``simplified``: as of a `Provenance`, in the errors. [-]
+    """
 
     values: np.ndarray
     errors: np.ndarray
@@ -45,6 +48,7 @@ class Found:
     seconds: float
     has_common: bool = True
     lacks: str = ""
+    simplified: float = 0.0
 
 
 @dataclass(eq=False)
@@ -63,7 +67,7 @@ class SensorJob:
     Attributes
     ----------
     answer : dict of str to Readings    By the identity of the empty; filled by `run`.
-    notes : tuple of str    For people.
+    notes, decisions : tuple of str    For people.
     shortfall : str    What of the rule was not met.
     """
 
@@ -80,6 +84,7 @@ class SensorJob:
     wants_direct: bool = False
     answer: dict[str, Readings] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    decisions: tuple[str, ...] = ()
     shortfall: str = ""
     _session: object = field(default=None, repr=False)
     _held: Scene = field(default_factory=Scene, repr=False)
@@ -187,6 +192,7 @@ class SensorJob:
                 witness=self.witness and number > 0,
             )
             origin = made.provenance
+            self.decisions = tuple(dict.fromkeys((*self.decisions, *origin.decisions)))
             found = Found(
                 made.illuminance,
                 made.standard_error,
@@ -196,6 +202,7 @@ class SensorJob:
                 origin.notes,
                 origin.seconds,
                 made.has_common_errors,
+                simplified=origin.simplified,
             )
         elif kind == GLARE:
             found = self._rate(session, positions, normals, own, follow)
@@ -215,6 +222,7 @@ class SensorJob:
                 "pictures",
                 meters.notes,
                 time.perf_counter() - start,
+                simplified=meters.simplified,
             )
         self._step += 1
         return found
@@ -269,6 +277,7 @@ class SensorJob:
                 direct=[each.values[start:end] for each in direct] or None,
                 direct_errors=[each.errors[start:end] for each in direct] or None,
                 lacks=found[0].lacks,
+                simplified=max(each.simplified for each in found),
             )
             start = end
 
@@ -284,6 +293,8 @@ def _difference(before: Scene, after: Scene) -> SceneDelta:
         changed += [after.world] if after.world is not None else []
         if before.world is not None and (after.world is None or after.world.id != before.world.id):
             removed.append(before.world.id)
+    if after.modelling != before.modelling:
+        changed.append(after.modelling)
     return SceneDelta(changed=tuple(changed), removed=tuple(removed))
 
 

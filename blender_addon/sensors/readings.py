@@ -45,6 +45,7 @@ class Readings:
     direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
         for.
     lacks : str    What the values lack, in words; empty: nothing.
+    simplified : float    Largest relative error by what was not modelled; it is in the errors. [-]
     """
 
     quantity: str
@@ -68,6 +69,7 @@ class Readings:
     direct: np.ndarray | None = None
     direct_errors: np.ndarray | None = None
     lacks: str = ""
+    simplified: float = 0.0
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -85,8 +87,17 @@ class Readings:
 
     def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
         """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""
-        self._sum.set_levels([levels.level(name).flux for name in self.groups])
-        return self._sum.total.copy(), self._sum.error
+        fluxes = [levels.level(name).flux for name in self.groups]
+        self._sum.set_levels(fluxes)
+        return self._sum.total.copy(), self._widen(self._sum, fluxes)
+
+    def _widen(self, made: GroupSum, fluxes) -> np.ndarray:
+        """Errors of a sum of groups, of which what was not modelled is wrong alike. (n,)"""
+        error = made.error
+        if not self.simplified or len(fluxes) < 2:
+            return error
+        apart = np.einsum("g,gn->n", np.square(fluxes), np.square(made.values, dtype=np.float64))
+        return np.hypot(error, self.simplified * np.sqrt(np.maximum(made.total**2 - apart, 0.0)))
 
     @functools.cached_property
     def _direct_sum(self) -> GroupSum:
@@ -101,8 +112,9 @@ class Readings:
         """As `mixed`, of the light that was not reflected; only where `has_direct`."""
         if self.direct is None:
             return self.mixed(levels)
-        self._direct_sum.set_levels([levels.level(name).flux for name in self.groups])
-        return self._direct_sum.total.copy(), self._direct_sum.error
+        fluxes = [levels.level(name).flux for name in self.groups]
+        self._direct_sum.set_levels(fluxes)
+        return self._direct_sum.total.copy(), self._widen(self._direct_sum, fluxes)
 
     def figures(self, levels: LightMix = NEUTRAL) -> Figures:
         """Mean, extremes and uniformity with the groups at other levels; of ratings where there are any, else NaN."""
@@ -114,6 +126,11 @@ class Readings:
                 none = Extreme(np.nan, np.nan, np.nan)
                 return Figures(np.nan, np.nan, none, none, none, none)
         return judge_readings(values, errors, self.has_common)
+
+    def mean_error(self, levels: LightMix = NEUTRAL) -> float:
+        """Relative standard error of the mean, infinite where nothing arrives. [-]"""
+        figures = self.figures(levels)
+        return figures.mean_error / figures.mean if figures.mean > 0.0 else np.inf
 
     def grid(self, values) -> np.ndarray:
         """Values by row and column of the grid, NaN where no sensor stands. (rows, columns)"""
@@ -139,6 +156,7 @@ def make_readings(
     direct=None,
     direct_errors=None,
     lacks="",
+    simplified=0.0,
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
@@ -163,6 +181,7 @@ def make_readings(
         None if direct is None else np.asarray(direct, dtype=np.float32),
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
         lacks,
+        float(simplified),
     )
 
 

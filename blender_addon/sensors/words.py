@@ -6,6 +6,7 @@ import numpy as np
 
 from ...engine.accuracy.readings import Figures
 from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.requirements.budget import tell_parts
 from .. import readout
 from .readings import Readings, readings_of
 from .results import why_outdated
@@ -29,6 +30,8 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
             lines.append(("not in it", readings.lacks))
     else:
         lines += describe_figures(figures, count, readings.unit)
+        parts = tell_parts(readings.mean_error(levels), readings.simplified)
+        lines += [("error of the mean", parts)] if parts else []
     words = levels.text()
     if words and readings.is_rating:
         words = "glare is of all light as it was measured"

@@ -10,6 +10,7 @@ from ...blender_addon import assumptions
 from ...blender_addon.daylight_year.job import SUN_ANGLE, YearJob
 from ...engine.errors import SceneError
 from ..blend_file import open_blend
+from ..modelling import overrule
 from ..options import add_rule, add_scene, real, rule_of, seed_of, share, transport_of, whole
 from ..output import add_output, check_free, say, sheet
 from ..progress import Bar
@@ -216,6 +217,7 @@ def run(options) -> int:
         raise SceneError(f"{options.weather}: no hour has any daylight")
     question, notes = _ask(options, weather)
     depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
     converted = convert_scene(depsgraph)
     settings, report = depsgraph.scene.lumenray, converted.report
     # Sky and sun are those of the weather.

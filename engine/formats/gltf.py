@@ -283,6 +283,7 @@ def _describe(scene: ShownScene, white: float, plan: TexturePlan) -> dict:
             "samples": int(source.samples),
             "engine_version": source.engine_version,
             "variant": source.variant,
+            "simplifications_at_most": float(source.simplified),
             "decisions": list(source.decisions),
             "notes": list(source.notes),
         }

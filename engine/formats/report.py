@@ -115,6 +115,7 @@ def compose(
         "seed": provenance.seed,
         "seconds": seconds,
         "goal": {"reached": not shortfall, "shortfall": shortfall},
+        "simplifications_at_most": provenance.simplified,
         "quantities": quantities,
         "decisions": list(provenance.decisions),
         "notes": list(provenance.notes),

@@ -10,6 +10,7 @@ from ..analysis.ugr_table import REFLECTANCES, ROOMS, UgrTable
 from ..judgement.assessment import Assessment
 from ..judgement.requirement import AREAS, LIGHT, LIMITS, RATIOS
 from ..judgement.verdict import WRONG, Range, State, Verdict
+from ..requirements.budget import tell_parts
 from .blocks import Beside, Cell, Document, Facts, Figure, Heading, Points, Table, Text
 from .results import LightingScene, LuminaireSheet, Report, SensorArea
 
@@ -168,6 +169,9 @@ def _tell_area(report: Report, area: SensorArea):
             ("Uniformity Ud (least/largest)", _range(figures.diversity, "")),
         ]
     lines.append(("Samples", f"{area.samples} for each sensor, seed {area.seed}"))
+    error = figures.mean_error / figures.mean if figures.mean > 0.0 else math.inf
+    if parts := tell_parts(error, area.simplified):
+        lines.append(("Error of the mean", parts))
     yield Facts(tuple(lines))
     if area.assessment is not None:
         yield from _tell_assessment(area.assessment)
@@ -428,7 +432,7 @@ def _tell_method(report: Report):
         "those of verdicts so often "
         f"that a stated verdict is wrong in at most {100 * WRONG:g} % of cases over all its limits. Lighting scenes are "
         "sums of light groups that were computed apart: light adds up, groups are independent, and their errors add up as "
-        "squares."
+        "squares. What of the scene was simplified has a bound, which is in the errors and stated beside them."
     )
     yield Facts(
         (

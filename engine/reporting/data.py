@@ -110,6 +110,7 @@ def _describe_area(area: SensorArea) -> dict:
         "samples": area.samples,
         "seed": area.seed,
         "scene_hash": area.scene_hash,
+        "simplifications_at_most": area.simplified,
         "method": area.method,
         "positions": _numbers(area.positions),
         "normals": _numbers(area.normals),

@@ -46,6 +46,7 @@ class SensorArea:
     assessment : Assessment or None    None: nothing is required of them, or `problem` says why it is not judged.
     problem : str    Why they are not judged although something is required.
     changed : str    What has changed in the scene since they were measured; empty: nothing.
+    simplified : float    Largest relative error by what was not modelled; it is in the errors. [-]
     observers : tuple of Verdict    On the UGR of each, where the sensors are observers' eyes.
     """
 
@@ -67,6 +68,7 @@ class SensorArea:
     problem: str = ""
     changed: str = ""
     observers: tuple[Verdict, ...] = ()
+    simplified: float = 0.0
 
     @property
     def is_rating(self) -> bool:

@@ -58,9 +58,9 @@ DTYPES = {
 """Kinds of numbers that arrays may hold."""
 
 _MODULES = (
-    camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering, scene,
-    sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order,
-    backend, coefficients, lumel_sheet, mixed_maps, decision, plan, explanation,
+    camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering,
+    scene, sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
+    coefficients, lumel_sheet, mixed_maps, decision, plan, explanation,
 )  # fmt: skip
 
 

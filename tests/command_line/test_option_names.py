@@ -16,11 +16,11 @@ PANELS = (
 
 OWN = {
     "render": {
-        "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale",
+        "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale", "model",
     },
     "bake": {
         "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",
-        "requirements", "maintenance", "modified",
+        "requirements", "maintenance", "modified", "model",
     },
 }  # fmt: skip
 """Options that no panel has."""

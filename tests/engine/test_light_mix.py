@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lumenray.engine.accuracy.estimate import relative_error
 from lumenray.engine.errors import SceneError
 from lumenray.engine.light_mix import GroupLight, Level, LightMix, mix, tint
 from lumenray.engine.photometry.colour import XYZ_TO_REC709, scene_linear
+from lumenray.engine.scene.provenance import Provenance
+from lumenray.engine.views import Picture
 
 WHITE = np.linalg.inv(XYZ_TO_REC709) @ np.ones(3)
 """X, Y, Z of D65 with Y = 1."""
@@ -103,3 +106,24 @@ def test_words_say_what_a_factor_means():
     )
     assert levels.text() == "a at 50 % of its flux, b off, d in another colour"
     assert LightMix((Level("c"),)).text() == ""
+
+
+def test_a_mixed_picture_has_what_was_left_out_of_all_groups_in_its_errors():
+    """Simplifications are wrong in all groups alike, so that they do not add up as the errors of samples do."""
+    flat = np.zeros((3, 4), np.float32)
+    whole = mix(GROUPS)
+    origin = Provenance("0", "mono", "", 0, 8, 1.0, simplified=0.1)
+    plain = Picture(
+        **vars(whole), relative_error=0.1, depth=flat, normal=flat, object_index=flat, material_index=flat,
+        provenance=origin, groups=GROUPS,
+    )  # fmt: skip
+    levels = LightMix((Level("b", 0.5),))
+    own, made = mix(GROUPS, levels), plain.mixed(levels)
+    luminance = made.tristimulus[..., 1]
+    expected = np.hypot(own.luminance_error, 0.1 * luminance)
+    np.testing.assert_allclose(made.luminance_error, expected, rtol=1e-5)
+    expected = np.hypot(own.illuminance_error, 0.1 * made.illuminance)
+    np.testing.assert_allclose(made.illuminance_error, expected, rtol=1e-5)
+    assert made.relative_error == relative_error(luminance, made.luminance_error)
+    exact = replace(plain, provenance=replace(origin, simplified=0.0)).mixed(levels)
+    np.testing.assert_array_equal(exact.luminance_error, own.luminance_error)

@@ -7,6 +7,7 @@ import numpy as np
 from blender_bakes import add_lamp
 from lumenray.blender_addon.rendering import light_mix
 from lumenray.blender_addon.sensors import asked, results
+from lumenray.engine.scene.provenance import Provenance
 
 LUX = {"Ceiling": 400.0, "Desk": 200.0}
 """What the lamps of each group give to every sensor, reflected light included; direct light is half of it. [lx]"""
@@ -18,8 +19,8 @@ NOISE = 0.01
 class FakeMeters:
     """Answers with the lux of the groups that shine."""
 
-    def __init__(self, owner, noise=NOISE):
-        self.owner, self.noise, self.shining = owner, noise, {}
+    def __init__(self, owner, noise=NOISE, simplified=0.0):
+        self.owner, self.noise, self.simplified, self.shining = owner, noise, simplified, {}
 
     def apply(self, delta):
         self.shining = {k: v for k, v in self.shining.items() if k not in delta.removed}
@@ -29,9 +30,9 @@ class FakeMeters:
         share = 0.5 if reflections == 0 else 1.0
         exact = share * sum(LUX[self.owner[key]] for key in self.shining)
         noise = np.random.default_rng(seed + (reflections == 0)).normal(size=len(positions))
-        error = np.full(len(positions), max(self.noise * exact, 1e-9))
-        origin = SimpleNamespace(
-            samples=16, seed=seed, notes=("a note",), decisions=(), seconds=1.0
+        error = np.full(len(positions), max(np.hypot(self.noise, self.simplified) * exact, 1e-9))
+        origin = Provenance(
+            "0", "mono", "", seed, 16, 1.0, notes=("a note",), simplified=self.simplified
         )
         return SimpleNamespace(
             illuminance=exact + error * noise,
@@ -56,12 +57,12 @@ def new_room(name="Desk A", requirement="office.writing", length=2.0, width=1.0)
     return empty
 
 
-def measure(noise=NOISE):
+def measure(noise=NOISE, simplified=0.0):
     """Measure all sensors of the scene by the fake, and keep what they tell."""
     bpy.context.view_layer.update()
     job, _ = asked.prepare(bpy.context.evaluated_depsgraph_get())
     owner = {key: group.name for group in job.groups for key in group.members}
-    job.run(FakeMeters(owner, noise))
+    job.run(FakeMeters(owner, noise, simplified))
     results.store(job)
     return job
 

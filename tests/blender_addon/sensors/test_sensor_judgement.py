@@ -15,6 +15,7 @@ from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.requirement import Requirement
 from lumenray.engine.judgement.verdict import State
 from lumenray.engine.light_mix import Level, LightMix
+from lumenray.engine.scene.provenance import Provenance
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -36,7 +37,7 @@ class Fake:
 
     def measure(self, positions, normals, rule, seed, transport, progress, **_):
         values = np.where(np.abs(normals[:, 2]) > 0.5, 600.0, 80.0)
-        origin = SimpleNamespace(samples=16, seed=seed, notes=(), seconds=2.0)
+        origin = Provenance("0", "mono", "", seed, 16, 2.0)
         return SimpleNamespace(
             illuminance=values,
             standard_error=0.01 * values,
@@ -200,7 +201,7 @@ def test_a_camera_tells_the_luminances_of_its_picture_by_part():
             luminance = np.where(np.arange(48) < 24, 300.0, 100.0) + np.zeros((24, 1))
             noise = np.random.default_rng(settings.seed).normal(0.0, 5.0, luminance.shape)
             picture = np.repeat((luminance + noise)[..., None], 3, axis=2)
-            origin = SimpleNamespace(notes=("note",), seconds=0.1)
+            origin = Provenance("0", "mono", "", 0, 1, 0.1, notes=("note",))
             return SimpleNamespace(
                 tristimulus=picture,
                 luminance_error=np.full(luminance.shape, 5.0),
@@ -209,6 +210,7 @@ def test_a_camera_tells_the_luminances_of_its_picture_by_part():
 
     found = measure_regions(Wall(), placed.camera, placed.shape, StopRule(each=0.01, floor=1.0))
     expected = np.array([300.0, 300.0, 100.0, 100.0] * 2)
+    assert found.simplified == 0.0
     assert (found.standard_error <= 0.01 * expected * 1.01).all()
     assert (np.abs(found.luminance - expected) < 5.0 * found.standard_error).all()
     assert found.notes == ("note",)

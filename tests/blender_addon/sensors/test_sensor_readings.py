@@ -13,6 +13,7 @@ from lumenray.blender_addon.sensors.readings import read_readings, readings_of, 
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.light_mix import Level, LightMix
+from lumenray.engine.scene.provenance import Provenance
 from mathutils import Matrix
 
 pytestmark = pytest.mark.usefixtures("extension")
@@ -56,7 +57,7 @@ def measured(monkeypatch):
             from types import SimpleNamespace
 
             values = 100.0 + 50.0 * positions[:, 0]
-            origin = SimpleNamespace(samples=16, seed=seed, notes=(), seconds=1.0)
+            origin = Provenance("0", "mono", "", seed, 16, 1.0)
             return SimpleNamespace(
                 illuminance=values,
                 standard_error=0.01 * values,
@@ -286,3 +287,28 @@ def test_a_copy_keeps_readings_where_they_were_measured_and_is_out_of_date_when_
     bpy.context.view_layer.update()
     assert results.is_outdated(copy)
     assert not results.is_outdated(measured)
+
+
+def test_what_is_left_out_of_all_light_groups_does_not_cancel_in_their_sum():
+    """Samples of groups are independent; a simplification is wrong in all of them alike."""
+    from kept_readings import LUX, NOISE, measure, new_room, set_sliders
+
+    empty = new_room(requirement="")
+    measure(noise=NOISE, simplified=0.02)
+    readings, total = readings_of(empty), sum(LUX.values())
+    assert readings.simplified == 0.02
+    values, errors = readings.mixed()
+    np.testing.assert_allclose(values, total, rtol=0.1)
+    noise = NOISE * np.hypot(*LUX.values())
+    np.testing.assert_allclose(errors, np.hypot(noise, 0.02 * values), rtol=0.03)
+    half = LightMix((Level("Desk", 0.0),))
+    values, errors = readings.mixed(half)
+    np.testing.assert_allclose(errors, np.hypot(NOISE, 0.02) * LUX["Ceiling"], rtol=1e-3)
+    # The mean of sensors is wrong by as much.
+    assert readings.mean_error() >= 0.02
+    set_sliders()
+    told = dict(words.describe(empty))["error of the mean"]
+    assert told.startswith("sampling 0.") and told.endswith("simplifications at most 2 %")
+    assert files.describe_readings("Desk", readings, LightMix())["simplifications_at_most"] == 0.02
+    measure(noise=NOISE)
+    assert "error of the mean" not in dict(words.describe(empty))

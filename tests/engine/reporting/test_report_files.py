@@ -5,6 +5,7 @@ import html.parser
 import io
 import json
 import re
+from dataclasses import replace
 
 import pytest
 from lumenray.engine.errors import FileFormatError, LumenrayError
@@ -168,3 +169,15 @@ def test_values_are_written_with_their_errors(tmp_path):
     first = kept["lighting_scenes"][0]["areas"][0]
     assert float(rows[0]["value"]) == first["values"][0]
     assert float(rows[0]["standard_error"]) == first["standard_error"][0] == 2.0
+
+
+def test_a_report_says_what_errors_are_made_of_where_something_was_simplified(report):
+    area = report.scenes[0].areas[0]
+    simplified = replace(area, simplified=0.003)
+    scene = replace(report.scenes[0], areas=(simplified,))
+    made = replace(report, scenes=(scene,))
+    words = words_of(Page(to_html(compose(made))))
+    assert "Error of the mean sampling 0." in words
+    assert "simplifications at most 0.3 %" in words
+    assert data.describe(made)["lighting_scenes"][0]["areas"][0]["simplifications_at_most"] == 0.003
+    assert "simplifications at most" not in words_of(Page(to_html(compose(report))))
