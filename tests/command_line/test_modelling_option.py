@@ -79,8 +79,9 @@ def test_explain_is_read_by_people(room, capsys):
 @pytest.mark.parametrize("choice", ["off", "force"])
 def test_a_decision_is_overruled_and_so_are_all(room, capsys, choice):
     name = next(iter(DECISIONS))
-    first = {each["name"]: each["switch"] for each in explain(capsys, room, "--model", f"{name}={choice}")["decisions"]}  # fmt: skip
-    assert first == dict.fromkeys(DECISIONS, "auto") | {name: choice}
+    told = explain(capsys, room, "--model", f"{name}={choice}")
+    switches = {each["name"]: each["switch"] for each in told["decisions"]}
+    assert switches == dict.fromkeys(DECISIONS, "auto") | {name: choice}
     told = explain(capsys, room, "--model", f"all={choice}", "--model", f"{name}=auto")
     switches = {each["name"]: each["switch"] for each in told["decisions"]}
     assert switches == dict.fromkeys(DECISIONS, choice) | {name: "auto"}

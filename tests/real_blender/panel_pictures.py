@@ -303,6 +303,28 @@ def renders():
     settings.bake.use_absolute = settings.bake.use_time = settings.bake.use_samples = False
 
 
+def modelling():
+    """What will be computed, before and after it was found out, and out of date; the tab has nothing else meanwhile."""
+    ui, settings = module("ui"), bpy.context.scene.lumenray
+    others = (*ui.render.CLASSES, *ui.bake.CLASSES)
+    others = [kind for kind in others if getattr(kind, "bl_context", "") == "render"]
+    for kind in reversed(others):
+        bpy.utils.unregister_class(kind)
+    settings.render.stop, settings.render.error = "ERROR", 0.01
+    yield from tab("modelling_unknown", "RENDER")
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.explain_modelling("INVOKE_DEFAULT")
+    jobs = module("blender_addon.foundation.background_job")
+    name = module("blender_addon.modelling.job").NAME
+    yield from wait_for(lambda: not jobs.is_running(name), "the decisions", 60.0)
+    yield from tab("modelling", "RENDER")
+    bpy.data.objects["Cube"].location.x += 0.5
+    yield from tab("modelling_outdated", "RENDER")
+    for kind in others:
+        bpy.utils.register_class(kind)
+    settings.render.stop = "SAMPLES"
+
+
 def bakes():
     """A bake before it starts, under way, and done."""
     cube = bpy.data.objects["Cube"]
@@ -393,6 +415,7 @@ CASES = {
         materials,
         worlds,
         renders,
+        modelling,
         bakes,
         views,
         mixes,
