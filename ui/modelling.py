@@ -6,6 +6,7 @@ from ..blender_addon import readout
 from ..blender_addon.foundation import background_job
 from ..blender_addon.modelling import asked, job, results
 from ..blender_addon.modelling.settings import SWITCHES
+from ..engine.scene.modelling import Switch
 from .parts import draw_lines, draw_text
 from .render import RenderPanel
 
@@ -28,7 +29,7 @@ class LUMENRAY_PT_modelling(RenderPanel, bpy.types.Panel):
         layout.prop(own, "purpose")
         column = layout.column()
         column.active = question.error is not None
-        column.prop(own, "share_percent")
+        column.prop(own, "share_percent", text="Budget")
         draw_text(layout, context, f"{question.words[:1].upper()}{question.words[1:]}", "INFO")
         if question.error is None:
             draw_text(layout, context, NO_ERROR)
@@ -42,27 +43,35 @@ class LUMENRAY_PT_modelling(RenderPanel, bpy.types.Panel):
         if old:
             draw_text(layout, context, f"Out of date, changed since: {old}", "ERROR")
         decisions = {} if answer is None else {each.name: each for each in answer.plan.decisions}
+        column = layout.column()
         for name, key in SWITCHES.items():
-            self._draw_decision(layout.box(), context, own, key, decisions.get(name), bool(old))
+            self._draw_decision(column, context, own, key, decisions.get(name), bool(old))
         if answer is not None:
             column = layout.column()
             column.active = not old
             text = answer.plan.budget_text
             draw_text(column, context, f"{text[:1].upper()}{text[1:]}", "INFO")
 
-    def _draw_decision(self, box, context, own, key: str, decision, is_old: bool) -> None:
-        box.prop(own, key)
+    def _draw_decision(self, layout, context, own, key: str, decision, is_old: bool) -> None:
+        """Draw the switch of a decision alone, or below its choice together with all that is known of it."""
         if decision is None:
+            layout.prop(own, key)
             return
-        column = box.column()
+        # What costs exactness is open at first.
+        header, body = layout.panel(f"lumenray_modelling_{key}", default_closed=not decision.bound)
+        header.active = not is_old
+        is_own = decision.switch is not Switch.AUTO
+        title = own.bl_rna.properties[key].name
+        header.label(text=f"{title}: {decision.choice}", icon="PINNED" if is_own else "NONE")
+        if body is None:
+            return
+        body.prop(own, key)
+        column = body.column()
         column.active = not is_old
-        lines = [
-            ("computed", decision.choice),
-            ("error by it", readout.format_bound(decision.bound)),
-        ]
+        lines = [("error", readout.format_bound(decision.bound))]
         if decision.saving:
             lines.append(("time saved", f"about {100.0 * decision.saving:.0f} %"))
-        draw_lines(column, lines, share=0.35)
+        draw_lines(column, lines, share=0.4)
         draw_text(column, context, f"{decision.reason[:1].upper()}{decision.reason[1:]}")
 
 

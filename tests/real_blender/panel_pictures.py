@@ -303,6 +303,15 @@ def renders():
     settings.bake.use_absolute = settings.bake.use_time = settings.bake.use_samples = False
 
 
+def find_out():
+    """Have decisions made."""
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.explain_modelling("INVOKE_DEFAULT")
+    jobs = module("blender_addon.foundation.background_job")
+    name = module("blender_addon.modelling.job").NAME
+    yield from wait_for(lambda: not jobs.is_running(name), "the decisions", 60.0)
+
+
 def modelling():
     """What will be computed, before and after it was found out, and out of date; the tab has nothing else meanwhile."""
     ui, settings = module("ui"), bpy.context.scene.lumenray
@@ -312,12 +321,14 @@ def modelling():
         bpy.utils.unregister_class(kind)
     settings.render.stop, settings.render.error = "ERROR", 0.01
     yield from tab("modelling_unknown", "RENDER")
-    with override(area_of("VIEW_3D")):
-        bpy.ops.lumenray.explain_modelling("INVOKE_DEFAULT")
-    jobs = module("blender_addon.foundation.background_job")
-    name = module("blender_addon.modelling.job").NAME
-    yield from wait_for(lambda: not jobs.is_running(name), "the decisions", 60.0)
-    yield from tab("modelling", "RENDER")
+    yield from find_out()
+    yield from tab("modelling_exact", "RENDER")
+    # Off-white paint can do without wavelengths within the error of lux maps.
+    shader = bpy.data.objects["Cube"].active_material.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (0.8, 0.795, 0.79, 1.0)
+    settings.modelling.purpose, settings.bake.error = "LUX_MAPS", 0.02
+    yield from find_out()
+    yield from tab("modelling_bounded", "RENDER")
     bpy.data.objects["Cube"].location.x += 0.5
     yield from tab("modelling_outdated", "RENDER")
     for kind in others:
