@@ -61,8 +61,10 @@ class LUMENRAY_PT_modelling(RenderPanel, bpy.types.Panel):
         header, body = layout.panel(f"lumenray_modelling_{key}", default_closed=not decision.bound)
         header.active = not is_old
         is_own = decision.switch is not Switch.AUTO
-        title = own.bl_rna.properties[key].name
-        header.label(text=f"{title}: {decision.choice}", icon="PINNED" if is_own else "NONE")
+        title = f"{own.bl_rna.properties[key].name}: {decision.choice}"
+        if decision.bound:
+            title += f", ≤ {readout.format_error(decision.bound)}"
+        header.label(text=title, icon="PINNED" if is_own else "NONE")
         if body is None:
             return
         body.prop(own, key)

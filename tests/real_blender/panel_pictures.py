@@ -319,18 +319,20 @@ def modelling():
     others = [kind for kind in others if getattr(kind, "bl_context", "") == "render"]
     for kind in reversed(others):
         bpy.utils.unregister_class(kind)
-    settings.render.stop, settings.render.error = "ERROR", 0.01
-    yield from tab("modelling_unknown", "RENDER")
-    yield from find_out()
-    yield from tab("modelling_exact", "RENDER")
     # Off-white paint can do without wavelengths within the error of lux maps.
     shader = bpy.data.objects["Cube"].active_material.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (0.8, 0.795, 0.79, 1.0)
     settings.modelling.purpose, settings.bake.error = "LUX_MAPS", 0.02
+    yield from tab("modelling_unknown", "RENDER")
     yield from find_out()
     yield from tab("modelling_bounded", "RENDER")
     bpy.data.objects["Cube"].location.x += 0.5
     yield from tab("modelling_outdated", "RENDER")
+    settings.render.stop, settings.render.error = "ERROR", 0.01
+    settings.modelling.purpose, settings.modelling.colours = "PICTURE", "OFF"
+    yield from find_out()
+    yield from tab("modelling_overruled", "RENDER")
+    settings.property_unset("modelling")
     for kind in others:
         bpy.utils.register_class(kind)
     settings.render.stop = "SAMPLES"
