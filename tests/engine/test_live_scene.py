@@ -28,6 +28,7 @@ from lumenray.engine.scene.material import (
     ThinGlass,
 )
 from lumenray.engine.scene.mesh import Geometry, Mesh, Placement, place
+from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Attachment, Scene, SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
@@ -397,3 +398,18 @@ def test_unused_is_forgotten():
     session.measure([[0, 0, 0]], UP, StopRule(samples=4))
     assert material_palette.item("m1") is None
     assert isinstance(meshes[0], Mesh)
+
+
+def test_what_is_simplified_is_an_edit_like_others():
+    """A view goes on from a switch that changes no model without being built anew."""
+    light = PointLight("l", "l", Output(Quantity.LUMINOUS_INTENSITY, 100.0), np.array([1, 1, 1.8]))
+    kept = session_of(block("b"), paint(0.5), light)
+    kept.watch(camera_at(1, 1, 1.5, 8, 6), LiveSettings(samples=4), Display())
+    kept.refine()
+    plain = kept.scene.hash()
+    kept.apply(SceneDelta(changed=(Modelling((("colours", Switch.FORCE),)),)))
+    assert kept.has_view_work
+    kept.refine()
+    assert kept.commit.action != "everything built"
+    kept.apply(SceneDelta(removed=("modelling",)))
+    assert kept.scene.hash() == plain
