@@ -45,7 +45,7 @@ class NeedScene:
     normals: np.ndarray
 
 
-def _grid(low, high, columns: int = 10, rows: int = 8) -> tuple[np.ndarray, np.ndarray]:
+def _grid(low, high, columns: int = 50, rows: int = 40) -> tuple[np.ndarray, np.ndarray]:
     """Level sensors between two corners at one height, facing up."""
     x, y = np.meshgrid(
         np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows), indexing="ij"
@@ -112,8 +112,8 @@ def build_coloured_room() -> tuple:
 def build_caustic_glass() -> tuple:
     """Table with glass and mirrors under a small lamp; sensors on the table and the floor."""
     items = pictures.build_glass().items
-    table = _grid((-0.65, -0.35, 0.742), (0.65, 0.45, 0.742), 8, 6)
-    floor = _grid((-1.6, -1.6, 0.002), (1.6, 1.6, 0.002), 6, 6)
+    table = _grid((-0.65, -0.35, 0.742), (0.65, 0.45, 0.742), 40, 30)
+    floor = _grid((-1.6, -1.6, 0.002), (1.6, 1.6, 0.002), 30, 30)
     return items, np.concatenate([table[0], floor[0]]), np.concatenate([table[1], floor[1]])
 
 
@@ -140,7 +140,7 @@ def build_many_luminaires() -> tuple:
         make_matt("wall", Constant(0.5)),
     )
     room = _room(size, {"bottom": "floor", "top": "ceiling"})
-    return (*materials, *room, *panels), *_grid((3.0, 2.0, 0.8), (97.0, 38.0, 0.8), 14, 6)
+    return (*materials, *room, *panels), *_grid((3.0, 2.0, 0.8), (97.0, 38.0, 0.8), 84, 24)
 
 
 def build_daylight() -> tuple:
@@ -165,8 +165,8 @@ def build_ray_lamp() -> tuple:
     near = 1.0 - 6.0 * made.emission.size
     sheet = make_mesh("sheet", [quad((0.0, -0.02, near), (0.03, 0, 0), (0, 0.04, 0))], "paper")
     floor = make_mesh("floor", [quad((-2, -2, 0), (4, 0, 0), (0, 4, 0))], "paper")
-    close = _grid((0.003, -0.015, near + 1e-4), (0.025, 0.015, near + 1e-4), 6, 5)
-    far = _grid((-1.5, -1.5, 0.001), (1.5, 1.5, 0.001), 7, 7)
+    close = _grid((0.003, -0.015, near + 1e-4), (0.025, 0.015, near + 1e-4), 30, 25)
+    far = _grid((-1.5, -1.5, 0.001), (1.5, 1.5, 0.001), 35, 35)
     items = (make_matt("paper", Constant(0.7)), sheet, floor, lamp)
     return items, np.concatenate([close[0], far[0]]), np.concatenate([close[1], far[1]])
 
@@ -178,7 +178,7 @@ def build_measured_paint() -> tuple:
 
 def build_indirect_cabin() -> tuple:
     """Closed tube whose lamps shine at its ceiling."""
-    return interiors.build_cabin(), *_grid((0.6, -1.2, 0.62), (11.4, 1.2, 0.62), 14, 6)
+    return interiors.build_cabin(), *_grid((0.6, -1.2, 0.62), (11.4, 1.2, 0.62), 84, 24)
 
 
 def build_court() -> tuple:
@@ -230,7 +230,7 @@ def build_huge() -> tuple:
         for n in range(60)
     ]
     moved = [replace(mesh, vertices=mesh.vertices + away) for mesh in meshes]
-    places, normals = _grid((502.0, 20.0, 0.8), (590.0, 280.0, 0.8), 8, 10)
+    places, normals = _grid((502.0, 20.0, 0.8), (590.0, 280.0, 0.8), 40, 50)
     return (*materials, *moved, *panels), places + away, normals
 
 
