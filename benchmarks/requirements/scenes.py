@@ -19,10 +19,9 @@ from ...engine.scene.light import (
 from ...engine.scene.material import Coated, Material
 from ...engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
 from ...libraries import raysets
-from ..common import interiors
+from ..common import interiors, still_lifes
 from ..common.interiors import make_matt
 from ..common.pieces import box, make_mesh, quad, rigid_frame, side_of_box
-from ..pictures import scenes as pictures
 
 SIDES = ("bottom", "top", "-y", "+y", "-x", "+x")
 
@@ -111,7 +110,7 @@ def build_coloured_room() -> tuple:
 
 def build_caustic_glass() -> tuple:
     """Table with glass and mirrors under a small lamp; sensors on the table and the floor."""
-    items = pictures.build_glass().items
+    items = still_lifes.build_glass()
     table = _grid((-0.65, -0.35, 0.742), (0.65, 0.45, 0.742), 40, 30)
     floor = _grid((-1.6, -1.6, 0.002), (1.6, 1.6, 0.002), 30, 30)
     return items, np.concatenate([table[0], floor[0]]), np.concatenate([table[1], floor[1]])
@@ -173,7 +172,7 @@ def build_ray_lamp() -> tuple:
 
 def build_measured_paint() -> tuple:
     """Product of measured paints between two soft lights; sensors on its stage."""
-    return pictures.build_product().items, *_grid((-1.2, -1.2, 0.002), (1.2, 0.9, 0.002))
+    return still_lifes.build_product()[0], *_grid((-1.2, -1.2, 0.002), (1.2, 0.9, 0.002))
 
 
 def build_indirect_cabin() -> tuple:
@@ -225,7 +224,10 @@ def build_huge() -> tuple:
     ]
     panels = [
         _panel(
-            n, away + (25.0 + 50.0 * (n % 12), 30.0 + 60.0 * (n // 12), 29.0), 60_000.0, side=1.0
+            n,
+            np.add(away, (25.0 + 50.0 * (n % 12), 30.0 + 60.0 * (n // 12), 29.0)),
+            60_000.0,
+            side=1.0,
         )
         for n in range(60)
     ]

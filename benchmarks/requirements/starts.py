@@ -36,8 +36,8 @@ def measure(say) -> dict:
 def tell(made: dict) -> str:
     """The chapter of the document."""
     return (
-        f"## Starting\n\nMedians of {REPEATS}: `import lumenray` {1e3 * made['import_seconds']:.1f} ms, `lumenray explain` of "
-        f"the bundled office {made['explain_seconds']:.2f} s, Blender's own start included.\n\n"
+        f"## Starting\n\nMedians of {REPEATS}: `import lumenray` {1e3 * made['import_seconds']:.1f} ms, `lumenray explain` "
+        f"of the bundled office {made['explain_seconds']:.2f} s, Blender's own start included.\n\n"
     )
 
 
