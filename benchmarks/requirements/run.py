@@ -28,11 +28,11 @@ TEXT = """# What a scene needs
 
 *Made by `lumenray benchmark requirements`; do not edit by hand.*
 
-Twelve scenes, illuminance at about 2000 sensors to an error of {error:g} %: all automatic, against everything modelled in
-full (with wavelengths, by full paths, nothing merged or left out). Seconds are those of the processors, with kernels made and the scene
-compiled, without the second witness, which costs both the same; of runs that would take more than {longest:g} s, marked by
-\\*, they are reckoned from the error that was reached. *True error*: root mean square of {seeds} runs over the sensors, over
-their mean, against the runs in full. {cpu}, {cores} cores.
+Twelve scenes, illuminance at about 2000 sensors to an error of {error:g} %: all automatic, against everything
+modelled in full (with wavelengths, by full paths, nothing merged or left out). Seconds are those of the processors,
+with kernels made and the scene compiled, without the second witness, which costs both the same; of runs that would
+take more than {longest:g} s, marked by \\*, they are reckoned from the error that was reached. *True error*: root
+mean square of {seeds} runs over the sensors, over their mean, against the runs in full. {cpu}, {cores} cores.
 
 """
 
