@@ -131,6 +131,24 @@ def add_command(commands) -> None:
         metavar="FOLDER",
         help="luminaires sample_NN.ldt with tables ugr_table_NN_NAME.csv of glare ratings (default: left out)",
     )
+    needs = _add(
+        kinds,
+        "requirements",
+        _run_requirements,
+        "what modelling only what a scene needs saves, and whether its bounds hold",
+        "of a part",
+    )
+    needs.add_argument(
+        "--seeds", type=whole(2), default=20, metavar="N", help="runs of each scene (default: 20)"
+    )
+    needs.add_argument(
+        "--scenes", type=words, metavar="A,B", help="only these, by their names (default: all)"
+    )
+    needs.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds, scene by scene",
+    )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     _add_with_peers(kinds)
@@ -439,6 +457,30 @@ def _run_judgement(options, say) -> int:
     result = judgement.run(options.tables, say=say)
     tell(tell_bars(judgement.check_bars(result)))
     _write(judgement, result, options, options.tables is None)
+    return 0
+
+
+def _run_requirements(options, say) -> int:
+    _start_engine()
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.common.output import write_numbers
+    from ..benchmarks.requirements import run as needs
+
+    unknown = set(options.scenes or ()) - set(needs.BUILDERS)
+    if unknown:
+        raise LumenrayError(
+            f"there is no scene '{min(unknown)}', expected some of {', '.join(needs.BUILDERS)}"
+        )
+    result = needs.run(
+        options.seeds,
+        options.scenes,
+        _read_earlier(options, needs),
+        say,
+        lambda state: write_numbers(state, options.json),
+    )
+    tell(tell_bars(needs.check_bars(result)))
+    is_part = options.seeds < needs.SEEDS or len(result["scenes"]) < len(needs.BUILDERS)
+    _write(needs, result, options, is_part)
     return 0
 
 

@@ -582,7 +582,7 @@ class Session:
     def _engine(self, transport: str, asked: Asked = EXACT, is_live: bool = False):
         """Give the compiled scene for what is asked, alone with the process's Mitsuba."""
         with self._alone(is_live):
-            compiled = self._prepare(transport, asked, is_live)
+            compiled = self._prepare(transport, is_live, asked)
             if not is_live:
                 compiled.shine()
                 compiled.settle()
@@ -614,7 +614,7 @@ class Session:
 
             backend.start("spectral" in self._variant)
 
-    def _prepare(self, transport: str, asked: Asked, is_live: bool):
+    def _prepare(self, transport: str, is_live: bool, asked: Asked = EXACT):
         """Bring the Mitsuba objects up to date with the scene."""
         from .transport import backend
 

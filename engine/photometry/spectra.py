@@ -5,7 +5,6 @@ from functools import lru_cache
 import numpy as np
 
 from ...libraries import spectra as tables
-from .. import llvm
 from ..errors import SceneError
 from ..scene.spectrum import (
     Blackbody,
@@ -17,6 +16,7 @@ from ..scene.spectrum import (
     Spectrum,
     Tabulated,
 )
+from .sigmoid_table import fetch_coefficients
 from .units import LUMINOUS_EFFICACY, MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
 
 GRID = np.arange(MINIMUM_WAVELENGTH, MAXIMUM_WAVELENGTH + 0.5, 1.0)
@@ -190,22 +190,11 @@ def upsample(rgb: Rgb, wavelengths) -> np.ndarray:
     if largest <= 0.0:
         return np.zeros_like(wavelengths)
     scale = 1.0 if largest <= 1.0 else 2.0 * largest
-    c0, c1, c2 = _sigmoid_coefficients(*(colour / scale))
+    c0, c1, c2 = fetch_coefficients(*(colour / scale))
     if np.isinf(c2):
         return np.full_like(wavelengths, scale if c2 > 0 else 0.0)
     x = (c0 * wavelengths + c1) * wavelengths + c2
     return scale * (0.5 + 0.5 * x / np.sqrt(1.0 + x * x))
-
-
-@lru_cache(maxsize=4096)
-def _sigmoid_coefficients(red, green, blue) -> tuple[float, float, float]:
-    llvm.settle()
-    import mitsuba as mi
-
-    if mi.variant() is None:
-        mi.set_variant("scalar_spectral")
-    found = np.array(mi.srgb_model_fetch([red, green, blue]), dtype=np.float64).ravel()
-    return float(found[0]), float(found[1]), float(found[2])
 
 
 def integrate(values) -> float:

@@ -28,8 +28,8 @@ PATHS, FEWEST_PATHS = 1 << 18, 1 << 15
 WORK = 1 << 22
 """Surfaces that all paths of a pilot may meet together before there are fewer of them."""
 
-LOOKS = (1, 8)
-"""Times as many paths and surfaces in a first look, and in a second one where the first leaves doubt."""
+LOOKS = (1, 2, 8)
+"""Times as many paths and surfaces in a first look, and in others where the one before leaves doubt."""
 
 PROBE = 1 << 12
 """Paths that tell how long they are."""
@@ -278,7 +278,7 @@ class Witness:
         return rays, use, met
 
     def _affordable(self, paths: int, look: int) -> int:
-        """So many paths, or fewer where they are long, then a power of two. No launch is longer in a second look."""
+        """So many paths, or fewer where they are long, then a power of two. No launch is longer in a later look."""
         which, chance = _spread(self._shares, PROBE, self._seed)
         tally = make_tally(self._all_rows, len(self.objects), 1, self._flux)
         if self._sheets is not None:

@@ -23,7 +23,7 @@ GROUPS = 16
 """Independent groups of them."""
 
 MORE = 4
-"""Times as many samples in a second look."""
+"""Times as many samples in the last look, at most."""
 
 DOUBT = 0.3
 """Probability of a second look where there is no difference: errors of single sensors are less certain than those of

@@ -104,7 +104,11 @@ class Sheets:
         """Put everything onto the device, with counters at 0. ``flux``: about that of all lights [lm]."""
         q = self.squares
         inverse = 1.0 / q.half[:, None]
-        rows = np.concatenate([q.centre, q.normal, q.along * inverse, q.across * inverse], axis=1)
+        # Each of the four with a number behind it: rows of a power of two are loaded at once.
+        planes = np.stack([q.normal, q.along * inverse, q.across * inverse], axis=1)
+        offsets = np.einsum("kix,kx->ki", planes, q.centre)
+        rows = np.concatenate([planes, offsets[..., None]], axis=2)
+        rows = np.concatenate([rows, np.zeros((len(rows), 1, 4))], axis=1)
         self._rows = upload(mi.Float, rows)
         self._open = upload(mi.Bool, q.is_open)
         self._many = dr.opaque(mi.UInt32, len(self))
@@ -113,23 +117,24 @@ class Sheets:
         dr.eval(self._rows, self._open)
 
     def count(self, ray, way, amount, batch, active, chance, watcher, facts):
-        """Count what crosses on its way [m]; returns all that every path brought. ``chance``: as of `Sums.add`. [lm]"""
+        """Count what crosses on its way [m]; returns all that every path brought. ``chance``: as of `Sums.quanta`. [lm]"""
+        start, count = mi.Vector3f(ray.o), self.flux.quanta(amount, chance)
 
         def step(k, brought):
-            centre, normal, along, across = (
-                dr.gather(mi.Vector3f, self._rows, k * 4 + i) for i in range(4)
+            normal, along, across = (
+                dr.gather(mi.Vector4f, self._rows, k * 4 + i) for i in range(3)
             )
-            slope = dr.dot(ray.d, normal)
-            t = dr.dot(centre - mi.Vector3f(ray.o), normal) / dr.select(slope == 0.0, 1.0, slope)
-            at = mi.Vector3f(ray(t)) - centre
-            x = (dr.dot(at, along) + 1.0) * (0.5 * SIDE)
-            y = (dr.dot(at, across) + 1.0) * (0.5 * SIDE)
+            slope = dr.dot(ray.d, normal.xyz)
+            t = (normal.w - dr.dot(start, normal.xyz)) / dr.select(slope == 0.0, 1.0, slope)
+            at = start + ray.d * t
+            x = (dr.dot(at, along.xyz) - along.w + 1.0) * (0.5 * SIDE)
+            y = (dr.dot(at, across.xyz) - across.w + 1.0) * (0.5 * SIDE)
             met = active & (slope < 0.0) & (t > 0.0) & (t < way)
             met &= (x >= 0.0) & (x < SIDE) & (y >= 0.0) & (y < SIDE)
             cell = mi.UInt32(dr.select(met, y, 0.0)) * SIDE + mi.UInt32(dr.select(met, x, 0.0))
             met &= dr.gather(mi.Bool, self._open, k * (SIDE * SIDE) + cell, met)
             place = k * mi.UInt32(self._batches) + batch
-            self.flux.add(amount, place, met, chance)
+            self.flux.add_quanta(count, place, met)
             if watcher is not None:
                 watcher.see_sheet(k, amount, *facts, met)
             return k + 1, dr.select(met, brought + amount, brought)

@@ -33,9 +33,21 @@ class Sums:
         self.counts = dr.zeros(dr.int64_array_t(mi.Float), size)
 
     def add(self, amount, index, active, chance=0.5) -> None:
-        """Add amounts, numbers that are finite alone. ``chance``: random, in [0, 1), by which quanta are filled up."""
+        """Add amounts, see `quanta`."""
+        self.add_quanta(self.quanta(amount, chance), index, active)
+
+    def quanta(self, amount, chance=0.5):
+        """Amounts as whole quanta, Int64; what is no finite number is none.
+
+        Parameters
+        ----------
+        chance : Float    Random, in [0, 1), by which quanta are filled up.
+        """
         whole = dr.floor(dr.select(dr.isfinite(amount), amount, 0.0) * self._scale + chance)
-        count = dr.int64_array_t(mi.Float)(whole)
+        return dr.int64_array_t(mi.Float)(whole)
+
+    def add_quanta(self, count, index, active) -> None:
+        """Add what `quanta` gave."""
         dr.scatter_reduce(dr.ReduceOp.Add, self.counts, count, index, active)
 
     def values(self) -> np.ndarray:

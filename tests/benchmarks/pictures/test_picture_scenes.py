@@ -51,7 +51,8 @@ def test_scenes_are_stated_to_cycles_whole(key):
 
 
 def test_stand_ins_are_for_others_only():
-    from lumenray.benchmarks.pictures.scenes import PAINTS, build
+    from lumenray.benchmarks.common.still_lifes import PAINTS
+    from lumenray.benchmarks.pictures.scenes import build
     from lumenray.engine.scene.material import Material, Measured
 
     scene = build("product", SIZE)

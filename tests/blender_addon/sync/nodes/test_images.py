@@ -202,3 +202,12 @@ def test_second_uv_map_becomes_its_mean_and_is_reported(tree):
     means = [np.array(bpy.data.images[f"Noise {i}"].pixels).reshape(-1, 4)[:, :3] for i in (1, 2)]
     assert ours.mean((0, 1)) == pytest.approx(means[0].mean(0) + means[1].mean(0), abs=1e-4)
     assert "UV maps" in report.to_dicts()[0]["message"]
+
+
+def test_bytes_are_decoded_as_any_other_values():
+    from lumenray.blender_addon.sync.images.pixels import _decode_bytes
+
+    codes = np.arange(256, dtype=np.float32) / np.float32(255.0)
+    np.testing.assert_allclose(_decode_bytes(codes), decode_srgb(codes.astype(float)), rtol=1e-6)
+    between = codes * np.float32(0.7)
+    np.testing.assert_allclose(_decode_bytes(between), decode_srgb(between), rtol=1e-6)

@@ -1,0 +1,117 @@
+"""Time to an asked error, all automatic against everything modelled in full, and the true errors of the first."""
+
+import time
+
+import numpy as np
+
+from ...engine.accuracy.stopping import StopRule
+from ...engine.requirements.plan import DECISIONS
+from ...engine.scene.modelling import Modelling, Switch
+from ...engine.scene.scene import SceneDelta
+from ...engine.session import Session
+from .scenes import NeedScene
+
+ERROR = 0.01
+"""Relative standard error that is asked for. [-]"""
+
+FULL = Modelling(tuple((name, Switch.OFF) for name in DECISIONS))
+"""Nothing is simplified."""
+
+LONGEST = 60.0
+"""Of one run of the full model; from its error then the time to the asked one is reckoned. [s]"""
+
+WARMING = 16
+"""Samples by which the full model's kernels are made before its time counts."""
+
+
+class Racer:
+    """A way of computing a scene, without the second witness, which costs both the same.
+
+    Parameters
+    ----------
+    scene : NeedScene
+    is_full : bool    Whether everything is modelled in full: with wavelengths, by full paths, nothing left out.
+    """
+
+    def __init__(self, scene: NeedScene, is_full: bool):
+        self._scene = scene
+        self._session = Session(witness=False)
+        self._session.apply(SceneDelta(changed=(*scene.items, *((FULL,) if is_full else ()))))
+        self._asked = {"transport": "spectral", "method": "paths"} if is_full else {}
+
+    def measure(self, rule: StopRule, seed: int):
+        """The measurement, and the seconds of processors that it took."""
+        begin = time.process_time()
+        made = self._session.measure(
+            self._scene.positions, self._scene.normals, rule, seed, **self._asked
+        )
+        return made, time.process_time() - begin
+
+
+def race(scene: NeedScene, seeds: int, longest: float = LONGEST) -> dict:
+    """Time both ways, and compare the automatic one's runs with what the full one tells.
+
+    Parameters
+    ----------
+    seeds : int    Runs of the automatic way.
+    longest : float    Of a run of the full one. [s]
+
+    Returns
+    -------
+    dict    Plain data: seconds to the asked error, errors as root mean squares over the sensors over their mean. [-]
+    """
+    full = Racer(scene, is_full=True)
+    full.measure(StopRule(samples=WARMING), 1)
+    runs = [full.measure(StopRule(error=ERROR, seconds=longest), seed) for seed in (1001, 1002)]
+    # Of the same kind and longer: what the runs are judged by.
+    runs.append(full.measure(StopRule(error=ERROR / 4.0, seconds=2.0 * longest), 1003))
+    truth, doubt = _join([made for made, _ in runs])
+    needed = [
+        seconds * max(relative_error(made.standard_error, made.illuminance) / ERROR, 1.0) ** 2
+        for made, seconds in runs[:2]
+    ]
+    ours = Racer(scene, is_full=False)
+    made = [ours.measure(StopRule(error=ERROR), seed) for seed in range(1, seeds + 1)]
+    # The first run makes the kernels.
+    seconds = [taken for _, taken in made[1:]] or [made[0][1]]
+    size = float(np.mean(truth))
+    squares = [float(np.mean((each.illuminance - truth) ** 2)) / size**2 for each, _ in made]
+    beside = float(np.mean(doubt**2)) / size**2
+    first = made[0][0]
+    return {
+        "title": scene.title,
+        "sensors": len(truth),
+        "seconds": float(np.median(seconds)),
+        "full_seconds": float(np.mean(needed)),
+        "is_full_reckoned": any(
+            relative_error(m.standard_error, m.illuminance) > 1.05 * ERROR for m, _ in runs[:2]
+        ),
+        "squares": squares,
+        "reference_square": beside,
+        "stated": [relative_error(each.standard_error, each.illuminance) for each, _ in made],
+        "decisions": list(first.provenance.decisions),
+    }
+
+
+def relative_error(error, values) -> float:
+    """Root mean square of errors over the mean of the values. [-]"""
+    return float(np.sqrt(np.mean(np.square(error))) / np.mean(values))
+
+
+def true_error(row: dict) -> tuple[float, float]:
+    """Root mean square of the true errors over the seeds, without that of the reference, and its standard error. [-]"""
+    squares = np.array(row["squares"]) - row["reference_square"]
+    mean = max(float(squares.mean()), 0.0)
+    spread = float(squares.std(ddof=1)) / np.sqrt(len(squares)) if len(squares) > 1 else mean
+    root = np.sqrt(mean)
+    return float(root), float(0.5 * spread / root) if root > 0.0 else 0.0
+
+
+def _join(made: list) -> tuple[np.ndarray, np.ndarray]:
+    """Mean of measurements, weighted by the squares of their errors, and its standard error. (n,), (n,) [lx]"""
+    # One weight for all sensors of a run: a sensor's own would follow its value, and lean to what is low.
+    weights = np.array([1.0 / max(np.mean(m.standard_error**2), 1e-30) for m in made])
+    weights /= weights.sum()
+    values = np.array([m.illuminance for m in made])
+    errors = np.array([m.standard_error for m in made])
+    return weights @ values, np.sqrt((weights[:, None] ** 2 * errors**2).sum(axis=0))

@@ -1,0 +1,161 @@
+"""Measures what modelling only what a scene needs saves, and writes the document."""
+
+import time
+from pathlib import Path
+
+from ...engine.reading.whole_file import write_whole
+from ..common.bars import Bar
+from ..common.document import make_table, tell_demands
+from ..common.machine import describe_machine
+from ..common.output import read_numbers, write_numbers
+from ..common.statistics import geometric_mean
+from . import race, starts
+from .scenes import BUILDERS, build
+
+SEEDS = 20
+"""Runs of each scene, all automatic."""
+
+LEAST_SPEEDUP, LEAST_SLOWEST = 2.0, 0.95
+"""Time of everything modelled in full over that of what is needed: geometric mean, and in the worst scene."""
+
+MOST_IMPORT, MOST_EXPLAIN = 0.1, 3.0
+"""Times of starting. [s]"""
+
+SURE = 1.645
+"""Standard errors beyond which, with 95 %, a true error is over the asked one."""
+
+TEXT = """# What a scene needs
+
+*Made by `lumenray benchmark requirements`; do not edit by hand.*
+
+Twelve scenes, illuminance at about 2000 sensors to an error of {error:g} %: all automatic, against everything
+modelled in full (with wavelengths, by full paths, nothing merged or left out). Seconds are those of the processors,
+with kernels made and the scene compiled, without the second witness, which costs both the same; of runs that would
+take more than {longest:g} s, marked by \\*, they are reckoned from the error that was reached. *True error*: root
+mean square of {seeds} runs over the sensors, over their mean, against the runs in full. {cpu}, {cores} cores.
+
+"""
+
+
+def run(seeds: int = SEEDS, keys=None, earlier: dict | None = None, say=None, save=None) -> dict:
+    """Measure.
+
+    Parameters
+    ----------
+    seeds : int    Runs of each scene, all automatic.
+    keys : collection of str or None    Of scenes, see `BUILDERS`; None: all.
+    earlier : dict or None    Results to go on with: scenes that it has are not measured again.
+    say, save : callable or None    Told of progress in words, and of the results so far.
+
+    Returns
+    -------
+    dict    Plain data for JSON.
+    """
+    say = say or (lambda line: None)
+    made = earlier or {"scenes": {}}
+    made |= {"machine": describe_machine(), "seeds": seeds}
+    for key in keys or BUILDERS:
+        if key in made["scenes"]:
+            continue
+        begin = time.perf_counter()
+        row = race.race(build(key), seeds)
+        made["scenes"][key] = row
+        error, doubt = race.true_error(row)
+        say(
+            f"{key}: {row['seconds']:.2f} s, in full {row['full_seconds']:.3g} s, true error {100.0 * error:.2f} ± "
+            f"{100.0 * doubt:.2f} %; measured in {time.perf_counter() - begin:.0f} s"
+        )
+        if save is not None:
+            save(_sum_up(made))
+    made["starts"] = starts.measure(say)
+    return _sum_up(made)
+
+
+def _sum_up(made: dict) -> dict:
+    """The results with what is judged by."""
+    ratios = [row["full_seconds"] / row["seconds"] for row in made["scenes"].values()]
+    return made | {
+        "speedup": geometric_mean(ratios),
+        "slowest": min(ratios),
+        "over_asked": sum(map(_is_over, made["scenes"].values())),
+    }
+
+
+def _is_over(row: dict) -> bool:
+    """Whether true errors are over the asked one, beyond what chance may do."""
+    error, doubt = race.true_error(row)
+    return error - SURE * doubt > race.ERROR
+
+
+def check_bars(result: dict) -> list[Bar]:
+    """Judge by the demands."""
+    begun = result.get("starts") or {}
+    over = result["over_asked"]
+    return [
+        Bar(
+            "everything in full over what is needed, geometric mean of times",
+            f"at least x {LEAST_SPEEDUP:g}",
+            f"x {result['speedup']:.2f}",
+            result["speedup"] >= LEAST_SPEEDUP,
+        ),
+        Bar(
+            "the same in the worst scene",
+            f"at least x {LEAST_SLOWEST:g}",
+            f"x {result['slowest']:.2f}",
+            result["slowest"] >= LEAST_SLOWEST,
+        ),
+        Bar("scenes whose true error is over the asked one", "none", f"{over}", over == 0),
+        _time_bar("import lumenray", MOST_IMPORT, begun.get("import_seconds")),
+        _time_bar("explain of the office", MOST_EXPLAIN, begun.get("explain_seconds")),
+    ]
+
+
+def _time_bar(demand: str, limit: float, value: float | None) -> Bar:
+    measured = "" if value is None else f"{value:.3g} s"
+    return Bar(demand, f"at most {limit:g} s", measured, None if value is None else value <= limit)
+
+
+def read_results(path: Path) -> dict:
+    """Read the numbers of an earlier run."""
+    return read_numbers(path, {"scenes"})
+
+
+def write_results(result: dict, folder: Path, path: Path | None) -> None:
+    """Write the document to a folder, and all numbers to a JSON file if one is named."""
+    write_numbers(result, path)
+    folder.mkdir(parents=True, exist_ok=True)
+    machine = result["machine"]
+    text = TEXT.format(
+        error=100.0 * race.ERROR,
+        longest=race.LONGEST,
+        seeds=result["seeds"],
+        cpu=machine["cpu"],
+        cores=machine["cores"],
+    )
+    text += f"{_tell_race(result)}\n{_tell_decisions(result)}\n"
+    if result.get("starts"):
+        text += starts.tell(result["starts"])
+    with write_whole(folder / "requirements.md", "utf-8") as file:
+        file.write(text + tell_demands(check_bars(result)))
+
+
+def _tell_race(result: dict) -> str:
+    rows = []
+    for row in result["scenes"].values():
+        error, doubt = race.true_error(row)
+        mark = "\\*" if row["is_full_reckoned"] else ""
+        rows.append(
+            f"| {row['title']} | {row['seconds']:.2f} | {row['full_seconds']:.3g}{mark} | "
+            f"x {row['full_seconds'] / row['seconds']:.3g} | {100.0 * error:.2f} ± {100.0 * doubt:.2f} | "
+            f"{100.0 * max(row['stated']):.2f} |"
+        )
+    head = "| scene | what is needed [s] | in full [s] | ratio | true error [%] | stated, at most [%] |"
+    return f"## Time to {100.0 * race.ERROR:g} %\n\n{make_table(head, rows)}"
+
+
+def _tell_decisions(result: dict) -> str:
+    told = "".join(
+        f"- **{row['title']}**: {'; '.join(row['decisions'])}.\n"
+        for row in result["scenes"].values()
+    )
+    return f"## What was decided\n\n{told}"
