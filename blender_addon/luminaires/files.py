@@ -14,7 +14,6 @@ import bpy
 
 from ...engine.errors import LumenrayError
 from ...engine.luminaires.distribution import flux as flux_of
-from ...engine.luminaires.formats.reader import parse_luminaire
 from ...engine.luminaires.formats.record import LuminaireFile
 from ...engine.luminaires.lamp_spectrum import LampSpectrum, choose_spectrum
 from ...engine.reading.content import read_bytes
@@ -88,6 +87,9 @@ class PhotometricFiles(EmbeddableKind):
         return Path(path).parent if path else None
 
     def read(self, job, data, path, terms, origin="") -> Reading:
+        # Readers are large, and most files have no luminaire.
+        from ...engine.luminaires.formats.reader import parse_luminaire
+
         job.size, digest = len(data), digest_of(data)
 
         def make():
