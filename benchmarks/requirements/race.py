@@ -20,6 +20,9 @@ FULL = Modelling(tuple((name, Switch.OFF) for name in DECISIONS))
 LONGEST = 60.0
 """Of one run of the full model; from its error then the time to the asked one is reckoned. [s]"""
 
+LONGER = 5.0
+"""Times as long as that the run may be that the automatic ones are judged by."""
+
 WARMING = 16
 """Samples by which the full model's kernels are made before its time counts."""
 
@@ -64,7 +67,7 @@ def race(scene: NeedScene, seeds: int, longest: float = LONGEST) -> dict:
     full.measure(StopRule(samples=WARMING), 1)
     runs = [full.measure(StopRule(error=ERROR, seconds=longest), seed) for seed in (1001, 1002)]
     # Of the same kind and longer: what the runs are judged by.
-    runs.append(full.measure(StopRule(error=ERROR / 4.0, seconds=2.0 * longest), 1003))
+    runs.append(full.measure(StopRule(error=ERROR / 3.0, seconds=LONGER * longest), 1003))
     truth, doubt = _join([made for made, _ in runs])
     needed = [
         seconds * max(relative_error(made.standard_error, made.illuminance) / ERROR, 1.0) ** 2
