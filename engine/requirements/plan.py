@@ -5,12 +5,15 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours
+from . import colours, unseen
 from .budget import left_to_samples
-from .decision import Asked, Decision, Outcome
+from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
 
-DECISIONS = {colours.NAME: colours.decide}
+DECISIONS = {
+    unseen.NAME: unseen.decide,
+    colours.NAME: colours.decide,
+}
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""
 
 TRANSPORTS = ("auto", "mono", "spectral")
@@ -28,6 +31,7 @@ class Plan:
     allowed : float    Relative error that simplifications might take. [-]
     spectral, dispersive : bool    Whether light has wavelengths, and glass refracts by them.
     changes : dict    Items in place of the scene's, by id; None: left out.
+    late : tuple of Late    What more light may be wrong by where it comes late.
     """
 
     asked: Asked
@@ -36,6 +40,7 @@ class Plan:
     spectral: bool
     dispersive: bool
     changes: dict[str, object] = field(default_factory=dict, repr=False)
+    late: tuple[Late, ...] = ()
 
     @property
     def spent(self) -> float:
@@ -100,6 +105,9 @@ def make_plan(scene: Scene, asked: Asked | None = None, transport: str = "auto")
         outcome = decide(facts, asked, max(left, 0.0), wishes.of(name))
         made.append(outcome)
         left -= outcome.decision.bound
+        if outcome.changes:
+            # What others decide is about what is left.
+            facts = Facts(facts.scene.with_items(outcome.changes))
     return _put_together(asked, allowed, made, transport)
 
 
@@ -111,7 +119,7 @@ def check_transport(transport: str) -> None:
 
 def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: str) -> Plan:
     """The plan that outcomes make, with the kind of transport that was asked for."""
-    changes, decisions = {}, []
+    changes, decisions, late = {}, [], ()
     spectral = dispersive = False
     for outcome in made:
         decision = outcome.decision
@@ -122,7 +130,8 @@ def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: 
                 decision = _overrule(decision, transport)
         decisions.append(decision)
         changes |= outcome.changes
-    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes)
+        late += () if spectral else outcome.late
+    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes, late)
 
 
 def _overrule(decision: Decision, transport: str) -> Decision:
