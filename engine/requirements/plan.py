@@ -5,13 +5,14 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours, unseen
+from . import colours, surfaces, unseen
 from .budget import left_to_samples
 from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
 
 DECISIONS = {
     unseen.NAME: unseen.decide,
+    surfaces.NAME: surfaces.decide,
     colours.NAME: colours.decide,
 }
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""

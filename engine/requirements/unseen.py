@@ -17,8 +17,8 @@ from .hulls import INSIDE, OUTSIDE, UNKNOWN, closed_parts, sides
 
 NAME = "unseen"
 
-SAVING = 0.5
-"""Share of the time that is saved where half of the lamps are behind closed surfaces, about."""
+SAVING = 0.58
+"""Share of the time to an error that is saved where one of nine closed and lit rooms is measured. [-]"""
 
 MARGIN = 1e-3
 """By which what lies beside a surface is kept away from it: sensors just below one count as lying on it. [m]"""
