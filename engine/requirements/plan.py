@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours, surfaces, unseen
+from . import colours, equal_materials, surfaces, unseen
 from .budget import left_to_samples
 from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
@@ -13,6 +13,7 @@ from .facts import Facts
 DECISIONS = {
     unseen.NAME: unseen.decide,
     surfaces.NAME: surfaces.decide,
+    equal_materials.NAME: equal_materials.decide,
     colours.NAME: colours.decide,
 }
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""

@@ -1,6 +1,6 @@
 """Surfaces that are simpler ones by what they say.
 
-A mixture of two diffuse paints is a diffuse paint, and a varnish that covers nothing is not there: that is exact (theory 15.3).
+A mixture of two diffuse paints is a diffuse paint, a varnish that covers nothing is not there: that is exact (theory 15.3).
 A coat is never left out for being faint: at grazing angles it outshines its base whatever its scale, so that nothing bounds
 what a sensor there would lack.
 """
