@@ -1,6 +1,7 @@
 """Surfaces that are simpler ones by what they say.
 
-A mixture of two diffuse paints is a diffuse paint, a varnish that covers nothing is not there: that is exact (theory 15.3).
+A mixture of two diffuse paints is a diffuse paint, a varnish that covers nothing is not there, and a picture of one value
+is a colour: that is exact (theory 15.3).
 A coat is never left out for being faint: at grazing angles it outshines its base whatever its scale, so that nothing bounds
 what a sensor there would lack.
 """
@@ -16,6 +17,7 @@ from ..scene.material import (
     Blend,
     Coated,
     Diffuse,
+    Glossy,
     Material,
     Mix,
     Raised,
@@ -23,8 +25,9 @@ from ..scene.material import (
     Surface,
     Varnish,
 )
+from ..scene.memo import recall
 from ..scene.modelling import Switch
-from ..scene.spectrum import Constant, Tabulated
+from ..scene.spectrum import Constant, Rgb, Tabulated
 from ..scene.texture import ImageTexture
 from .decision import Asked, Decision, Outcome
 from .facts import Facts, used_materials
@@ -78,7 +81,43 @@ def simplify(surface: Surface) -> Surface:
             return simplify(Mix(surface.first, surface.second, float(surface.weights[0, 1, 0])))
         case Mix():
             return _simplify_mix(surface)
+        case Diffuse() | Coated():
+            return _even_out(surface)
+        case Glossy() if surface.film is None:
+            return _even_out(surface)
     return surface
+
+
+def _even_out(surface: Surface) -> Surface:
+    """A surface with one colour in place of pictures that are the same all over."""
+    held = {name: getattr(surface, name) for name in surface.spectra}
+    made = {name: _even_colour(value) for name, value in held.items()}
+    changed = {name: value for name, value in made.items() if value is not held[name]}
+    return replace(surface, **changed) if changed else surface
+
+
+def _even_colour(colour: Colour | None) -> Colour | None:
+    even = _even_pixel(colour)
+    if even is None:
+        return colour
+    return Constant(even[0]) if min(even) == max(even) else Rgb(*even)
+
+
+def _even_pixel(value) -> tuple[float, ...] | None:
+    """The channels of a picture that is the same all over, within 0 and 1 as it counts; None: it is none.
+
+    So it is beyond its edges, which repeat, go on or mirror, and where no tile is, which is one of its pixels.
+    """
+    if not isinstance(value, ImageTexture):
+        return None
+    return recall(value.pixels, "even pixel", _find_even)
+
+
+def _find_even(pixels: np.ndarray) -> tuple[float, ...] | None:
+    first = pixels[0, 0]
+    if not np.isfinite(first).all() or (pixels[-1, -1] != first).any() or (pixels != first).any():
+        return None
+    return tuple(float(channel) for channel in np.clip(first, 0.0, 1.0))
 
 
 def _is_even(blend: Blend) -> bool:
@@ -89,17 +128,19 @@ def _is_even(blend: Blend) -> bool:
 
 def _simplify_mix(mix: Mix) -> Surface:
     first, second = simplify(mix.first), simplify(mix.second)
-    if _is_number(mix.factor):
-        if mix.factor <= 0.0:
+    even = _even_pixel(mix.factor)
+    factor = mix.factor if even is None else sum(even) / len(even)
+    if _is_number(factor):
+        if factor <= 0.0:
             return first
-        if mix.factor >= 1.0:
+        if factor >= 1.0:
             return second
-        together = _put_together(first, second, float(mix.factor))
+        together = _put_together(first, second, float(factor))
         if together is not None:
             return together
-    if first is mix.first and second is mix.second:
+    if first is mix.first and second is mix.second and factor is mix.factor:
         return mix
-    return replace(mix, first=first, second=second)
+    return replace(mix, first=first, second=second, factor=factor)
 
 
 def _put_together(first: Surface, second: Surface, factor: float) -> Surface | None:

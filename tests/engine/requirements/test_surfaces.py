@@ -30,6 +30,10 @@ from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
 from small_scenes import box, session_of
 
+EVEN = ImageTexture(np.full((2, 2, 1), 0.5, np.float32))
+
+PICTURE = ImageTexture(np.array([[[0.5], [0.5]], [[0.5], [0.501]]], np.float32))
+
 DARK, LIGHT = Diffuse(Constant(0.2)), Diffuse(Constant(0.6))
 
 
@@ -53,6 +57,8 @@ def blend(first, second, weights):
         (Mix(Coated(Constant(0.2)), Coated(Constant(0.6)), 0.5), Coated(Constant(0.4))),
         (Varnish(Sheen(DARK, 0.0), 0.0), DARK),
         (blend(DARK, LIGHT, (0.75, 0.25)), Diffuse(Constant(0.3))),
+        (Diffuse(EVEN), Diffuse(Constant(0.5))),
+        (Mix(DARK, LIGHT, EVEN), Diffuse(Constant(0.4))),
     ],
 )
 def test_what_says_the_same_is_simpler(stated, same):
@@ -76,9 +82,6 @@ def test_spectra_of_mixed_paints_lie_between_theirs():
     assert np.allclose(evaluate_reflectance(mixed, GRID), expected, atol=1e-12)
 
 
-PICTURE = ImageTexture(np.full((2, 2, 1), 0.5, np.float32))
-
-
 @pytest.mark.parametrize(
     "stated",
     [
@@ -90,6 +93,9 @@ PICTURE = ImageTexture(np.full((2, 2, 1), 0.5, np.float32))
         # A hole of a thousandth lights the room behind it alone.
         Mix(DARK, Transparent(), 0.001),
         Mix(DARK, LIGHT, PICTURE),
+        Diffuse(PICTURE),
+        # One pixel that is no number counts as black.
+        Diffuse(ImageTexture(np.array([[[0.5], [np.nan]]], np.float32))),
         Varnish(DARK, PICTURE),
         Mix(Diffuse(PICTURE), LIGHT, 0.5),
         # Each of these has a law of its own.
@@ -125,9 +131,16 @@ def test_the_plan_changes_the_materials_and_the_switch_stops_it():
     assert not make_plan(scene, Asked()).changes
 
 
+def test_an_even_picture_is_the_colour_of_its_pixels():
+    pixels = np.full((4, 4, 3), (0.8, 0.4, 1.2), np.float32)
+    found = simplify(Glossy(ImageTexture(pixels, extension="extend"), 0.3)).reflectance
+    assert (found.red, found.green, found.blue) == pytest.approx((0.8, 0.4, 1.0), abs=1e-7)
+
+
 @pytest.mark.mitsuba
 def test_the_light_is_the_same():
-    items = items_of(Mix(Coated(Rgb(0.7, 0.3, 0.2)), Coated(Rgb(0.2, 0.5, 0.6)), 0.4))
+    picture = ImageTexture(np.full((4, 4, 3), (0.7, 0.3, 0.2), np.float32))
+    items = items_of(Mix(Coated(picture), Coated(Rgb(0.2, 0.5, 0.6)), 0.4))
     off = Modelling((("surfaces", Switch.OFF),))
     places, up, rule = [[0.5, 0.7, 0.0]], [[0, 0, 1.0]], StopRule(samples=1 << 14)
     less, full = (
