@@ -161,17 +161,18 @@ def _thing(draw, size, k: int, hue: float, words: list[str]) -> list:
     """A box, a ball or a panel; in a box or ball may be another one and a lamp."""
     name, surface = f"thing {k}", _surface(draw, hue)
     words.append(f"{name} of {type(surface).__name__}")
-    material = Material(name, name, surface)
+    paint = f"{name}'s paint"
+    material = Material(paint, paint, surface)
     place, side = draw.uniform(0.2, 0.8, 3) * size, float(draw.uniform(0.1, 0.4))
     kind = draw.choice(["box", "ball", "panel"])
     if kind == "panel":
         edges = draw.normal(size=(2, 3)) * side
-        return [material, make_rectangle(name, place, *edges, name)]
+        return [material, make_rectangle(name, place, *edges, paint)]
     inner = f"within {k}"
     made = [
         material,
-        _solid(name, name, place, side, kind),
-        _solid(inner, name, place, 0.3 * side, "ball"),
+        _solid(name, paint, place, side, kind),
+        _solid(inner, paint, place, 0.3 * side, "ball"),
     ]
     if draw.random() < 0.5:
         output = Output(Quantity.LUMINOUS_FLUX, 300.0)
