@@ -51,12 +51,10 @@ class Plan:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """The decisions as sentences: of colours, and of what is simplified."""
-        told = [
-            decision.reason
-            for decision in self.decisions
-            if decision.name == colours.NAME or decision.bound > 0.0
-        ]
+        """The decisions as sentences: of colours, then of what else is simplified."""
+        first = [each.reason for each in self.decisions if each.name == colours.NAME]
+        rest = [each for each in self.decisions if each.name != colours.NAME]
+        told = first + [each.reason for each in rest if each.bound > 0.0 or each.saving > 0.0]
         if self.spent > 0.0:
             told.append(f"simplifications: at most {100.0 * self.spent:.2g} % of the light")
         return tuple(told)

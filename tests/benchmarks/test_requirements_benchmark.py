@@ -34,7 +34,7 @@ def crossings(start, end, corners):
 def test_nothing_that_is_left_out_can_be_reached_straight():
     """Ways from sensors to what is hidden meet something opaque that is kept; in some scenes something is hidden."""
     counts = {"hidden": 0, "simple": 0}
-    for number in range(40):
+    for number in range(16):
         made, scene = scene_of(number)
         plan = make_plan(scene, Asked(None, False, places=boxes_of(made.places)))
         assert plan.spent == 0.0
@@ -59,8 +59,8 @@ def test_nothing_that_is_left_out_can_be_reached_straight():
             for start in made.places:
                 for end in ends:
                     assert sum(crossings(start, np.asarray(end), each) for each in opaque)
-    assert counts["hidden"] > 10
-    assert counts["simple"] > 5
+    assert counts["hidden"] > 4
+    assert counts["simple"] > 2
 
 
 @pytest.mark.slow

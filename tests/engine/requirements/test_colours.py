@@ -146,7 +146,7 @@ LINES = Tabulated(
         ),
         # What a picture holds is not bounded.
         (
-            coloured(Diffuse(ImageTexture(np.full((2, 2, 3), (0.8, 0.79, 0.77), np.float32)))),
+            coloured(Diffuse(ImageTexture(np.float32([[[0.8, 0.79, 0.77], [0.8, 0.79, 0.76]]])))),
             lamp(),
         ),
     ],
