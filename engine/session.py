@@ -658,7 +658,10 @@ class Session:
         from .transport.compiled.compile import CompiledScene
 
         scene.check()
-        return CompiledScene(like.requirements.simplify(scene), like.requirements)
+        # With simplifications of its own: those of the other one stand for that one's items.
+        needs = like.requirements
+        needs = replace(needs, changes=make_plan(scene, needs.asked).changes)
+        return CompiledScene(needs.simplify(scene), needs)
 
     def _plan(self, transport: str, asked: Asked) -> Plan:
         """Decide how the scene has to be computed; kept until it or what is asked changes."""

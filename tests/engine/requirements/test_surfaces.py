@@ -5,17 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.light_layers import split_lights
 from lumenray.engine.photometry.spectra import GRID, evaluate_reflectance
 from lumenray.engine.requirements.decision import Asked
 from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.requirements.surfaces import simplify
 from lumenray.engine.scene.light import Output, PointLight, Quantity
+from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.material import (
     BLEND_STEPS,
     Black,
     Blend,
     Coated,
     Diffuse,
+    Emission,
     Glossy,
     Holdout,
     Material,
@@ -149,3 +152,19 @@ def test_the_light_is_the_same():
     noise = np.hypot(less.standard_error, full.standard_error)
     assert noise[0] < 0.02 * full.illuminance[0]
     assert abs(less.illuminance - full.illuminance)[0] < 3.0 * noise[0]
+
+
+@pytest.mark.mitsuba
+def test_light_groups_of_a_bake_have_no_others_light():
+    """A group's scene is the same without the light of others, also where their surfaces are simplified."""
+    room, panel, lamp = items_of(DARK)
+    glowing = replace(panel, surface=Mix(DARK, LIGHT, 0.5), emission=Emission(Constant(1.0), 100.0))
+    session = session_of(room, glowing, lamp)
+    scenes = dict(split_lights(session.scene, (LightGroup("lamp", ("lamp",)),)))
+    with session._engine("mono") as compiled:
+        assert compiled.requirements.changes
+        sources = {
+            name: [name for name, _ in session._compile_aside(scene, compiled).named_sources()]
+            for name, scene in scenes.items()
+        }
+    assert sources == {"lamp": ["lamp"], "rest": ["box"]}
