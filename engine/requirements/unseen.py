@@ -7,7 +7,7 @@ its sides, light, lamps and surfaces of the other change nothing there (theory 1
 import numpy as np
 
 from ..scene.light import PlacedLight
-from ..scene.material import Material
+from ..scene.material import Holdout, Material
 from ..scene.mesh import Mesh
 from ..scene.modelling import Switch
 from ..scene.scene import Scene
@@ -61,7 +61,9 @@ def find_hidden(scene: Scene, asked: Asked) -> list[str]:
         mesh = scene.mesh(key)
         for corners in closed_parts(mesh):
             hidden |= dict.fromkeys(boxes.hidden_by(key, corners))
-    if scene.world is not None and boxes.is_world_hidden:
+    # Shadow catchers show what is behind everything.
+    is_shown = any(item.is_catcher for item in scene.meshes.values())
+    if scene.world is not None and boxes.is_world_hidden and not is_shown:
         hidden[scene.world.id] = None
     return list(hidden)
 
@@ -167,4 +169,4 @@ def _stops(material: Material, has_camera: bool) -> bool:
 
 
 def _blocks(surface) -> bool:
-    return surface.is_opaque and not surface.passes_straight
+    return surface.is_opaque and not surface.passes_straight and not isinstance(surface, Holdout)

@@ -168,6 +168,9 @@ def test_what_is_wanted_anywhere_or_on_both_sides_hides_nothing():
         )
         == set()
     )
+    # A shadow catcher in the room shows the sky behind everything.
+    catcher = replace(room("stand", (1.0, 1.0, 0.1), (0.3, 0.3, 0.3)), is_catcher=True)
+    assert hidden(Asked(0.01, True, places=INDOORS.places), *items, catcher) == {"outside", "sun"}
     off = Modelling((("unseen", Switch.OFF),))
     assert hidden(INDOORS, *items, off) == set()
 
