@@ -268,6 +268,7 @@ def corridor(turns):
     return parts, end
 
 
+@pytest.mark.slow
 @pytest.mark.mitsuba
 def test_sensors_find_that_light_reaches_them_late():
     """At the end of a corridor that goes to and fro photometric light is off by more than its bound elsewhere."""

@@ -63,6 +63,7 @@ def test_rows_of_the_palette_are_left_alone():
     assert not make_plan(scene, Asked()).changes
 
 
+@pytest.mark.slow
 @pytest.mark.mitsuba
 def test_the_light_is_the_same_and_edits_reach_one_alone():
     lamp = PointLight(

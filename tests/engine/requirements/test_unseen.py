@@ -200,6 +200,7 @@ def test_sides_of_a_ball_in_a_ball():
     assert sides(parts[1], lows, highs).tolist() == [INSIDE, INSIDE, INSIDE, OUTSIDE, INSIDE]
 
 
+@pytest.mark.slow
 @pytest.mark.mitsuba
 def test_the_light_is_that_of_the_whole_scene():
     items = room(), paint(0.7), INSIDE_LAMP, *OUTDOORS
