@@ -26,7 +26,7 @@ from .grouped_picture import Rendered, render_groups
 from .light_mix import LightMix
 from .live import WatchedView
 from .measurements import Measurement, SensorSpectra, SurfaceProbe
-from .requirements.decision import Asked
+from .requirements.decision import Asked, boxes_of, places_of
 from .requirements.plan import Plan, changed_keys, make_plan
 from .scene.camera import Camera
 from .scene.checks import check_item
@@ -134,7 +134,7 @@ class Session:
         LumenrayError    The scene or the machine does not allow it; the text says what to do.
         """
         check_item(camera)
-        asked = Asked(settings.rule.relative_goal, has_colour=True)
+        asked = Asked(settings.rule.relative_goal, places=places_of(camera))
         with self._engine(settings.transport, asked) as compiled:
             start = time.perf_counter()
             self._kept.begin()
@@ -227,7 +227,7 @@ class Session:
         Cancelled    After `cancel`.
         """
         wanted = SensorColour.SPECTRUM if spectrum else SensorColour(int(colour))
-        asked = Asked(rule.relative_goal, has_colour=bool(wanted))
+        asked = Asked(rule.relative_goal, has_colour=bool(wanted), places=boxes_of(positions))
         with self._engine(transport, asked) as compiled:
             from .transport.sensors.measuring import measure, spectral_fields
 
@@ -664,7 +664,10 @@ class Session:
         from .transport.compiled.compile import CompiledScene
 
         scene.check()
-        return CompiledScene(like.requirements.simplify(scene), like.requirements)
+        # With simplifications of its own: those of the other one stand for that one's items.
+        needs = like.requirements
+        needs = replace(needs, changes=make_plan(scene, needs.asked).changes)
+        return CompiledScene(needs.simplify(scene), needs)
 
     def _plan(self, transport: str, asked: Asked) -> Plan:
         """Decide how the scene has to be computed; kept until it or what is asked changes."""

@@ -122,7 +122,8 @@ def _find_light(passes: Passes) -> _Light:
     atlas = arrange_charts(surfaces, charts, order)
     for name, message in atlas.notes:
         notes.depart(name, message, "baked like that")
-    asked = Asked(order.rule.relative_goal, order.exitance, frozenset(order.objects))
+    objects = frozenset(order.objects)
+    asked = Asked(order.rule.relative_goal, order.exitance, objects, places=())
     with host.engine(order.transport, asked) as compiled:
         ground = find_lumels(surfaces, atlas, compiled, order.seed, host.cancelled, notes)
         if order.detail > 0.0:

@@ -1,17 +1,17 @@
 """Whether light needs wavelengths.
 
 Photometric transport has one reflectance for each surface, weighed by the lights and the eye. That is exact of one
-reflection; of several it is wrong by what the spectra of the surfaces have in common (theory 14.1).
+reflection; of several it is wrong by what the spectra of the surfaces have in common (theory 15.1).
 """
 
 import numpy as np
 
 from ..photometry.spectra import GRID, evaluate_emission, evaluate_reflectance, luminous_efficiency
-from ..scene.material import Blend, Coated, Diffuse, Mix, Raised, Surface, Toon, Transparent
+from ..scene.material import ROUNDING, Blend, Coated, Diffuse, Mix, Raised, Surface
 from ..scene.modelling import Switch
 from ..scene.spectrum import Constant
 from ..scene.texture import ImageTexture
-from .decision import Asked, Decision, Outcome, accepts
+from .decision import Asked, Decision, Late, Outcome, accepts
 from .facts import Facts
 
 NAME = "colours"
@@ -19,20 +19,20 @@ NAME = "colours"
 SAVING = 0.4
 """Share of the time of a spectral sample that a photometric one saves. [-]"""
 
-LINEAR = (Diffuse, Toon, Transparent)
-"""Surfaces whose reflectance is in proportion to their spectra."""
+MOST_LEFT = 0.98
+"""Share of light that may be left by each reflection at the wavelength that is reflected best; of more no bound is found."""
 
-MIXED = (Mix, Blend, Raised)
-"""Surfaces that are made of others by weights which do not depend on the wavelength."""
-
-INSIDE = 0.65
-"""Share of diffuse light that a clear coat sends back to its base from inside, at most: of a refractive index of 1.6. [-]"""
+LEAST = 1e-12
+"""Share of light that is left when the series is broken off."""
 
 ALREADY = 2
 """Coloured surfaces that light has met before it reaches those who are worst off. Of fewer the bound is smaller."""
 
-MOST_MET = 400
-"""Coloured surfaces of one path up to which the series is added up."""
+ALREADY_IN_MAPS = 6
+"""The same of lumels, where nobody looks whether light comes late."""
+
+LATER = (8, 16, 32, 64)
+"""Coloured surfaces that it may have met where sensors find that it comes late, see `Outcome`."""
 
 
 def decide(facts: Facts, asked: Asked, allowance: float, switch: Switch) -> Outcome:
@@ -49,7 +49,8 @@ def decide(facts: Facts, asked: Asked, allowance: float, switch: Switch) -> Outc
         )
         return Outcome(chosen, is_spectral=switch is Switch.OFF)
     told = "; ".join(reasons)
-    bound = np.inf if asked.has_colour else find_bound(facts)
+    already = ALREADY_IN_MAPS if asked.objects else ALREADY
+    bound = np.inf if asked.has_colour else find_bound(facts, already)
     if accepts(bound, allowance, switch):
         told = (
             f"the spectra are so alike that light is right within {100.0 * bound:.2g} %"
@@ -57,7 +58,7 @@ def decide(facts: Facts, asked: Asked, allowance: float, switch: Switch) -> Outc
             else "all surfaces are neutral: photometric transport is exact where no colours are wanted"
         )
         made = Decision(NAME, "photometric", told, bound, SAVING, switch)
-        return Outcome(made, is_spectral=False)
+        return Outcome(made, is_spectral=False, late=find_late(facts) if bound > 0.0 else ())
     if np.isfinite(bound) and switch is not Switch.OFF:
         told += f"; without wavelengths light could be wrong by {100.0 * bound:.2g} %"
     elif switch is Switch.FORCE:
@@ -65,15 +66,33 @@ def decide(facts: Facts, asked: Asked, allowance: float, switch: Switch) -> Outc
     return Outcome(Decision(NAME, "spectral", told, switch=switch), {}, True, dispersive)
 
 
-def find_bound(facts: Facts) -> float:
+def find_late(facts: Facts) -> tuple[Late, ...]:
+    """What the bound is where light has met more surfaces before it comes than `find_bound` takes for granted."""
+    found = _find(facts)
+    if not isinstance(found, tuple):
+        return ()
+    share, own = found[-1], _sum_up(*found, ALREADY)
+    return tuple(
+        Late(met, share ** (met - last), _sum_up(*found, met) - own)
+        for last, met in zip((ALREADY, *LATER), LATER, strict=False)
+    )
+
+
+def find_bound(facts: Facts, already: int = ALREADY) -> float:
     """Largest relative error of photometric transport, infinite where it is not known. [-]
 
     Light of a lamp that has met k coloured surfaces, whose reflectances differ from their photometric ones by the factors
     1 + d_i, is right but for ``E[(1 + d_1) ... (1 + d_k)] - 1``, E being the mean over the wavelengths by the lamp and the
-    eye. With the largest d of all surfaces at each wavelength and m the largest mean of one, that is at most
-    ``k m + E[(1 + d)^k] - 1 - k E[d]``. Of light that has met k of them no more than the largest reflectance is left to meet
-    another, so that the mean over all light is at most that of a geometric series.
+    eye. With m the largest mean of a d, that is at most ``k m`` and the mean of what the product differs from
+    ``1 + d_1 + ... + d_k``, which `_sum_up` bounds. Of light that has met k surfaces no more than the largest reflectance is
+    left to meet another, so that the mean over all light is at most that of a geometric series from ``already`` on.
     """
+    found = _find(facts)
+    return _sum_up(*found, already) if isinstance(found, tuple) else found
+
+
+def _find(facts: Facts):
+    """What `_sum_up` sums up; or a bound, where it follows from less."""
     if facts.is_dispersive:
         return np.inf
     lamps = _weights(facts.lamps)
@@ -84,21 +103,31 @@ def find_bound(facts: Facts) -> float:
     if facts.has_coloured_lights or not len(lamps):
         return np.inf
     apart, means, shares = map(np.array, zip(*found, strict=True))
-    return _sum_up(lamps, apart.max(axis=0), float(means.max()), float(shares.max()))
+    above, below = np.maximum(apart.max(axis=(0, 1)), 0.0), np.maximum(-apart.min(axis=(0, 1)), 0.0)
+    return lamps, above, below, float(means.max()), float(shares.max())
 
 
-def _sum_up(lamps: np.ndarray, largest: np.ndarray, offset: float, reflectance: float) -> float:
-    """Mean of the errors of light by how many coloured surfaces it has met. [-]"""
-    if not np.isfinite(offset):
+def _sum_up(lamps, above, below, offset: float, reflectance: float, already: int) -> float:
+    """Mean of the errors of light by how many coloured surfaces it has met, of the lamp that is worst off. [-]
+
+    With all d between -b and a, a product of k factors 1 + d differs from 1 plus their sum by most where each is at one of
+    its ends: by ``(1 + a)^k - 1 - k a``, by ``(1 - b)^k - 1 + k b``, or where some are here and others there by less than
+    ``((1 + a)^k - 1) k b / 4``.
+    """
+    left = reflectance * (1.0 + above.max())
+    if not np.isfinite(offset) or left > MOST_LEFT:
         return np.inf
-    if reflectance * (1.0 + largest.max()) >= 1.0:
-        return np.inf
-    met = np.arange(ALREADY, ALREADY + MOST_MET)
-    share = reflectance ** (met - ALREADY)
-    powers = (1.0 + largest[None]) ** met[:, None]
-    means = powers @ lamps.T - 1.0 - met[:, None] * (lamps @ largest)[None]
-    errors = met * offset + means.max(axis=1)
-    return float((share * errors).sum() / share.sum())
+    more = np.arange(max(int(np.log(LEAST) / np.log(left)), 1))[:, None]
+    met, share = already + more, reflectance**more
+    # With the share of light, or powers of dark saturated colours would be too large for numbers.
+    up, down = (
+        (reflectance * factor) ** more * factor**already - share
+        for factor in (1.0 + above, 1.0 - below)
+    )
+    apart = np.maximum(up - share * met * above, down + share * met * below)
+    apart = np.maximum(apart, np.minimum(0.25 * met * below, 1.0) * up)
+    errors = (met * share * offset + apart @ lamps.T).sum(axis=0)
+    return float(errors.max() / share.sum())
 
 
 def _weights(spectra) -> np.ndarray:
@@ -114,34 +143,56 @@ def _deviations(surface: Surface, lamps: np.ndarray):
 
     Yields
     ------
-    ((471,), float, float)    Largest relative deviation by wavelength, the largest mean of one over a lamp, and the largest
-        photometric reflectance. Infinite where no bound is known. [-]
+    ((2, 471), float, float)    Least and largest relative deviations by wavelength, the largest mean of one over a lamp,
+        and the largest share of light that leaves by a spectrum of the surface, of that which meets one. Infinite where no
+        bound is known. [-]
     """
-    if isinstance(surface, MIXED):
-        inner = (
-            (surface.surface,) if isinstance(surface, Raised) else (surface.first, surface.second)
-        )
-        for each in inner:
+    if isinstance(surface, Mix | Raised) or _is_even(surface):
+        is_mixed = not isinstance(surface, Raised)
+        for each in (surface.first, surface.second) if is_mixed else (surface.surface,):
             yield from _deviations(each, lamps)
         return
     colours = [each for each in surface.colours if not isinstance(each, Constant)]
     if not colours and not surface.has_own_colour:
         return
-    is_known = isinstance(surface, LINEAR) or (
-        isinstance(surface, Coated) and not surface.has_own_colour
-    )
-    if not is_known or any(isinstance(each, ImageTexture) for each in colours):
-        yield np.zeros(len(GRID)), np.inf, 1.0
+    if not _is_linear(surface) or any(isinstance(each, ImageTexture) for each in colours):
+        yield np.zeros((2, len(GRID))), np.inf, 1.0
         return
+    # What a sheet reflects and what it lets through both go on.
+    spread = surface.colours if isinstance(surface, Diffuse) else (surface.reflectance,)
+    share = sum(float((lamps @ _values(each)).max(initial=0.0)) for each in spread)
     for colour in colours:
-        values = evaluate_reflectance(colour, GRID)
+        values = _values(colour)
         means = lamps @ values
         if not len(means) or means.min() <= 0.0:
-            yield np.zeros(len(GRID)), np.inf, 1.0
+            yield np.zeros((2, len(GRID))), np.inf, 1.0
             continue
-        # Under a clear coat some of the light meets the base again and again.
-        for returned in (0.0, INSIDE) if isinstance(surface, Coated) else (0.0,):
-            own, stood = (x / (1.0 - returned * x) for x in (values, means))
-            apart = np.abs(own[None] / stood[:, None] - 1.0).max(axis=0)
-            mean = np.abs((lamps @ own)[:, None] / stood[None] - 1.0).max()
-            yield apart, float(mean), float(means.max())
+        # Photometric reflectances are by the mean of all lamps, so between those by single ones.
+        apart = np.stack([values / means.max(), values / means.min()]) - 1.0
+        mean = np.abs(means[:, None] / means[None] - 1.0).max()
+        yield apart, float(mean), share
+
+
+def _values(colour) -> np.ndarray:
+    return np.clip(evaluate_reflectance(colour, GRID), 0.0, 1.0)
+
+
+def _is_even(surface: Surface) -> bool:
+    """Whether a surface is a blend by weights that are the same for light and eye, and that nothing holds down."""
+    if not isinstance(surface, Blend) or not surface.is_reciprocal:
+        return False
+    return np.asarray(surface.weights).sum(axis=1).max() <= 1.0 + ROUNDING
+
+
+def _is_linear(surface: Surface) -> bool:
+    """Whether what a surface sends on is in proportion to its spectra, or has no wavelength.
+
+    Bases whose facets lie aslant light each other, and what a tinted coat leaves to its base follows from its largest tint.
+    """
+    match surface:
+        case Diffuse():
+            return surface.roughness <= 0.0
+        case Coated():
+            is_clear = surface.tint is None or isinstance(surface.tint, Constant)
+            return is_clear and surface.film is None and surface.base_roughness <= 0.0
+    return False

@@ -3,7 +3,39 @@
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from ..scene.camera import Camera, Projection
 from ..scene.modelling import Switch
+
+NEAR = 0.2
+"""Within which of a camera what it sees begins, at most, where that is known. [m]"""
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+MOST_BOXES = 256
+"""Points up to which each has a box of its own."""
+
+
+def boxes_of(points) -> tuple[Box, ...] | None:
+    """Boxes round points (n, 3) for `Asked.places`; None where one is not finite. [m]"""
+    points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    if not np.isfinite(points).all():
+        return None
+    if len(points) > MOST_BOXES:
+        low, high = (tuple(map(float, each)) for each in (points.min(axis=0), points.max(axis=0)))
+        return ((low, high),)
+    corners = [tuple(map(float, point)) for point in points]
+    return tuple((corner, corner) for corner in corners)
+
+
+def places_of(camera: Camera) -> tuple[Box, ...] | None:
+    """Box round the places that a camera looks from, for `Asked.places`; None where they are not near its own. [m]"""
+    if camera.projection is Projection.ORTHOGRAPHIC or camera.clip_start > NEAR:
+        return None
+    place, reach = np.asarray(camera.frame, dtype=np.float64)[:3, 3], camera.aperture_radius + NEAR
+    return boxes_of(place) and (tuple(tuple(map(float, place + k * reach)) for k in (-1, 1)),)
 
 
 @dataclass(frozen=True)
@@ -16,11 +48,14 @@ class Asked:
         changes nothing is simplified. [-]
     has_colour : bool    Whether colours or spectra are wanted, and not photometric quantities alone.
     objects : frozenset of str    Ids of objects whose own light is wanted.
+    places : tuple of ((float, float, float), (float, float, float)), or None    Boxes, by their lowest and highest corners,
+        which hold everything else that light is wanted at, and from where it is looked at; None: it may be anywhere. [m]
     """
 
     error: float | None = None
     has_colour: bool = True
     objects: frozenset[str] = frozenset()
+    places: tuple[Box, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -46,6 +81,22 @@ class Decision:
 
 
 @dataclass(frozen=True)
+class Late:
+    """By how much a bound is larger where light comes late, which only those know who measure it.
+
+    Parameters
+    ----------
+    reflections : int    By more of them light has come late.
+    share : float    Of the light, up to which it may do so by the decision's own bound. [-]
+    more : float    What is added to that bound where more of it does. [-]
+    """
+
+    reflections: int
+    share: float
+    more: float
+
+
+@dataclass(frozen=True)
 class Outcome:
     """A decision with what it does.
 
@@ -55,12 +106,14 @@ class Outcome:
     changes : dict    Items in place of the scene's, by id; None: left out.
     is_spectral : bool or None    Whether light has wavelengths; None where it is not what was decided.
     is_dispersive : bool    Whether glass refracts by the wavelength.
+    late : tuple of Late    By the number of reflections.
     """
 
     decision: Decision
     changes: dict[str, object] = field(default_factory=dict)
     is_spectral: bool | None = None
     is_dispersive: bool = False
+    late: tuple[Late, ...] = ()
 
 
 def accepts(bound: float, allowance: float, switch: Switch) -> bool:

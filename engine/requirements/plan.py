@@ -5,12 +5,17 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours
+from . import colours, equal_materials, surfaces, unseen
 from .budget import left_to_samples
-from .decision import Asked, Decision, Outcome
+from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
 
-DECISIONS = {colours.NAME: colours.decide}
+DECISIONS = {
+    unseen.NAME: unseen.decide,
+    surfaces.NAME: surfaces.decide,
+    equal_materials.NAME: equal_materials.decide,
+    colours.NAME: colours.decide,
+}
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""
 
 TRANSPORTS = ("auto", "mono", "spectral")
@@ -28,6 +33,7 @@ class Plan:
     allowed : float    Relative error that simplifications might take. [-]
     spectral, dispersive : bool    Whether light has wavelengths, and glass refracts by them.
     changes : dict    Items in place of the scene's, by id; None: left out.
+    late : tuple of Late    What more light may be wrong by where it comes late.
     """
 
     asked: Asked
@@ -36,6 +42,7 @@ class Plan:
     spectral: bool
     dispersive: bool
     changes: dict[str, object] = field(default_factory=dict, repr=False)
+    late: tuple[Late, ...] = ()
 
     @property
     def spent(self) -> float:
@@ -44,12 +51,10 @@ class Plan:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """The decisions as sentences: of colours, and of what is simplified."""
-        told = [
-            decision.reason
-            for decision in self.decisions
-            if decision.name == colours.NAME or decision.bound > 0.0
-        ]
+        """The decisions as sentences: of colours, then of what else is simplified."""
+        first = [each.reason for each in self.decisions if each.name == colours.NAME]
+        rest = [each for each in self.decisions if each.name != colours.NAME]
+        told = first + [each.reason for each in rest if each.bound > 0.0 or each.saving > 0.0]
         if self.spent > 0.0:
             told.append(f"simplifications: at most {100.0 * self.spent:.2g} % of the light")
         return tuple(told)
@@ -102,6 +107,9 @@ def make_plan(scene: Scene, asked: Asked | None = None, transport: str = "auto")
         outcome = decide(facts, asked, max(left, 0.0), wishes.of(name))
         made.append(outcome)
         left -= outcome.decision.bound
+        if outcome.changes:
+            # What others decide is about what is left.
+            facts = Facts(facts.scene.with_items(outcome.changes))
     return _put_together(asked, allowed, made, transport)
 
 
@@ -113,7 +121,7 @@ def check_transport(transport: str) -> None:
 
 def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: str) -> Plan:
     """The plan that outcomes make, with the kind of transport that was asked for."""
-    changes, decisions = {}, []
+    changes, decisions, late = {}, [], ()
     spectral = dispersive = False
     for outcome in made:
         decision = outcome.decision
@@ -124,7 +132,8 @@ def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: 
                 decision = _overrule(decision, transport)
         decisions.append(decision)
         changes |= outcome.changes
-    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes)
+        late += () if spectral else outcome.late
+    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes, late)
 
 
 def _overrule(decision: Decision, transport: str) -> Decision:

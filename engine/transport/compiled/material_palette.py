@@ -38,11 +38,34 @@ class MaterialPalette:
         """Weigh reflectances by another light."""
         self.make = TextureMaker(light, self.make.bitmaps)
         if not is_spectral():
+            renewed: set[int] = set()
             for item in [item for item in self._items.values() if is_coloured(item.surface)]:
-                self.put(item)
+                if id(item.surface) not in renewed or item.id in self._rows:
+                    self._put(item, [item.id, *self._sharers(item)])
+                    renewed.add(id(item.surface))
 
     def put(self, material: Material) -> None:
-        """Take a material in, new or changed."""
+        """Take a material in, new or changed. Those of the very same surface share a plug-in."""
+        sharers = [] if is_plain(material.surface) else self._sharers(material)
+        if not sharers:
+            self._put(material, [material.id])
+            return
+        if material.id in self._rows:
+            self._give_row_back(material.id)
+        self._items[material.id] = material
+        self._plugins[material.id] = self._plugins[sharers[0]]
+        self._note_pictures(material, self._pictures.get(sharers[0], frozenset()))
+
+    def _sharers(self, material: Material) -> list[str]:
+        """Ids of other materials with a plug-in for the very same surface."""
+        return [
+            key
+            for key, item in self._items.items()
+            if item.surface is material.surface and key != material.id and key in self._plugins
+        ]
+
+    def _put(self, material: Material, alike: list[str]) -> None:
+        """Take a material in, and its plug-in for it and all that are alike."""
         was_plain = material.id in self._rows
         self._items[material.id] = material
         if is_plain(material.surface):
@@ -64,8 +87,12 @@ class MaterialPalette:
         plugin = model if is_made else mi.load_dict(model, optimize=False)
         self._note_pictures(material, frozenset(self.make.bitmaps.asked))
         old = self._plugins.get(material.id)
-        if old is None or not _transplant(plugin, old[0]):
-            self._plugins[material.id] = (plugin, pointer_id(plugin))
+        users = [
+            key for key, kept in self._plugins.items() if old is not None and kept[0] is old[0]
+        ]
+        # Others that share the old one must not change.
+        if old is None or not set(users) <= set(alike) or not _transplant(plugin, old[0]):
+            self._plugins |= dict.fromkeys(alike, (plugin, pointer_id(plugin)))
 
     def drop(self, material_id: str) -> None:
         """Forget a material that no shape uses any more."""

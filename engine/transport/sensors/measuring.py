@@ -23,6 +23,7 @@ from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import hear_sensors
 from .cell_job import CellJob
+from .lateness import ENDLESS, late_bounds
 from .method import BUDGET, Choice
 
 GROUPS = 16
@@ -92,8 +93,10 @@ def measure(
         if blur.any():
             estimate = estimate.widened(blur)
         if spent:
-            light = estimate.channel(1).mean if colour else estimate.mean
-            estimate = estimate.widened(spent * light)
+            bright = estimate.channel(1) if colour else estimate
+            wider, late = late_bounds(scene, receivers, bright, seed, cancelled)
+            estimate = estimate.widened((spent + wider) * bright.mean)
+            more = (*more, *late)
         # Lamps at one place and nothing else: no path from them meets anything.
         if witness and len(estimate.mean) and scene.radius > 0.0:
             bright = estimate.channel(1) if colour else estimate
@@ -150,6 +153,9 @@ class _Measuring:
         return made, choice.reason, notes
 
     def _by_paths(self, reflections, choice: Choice | None = None) -> Estimate | None:
+        if reflections is None and self.scene.requirements.late:
+            # With the kernel that `late_bounds` uses.
+            reflections = ENDLESS
         leaves = {} if choice is None else {"leaves": choice.leaves}
         return compute(
             self.scene,

@@ -14,10 +14,20 @@ from lumenray.engine.requirements.decision import Asked
 from lumenray.engine.requirements.facts import Facts
 from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import ImageWorld, Output, PointLight, Quantity
-from lumenray.engine.scene.material import Cauchy, Coated, Dielectric, Diffuse, Material, Mix
+from lumenray.engine.scene.material import (
+    Cauchy,
+    Coated,
+    Dielectric,
+    Diffuse,
+    Material,
+    Mix,
+    Toon,
+    Transparent,
+)
+from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
-from lumenray.engine.scene.spectrum import Illuminant, Rgb, Tabulated
+from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
 from small_scenes import box, paint, session_of
 
@@ -90,7 +100,7 @@ def test_of_no_error_nothing_is_spent_and_switches_decide():
     assert make_plan(scene, Asked(None, False)).spectral
     plan = make_plan(scene, PERCENT)
     assert not plan.spectral
-    assert plan.spent == plan.decisions[0].bound <= plan.allowed
+    assert plan.spent == sum(each.bound for each in plan.decisions) <= plan.allowed
     scene.apply(SceneDelta(changed=(Modelling((("colours", Switch.OFF),)),)))
     assert make_plan(scene, PERCENT).spectral
     scene.apply(SceneDelta(changed=(Modelling((("colours", Switch.FORCE),)),)))
@@ -99,6 +109,8 @@ def test_of_no_error_nothing_is_spent_and_switches_decide():
     assert forced.spent > forced.allowed
     assert "simplifications: at most" in forced.reasons[-1]
 
+
+OFF_WHITE = Rgb(0.8, 0.79, 0.77)
 
 RED, GREEN = Rgb(0.7, 0.1, 0.1), Rgb(0.1, 0.7, 0.1)
 
@@ -110,6 +122,14 @@ LINES = Tabulated(
 @pytest.mark.parametrize(
     "items",
     [
+        # What these send on is not in proportion to their reflectance.
+        (coloured(Diffuse(OFF_WHITE, roughness=0.3)), lamp()),
+        (coloured(Coated(Constant(0.5), tint=OFF_WHITE)), lamp()),
+        (coloured(Toon(OFF_WHITE)), lamp()),
+        # Light may pass any number of sheets before it has met anything.
+        (coloured(Transparent(OFF_WHITE)), lamp()),
+        # A sheet of which nearly all light goes on, to one side or the other.
+        (coloured(Diffuse(Rgb(0.49, 0.48, 0.46), Rgb(0.49, 0.48, 0.46))), lamp()),
         # Light between red and green walls is nearly nothing, whatever each reflects by itself.
         (coloured(Mix(Diffuse(RED), Diffuse(GREEN), 0.5)), lamp()),
         (coloured(Diffuse(Rgb(0.5, 0.3, 0.2))), lamp()),
@@ -126,7 +146,7 @@ LINES = Tabulated(
         ),
         # What a picture holds is not bounded.
         (
-            coloured(Diffuse(ImageTexture(np.full((2, 2, 3), (0.8, 0.79, 0.77), np.float32)))),
+            coloured(Diffuse(ImageTexture(np.float32([[[0.8, 0.79, 0.77], [0.8, 0.79, 0.76]]])))),
             lamp(),
         ),
     ],
@@ -140,3 +160,131 @@ def test_paths_of_many_reflections_widen_the_bound():
     dark, bright = (bound_of(coloured(Diffuse(Rgb(x, x, x - 0.02))), lamp()) for x in (0.3, 0.95))
     assert bright > 5.0 * dark
     assert bound_of(coloured(Diffuse(Rgb(0.99, 0.99, 0.9))), lamp()) > 0.01
+
+
+SPECTRA = ("D65", "A", "FL11", "FL2")
+
+
+def painted(colours_, lamps):
+    """Scene with a surface of every colour, and lamps of spectra by name."""
+    scene = Scene()
+    items = []
+    for k, colour in enumerate(colours_):
+        one = np.array([[0, 1, 2]], np.int32)
+        items += [
+            Mesh(f"m{k}", f"m{k}", np.eye(3), one, (f"p{k}",), np.zeros(1, np.int32)),
+            coloured(Diffuse(colour), f"p{k}"),
+        ]
+    scene.apply(SceneDelta(changed=(*items, *(lamp(name, name) for name in lamps))))
+    return scene
+
+
+def exchange(forms, direct, colours_, lamps):
+    """Irradiance of patches that light each other, with wavelengths and without. (l, n) -> (n,), (n,)"""
+    values = np.stack([evaluate_reflectance(colour, GRID) for colour in colours_])
+    weights = [evaluate_emission(Illuminant(name), GRID) * luminous_efficiency() for name in lamps]
+    weights = np.array([weight / weight.sum() for weight in weights])
+    photometric = values @ (direct.sum(axis=1) @ weights / direct.sum())
+    solve, unit = np.linalg.solve, np.eye(len(forms))
+    exact = 0.0
+    for own, weight in zip(direct, weights, strict=True):
+        systems = unit - forms[None] * values.T[:, None]
+        exact += weight @ solve(systems, np.broadcast_to(own, (471, len(own)))[..., None])[..., 0]
+    return exact, solve(unit - forms * photometric[None], direct.sum(axis=0))
+
+
+def test_the_bound_holds_for_all_light_between_surfaces_of_many_colours():
+    """Radiosity of patches with random form factors, paints and lamps: the mean over all light, in closed form."""
+    draw, ratios = np.random.default_rng(5), []
+    for _ in range(60):
+        count = int(draw.integers(2, 9))
+        apart = 10.0 ** draw.uniform(-3.0, -0.5, 1)
+        paints = np.clip(
+            draw.uniform(0.05, 0.9, (count, 1)) * (1 + apart * draw.normal(size=(count, 3))),
+            0.01,
+            0.95,
+        )
+        paints = [Rgb(*map(float, each)) for each in paints]
+        lamps = list(draw.choice(SPECTRA, int(draw.integers(1, 4)), replace=False))
+        bound = colours.find_bound(Facts(painted(paints, lamps)))
+        if not np.isfinite(bound):
+            continue
+        openings = draw.exponential(size=(count, count)) ** draw.uniform(0.5, 4.0)
+        openings += openings.T
+        areas = openings.sum(axis=1)
+        direct = draw.exponential(size=(len(lamps), count)) ** 3
+        exact, approximate = exchange(openings / areas[:, None], direct, paints, lamps)
+        error = abs((areas @ exact) / (areas @ approximate) - 1.0)
+        assert error <= bound + 1e-12
+        ratios.append(bound / max(error, 1e-9))
+    assert len(ratios) > 30
+    assert np.median(ratios) < 1000.0
+
+
+def test_light_that_comes_late_has_a_bound_of_its_own():
+    """A row of patches of which each sees its neighbours alone: what comes to the last has met all others."""
+    count = 12
+    forms = 0.5 * (np.eye(count, k=1) + np.eye(count, k=-1))
+    paints, lamps = [OFF_WHITE] * count, ["A"]
+    direct = np.eye(1, count)
+    exact, approximate = exchange(forms, direct, paints, lamps)
+    facts = Facts(painted(paints, lamps))
+    bound, late = colours.find_bound(facts), colours.find_late(facts)
+    error = abs(exact[-1] / approximate[-1] - 1.0)
+    assert error > bound
+    assert late[0].reflections < count <= late[1].reflections
+    assert error < bound + late[1].more
+    # Maps do not find out, so theirs is larger.
+    wanted = {"error": 0.1, "has_colour": False}
+    spent = [
+        make_plan(facts.scene, Asked(**wanted, **more)).spent
+        for more in ({}, {"objects": frozenset({"m0"})})
+    ]
+    assert spent[0] == bound < spent[1]
+
+
+def corridor(turns):
+    """Walls of a corridor of 1 m that goes to and fro, and the middle of its end."""
+    half = 0.1
+    width, length = 1.0, 2.0
+    total = turns * (width + half)
+    parts = [box(total + half, length, 1.0)]
+    for k in range(1, turns):
+        # Walls from one side, which leave a gap of a corridor's width at the other.
+        x = k * (width + half) - half
+        low = 0.0 if k % 2 else width
+        wall = box(half, length - width, 1.0, inwards=False)
+        parts.append(
+            Mesh(
+                f"wall{k}",
+                f"wall{k}",
+                wall.vertices + np.array([x, low, 0.0]),
+                wall.triangles,
+                ("paint",),
+                wall.material_index,
+            )
+        )
+    end = [total - 0.6 * width, 0.5 * length, 0.01]
+    return parts, end
+
+
+@pytest.mark.slow
+@pytest.mark.mitsuba
+def test_sensors_find_that_light_reaches_them_late():
+    """At the end of a corridor that goes to and fro photometric light is off by more than its bound elsewhere."""
+    parts, end = corridor(3)
+    yellow = coloured(Diffuse(Rgb(0.85, 0.8, 0.5)))
+    forced = Modelling((("colours", Switch.FORCE),))
+    items = (*parts, yellow, lamp("A", place=(0.5, 0.5, 0.8)))
+    places, up, rule = [end, [0.5, 1.5, 0.01]], [[0, 0, 1.0]] * 2, StopRule(samples=1 << 16)
+    session = session_of(*items, forced)
+    bound = make_plan(session.scene, PERCENT).spent
+    made = session.measure(places, up, rule, seed=2)
+    assert sum("reaches 1 sensors after so many" in each for each in made.provenance.notes) == 1
+    full = session_of(*items).measure(places, up, rule, 3, "spectral")
+    off = np.abs(made.illuminance / full.illuminance - 1.0)
+    stated, noise = (each.standard_error / each.illuminance for each in (made, full))
+    assert off[0] - 2.0 * noise[0] > bound
+    assert (off < stated + 2.0 * noise).all()
+    assert stated[0] > 2.0 * bound
+    assert stated[1] == pytest.approx(bound, rel=0.1)
