@@ -28,7 +28,7 @@ from .next_event import mirrored_light, sample_numbered_emitter
 from .path_loop import trace
 from .sampler import hash_words, random_stream, sobol_pair
 from .spotted_light import spotted_light
-from .visibility import closest_hit, transmittance
+from .visibility import closest_hit, first_ground, meet, transmittance
 from .wavelengths import disperse
 
 LONGEST_WAY = 1000
@@ -177,14 +177,16 @@ class Catchers:
                 return mi.Bool(False)
             return met & dr.gather(mi.Bool, table, dr.reinterpret_array(mi.UInt32, si.shape), met)
 
-        def step(ray, numbers, share, polar, dispersed, turns, going, steps):
-            si = closest_hit(scene, ray, going, looks=mi.Bool(True))
-            met = going & si.is_valid()
+        def step(ray, numbers, share, polar, dispersed, turns, found, going, steps):
             begins = turns == 0
-            # What is there for the camera alone mirrors do not show, nor does the camera what is hidden from it.
-            passed = met & ~begins & marks(scene.unlit, si, met) & ~marks(scene.grounds, si, met)
-            passed |= met & begins & marks(scene.hidden, si, met)
-            acts = met & ~passed & ~marks(scene.catchers, si, met)
+            hit, si = meet(scene, ray, going, looks=begins)
+            # What is there for the camera alone mirrors do not show, but for the ground.
+            ground, distance = first_ground(scene, ray, going & ~begins)
+            is_ground = going & ~begins & ground.is_valid() & (distance <= hit.t)
+            met = going & si.is_valid() & ~is_ground
+            found |= is_ground
+            passed = met & begins & marks(scene.hidden, si, met)
+            acts = met & ~passed & ~(begins & marks(scene.catchers, si, met))
             bsdf = scene.bsdf(si, acts)
             choice = numbers.next_float32()
             number = mi.Point2f(numbers.next_float32(), numbers.next_float32())
@@ -204,9 +206,9 @@ class Catchers:
                 going & turned, dr.largest(mi.Float), dr.select(going, left, ray.maxt)
             )
             share = dr.select(acts & ~going, 0.0, share)
-            return ray, numbers, share, polar, dispersed, turns, going, steps + 1
+            return ray, numbers, share, polar, dispersed, turns, found, going, steps + 1
 
-        ray, _, share, _, _, turns, _, _ = dr.while_loop(
+        ray, _, share, _, _, _, found, _, _ = dr.while_loop(
             state=(
                 ray,
                 mi.PCG32(stream),
@@ -214,16 +216,26 @@ class Catchers:
                 mi.Vector3f(0.0),
                 mi.Bool(False),
                 mi.UInt32(0),
+                mi.Bool(False),
                 sees(ray),
                 mi.UInt32(0),
             ),
-            cond=lambda ray, numbers, share, polar, dispersed, turns, going, steps: going,
+            cond=lambda *state: state[-2],
             body=step,
-            labels=("ray", "numbers", "share", "polar", "dispersed", "turns", "going", "steps"),
+            labels=(
+                "ray",
+                "numbers",
+                "share",
+                "polar",
+                "dispersed",
+                "turns",
+                "found",
+                "going",
+                "steps",
+            ),
         )
-        active = sees(ray) & (turns > 0) & dr.any(share != 0.0)
-        si = closest_hit(scene, ray, active, looks=mi.Bool(True))
-        met = marks(scene.grounds, si, active & si.is_valid())
+        met = found & dr.any(share != 0.0)
+        si = scene.surface(first_ground(scene, ray, met)[0], ray, met)
         # What lies below is seen by light as if the ground were not there.
         met &= ~closest_hit(scene, ray, met).is_valid()
         light = dr.select(met, share * _look(self._surroundings, ray, wavelengths, met), 0.0)

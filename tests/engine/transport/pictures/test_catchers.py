@@ -314,6 +314,16 @@ def test_a_mirror_shows_the_shadows_of_a_ground(material, groups):
 
 
 @pytest.mark.slow
+def test_a_mirror_shows_an_object_that_catches_shadows_and_nothing_below_it():
+    """A black one hides the ground below it, whose shadows take nothing from what is not seen."""
+    ground = quad("ground", (-FAR, -FAR, -0.5), (2 * FAR, 0, 0), (0, 2 * FAR, 0), "black")
+    ground = replace(ground, is_catcher=True, meets_light=False)
+    items = (BLACK, MIRROR, floor(), ground, slanted("mirror"), UniformWorld(100.0), wall())
+    made = look(session_of(*items), view=ahead(), samples=64)
+    assert luminance(made) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.slow
 def test_a_body_of_glass_shows_the_shadows_of_a_ground():
     """Through a slab: what it reflects of the sky stays, and of what comes through one half is left."""
     plate = slab((-0.1, -0.1, 0.9), (0.1, 0.1, 0.95))
