@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check smoke viewer viewport panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check smoke viewer viewport surroundings panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -73,6 +73,9 @@ viewer: setup ## load an exported scene in three.js in a headless Chromium (root
 
 viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
 	@tests/real_blender/run_viewport.sh
+
+surroundings: setup ## drag suns, raise a ground and drop pictures of surroundings in a real Blender's window (root)
+	@tests/real_blender/run_environment.sh
 
 panels: setup ## take pictures of every panel at default width into out/real-blender/panels (root)
 	@tests/real_blender/run_panels.sh

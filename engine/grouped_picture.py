@@ -12,8 +12,10 @@ import numpy as np
 
 from .accuracy.estimate import relative_error
 from .accuracy.stopping import Clock, StopRule
+from .caught_light import CaughtLayout, Shown
 from .light_mix import GroupLight, add_colours, mix
 from .scene.camera import Camera
+from .scene.light_groups import WORLD
 from .views import ViewSettings
 
 GROUP_SEEDS = 1_000_003
@@ -49,6 +51,53 @@ class Rendered:
     decisions: tuple[str, ...] = ()
 
 
+class CaughtGroups:
+    """What light groups give to what is seen of shadow catchers, whose light is divided by that of all of them.
+
+    Parameters
+    ----------
+    groups : list of Share    Those of which something is known.
+    layout : CaughtLayout
+    shape : (int, int)    Rows and columns of the picture.
+
+    Attributes
+    ----------
+    shown : dict of str to Shown    By the groups' names.
+    """
+
+    def __init__(self, groups: list["Share"], layout: CaughtLayout, shape: tuple[int, int]):
+        self._groups, self._layout, self._shape = groups, layout, shape
+        columns = [group.caught for group in groups]
+        shown, is_open = layout.share_out(columns, [WORLD in group.members for group in groups])
+        self.shown: dict[str, Shown] = dict(zip((g.name for g in groups), shown, strict=True))
+        self._open = is_open.mean(axis=0)
+        self._whole = layout.join([each.mean(axis=0, dtype=np.float64) for each in columns])
+
+    def light(self, group: "Share", name: str) -> np.ndarray:
+        """What a group's field gets of it: ``tristimulus``, ``backdrop`` or ``bands``. (h, w, c)"""
+        shown = self.shown[group.name]
+        if name == "bands":
+            made = shown.bands + shown.band_change
+        else:
+            made = shown.tristimulus + (shown.change if name == "tristimulus" else 0.0)
+        return made.mean(axis=0).reshape(*self._shape, -1)
+
+    def difference(self, group: "Share") -> np.ndarray:
+        """Error of the luminance that a group gives to it, with a sign. (h, w) [cd/m2]"""
+        return self.shown[group.name].difference.reshape(self._shape)
+
+    def scatter(self, group: "Share") -> np.ndarray:
+        """Variance of that of all groups by the samples of one. (h, w) [cd2/m4]"""
+        counts = np.full(len(self._whole), group.samples // 2)
+        made = self._layout.scatter(group.caught, self._whole, counts, 0.0, len(self._groups))
+        return made.mean(axis=0).reshape(self._shape)
+
+    def coverage(self, without: np.ndarray, is_transparent: bool) -> np.ndarray:
+        """Share of a pixel that shows anything, by that of a picture where catchers are holes. (h, w)"""
+        is_open = self._open if is_transparent else 0.0
+        return np.clip(without + (self._whole[:, 0] - is_open).reshape(self._shape), 0.0, 1.0)
+
+
 @dataclass
 class Share:
     """A group and what is known of its light.
@@ -60,6 +109,7 @@ class Share:
     mean : dict of str to array    By field, weighed by samples, of what adds up over groups.
     variance : dict of str to array    The same of what adds up as squares.
     samples : int    Per pixel.
+    caught : (2, n, count) array or None    Means of what is known of shadow catchers, see `CaughtLayout`.
     """
 
     name: str
@@ -67,6 +117,7 @@ class Share:
     mean: dict[str, np.ndarray] = field(default_factory=dict)
     variance: dict[str, np.ndarray] = field(default_factory=dict)
     samples: int = 0
+    caught: np.ndarray | None = None
 
     def add(self, made: Rendered) -> None:
         """Take in a rendering that is independent of those before."""
@@ -81,14 +132,25 @@ class Share:
                 before = self.variance.get(name, 0.0)
                 squares = made.fields[name].astype(float) ** 2
                 self.variance[name] = (old**2 * before + new**2 * squares) / total**2
+        if made.fields.get("caught") is not None:
+            before = 0.0 if self.caught is None else self.caught
+            self.caught = (old * before + new * made.fields["caught"].astype(float)) / total
         self.samples = total
 
-    def light(self) -> GroupLight:
-        """Return it as plain data."""
-        values = {name: value.astype(np.float32) for name, value in self.mean.items()}
-        values |= {name: np.sqrt(v).astype(np.float32) for name, v in self.variance.items()}
+    def light(self, caught: CaughtGroups | None) -> GroupLight:
+        """Return it as plain data. ``caught``: what all groups give to shadow catchers."""
+        mean, variance, shared = dict(self.mean), dict(self.variance), None
+        if caught is not None:
+            for name in CAUGHT:
+                if name in mean:
+                    mean[name] = mean[name] + caught.light(self, name)
+            shared = caught.difference(self)
+            variance["luminance_error"] = variance["luminance_error"] + shared**2
+            shared = shared.astype(np.float32)
+        values = {name: value.astype(np.float32) for name, value in mean.items()}
+        values |= {name: np.sqrt(v).astype(np.float32) for name, v in variance.items()}
         kept = {name: values.get(name) for name in KEPT}
-        return GroupLight(self.name, self.samples, **kept)
+        return GroupLight(self.name, self.samples, **kept, shared_error=shared)
 
 
 KEPT = ("tristimulus", "luminance_error", "illuminance", "illuminance_error", "backdrop")
@@ -96,6 +158,9 @@ KEPT = ("tristimulus", "luminance_error", "illuminance", "illuminance_error", "b
 
 SUMS = ("tristimulus", "illuminance", "backdrop", "bands", "coverage")
 ERRORS = ("luminance_error", "illuminance_error")
+
+CAUGHT = ("tristimulus", "backdrop", "bands")
+"""Fields that hold what is seen of shadow catchers."""
 
 
 def render_groups(
@@ -105,6 +170,7 @@ def render_groups(
     settings: ViewSettings,
     render: Callable[..., Rendered],
     progress: Callable | None = None,
+    layout: CaughtLayout | None = None,
 ) -> Rendered:
     """Render a picture by light group until the rule of ``settings`` is met by the sum of all.
 
@@ -114,13 +180,14 @@ def render_groups(
     shares : list of (str, frozenset of str)    As of `light_groups.share_out`.
     render : callable    ``render(settings, progress)`` renders what shines of the scene.
     progress : callable or None    As of `Session.render`; pictures so far are the sum at the levels ``settings.preview``.
+    layout : CaughtLayout or None    Of the field ``caught`` of what is rendered, where shadow catchers are seen.
 
     Returns
     -------
     Rendered    Of the sum, with the field ``groups``; samples are those of all groups together.
     """
     groups = [Share(name, members) for name, members in shares]
-    job = _Rounds(groups, settings, progress)
+    job = _Rounds(groups, settings, progress, layout)
     try:
         while True:
             for number, rule in job.plan():
@@ -138,8 +205,10 @@ def render_groups(
 class _Rounds:
     """Shares samples and time out between groups."""
 
-    def __init__(self, groups: list[Share], settings: ViewSettings, progress):
+    def __init__(self, groups: list[Share], settings: ViewSettings, progress, layout):
         self.groups, self.rule, self.progress = groups, settings.rule, progress
+        self.layout, self.is_transparent = layout, settings.transparent
+        self.caught: CaughtGroups | None = None
         self.levels = settings.preview
         self.clock = Clock(settings.rule, "picture")
         self.error = float("inf")
@@ -200,7 +269,7 @@ class _Rounds:
         scale = self._scale()
         noise = np.array(
             [
-                np.sqrt(group.samples * (group.variance["luminance_error"] / scale**2).mean())
+                np.sqrt(group.samples * (self._variance(group) / scale**2).mean())
                 for group in self.groups
             ]
         )
@@ -209,9 +278,20 @@ class _Rounds:
             return np.full(len(self.groups), even)
         return np.maximum(total * noise / noise.sum(), LEAST_SHARE * even)
 
+    def _variance(self, group: Share) -> np.ndarray:
+        """Variance of the picture's luminance by the samples of a group. (h, w) [cd2/m4]"""
+        scatter = 0.0 if self.caught is None else self.caught.scatter(group)
+        return group.variance["luminance_error"] + scatter
+
+    def _colour(self, group: Share) -> np.ndarray:
+        """X, Y, Z that a group gives. (h, w, 3) [cd/m2]"""
+        known = self.caught is not None and group.name in self.caught.shown
+        more = self.caught.light(group, "tristimulus") if known else 0.0
+        return group.mean["tristimulus"] + more
+
     def _scale(self) -> np.ndarray:
         """What errors of pixels are measured by, as of `picture.relative_error`. [cd/m2]"""
-        luminance = sum(group.mean["tristimulus"][..., 1] for group in self.groups)
+        luminance = sum(self._colour(group)[..., 1] for group in self.groups)
         return np.maximum(luminance, max(float(luminance.mean()), 1e-300))
 
     def follow(self, number: int):
@@ -235,13 +315,19 @@ class _Rounds:
         if own.samples:
             known, new = own.mean["tristimulus"], max(state.samples, 1)
             image = (own.samples * known + new * image) / (own.samples + new)
+            # Of shadow catchers what was known before is shown.
+            image += self._colour(own) - own.mean["tristimulus"]
         known = [group for group in self.groups if group.samples or group is own]
-        images = [image if group is own else group.mean["tristimulus"] for group in known]
+        images = [image if group is own else self._colour(group) for group in known]
         return add_colours(images, known, self.levels)
 
     def take(self, number: int, made: Rendered) -> None:
         """Take in a rendering of a group."""
         self.groups[number].add(made)
+        if self.layout is not None:
+            shape = made.fields["luminance_error"].shape
+            known = [group for group in self.groups if group.samples]
+            self.caught = CaughtGroups(known, self.layout, shape)
         self.count += 1
         self.first = self.first or made.fields
         for told, words in ((self.notes, made.notes), (self.decisions, made.decisions)):
@@ -254,24 +340,31 @@ class _Rounds:
     def is_done(self) -> bool:
         """Take note of a round and tell whether the rule is met."""
         variance = sum(group.variance["luminance_error"] for group in self.groups)
-        luminance = sum(group.mean["tristimulus"][..., 1] for group in self.groups)
+        if self.caught is not None:
+            variance = variance + sum(self.caught.difference(group) for group in self.groups) ** 2
+        luminance = sum(self._colour(group)[..., 1] for group in self.groups)
         self.error = relative_error(luminance, np.sqrt(variance))
         is_believed = min(group.samples for group in self.groups) >= FIRST_SAMPLES
         return self.clock.is_done(self.samples, self.error if is_believed else float("inf"))
 
     def finish(self) -> Rendered:
         """Return the sum of what was rendered."""
-        lights = tuple(group.light() for group in self.groups)
+        lights = tuple(group.light(self.caught) for group in self.groups)
         mixed = mix(lights)
-        fields = dict(self.first)
+        fields = {name: value for name, value in self.first.items() if name != "caught"}
         fields |= {name: getattr(mixed, name) for name in KEPT if name in fields}
         if fields.get("bands") is not None:
             bands = sum(group.mean["bands"] for group in self.groups)
+            if self.caught is not None:
+                bands = bands + sum(self.caught.light(group, "bands") for group in self.groups)
             fields["bands"] = bands.astype(np.float32)
         if fields.get("coverage") is not None:
             # All see the same shapes.
             weighed = sum(group.samples * group.mean["coverage"] for group in self.groups)
-            fields["coverage"] = (weighed / self.samples).astype(np.float32)
+            coverage = weighed / self.samples
+            if self.caught is not None:
+                coverage = self.caught.coverage(coverage, self.is_transparent)
+            fields["coverage"] = coverage.astype(np.float32)
         fields |= {"relative_error": self.error, "groups": lights}
         notes, decisions = self._name(self.notes), self._name(self.decisions)
         return Rendered(fields, self.samples, self.lost, notes, decisions)

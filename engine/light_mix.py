@@ -26,6 +26,9 @@ class GroupLight:
     luminance_error : (h, w) float32    Standard error of Y. [cd/m2]
     illuminance, illuminance_error : (h, w) float32 or None    Of the surface that is seen. [lx]
     backdrop : (h, w, 3) float32 or None    Part of ``tristimulus`` by surroundings that are seen straight. [cd/m2]
+    shared_error : (h, w) float32 or None
+        Part of ``luminance_error`` that depends on those of other groups, with a sign: such parts add up as they are. What
+        shadow catchers show has one, as its light is divided by that of all groups. [cd/m2]
     """
 
     name: str
@@ -35,6 +38,7 @@ class GroupLight:
     illuminance: np.ndarray | None = None
     illuminance_error: np.ndarray | None = None
     backdrop: np.ndarray | None = None
+    shared_error: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -132,8 +136,9 @@ def tint(colour) -> np.ndarray:
 def mix(groups: tuple[GroupLight, ...], levels: LightMix = NEUTRAL) -> MixedLight:
     """Add groups up at their levels.
 
-    Sums are made in double precision and in the order of the groups. Errors of groups are independent: they add up as
-    squares. In another colour a group keeps the relative error of its luminance. Illuminance follows the flux alone.
+    Sums are made in double precision and in the order of the groups. Errors of groups are independent and add up as squares,
+    but for the part that they share. In another colour a group keeps the relative error of its luminance. Illuminance
+    follows the flux alone.
     """
     return MixedLight(
         tristimulus=add_colours([group.tristimulus for group in groups], groups, levels),
@@ -162,18 +167,23 @@ def _coloured(image, level: Level):
 
 
 def _add_errors(groups, levels: LightMix) -> np.ndarray:
-    total = np.zeros(groups[0].luminance_error.shape)
+    total, shared = (np.zeros(groups[0].luminance_error.shape) for _ in range(2))
     for group in groups:
         level = levels.level(group.name)
         if level.flux == 0.0:
             continue
-        error = level.flux * group.luminance_error.astype(np.float64)
+        factor = level.flux
         if not level.is_white:
             before = group.tristimulus[..., 1].astype(np.float64)
             after = np.abs(group.tristimulus @ tint(level.colour)[1])
-            error *= np.divide(after, before, out=np.ones_like(before), where=before > 0.0)
+            factor = factor * np.divide(after, before, out=np.ones_like(before), where=before > 0.0)
+        error = factor * group.luminance_error.astype(np.float64)
         total += error**2
-    return np.sqrt(total).astype(np.float32)
+        if group.shared_error is not None:
+            part = factor * group.shared_error.astype(np.float64)
+            total -= part**2
+            shared += part
+    return np.sqrt(np.maximum(total, 0.0) + shared**2).astype(np.float32)
 
 
 def _add(groups, levels: LightMix, name: str, squared: bool = False) -> np.ndarray | None:

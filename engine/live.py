@@ -87,9 +87,7 @@ class WatchedView:
         self.leave()
         self.revision, self.work, self.is_shown, self.denoised = revision, None, False, None
         self.shown_changes = -1
-        # What shadow catchers show depends on all light together.
-        is_mixed = self.settings.groups and compiled.catchers is None
-        shares = share_out(scene, self.settings.groups) if is_mixed else []
+        shares = share_out(scene, self.settings.groups) if self.settings.groups else []
         if shares:
             self.work = GroupedView(compiled, shares, self.camera, self.settings)
             return

@@ -259,6 +259,8 @@ class _Rounds:
             replace(
                 group,
                 samples=self.of_groups[group.name],
+                # Errors are found anew, of each group by itself.
+                shared_error=None,
                 **{name: value for (of, name), value in values.items() if of == group.name},
             )
             for group in middle.groups

@@ -140,21 +140,19 @@ class Session:
             self._kept.begin()
             spent = compiled.requirements.spent
             settings = replace(settings, rule=settings.rule.beside(spent))
-            shares, told = [], ()
-            if settings.groups and compiled.catchers is not None:
-                # Their shade is that of all light together.
-                told = ("light groups are not kept apart where the camera sees shadow catchers",)
-            elif settings.groups:
-                shares = share_out(self.scene, settings.groups)
+            shares = share_out(self.scene, settings.groups) if settings.groups else []
             if shares:
+                from .transport.paths.catchers import layout_of
+
+                layout = layout_of(compiled, settings.bands)
 
                 def render(own, follow):
-                    return self._render(compiled, camera, own, follow)
+                    return self._render(compiled, camera, own, follow, layout is not None)
 
-                made = render_groups(compiled, shares, camera, settings, render, progress)
+                made = render_groups(compiled, shares, camera, settings, render, progress, layout)
             else:
                 made = self._render(compiled, camera, settings, progress)
-            notes = (*told, *made.notes, *tell_lost(made.lost))
+            notes = (*made.notes, *tell_lost(made.lost))
             provenance = self._provenance(
                 compiled, settings.seed, made.samples, start, notes, made.decisions
             )
@@ -538,8 +536,10 @@ class Session:
             lambda: self._stop,
         )
 
-    def _render(self, compiled, camera: Camera, settings: ViewSettings, progress) -> Rendered:
-        """Render what shines of a compiled scene."""
+    def _render(
+        self, compiled, camera: Camera, settings: ViewSettings, progress, keeps_caught=False
+    ) -> Rendered:
+        """Render what shines of a compiled scene. ``keeps_caught``: as of `picture.render`."""
         from .transport.light_tracing.bent_lights import bent_lights
         from .transport.light_tracing.bright_spots import bright_spots
         from .transport.light_tracing.camera_light import CameraLight
@@ -555,13 +555,11 @@ class Session:
             notes = lights.enter_context(bent_lights(compiled))
             if not uses_cells:
                 lights.enter_context(bright_spots(compiled, *seen))
-            if compiled.bent is not None and compiled.catchers is not None:
-                notes = (*notes, "caustics do not fall on shadow catchers")
             reflects = compiled.mirrors is not None or compiled.bent is not None
-            if compiled.catchers is not None and reflects:
+            if reflects and compiled.has_lit_catchers:
                 notes = (
                     *notes,
-                    "mirrors and glass show shadow catchers as the objects that they are",
+                    "mirrors and glass show objects that catch shadows as what they are made of, with their shadows",
                 )
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
@@ -574,6 +572,7 @@ class Session:
                 self._cancelled,
                 traced,
                 self._kept,
+                keeps_caught,
             )
         lost["paths of light"] = light.lost
         return Rendered(made, samples, lost, (*notes, *light.notes, *kept, *more), (reason,))

@@ -66,7 +66,8 @@ By Radiance's 179 lm/W; pictures from the web mostly have no absolute scale.
 CATCHERS = """## Shadow catchers and photomontages
 
 Pixels of a catcher that nothing shades; ratios of shadows against sensors; the sun's direction by dragging, and a montage
-against the render of all that its photo shows.
+against the render of all that its photo shows. *mirror* and *caustic*: what a chrome sphere on the ground of a map shows,
+its own shadow among it, and where it makes the ground brighter, against the render of all.
 
 """
 
@@ -107,6 +108,8 @@ def check_bars(result: dict) -> list[Bar]:
         _below("shadows on a catcher", result["shadow_error_percent"], 1.0, " %", 3),
         _below("sun by dragging", shadows and shadows["direction_error_deg"], 1.0, "°", 3),
         _below("photomontage", shadows and shadows["composite_error_percent"], 5.0, " %", 2),
+        _below("chrome sphere", shadows and shadows["mirror_error_percent"], 5.0, " %", 2),
+        _below("caustic on a ground", shadows and shadows["caustic_error_percent"], 5.0, " %", 2),
     ]
 
 
@@ -171,9 +174,11 @@ def _tell_noise(row) -> str:
 def _tell_catchers(row) -> str:
     line = (
         f"| {row['unshadowed_change']:.1e} | {row['shadow_error_percent']:.3f} % | {row['direction_error_deg']:.3f}° | "
-        f"{row['composite_error_percent']:.2f} % |"
+        f"{row['composite_error_percent']:.2f} % | {row['mirror_error_percent']:.2f} % | "
+        f"{row['caustic_error_percent']:.2f} % |"
     )
-    return CATCHERS + make_table("| unshaded | shadows | sun by dragging | montage |", [line], 0)
+    head = "| unshaded | shadows | sun by dragging | montage | mirror | caustic |"
+    return CATCHERS + make_table(head, [line], 0)
 
 
 def _tell_files(rows) -> str:

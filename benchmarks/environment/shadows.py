@@ -15,7 +15,7 @@ from ...engine.scene.light import (
     SunLight,
     UniformWorld,
 )
-from ...engine.scene.material import Diffuse, Material
+from ...engine.scene.material import Diffuse, Glossy, Material
 from ...engine.scene.mesh import Mesh
 from ...engine.scene.scene import SceneDelta
 from ...engine.scene.spectrum import Constant, Illuminant
@@ -23,6 +23,7 @@ from ...engine.scene.texture import ImageTexture
 from ...engine.session import Session
 from ...engine.sky.shadow_sun import find_sun
 from ...engine.views import ViewSettings
+from ..common.shapes import make_ball
 
 TOWARDS = np.array([0.5, -0.35, 0.7]) / np.linalg.norm([0.5, -0.35, 0.7])
 """To the sun."""
@@ -32,6 +33,9 @@ SKY, SUN, ANGLE = 2000.0, 40_000.0, np.radians(8.0)
 
 SIDE, SPREAD = 12, 0.75
 """Pixels of a picture from above, and half width of their filter [pixel]."""
+
+HORIZON = 12
+"""Rows of a picture below the horizon and above it that are not compared."""
 
 GROUND_SIZE = 60.0
 """Half a side of the ground. [m]"""
@@ -49,7 +53,8 @@ def measure_shadows(say) -> dict:
         ``unshadowed_change``: largest relative change of a pixel that nothing shades [-]; ``shadow_error_percent``: root of
         the mean square of the difference between the ratio that is shown and that of sensors; ``direction_error_deg``:
         largest error of the sun's direction by dragging; ``composite_error_percent``: mean difference between a
-        photomontage and the render of all, over the mean.
+        photomontage and the render of all, over the mean; ``mirror_error_percent``: the same of what a chrome sphere on
+        the ground of a map shows, its own shadow among it; ``caustic_error_percent``: of what it throws on that ground.
     """
     made = {"unshadowed_change": _unshadowed(), "shadow_error_percent": 100.0 * _ratios()}
     say(
@@ -59,6 +64,11 @@ def measure_shadows(say) -> dict:
     degrees, composite = _photomontage()
     made |= {"direction_error_deg": degrees, "composite_error_percent": 100.0 * composite}
     say(f"photomontage: sun {degrees:.2f} degrees off, picture {100.0 * composite:.2f} % off")
+    mirror, caustic = _chrome_sphere()
+    made |= {"mirror_error_percent": 100.0 * mirror, "caustic_error_percent": 100.0 * caustic}
+    say(
+        f"chrome sphere: what it shows is {100.0 * mirror:.2f} % off, what it throws {100.0 * caustic:.2f} %"
+    )
     return made
 
 
@@ -138,6 +148,36 @@ def _photomontage() -> tuple[float, float]:
         _session(*items[:2], floor, world, replace(sun, direction=-towards), thing), eye, 1024
     )[..., 1]
     return degrees, float(np.abs(montage - whole).mean() / whole.mean())
+
+
+def _chrome_sphere() -> tuple[float, float]:
+    """Mean differences of what a chrome sphere shows, and of the light that it throws, to the render of all, over the means.
+
+    The map of the one is the ground of the other as it is without the sphere.
+    """
+    eye, reflectance = _eye(), 0.4
+    chrome = Material("chrome", "chrome", Glossy(Constant(0.9), 0.0))
+    sphere = make_ball("sphere", 0.5, (0.4, 0.0, 0.5), "chrome", 48)
+    items = (_paint(reflectance), chrome, _sun())
+    luminance = reflectance / np.pi * (np.pi * SKY + SUN * TOWARDS[2])
+    pixels = np.full((256, 512, 1), luminance, np.float32)
+    pixels[128:] = SKY
+    ground = Ground(eye.frame[:3, 3], 0.0, GROUND_SIZE)
+    world = ImageWorld(ImageTexture(pixels), 1.0, ground=ground)
+    floor = replace(_ground("paint"), is_catcher=True, meets_light=False)
+    caught = _look(_session(*items, world, floor, sphere), eye, 1024)[..., 1]
+    real = _session(*items, UniformWorld(SKY), _ground("paint"), sphere)
+    whole = _look(real, eye, 1024)[..., 1]
+    hole = replace(sphere, is_holdout=True)
+    shown = _look(_session(*items, UniformWorld(SKY), _ground("paint"), hole), eye, 64, covers=True)
+    # The picture's upper edge shows how the ground passes into what is at infinity.
+    shown[-HORIZON:] = 0.5
+    away = np.abs(caught - whole)
+    on, bright = shown > 1.0 - 1e-6, (shown < 1e-6) & (whole > 1.05 * luminance)
+    return (
+        float(away[on].mean() / whole[on].mean()),
+        float(away[bright].mean() / whole[bright].mean()),
+    )
 
 
 def _drag(eye) -> tuple[np.ndarray, float]:

@@ -10,6 +10,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[2]), str(HERE.parent / "helpers")]
 
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map  # noqa: E402
+from lumenray.engine.formats.exr import write_channels  # noqa: E402
 from radiance_files import write_picture  # noqa: E402
 
 WIDTH, HEIGHT, FINER = 960, 640, 4
@@ -65,6 +66,8 @@ def main(folder: Path) -> None:
     draw_photo().save(folder / "photo.png")
     pixels = make_map(256, [Spot(35.0, 60.0, 1.5, 6.0)], sky=1.0, ground=0.25)
     (folder / "outside.hdr").write_bytes(write_picture(pixels))
+    channels = dict(zip("RGB", np.moveaxis(pixels.astype(np.float32), -1, 0), strict=True))
+    write_channels(folder / "outside.exr", channels)
 
 
 if __name__ == "__main__":

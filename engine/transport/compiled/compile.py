@@ -51,10 +51,11 @@ class CompiledScene:
 
     ``solid`` holds what stops light, ``transparent`` what light may pass straight (panes, cut-outs, the bodies of lights),
     ``shown`` what is there for the camera alone. Tables by shape, None where there is nothing of the kind: ``hidden``, what
-    the camera does not see, ``holdouts``, where it sees a hole, ``catchers``, what shows but its shadows, and ``unlit``,
-    what is there for it alone. ``lights``
-    chooses emitters; ``surroundings`` is what rays that leave the scene see. Positions are relative to ``origin`` (float64,
-    world) so that single precision serves scenes far from the world's origin; ``extent`` [m] is the largest of them.
+    the camera does not see, ``holdouts``, where it sees a hole, ``catchers``, what shows but its shadows, ``grounds``, those
+    of them that light does not meet, ``seen_catchers``, all parts of those that the camera sees, and ``unlit``, what is
+    there for the camera alone. ``lights`` chooses emitters; ``surroundings`` is what rays that leave the scene see.
+    Positions are relative to ``origin`` (float64, world) so that single precision serves scenes far from the world's origin;
+    ``extent`` [m] is the largest of them.
     ``stamps`` tell what commits have changed.
 
     Raises
@@ -80,7 +81,8 @@ class CompiledScene:
         self._shown = Layer(self._pool)
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
-        self.hidden = self.holdouts = self.catchers = self.unlit = None
+        self.hidden = self.holdouts = self.unlit = None
+        self.catchers = self.grounds = self.seen_catchers = None
         # Whether the camera does not see an object, and not only bodies of lights.
         self.has_hidden_objects = False
         self.known_mirrors = KnownMirrors()
@@ -201,6 +203,12 @@ class CompiledScene:
         """Number of the plane among ``mirrors`` that a surface lies in, plus 1; 0: none."""
         return self.known_mirrors.at(si, active)
 
+    @property
+    def has_lit_catchers(self) -> bool:
+        """Whether light meets some of what shows but its shadows."""
+        items = (body.item for body in self._objects.bodies.values())
+        return any(item.is_catcher and item.meets_light for item in items)
+
     def parts(self):
         """Yield every part of an object that light meets: the object's id, the part, its material."""
         for key, body in self._objects.bodies.items():
@@ -235,6 +243,10 @@ class CompiledScene:
     def has_backdrop(self) -> bool:
         """Whether the camera sees other surroundings than those that give light."""
         return self._outside.has_backdrop
+
+    def whole_surroundings(self) -> tuple:
+        """`surroundings` and `backdrop` as they are while all lights shine."""
+        return self._outside.whole(self._suns, self.radius)
 
     @property
     def suns(self) -> tuple[SunLight, ...]:
@@ -371,6 +383,8 @@ class CompiledScene:
             "hidden",
             "holdout",
             "catcher",
+            "ground",
+            "seen_catcher",
             "unlit",
             "extent",
             "bsdf",
@@ -396,6 +410,12 @@ class CompiledScene:
             ]
             columns["catcher"][place] = [
                 body.item.is_catcher and not body.item.is_holdout for body, _ in parts
+            ]
+            columns["ground"][place] = columns["catcher"][place] * [
+                not body.item.meets_light for body, _ in parts
+            ]
+            columns["seen_catcher"][place] = columns["catcher"][place] * [
+                body.item.visible_to_camera for body, _ in parts
             ]
             columns["unlit"][place] = [not part.meets_light for _, part in parts]
             columns["extent"][place] = [
@@ -428,16 +448,19 @@ class CompiledScene:
         self._material_palette.commit(columns["row"], self._axes(size, parts), ways)
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
-        self.hidden, self.holdouts, self.catchers, self.unlit = (
-            _marks(columns[name]) for name in ("hidden", "holdout", "catcher", "unlit")
+        self.hidden, self.holdouts, self.unlit = (
+            _marks(columns[name]) for name in ("hidden", "holdout", "unlit")
+        )
+        self.catchers, self.grounds, self.seen_catchers = (
+            _marks(columns[name]) for name in ("catcher", "ground", "seen_catcher")
         )
         shapes = [part for _, part in parts]
         self.known_mirrors.commit(size, shapes)
         self.polarisation = make_polarisation(
             size, shapes, self._material_palette.item, self._material_palette.make
         )
-        dr.eval(self.indices, self.hidden, self.holdouts, self.catchers, self.unlit)
-        dr.eval(self._extents)
+        dr.eval(self.indices, self.hidden, self.holdouts, self.unlit, self._extents)
+        dr.eval(self.catchers, self.grounds, self.seen_catchers)
 
     def _axes(self, size: int, parts) -> np.ndarray | None:
         """Axes of the object of every shape, None where no relief asks for them. (size, 3, 3)"""

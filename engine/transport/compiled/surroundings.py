@@ -207,6 +207,7 @@ class Outside:
         self._panes: list[Portal] = []
         self._key: object = None
         self._parts = None, [], None, None
+        self._whole: tuple | None = None
         self._source: Source | None = None
 
     @property
@@ -261,3 +262,25 @@ class Outside:
             # Kept so that the ids above stay taken.
             self._key, self._parts = key, (world, suns, self.portals, seen)
         return self._source
+
+    def whole(self, suns: list[SunLight], radius: float):
+        """What rays see that leave the scene while all shines, those of light and of the camera; None: nothing."""
+        parts = self._world, suns, self._seen
+        if self._whole is None or not _are_same(self._whole[0], parts):
+            if _are_same((self._parts[0], self._parts[1], self._parts[3]), parts):
+                return self.emitter, self.backdrop
+            emitter = behind = _emitter_of(self._world, suns, radius)
+            if self.has_backdrop:
+                behind = _emitter_of(self._seen, suns, radius)
+            self._whole = parts, emitter, behind
+        return self._whole[1:]
+
+
+def _emitter_of(world: World | None, suns: list[SunLight], radius: float):
+    joined = make_surroundings(world, suns, radius, None)
+    return None if joined is None else joined[0]
+
+
+def _are_same(a: tuple, b: tuple) -> bool:
+    """Whether worlds, suns and worlds that are seen are the same objects."""
+    return a[0] is b[0] and a[2] is b[2] and [*map(id, a[1])] == [*map(id, b[1])]

@@ -5,9 +5,10 @@ place is joined with the camera, if it sees the place at once, straight or throu
 arrives with all of its model, and the pixels about the place get what it sends to the camera. So ideal points and suns need
 no size that rays could meet, and where light is gathered many paths land.
 
-What is joined so, paths from the camera leave out at the first surface that they meet; at later ones, and at what is seen in
-mirrors or through glass, they ask for it as ever (see `bent_lights`). Which lights are traced is decided by a pilot of both
-ways, by what either scatters. Nothing is prepared where nothing bends light.
+On a shadow catcher, a ground that only the camera meets among them, the light is a part of the illuminance with all that
+stands there. What is joined so, paths from the camera leave out at the first surface that they meet; at later ones, and at
+what is seen in mirrors or through glass, they ask for it as ever (see `bent_lights`). Which lights are traced is decided by
+a pilot of both ways, by what either scatters. Nothing is prepared where nothing bends light.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ...arrays import average
 from ...errors import Cancelled
 from ..compiled.polarisation import polarise
 from ..paths import gather
@@ -89,6 +91,7 @@ class CameraLight:
         self._colour, self._band_colour = colour_of(scene.mean_light, settings.bands)
         self._pixels = film.camera.width * film.camera.height
         self._cancelled = cancelled
+        self._meets_grounds = scene.grounds is not None
         self._rays: EmissionRays | None = None
         self._sets: RayLights | None = None
         self._share = 1.0
@@ -106,27 +109,33 @@ class CameraLight:
                 "what the camera sees at once of light over bends is traced from the lights",
             )
 
-    def add(self, sums: np.ndarray, done: int, samples: int) -> None:
+    def add(self, sums: np.ndarray, done: int, samples: int, channels) -> None:
         """Add what traced light gives to sums of samples.
 
         Parameters
         ----------
         sums : (halves, pixels, channels) array    The first three of these are X, Y, Z, the last ones the bands. [cd/m2]
         done, samples : int    Of every pixel and half before and in this pass.
+        channels : Channels    What else there is.
         """
         count = int(np.clip(self._pixels * samples * self._share, FEWEST, MOST))
         found = np.zeros((GROUPS, self._pixels, 3 + self._bands))
+        caught = np.zeros((GROUPS, self._pixels, 3))
         for half in range(GROUPS):
             words = [self._seed & 0xFFFFFFFF, done, half, SALT]
             seed = int(np.random.default_rng(words).integers(1 << 32))
             for landed in self._launches(count, seed):
-                self._splat(landed, found[half])
-        if not done:
-            self._share_out(sums[..., 1] / samples, found[..., 1], samples, count)
-        found *= samples
-        sums[..., :3] += found[..., :3]
+                self._splat(landed.only(~landed.is_caught), found[half])
+                self._splat(landed.only(landed.is_caught), caught[half])
+        paths = None if done else channels.composed(sums / samples)[..., 1]
+        sums[..., :3] += samples * found[..., :3]
         if self._bands:
-            sums[..., -self._bands :] += found[..., 3:]
+            sums[..., -self._bands :] += samples * found[..., 3:]
+        if channels.catchers is not None:
+            sums[..., channels.shaded_columns] += samples * caught
+        if not done:
+            whole = channels.composed(sums / samples)[..., 1]
+            self._share_out(paths, whole - paths, samples, count)
 
     # ---- private ----
 
@@ -154,7 +163,12 @@ class CameraLight:
         lights, count = bent.lights, len(bent.lights)
         sets = {n for n, light in enumerate(lights) if has_rays(light)}
         if sets:
-            made = RayLights(self._scene, self._sampler, has_near=False)
+            made = RayLights(
+                self._scene,
+                self._sampler,
+                has_near=False,
+                meets_grounds=self._meets_grounds,
+            )
             self._sets = made if made.is_needed else None
         traced: set[int] = set() if self._sets is None else sets
         others = [n for n in range(count) if n not in sets]
@@ -166,11 +180,12 @@ class CameraLight:
         """Lights among others that scatter less if they are traced; their rays are prepared."""
         rays = EmissionRays(self._scene, tuple(lights[n] for n in others), tree)
         landed = self._launch(rays, PILOT, PILOT_SEED, 0)
-        squares = landed.colour[:, 1] ** 2
+        luminance = landed.luminance
+        squares = luminance**2
         # Mean squares of a pixel's luminance by one path for each pixel, and by one question for each vertex.
         scale = 1.0 / (PILOT * float(self._pixels) ** 2)
         traced = scale * np.bincount(landed.pair // rays.targets, squares, len(others))
-        light = np.bincount(landed.pair // rays.targets, landed.colour[:, 1], len(others))
+        light = np.bincount(landed.pair // rays.targets, luminance, len(others))
         # Where nothing has landed these counts are whole numbers.
         light = light / (PILOT * self._pixels)
         asked, seen = (each[others] for each in self._ask(len(lights)))
@@ -204,7 +219,13 @@ class CameraLight:
             si.wavelengths = wavelengths
         bsdf = scene.bsdf(si, si.is_valid())
         smooth = si.is_valid() & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-        value, light = scene.bent.ask(si, stream, respond_by(bsdf, si), smooth)
+        respond = respond_by(bsdf, si)
+        if scene.seen_catchers is not None:
+            number = dr.reinterpret_array(mi.UInt32, si.shape)
+            is_caught = dr.gather(mi.Bool, scene.seen_catchers, number, si.is_valid())
+            smooth |= is_caught
+            respond = _respond_by_catchers(respond, si, ray, is_caught)
+        value, light = scene.bent.ask(si, stream, respond, smooth)
         amount = gather.photometric(self._sampler, value, wavelengths)
         dr.eval(amount, light)
         amount, light = np.array(amount, dtype=np.float64), np.array(light)
@@ -237,7 +258,7 @@ class CameraLight:
         seed = dr.opaque(mi.UInt32, int(seed) & 0xFFFFFFFF)
         ray, flux, pair, wavelengths = draw_paths(rays, self._sampler, lane, seed)
         stream = random_stream(lane, seed)
-        end = follow(scene, ray, stream, dr.any(flux > 0.0))
+        end = follow(scene, ray, stream, dr.any(flux > 0.0), meets_grounds=self._meets_grounds)
         return self._join(end, end["throughput"] * flux, wavelengths, stream, pair)
 
     def _join(self, end: dict, power, wavelengths, stream, pair) -> "_Splats":
@@ -251,18 +272,27 @@ class CameraLight:
         numbers = random_stream(stream.next_uint32(), mi.UInt32(SALT))
         link = self._places.link(si.p, numbers)
         seen = landed & link.seen
+        is_caught = mi.Bool(False)
+        if scene.seen_catchers is not None:
+            is_caught = seen & dr.gather(mi.Bool, scene.seen_catchers, end["shape"], seen)
         if scene.hidden is not None:
-            seen &= ~dr.gather(mi.Bool, scene.hidden, end["shape"], seen)
+            seen &= is_caught | ~dr.gather(mi.Bool, scene.hidden, end["shape"], seen)
         si.wi = si.to_local(link.direction)
         bsdf = scene.bsdf(si, seen)
-        answer = bsdf.eval(mi.BSDFContext(), si, si.to_local(-end["ray"].d), seen)
+        towards = si.to_local(-end["ray"].d)
+        answer = bsdf.eval(mi.BSDFContext(), si, towards, seen)
+        # A catcher has the illuminance of the side that is seen.
+        is_front = dr.dot(si.n, link.direction) * dr.dot(si.n, end["ray"].d) < 0.0
+        cosine = dr.select(is_front, dr.abs(mi.Frame3f.cos_theta(towards)), 0.0)
+        answer = dr.select(is_caught, cosine, answer)
         facing = dr.abs(dr.dot(si.n, link.direction))
         value = power * answer * (link.density * facing / dr.maximum(end["geometric_cosine"], 1e-6))
         seen &= dr.any(value != 0.0)
-        value = value * _passed(scene, link, si, seen)
-        return self._fetch(link, value, wavelengths, pair, seen)
+        passed = _passed(scene, link, si, seen)
+        value = value * dr.select(is_caught, average(passed), passed)
+        return self._fetch(link, value, wavelengths, pair, seen, is_caught)
 
-    def _fetch(self, link, value, wavelengths, pair, seen) -> "_Splats":
+    def _fetch(self, link, value, wavelengths, pair, seen, is_caught) -> "_Splats":
         if self._sampler is None:
             colour = [value[0] * float(c) for c in self._colour]
         else:
@@ -277,8 +307,8 @@ class CameraLight:
         is_number = dr.isfinite(amount)
         # Places beside the film are no part of the picture, and next to the camera's plane their light is boundless.
         kept = seen & is_number & (amount != 0.0) & self._is_on_film(link)
-        columns = [*(each[0] for each in link.places), *(each[1] for each in link.places), *colour]
-        columns += parts
+        columns = [*(each[0] for each in link.places), *(each[1] for each in link.places)]
+        columns += [dr.zeros(mi.Float, dr.width(kept)) + mi.Float(is_caught), *colour, *parts]
         dr.eval(columns, kept, is_number, seen, pair)
         lost = int(np.count_nonzero(np.array(seen & ~is_number)))
         self.lost = self.lost[0] + lost, self.lost[1] + dr.width(kept)
@@ -286,9 +316,9 @@ class CameraLight:
         table = [np.array(each)[chosen].astype(np.float64) for each in columns]
         many = len(link.places)
         x, y = np.stack(table[:many], axis=1), np.stack(table[many : 2 * many], axis=1)
-        rest = table[2 * many :]
+        caught, *rest = table[2 * many :]
         pairs = np.broadcast_to(np.array(pair), len(np.array(kept)))[chosen]
-        return _Splats(x, y, np.stack(rest[:3], axis=1), pairs, rest[3:])
+        return _Splats(x, y, np.stack(rest[:3], axis=1), pairs, rest[3:], caught > 0.0)
 
     def _is_on_film(self, link):
         """Whether any pixel gets light of a place."""
@@ -298,7 +328,7 @@ class CameraLight:
         return held
 
     def _splat(self, landed: "_Splats", sums: np.ndarray) -> None:
-        """Share light out among the pixels about where it is seen. ``sums``: (pixels, 3 + bands)."""
+        """Share light out among the pixels about where it is seen. ``sums``: (pixels, 3 or 3 + bands)."""
         for x, y in zip(landed.x.T, landed.y.T, strict=True):
             # No more than two pixels in a row are within the filter.
             left, low = np.floor(x - 0.5), np.floor(y - 0.5)
@@ -319,10 +349,13 @@ class CameraLight:
         if self._sampler is None:
             # All light has one colour.
             own = np.bincount(pixel, weight * landed.colour[held, 1], self._pixels)
-            sums += (own / float(self._colour[1]))[:, None] * [*self._colour, *self._band_colour]
+            columns = [*self._colour, *self._band_colour][: sums.shape[1]]
+            sums += (own / float(self._colour[1]))[:, None] * columns
             return
         for k in range(3):
             sums[:, k] += np.bincount(pixel, weight * landed.colour[held, k], self._pixels)
+        if sums.shape[1] == 3:
+            return
         for band, share in self._band_columns(landed):
             known = (band[held] >= 0) & (band[held] < self._bands)
             place = pixel * (self._bands + 3) + 3 + np.clip(band[held], 0, self._bands - 1)
@@ -331,8 +364,6 @@ class CameraLight:
 
     def _band_columns(self, landed: "_Splats") -> list:
         """Numbers of bands and what of the light lies in them."""
-        if not self._bands:
-            return []
         width = (BAND_RANGE[1] - BAND_RANGE[0]) / self._bands
         made = []
         for value, wavelength in zip(landed.parts[:4], landed.parts[4:], strict=True):
@@ -351,6 +382,7 @@ class _Splats:
 
     ``x``, ``y``: (m, k) places on the film [pixel], of which only those on it count. ``colour``: (m, 3) X, Y, Z times
     pixels. ``pair``: (m,) of light and target. ``parts``: columns of four amounts and wavelengths, where there are bands.
+    ``is_caught``: (m,) whether it lands on a shadow catcher, whose ``colour`` is that of the illuminance.
     """
 
     x: np.ndarray
@@ -358,11 +390,41 @@ class _Splats:
     colour: np.ndarray
     pair: np.ndarray
     parts: list
+    is_caught: np.ndarray
+
+    @property
+    def luminance(self) -> np.ndarray:
+        """Y; a shadow catcher counts as white and matt. (m,)"""
+        return np.where(self.is_caught, self.colour[:, 1] / np.pi, self.colour[:, 1])
+
+    def only(self, kept: np.ndarray) -> "_Splats":
+        """Some of it. ``kept``: (m,) bool."""
+        parts = [each[kept] for each in self.parts]
+        return _Splats(
+            self.x[kept],
+            self.y[kept],
+            self.colour[kept],
+            self.pair[kept],
+            parts,
+            self.is_caught[kept],
+        )
 
     def over(self, count: int) -> "_Splats":
         """The same with amounts over the number of paths."""
         parts = [each / count for each in self.parts[:4]] + self.parts[4:]
         return replace(self, colour=self.colour / count, parts=parts)
+
+
+def _respond_by_catchers(respond, si, ray, is_caught):
+    """As `respond_by`, where shadow catchers answer like what is white and matt."""
+    side = dr.select(dr.dot(si.n, ray.d) < 0.0, 1.0, -1.0)
+
+    def answer(direction, asked):
+        value, density = respond(direction, asked)
+        cosine = dr.maximum(dr.dot(direction, si.sh_frame.n) * side, 0.0)
+        return dr.select(is_caught, mi.Spectrum(cosine * dr.inv_pi), value), density
+
+    return answer
 
 
 def _tent(away: np.ndarray) -> np.ndarray:

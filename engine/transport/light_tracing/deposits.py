@@ -17,7 +17,7 @@ from ...arrays import upload
 from ..compiled.compile import CompiledScene
 from ..paths.gather import photometric
 from ..paths.sampler import random_stream
-from ..paths.visibility import meet
+from ..paths.visibility import first_ground, meet
 from .bent_rays import BentRays
 
 CRACK = 4e-6
@@ -80,7 +80,12 @@ COLUMNS = tuple(entry.name for entry in fields(Deposits) if entry.name != "lost"
 
 
 def follow(
-    scene: CompiledScene, ray, stream, active, counts_straight: Callable | None = None
+    scene: CompiledScene,
+    ray,
+    stream,
+    active,
+    counts_straight: Callable | None = None,
+    meets_grounds: bool = False,
 ) -> dict:
     """Follow rays until they land, leave or are absorbed.
 
@@ -92,6 +97,7 @@ def follow(
     active : Bool
     counts_straight : callable or None    From the length [m] of a way that was not bent to whether light that lands there
         counts, and is not left to next-event; None: it never does. Panes, cut-outs and known mirrors do not bend.
+    meets_grounds : bool    Whether light that counts also lands on grounds which only the camera meets.
 
     Returns
     -------
@@ -103,16 +109,23 @@ def follow(
 
     def body(rays, landed, place, length):
         hit, si = meet(scene, rays.ray, rays.active)
+        is_ground = mi.Bool(False)
+        if meets_grounds:
+            bent = rays.active & (rays.bends > 0)
+            ground, distance = first_ground(scene, rays.ray, bent)
+            is_ground = bent & ground.is_valid() & (distance <= hit.t)
+            hit = dr.select(is_ground, ground, hit)
+            si = scene.surface(hit, rays.ray, rays.active)
         rays.active &= si.is_valid()
         bsdf = scene.bsdf(si, rays.active)
         flags = bsdf.flags()
         # Straight passes are among Mitsuba's Delta.
-        goes_on = mi.has_flag(flags, mi.BSDFFlags.Delta)
+        goes_on = mi.has_flag(flags, mi.BSDFFlags.Delta) & ~is_ground
         counts = rays.bends > 0
         if has_length:
             length = dr.select(rays.active, length + hit.t, length)
             counts |= counts_straight(length)
-        arrives = rays.active & mi.has_flag(flags, mi.BSDFFlags.Smooth) & counts
+        arrives = rays.active & (mi.has_flag(flags, mi.BSDFFlags.Smooth) | is_ground) & counts
         # Where a part of the light goes on (a cut-out), one of the two is followed, at twice its amount.
         rays.throughput = dr.select(arrives & goes_on, 2.0 * rays.throughput, rays.throughput)
         lands = arrives & (~goes_on | (rays.stream.next_float32() < 0.5))

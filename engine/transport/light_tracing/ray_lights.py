@@ -60,6 +60,7 @@ class RayLights:
     sampler : WavelengthSampler or None    None in photometric variants.
     first : int    Number of the first of these lights in `Deposits`.
     has_near : bool    Whether straight light is traced near them; else they are points everywhere.
+    meets_grounds : bool    As of `deposits.follow`.
 
     Attributes
     ----------
@@ -71,9 +72,11 @@ class RayLights:
     reason : str    Why, for people.
     """
 
-    def __init__(self, scene, sampler, first: int = 0, has_near: bool = True):
+    def __init__(
+        self, scene, sampler, first: int = 0, has_near: bool = True, meets_grounds: bool = False
+    ):
         self._scene, self._sampler, self._first = scene, sampler, first
-        self._has_near = has_near
+        self._has_near, self._meets_grounds = has_near, meets_grounds
         found = [
             source
             for source in scene.lights.sources
@@ -232,7 +235,7 @@ class RayLights:
         def counts_straight(length):
             return dr.norm(from_centre + towards * length) < limit
 
-        end = follow(self._scene, ray, stream, weight > 0.0, counts_straight)
+        end = follow(self._scene, ray, stream, weight > 0.0, counts_straight, self._meets_grounds)
         factor = weight * dr.opaque(mi.Float, float(over)) / chance
         distance = dr.norm(from_centre + towards * end["length"])
         told = [mi.Float(who), dr.select(end["bends"] > 0, -1.0, distance)]

@@ -5,6 +5,9 @@ that by lamps, suns and world alone. Both come of the same samples, so they are 
 however few the samples are. Light that objects throw there counts in E_s. Catchers themselves shade each other in both, and
 what they throw on each other counts in neither: the picture behind them holds it.
 
+Mirrors, glass and gloss show a ground that only the camera meets as a part of the surroundings, as if nothing stood there.
+So rays are followed over them to the ground, and what its shadows take from what is seen is taken away.
+
 References
 ----------
 A. Voloboy: Software technologies that automate the making of realistic images, dissertation, Moscow 2012, 1.4.2.
@@ -15,32 +18,31 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import average, table_size, upload
-from ...photometry.colour import XYZ_TO_REC709
+from ...caught_light import CaughtLayout
 from ...scene.sensor import SensorKind
+from ..compiled.polarisation import polarise
 from ..rays import spawn_ray, spawn_ray_to, spawn_straight
 from . import gather
-from .film import GROUPS, sees
+from .film import sees
 from .next_event import mirrored_light, sample_numbered_emitter
 from .path_loop import trace
 from .sampler import hash_words, random_stream, sobol_pair
 from .spotted_light import spotted_light
-from .visibility import closest_hit, transmittance
+from .visibility import closest_hit, first_ground, meet, transmittance
+from .wavelengths import disperse
 
 LONGEST_WAY = 1000
 """Surfaces that a ray is followed through."""
 
+MOST_TURNS = 64
+"""Mirrors, glass and gloss that a ray is followed over; what is left of light after as many is nothing that is seen."""
+
 NO_DENSITY = 1e-20
 """Density of rays beside which next-event counts all that it can find; not 0, which says that it finds nothing. [sr-1]"""
 
-BEHIND, SHARE, SHADED, OPEN, SQUARES = slice(0, 3), 3, slice(4, 7), slice(7, 10), slice(10, 14)
-"""Columns: X, Y, Z behind catchers; share of rays that meet one; X, Y, Z of the illuminance with and without what stands
-there; means of the products of both, and of the square of the luminance behind, to tell how much they scatter."""
-
-COUNT = 14
-
 
 class Catchers:
-    """What a picture knows of its shadow catchers, as columns of `Channels`.
+    """What a picture knows of its shadow catchers, as columns of `caught_light.CaughtLayout`.
 
     Parameters
     ----------
@@ -48,11 +50,17 @@ class Catchers:
     colour : callable    ``colour(radiance, wavelengths)`` gives X, Y, Z.
     bands : callable    ``bands(radiance, wavelengths)`` gives the light of bands.
     band_count : int
+
+    Attributes
+    ----------
+    layout : CaughtLayout
     """
 
     def __init__(self, scene, colour, bands, band_count: int):
         self._scene, self._colour, self._bands = scene, colour, bands
-        self._band_count, self.count = band_count, COUNT + band_count
+        # Light groups see what is behind as it is while all shine.
+        self._surroundings, self._backdrop = scene.whole_surroundings()
+        self.layout = layout_of(scene, band_count)
         lamps = {id(source) for source in scene.sources().values()}
         sources = scene.lights.sources
         # What glows of the objects is one of them, and no lamp that shines without them.
@@ -61,49 +69,55 @@ class Catchers:
         self._is_lamp = upload(mi.Bool, is_lamp)
         dr.eval(self._is_lamp)
 
-    # ---- inside kernels ----
-
     def of_view(self, ray, wavelengths, sample, seed) -> list:
         """Columns of rays of the camera."""
-        scene = self._scene
-        si, share, met = self._meet(ray, wavelengths)
-        behind = mi.Spectrum(0.0)
-        if scene.backdrop is not None:
-            away = dr.zeros(mi.SurfaceInteraction3f)
-            away.wi, away.p = -ray.d, ray.o
-            if wavelengths is not None:
-                away.wavelengths = wavelengths
-            behind = dr.select(met, share * scene.backdrop.eval(away, met), 0.0)
-        faces = dr.dot(si.n, ray.d) < 0.0
-        side = dr.select(faces, 1.0, -1.0)
-        at = gather.receiver(
-            si.p, si.sh_frame.n * side, si.n * side, wavelengths, scene.extent_at(si)
-        )
         stream = random_stream(sample, hash_words(seed, mi.UInt32(2)))
+        seen, share, met = self._meet(ray, wavelengths)
+        weight = dr.select(met, average(share), 0.0)
+        behind = dr.select(met, share * _look(self._backdrop, ray, wavelengths, met), 0.0)
+        place, side, at_ground, bounced = mi.Point3f(seen.p), -ray.d, None, None
+        chance, chance_of_ground = mi.Float(1.0), mi.Float(0.0)
+        normal, shading, extent = seen.n, seen.sh_frame.n, self._scene.extent_at(seen)
+        if self.layout.has_bounced:
+            ground, away, bounced, at_ground = self._bounce(ray, wavelengths, stream)
+            # Where panes show both, one of them is asked for its shadows.
+            both = met & at_ground
+            takes = at_ground & (~met | (stream.next_float32() < 0.5))
+            chance = dr.select(takes, 0.0, dr.select(both, 2.0, 1.0))
+            chance_of_ground = dr.select(takes, dr.select(both, 2.0, 1.0), 0.0)
+            place, side = dr.select(takes, ground.p, place), dr.select(takes, -away, side)
+            normal = dr.select(takes, ground.n, normal)
+            shading = dr.select(takes, ground.sh_frame.n, shading)
+            extent = dr.select(takes, self._scene.extent_at(ground), extent)
+        asked = met if at_ground is None else met | at_ground
+        facing = dr.select(dr.dot(normal, side) > 0.0, 1.0, -1.0)
+        at = gather.receiver(place, shading * facing, normal * facing, wavelengths, extent)
         light_sample = sobol_pair(sample, seed, gather.PAIR_LIGHT)
-        shaded, open_light = self._with_and_without(at, stream, light_sample, met)
+        shaded, open_light = self._with_and_without(at, stream, light_sample, asked)
         scatter_sample = sobol_pair(sample, seed, gather.PAIR_SCATTER)
-        thrown = self._thrown(at, wavelengths, stream, scatter_sample, met)
-        weight = average(share)
-        with_all, without = (
-            [dr.select(met, each * weight, 0.0) for each in self._colour(value, wavelengths)]
-            for value in (shaded + thrown, open_light)
-        )
-        y, y_open = with_all[1], without[1]
-        colours = self._colour(behind, wavelengths)
-        made = [
-            *colours,
-            dr.select(met, weight, 0.0),
-            *with_all,
-            *without,
-            dr.square(y),
-            y * y_open,
-            dr.square(y_open),
-            dr.square(colours[1]),
-            *(self._bands(behind, wavelengths) if self._band_count else ()),
-        ]
+        is_straight = chance > 0.0
+        shaded += self._thrown(at, wavelengths, stream, scatter_sample, asked, is_straight)
+        made = [weight]
+        made += self._part(behind, shaded, open_light, weight * chance, wavelengths)
+        if bounced is not None:
+            # A ground that is darker counts less, so that pixels which show much of it are right too.
+            own = average(bounced) * chance_of_ground
+            made += self._part(bounced, shaded, open_light, own, wavelengths)
         # No sample that is no number may take the others with it.
         return [dr.select(dr.isfinite(each), each, 0.0) for each in made]
+
+    # ---- private ----
+
+    def _part(self, behind, shaded, open_light, weight, wavelengths) -> list:
+        """Columns of a part: of the light behind, and of the light there with and without all, so much of which counts."""
+        with_all, without = (
+            [dr.select(weight > 0.0, each * weight, 0.0) for each in self._colour(v, wavelengths)]
+            for v in (shaded, open_light)
+        )
+        colours, y, y_open = self._colour(behind, wavelengths), with_all[1], without[1]
+        squares = [dr.square(y), y * y_open, dr.square(y_open), dr.square(colours[1])]
+        bands = self._bands(behind, wavelengths) if self.layout.bands else ()
+        return [*colours, *with_all, *without, *squares, *bands]
 
     def _meet(self, ray, wavelengths):
         """First catcher that rays see straight: the surface, what of light gets there, and whether there is one."""
@@ -144,6 +158,89 @@ class Catchers:
         met = is_caught(si, active & si.is_valid())
         return si, dr.select(met, share, 0.0), met
 
+    def _bounce(self, ray, wavelengths, stream):
+        """Follow rays of the camera over mirrors, glass and gloss to a ground that only the camera meets.
+
+        Returns
+        -------
+        (SurfaceInteraction3f, Vector3f, Spectrum, Bool)
+            The ground, the direction of the ray that meets it, what is seen of the surroundings there, and whether it is.
+        """
+        scene = self._scene
+        ray = mi.Ray3f(ray)
+        if wavelengths is not None:
+            ray.wavelengths = wavelengths
+        diffuse = mi.BSDFFlags.Diffuse
+
+        def marks(table, si, met):
+            if table is None:
+                return mi.Bool(False)
+            return met & dr.gather(mi.Bool, table, dr.reinterpret_array(mi.UInt32, si.shape), met)
+
+        def step(ray, numbers, share, polar, dispersed, turns, found, going, steps):
+            begins = turns == 0
+            hit, si = meet(scene, ray, going, looks=begins)
+            # What is there for the camera alone mirrors do not show, but for the ground.
+            ground, distance = first_ground(scene, ray, going & ~begins)
+            is_ground = going & ~begins & ground.is_valid() & (distance <= hit.t)
+            met = going & si.is_valid() & ~is_ground
+            found |= is_ground
+            passed = met & begins & marks(scene.hidden, si, met)
+            acts = met & ~passed & ~(begins & marks(scene.catchers, si, met))
+            bsdf = scene.bsdf(si, acts)
+            choice = numbers.next_float32()
+            number = mi.Point2f(numbers.next_float32(), numbers.next_float32())
+            bs, weight = bsdf.sample(mi.BSDFContext(), si, choice, number, acts)
+            turned = acts & ~mi.has_flag(bs.sampled_type, mi.BSDFFlags.Null)
+            onwards = dr.select(acts, si.to_world(bs.wo), ray.d)
+            throughput, dispersed = disperse(scene, bs, share * weight, dispersed, turned)
+            factor, polar = polarise(scene, si, ray.d, onwards, polar, turned, acts)
+            share = dr.select(acts, throughput * factor, share)
+            turns = dr.select(turned, turns + 1, turns)
+            going = passed | (acts & ~mi.has_flag(bs.sampled_type, diffuse))
+            going &= dr.any(share != 0.0) & (turns < MOST_TURNS) & (steps < LONGEST_WAY)
+            left = dr.maximum(ray.maxt - si.t, 0.0)
+            ray = dr.select(going, spawn_ray(scene, si, onwards), ray)
+            # The end of the camera's clipping holds for what is seen straight.
+            ray.maxt = dr.select(
+                going & turned, dr.largest(mi.Float), dr.select(going, left, ray.maxt)
+            )
+            share = dr.select(acts & ~going, 0.0, share)
+            return ray, numbers, share, polar, dispersed, turns, found, going, steps + 1
+
+        ray, _, share, _, _, _, found, _, _ = dr.while_loop(
+            state=(
+                ray,
+                mi.PCG32(stream),
+                mi.Spectrum(1.0),
+                mi.Vector3f(0.0),
+                mi.Bool(False),
+                mi.UInt32(0),
+                mi.Bool(False),
+                sees(ray),
+                mi.UInt32(0),
+            ),
+            cond=lambda *state: state[-2],
+            body=step,
+            labels=(
+                "ray",
+                "numbers",
+                "share",
+                "polar",
+                "dispersed",
+                "turns",
+                "found",
+                "going",
+                "steps",
+            ),
+        )
+        met = found & dr.any(share != 0.0)
+        si = scene.surface(first_ground(scene, ray, met)[0], ray, met)
+        # What lies below is seen by light as if the ground were not there.
+        met &= ~closest_hit(scene, ray, met).is_valid()
+        light = dr.select(met, share * _look(self._surroundings, ray, wavelengths, met), 0.0)
+        return si, ray.d, light, met & dr.any(light != 0.0)
+
     def _with_and_without(self, at, stream, light_sample, active):
         """Illuminance by light from lamps, with all that stands there and with catchers alone, by the same samples."""
         scene = self._scene
@@ -183,10 +280,10 @@ class Catchers:
         )
         return found
 
-    def _thrown(self, at, wavelengths, stream, scatter_sample, active):
-        """Illuminance by light that objects throw on a place, caustics aside.
+    def _thrown(self, at, wavelengths, stream, scatter_sample, active, is_straight):
+        """Illuminance by light that objects throw on a place.
 
-        Light over bends is left out of paths by whoever answers for it; here nobody does, as caustics would be specks.
+        ``is_straight``: whether the camera sees the place at once, so that caustics which are traced to it are no part.
         """
         scene, answer = self._scene, _answer_at(at)
         total = mi.Spectrum(0.0)
@@ -195,6 +292,8 @@ class Catchers:
             total += mirrored_light(scene, at, sample, stream, answer, active)
         if scene.spots is not None and scene.lights.count:
             total += spotted_light(scene, at, stream, answer, active)
+        if scene.bent is not None:
+            total += scene.bent.light(at, stream, answer, active, is_seen=is_straight)
         local = mi.warp.square_to_cosine_hemisphere(scatter_sample)
         ray = spawn_ray(scene, at, at.sh_frame.to_world(local))
         gathers = active & (dr.dot(ray.d, at.n) > 0.0)
@@ -206,60 +305,13 @@ class Catchers:
         light = trace(scene, ray, wavelengths, stream, density, at.p, gathers, depth=1)
         return total + dr.select(gathers, light * dr.pi, 0.0)
 
-    # ---- of means ----
 
-    def shade(self, halves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What is seen of catchers, by the means of both halves.
-
-        Parameters
-        ----------
-        halves : (2, n, count) array
-
-        Returns
-        -------
-        (2, n, 3), (2, n, bands) and (2, n) arrays
-            X, Y, Z and bands of what is behind, shaded [cd/m2, W/(m2 sr nm)]; the share of pixels that stays open, which is
-            that of all catchers where nothing is shaded. The means of both are those of all samples together.
-        """
-        pooled = self._shade(halves.mean(axis=0, keepdims=True))
-        own = self._shade(halves)
-        return tuple(
-            each + (of_all - each.mean(axis=0)) for each, of_all in zip(own, pooled, strict=True)
-        )
-
-    def _shade(self, means: np.ndarray):
-        means = means.astype(np.float64)
-        behind, shaded, open_light = means[..., BEHIND], means[..., SHADED], means[..., OPEN]
-        ratio = _ratio(shaded[..., 1], open_light[..., 1])
-        by_colour = _ratio(*(each @ XYZ_TO_REC709.T for each in (shaded, open_light)), ratio)
-        seen = ((behind @ XYZ_TO_REC709.T) * by_colour) @ np.linalg.inv(XYZ_TO_REC709).T
-        bands = means[..., COUNT:] * ratio[..., None]
-        return seen, bands, means[..., SHARE] * np.minimum(ratio, 1.0)
-
-    def scatter(self, means: np.ndarray, counts: np.ndarray, white: float) -> np.ndarray:
-        """Variance of the luminance that is seen of catchers.
-
-        Parameters
-        ----------
-        means : (2, n, count) array
-        counts : (n,) array    Samples in a half.
-        white : float    Luminance that their alpha stands for, 0 where it is not wanted. [cd/m2]
-
-        Returns
-        -------
-        (2, n) array    [cd2/m4]
-        """
-        whole = means.mean(axis=0, dtype=np.float64)
-        open_light = whole[:, OPEN][:, 1]
-        ratio = _ratio(whole[:, SHADED][:, 1], open_light)
-        squares = np.moveaxis(means[..., SQUARES].astype(np.float64), -1, 0)
-        with_all, both, without, behind = squares
-        around = np.maximum(with_all - 2.0 * ratio * both + ratio**2 * without, 0.0)
-        behind = np.maximum(behind - means[..., BEHIND][..., 1].astype(np.float64) ** 2, 0.0)
-        amount = np.maximum(whole[:, BEHIND][:, 1], white * whole[:, SHARE])
-        relative = np.divide(amount, open_light, out=np.zeros(len(amount)), where=open_light > 0.0)
-        scatter = around * relative**2 + ratio**2 * behind
-        return scatter / (GROUPS * np.maximum(counts - 1, 1))
+def layout_of(scene, bands: int) -> CaughtLayout | None:
+    """Columns that pictures of a scene keep of its shadow catchers, None without any."""
+    if scene.catchers is None:
+        return None
+    has_surroundings = scene.whole_surroundings()[0] is not None
+    return CaughtLayout(bands, scene.grounds is not None and has_surroundings)
 
 
 def _answer_at(at):
@@ -268,9 +320,13 @@ def _answer_at(at):
     return lambda direction, asked: (respond(direction), mi.Float(0.0))
 
 
-def _ratio(part: np.ndarray, whole: np.ndarray, otherwise=1.0) -> np.ndarray:
-    """Part over whole, not below 0; where there is no whole what stands for it: (...) or that of colours, (..., 3)."""
-    if np.ndim(otherwise):
-        otherwise = np.asarray(otherwise)[..., None]
-    stands_for = np.broadcast_to(otherwise, whole.shape).copy()
-    return np.maximum(np.divide(part, whole, out=stands_for, where=whole > 0.0), 0.0)
+def _look(surroundings, ray, wavelengths, active):
+    """Light that surroundings, or None, send along rays from infinity."""
+    if surroundings is None:
+        return mi.Spectrum(0.0)
+    away = dr.zeros(mi.SurfaceInteraction3f)
+    # A ground that the surroundings lie on is seen from where the ray comes from.
+    away.wi, away.p = -ray.d, ray.o
+    if wavelengths is not None:
+        away.wavelengths = wavelengths
+    return surroundings.eval(away, active)

@@ -9,12 +9,13 @@ import numpy as np
 from ...accuracy.estimate import Estimate
 from ...accuracy.lost_samples import find_missing
 from ...arrays import average
+from ...caught_light import SHADED
 from ...photometry.spectra import GRID, observer
 from ...photometry.units import LUMINOUS_EFFICACY
 from ..compiled.textures import is_spectral
 from ..rays import spawn_straight
 from . import gather
-from .catchers import SHARE, Catchers
+from .catchers import Catchers
 from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
 from .visibility import closest_hit, first_seen
@@ -37,17 +38,20 @@ class Channels:
     ----------
     scene : CompiledScene
     settings : ViewSettings    Tells which of them are wanted.
+    keeps_caught : bool    Whether what is seen of shadow catchers is no part of the picture yet, as light groups need it.
 
     Attributes
     ----------
     count : int    Numbers of a pixel.
     catchers : Catchers or None
+    keeps_caught : bool
     """
 
-    def __init__(self, scene, settings):
+    def __init__(self, scene, settings, keeps_caught=False):
         self.scene = scene
         self.illuminance, self.bands = settings.illuminance, settings.bands
         self.transparent = settings.transparent
+        self.keeps_caught = keeps_caught
         # Holdouts make holes in every film.
         self._has_alpha = settings.transparent or scene.holdouts is not None
         self.sampler = picture_sampler(scene, self.bands)
@@ -57,7 +61,7 @@ class Channels:
         self._first_caught = 3 + int(self.illuminance) + 4 * int(self._has_alpha)
         self.count = self._first_caught + self.bands
         if self.catchers is not None:
-            self.count += self.catchers.count
+            self.count += self.catchers.layout.count
         # Photometric transport carries luminance alone; the lamps' common spectrum gives colour and bands back.
         self._lamp_tristimulus, self._lamp_bands = colour_of(scene.mean_light, self.bands)
 
@@ -160,19 +164,20 @@ class Channels:
     # ---- of means ----
 
     def composed(self, halves: np.ndarray) -> np.ndarray:
-        """Means of both halves with what is seen of shadow catchers. (2, n, channels)"""
-        if self.catchers is None:
+        """Means of both halves with what is seen of shadow catchers, where it is not kept apart. (2, n, channels)"""
+        if self.catchers is None or self.keeps_caught:
             return halves
         made = halves.copy()
-        seen, bands, is_open = self.catchers.shade(self._caught(halves))
-        made[..., :3] += seen
+        caught = self.caught(halves)
+        shown, is_open = self.catchers.layout.shade(caught)
+        made[..., :3] += shown.tristimulus + shown.change
         if self.bands:
-            made[..., -self.bands :] += bands
+            made[..., -self.bands :] += shown.bands + shown.band_change
         # Holes so far: of a film that is not transparent they are none, else as far as they are in the light.
         alpha = self._first_caught - 4
-        share = self._caught(halves)[..., SHARE]
+        share = caught[..., 0]
         if self.transparent:
-            made[..., alpha : alpha + 3] += seen
+            made[..., alpha : alpha + 3] += shown.tristimulus
             made[..., alpha + 3] += is_open - share
         else:
             made[..., alpha + 3] -= share
@@ -183,10 +188,25 @@ class Channels:
         if self.catchers is None:
             return 0.0
         white = float(means[..., 1].mean()) if self.transparent else 0.0
-        return self.catchers.scatter(self._caught(means), counts, white)
+        caught = self.caught(means)
+        whole = caught.mean(axis=0, dtype=np.float64)
+        return self.catchers.layout.scatter(caught, whole, counts, white)
 
-    def _caught(self, means: np.ndarray) -> np.ndarray:
-        return means[..., self._first_caught : self._first_caught + self.catchers.count]
+    def caught(self, means: np.ndarray) -> np.ndarray | None:
+        """Columns of shadow catchers, None without any. (..., count)"""
+        if self.catchers is None:
+            return None
+        return means[..., self.caught_columns]
+
+    @property
+    def caught_columns(self) -> slice:
+        """Which they are."""
+        return slice(self._first_caught, self._first_caught + self.catchers.layout.count)
+
+    @property
+    def shaded_columns(self) -> slice:
+        """Those of the illuminance of catchers in straight view with all that stands there."""
+        return slice(self._first_caught + 1 + SHADED.start, self._first_caught + 1 + SHADED.stop)
 
     def widened(self, estimate: Estimate, shares: np.ndarray) -> Estimate:
         """With errors that hold what lost samples may have brought; the brightest pixel stands for those without any other.

@@ -7,6 +7,7 @@ import numpy as np
 from ...accuracy.estimate import relative_error
 from ...light_mix import LightMix, add_colours
 from ...scene.camera import Camera
+from ...scene.light_groups import WORLD
 from ..compiled.compile import CompiledScene
 from .film import GROUPS
 from .live_view import LiveView, enlarge
@@ -20,7 +21,8 @@ class _Part:
     """A group's view.
 
     ``strengths``: what its choice of lights has learned, which is forgotten while others shine; ``error``: standard error of
-    its luminance after its last pass, 0 while it is coarse. (h, w) [cd/m2]
+    its luminance after its last pass, 0 while it is coarse, without what is seen of shadow catchers (h, w) [cd/m2];
+    ``caught``: what both halves know of these.
     """
 
     name: str
@@ -28,6 +30,7 @@ class _Part:
     view: LiveView
     strengths: np.ndarray | None = None
     error: np.ndarray | float = 0.0
+    caught: np.ndarray | None = None
     passes: int = 0
 
 
@@ -49,7 +52,9 @@ class GroupedView:
         for number, (name, members) in enumerate(shares):
             seed = (settings.seed + GROUP_SEEDS * number) % 2**31
             scene.shine(members)
-            view = LiveView(scene, camera, replace(settings, samples=samples, seed=seed))
+            view = LiveView(
+                scene, camera, replace(settings, samples=samples, seed=seed), keeps_caught=True
+            )
             self._parts.append(_Part(name, members, view))
         self._turn = 0
 
@@ -89,15 +94,30 @@ class GroupedView:
         """Return the sum of the groups at their levels, as of `LiveView.image`, and its relative error."""
         images = self._images()
         image = np.empty(images[0].shape, dtype=np.float32)
-        image[..., :3] = add_colours([each[..., :3] for each in images], self._parts, levels)
+        colours = [each[..., :3] for each in images]
+        layout = self._parts[0].view.caught_layout
+        if layout is not None:
+            caught = [each[..., self._parts[0].view.caught_columns] for each in images]
+            shown = self._share_out(layout, [each.reshape(1, -1, layout.count) for each in caught])
+            seen = ((each.tristimulus + each.change).reshape(colours[0].shape) for each in shown)
+            colours = [own + more for own, more in zip(colours, seen, strict=True)]
+        image[..., :3] = add_colours(colours, self._parts, levels)
         flux = [np.float32(levels.level(part.name).flux) for part in self._parts]
         image[..., 3:] = sum(k * each[..., 3:] for k, each in zip(flux, images, strict=True))
         if not self.samples:
             return image, float("inf")
         squares = sum((k * part.error) ** 2 for k, part in zip(flux, self._parts, strict=True))
+        if layout is not None:
+            shown = self._share_out(layout, [part.caught for part in self._parts])
+            shared = sum(k * each.difference for k, each in zip(flux, shown, strict=True))
+            squares = squares + shared.reshape(image.shape[:2]) ** 2
         return image, relative_error(image[..., 1], np.sqrt(squares))
 
     # ---- private ----
+
+    def _share_out(self, layout, halves: list[np.ndarray]) -> list:
+        """What each group gives to what is seen of shadow catchers, by what it knows of them: a `Shown` each."""
+        return layout.share_out(halves, [WORLD in part.members for part in self._parts])[0]
 
     def _refine_one(self) -> bool:
         """Take one slice for the group whose turn it is; the next one has its turn when a pass is finished."""
@@ -110,6 +130,7 @@ class GroupedView:
             part.passes += 1
             if part.view.samples:
                 part.error = part.view.luminance_error()
+                part.caught = part.view.caught_halves()
         if done or part.view.is_complete:
             self._turn = (self._turn + 1) % len(self._parts)
         return done

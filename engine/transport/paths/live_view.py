@@ -46,6 +46,7 @@ class LiveView:
     scene : CompiledScene
     camera : Camera    Of the whole view.
     settings : LiveSettings
+    keeps_caught : bool    As of `Channels`.
 
     Attributes
     ----------
@@ -55,12 +56,12 @@ class LiveView:
 
     words = ""
 
-    def __init__(self, scene: CompiledScene, camera: Camera, settings):
+    def __init__(self, scene: CompiledScene, camera: Camera, settings, keeps_caught=False):
         pixels = camera.width * camera.height
         if camera.width < 1 or camera.height < 1 or pixels > MAXIMUM_PIXELS:
             raise SceneError(f"a view of {camera.width} x {camera.height} pixels cannot be shown")
         self.scene, self.camera, self.settings = scene, camera, settings
-        self.factor = 1
+        self.factor, self._keeps_caught = 1, keeps_caught
         while pixels / self.factor**2 > FIRST_PIXELS:
             self.factor *= 2
         scene.lights.reset()
@@ -111,6 +112,21 @@ class LiveView:
         """Return what is known: X, Y, Z and, if wanted, illuminance; not to be kept. (h, w, c) float32 [cd/m2, lx]"""
         return self._image.reshape(self._camera.height, self._camera.width, -1)
 
+    @property
+    def caught_layout(self):
+        """`CaughtLayout` of what is known of shadow catchers, None without any."""
+        catchers = self._channels.catchers
+        return None if catchers is None else catchers.layout
+
+    @property
+    def caught_columns(self) -> slice:
+        """Columns of the image that hold it."""
+        return self._channels.caught_columns
+
+    def caught_halves(self) -> np.ndarray | None:
+        """These of both halves at the end of a pass over the finest image. (2, n, count)"""
+        return self._channels.caught(self._sums / self._passes)
+
     def luminance_error(self) -> np.ndarray:
         """Standard error of the luminance at the end of a pass over the finest image. (h, w) float32 [cd/m2]"""
         halves = self._channels.composed(self._sums / self._passes)[..., 1]
@@ -138,7 +154,7 @@ class LiveView:
         )
         self._pixels = self._camera.width * self._camera.height
         self._film = Film(self._camera, self.scene.origin)
-        self._channels = Channels(self.scene, _wanted(self.settings))
+        self._channels = Channels(self.scene, _wanted(self.settings), self._keeps_caught)
         self._sums = np.zeros((GROUPS, self._pixels, self._channels.count))
         self._image = np.zeros((self._pixels, self._channels.count), dtype=np.float32)
         self._cursor = self._passes = 0

@@ -45,6 +45,35 @@ def closest_hit(scene, ray, active, **more):
     return meet(scene, ray, active, **more)[1]
 
 
+def first_ground(scene, ray, active):
+    """Find the first ground on a ray that only the camera meets.
+
+    Returns
+    -------
+    (PreliminaryIntersection3f, Float)    The hit, none where there is no ground, and the distance to it. [m]
+    """
+
+    def step(ray, hit, way, going):
+        hit = scene.shown.ray_intersect_preliminary(ray, mi.Bool(False), going)
+        si = scene.surface(hit, ray, going)
+        way = dr.select(going, way + hit.t, way)
+        going &= si.is_valid()
+        going &= ~dr.gather(
+            mi.Bool, scene.grounds, dr.reinterpret_array(mi.UInt32, si.shape), going
+        )
+        return dr.select(going, spawn_straight(scene, si, ray), ray), hit, way, going
+
+    hit = dr.zeros(mi.PreliminaryIntersection3f)
+    hit.t = dr.inf
+    _, hit, way, _ = dr.while_loop(
+        state=(mi.Ray3f(ray), hit, mi.Float(0.0), mi.Bool(active)),
+        cond=lambda ray, hit, way, going: going,
+        body=step,
+        labels=("ray", "hit", "way", "going"),
+    )
+    return hit, dr.select(hit.is_valid(), way, dr.inf)
+
+
 def first_seen(scene, ray, active, coherent=False, passes_veil=False):
     """Return the nearest surface on a ray of the camera that it sees; parameters as of `meet`."""
     looks = mi.Bool(True)

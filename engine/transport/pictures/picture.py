@@ -117,6 +117,7 @@ def render(
     cancelled=lambda: False,
     traced=None,
     kept: KeptCells | None = None,
+    keeps_caught: bool = False,
 ):
     """Render until the rule of ``settings`` is met.
 
@@ -125,6 +126,9 @@ def render(
     uses_cells : bool    Whether light beyond the first bounce is read from cells.
     traced : CameraLight or None    Adds light that is traced to the camera.
     kept : KeptCells or None    Cells that pictures of the session share.
+    keeps_caught : bool
+        Whether what is seen of shadow catchers is told as the field ``caught``, means of both halves (2, n, columns), and
+        is no part of the picture.
 
     Returns
     -------
@@ -156,7 +160,7 @@ def render(
         cells.prepare()
     if settings.guides:
         layers |= trace_guides(scene, film)
-    light = PixelLight(scene, film, settings, cells if cells else None)
+    light = PixelLight(scene, film, settings, cells if cells else None, keeps_caught)
     shares = settings.shares and settings.method != "paths" and not settings.unbiased
     return _Passes(
         light, camera, clock, settings, layers, shares, progress, cancelled, traced
@@ -169,11 +173,13 @@ class TracedLight:
     Parameters
     ----------
     source : CameraLight
+    channels : Channels
     shape : tuple of int    Halves, pixels and channels.
     """
 
-    def __init__(self, source, shape: tuple[int, int, int]):
+    def __init__(self, source, channels, shape: tuple[int, int, int]):
         self.source, self.samples = source, 0
+        self._channels = channels
         self._sums = np.zeros(shape, dtype=np.float32)
 
     def add(self, means: np.ndarray, samples: float) -> np.ndarray:
@@ -183,7 +189,7 @@ class TracedLight:
         """
         more = max(round(samples), 1)
         new = means * more
-        self.source.add(new, self.samples, more)
+        self.source.add(new, self.samples, more, self._channels)
         self._sums += new - means * more
         self.samples += more
         return self._sums / self.samples
@@ -217,8 +223,8 @@ class _Passes:
         self.error = float("inf")
         # Samples, and the square of the error over that by which single samples scatter.
         self._parts_of_scatter: list[tuple[float, float]] = []
-        self.traced = None if traced is None else TracedLight(traced, shape)
-        self._sharing = None
+        self.traced = None if traced is None else TracedLight(traced, light.channels, shape)
+        self._sharing = self._caught = None
         if shares:
             self._sharing = find_sharing(
                 light.scene, light.film, light.channels, light.cells is not None
@@ -237,6 +243,7 @@ class _Passes:
             whole = sum(means.values())
             if self.traced is not None:
                 whole += self.traced.add(whole, self.allocation.mean(added))
+            self._caught = self.light.channels.caught(whole)
             whole = self.light.channels.composed(whole)
             estimate = self._estimate(whole, means)
             self.error = relative_error(estimate.mean[:, 1], estimate.standard_error[:, 1])
@@ -486,6 +493,8 @@ class _Passes:
             "relative_error": self.error,
             **self.layers,
         }
+        if channels.keeps_caught:
+            fields["caught"] = self._caught
         return fields, self.samples, lost, notes
 
     def _tell_correction(self, luminance: float) -> tuple[float, str]:

@@ -93,6 +93,7 @@ class PixelLight:
     film : Film
     settings : views.ViewSettings
     cells : ViewCells or None    None: all light comes by paths.
+    keeps_caught : bool    As of `Channels`.
 
     Attributes
     ----------
@@ -100,9 +101,9 @@ class PixelLight:
     lost : dict    Samples that were no numbers, by kind and pixel: (2, n), of each of `channels.LOST`.
     """
 
-    def __init__(self, scene, film: Film, settings, cells: ViewCells | None):
+    def __init__(self, scene, film: Film, settings, cells: ViewCells | None, keeps_caught=False):
         self.scene, self.film, self.seed = scene, film, settings.seed
-        self.channels = Channels(scene, settings)
+        self.channels = Channels(scene, settings, keeps_caught)
         self.cells, self._pixels = cells, film.camera.width * film.camera.height
         self.is_corrected = cells is not None and settings.unbiased
         self.lost: dict[int, np.ndarray] = {}

@@ -4,12 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from glass_scenes import ball
+from glass_scenes import ball, slab
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.light_mix import Level, LightMix, mix
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import ImageWorld, Output, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.light_groups import LightGroup
-from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, Transparent
+from lumenray.engine.scene.material import (
+    Cauchy,
+    Dielectric,
+    Diffuse,
+    Emission,
+    Glossy,
+    Material,
+    Transparent,
+)
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
@@ -173,12 +182,63 @@ def test_edits_make_catchers_and_unmake_them():
     assert luminance(look(session)).mean() == pytest.approx(50.0, rel=0.01)
 
 
-def test_light_groups_are_not_kept_apart_and_it_is_said():
-    session = session_of(BLACK, floor(), wall(), WORLD)
-    made = look(session, groups=(LightGroup("sky", ("world",)),))
-    assert made.groups == ()
-    assert any("light groups are not kept apart" in note for note in made.provenance.notes)
-    assert luminance(made).mean() == pytest.approx(3.5, rel=0.02)
+SKY_AND_SUN = (LightGroup("sky", ("world",)), LightGroup("sun", ("sun",)))
+
+
+def lit_by_sky_and_sun():
+    """As much light of the sun, which nothing shades, as of the sky, of which the wall takes half."""
+    sun = SunLight(
+        "sun", "sun", Output(Quantity.ILLUMINANCE, 100.0 * np.pi), np.array([0, 0, -1.0]), 1e-3
+    )
+    return BLACK, floor(), wall(), WORLD, sun
+
+
+@pytest.mark.parametrize("transparent", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_light_groups_have_their_parts_of_the_light_there(transparent):
+    """Sky: half of its light is left, which is a quarter of all; the sun has the other half."""
+    made = look(
+        session_of(*lit_by_sky_and_sun()), samples=1024, groups=SKY_AND_SUN, transparent=transparent
+    )
+    parts = {group.name: luminance(group).mean() for group in made.groups}
+    assert parts["sky"] == pytest.approx(7.0 * 0.25, rel=0.01)
+    assert parts["sun"] == pytest.approx(7.0 * 0.5, rel=0.01)
+    assert made.coverage.mean() == pytest.approx(0.25 if transparent else 1.0, abs=0.005)
+    whole = sum(group.tristimulus.astype(float) for group in made.groups)
+    assert made.tristimulus == pytest.approx(whole, rel=1e-6)
+    if transparent:
+        assert made.tristimulus == pytest.approx(made.backdrop, abs=1e-5)
+    # The error is that of the sum, whose parts are divided by the same light.
+    assert mix(made.groups).luminance_error == pytest.approx(made.luminance_error, rel=1e-5)
+    # Half of the flux of one is half of its part.
+    dimmed = made.mixed(LightMix((Level("sun", 0.5),)))
+    assert luminance(dimmed).mean() == pytest.approx(7.0 * 0.5, rel=0.01)
+
+
+def test_light_groups_change_nothing_where_nothing_is_shaded():
+    """Few samples of each group, whose shares of the light are noisy: their sum is the picture behind all the same."""
+    draw = np.random.default_rng(4)
+    pixels = draw.uniform(0.5, 20.0, (16, 32, 3)).astype(np.float32)
+    sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 50.0), np.array([0.3, 0.1, -1.0]))
+    world = ImageWorld(ImageTexture(pixels), 3.0)
+    plain = look(session_of(BLACK, world, sun), samples=1024)
+    made = look(session_of(BLACK, floor(), world, sun), samples=16, groups=SKY_AND_SUN)
+    assert all(luminance(group).min() > 0.0 for group in made.groups)
+    error = np.hypot(made.luminance_error, plain.luminance_error)
+    away = luminance(made).astype(float) - luminance(plain)
+    assert np.sqrt((away**2).mean()) < 1.5 * np.sqrt((error**2).mean())
+    assert made.luminance_error.max() < 0.3 * luminance(made).mean()
+
+
+@pytest.mark.slow
+def test_the_errors_of_light_groups_hold_their_scatter():
+    """Pictures of other seeds scatter as their sum says, which is far less than its parts do."""
+    session = session_of(*lit_by_sky_and_sun())
+    made = [look(session, samples=32, seed=seed, groups=SKY_AND_SUN) for seed in range(12)]
+    for tell in (lambda each: each, lambda each: each.groups[0], lambda each: each.groups[1]):
+        scatter = np.std([luminance(tell(each)) for each in made], axis=0, ddof=1)
+        stated = np.sqrt(np.mean([tell(each).luminance_error ** 2 for each in made], axis=0))
+        ratio = np.sqrt((scatter**2).mean() / (stated**2).mean())
+        assert 0.6 < ratio < 1.6
 
 
 @pytest.mark.slow
@@ -203,18 +263,99 @@ def test_the_live_view_shows_the_shade():
 
 
 @pytest.mark.slow
-def test_caustics_leave_no_specks_on_a_catcher_and_it_is_said():
-    """A mirror throws a narrow sun on the floor: nothing is brighter than what is behind, and a note says what lacks."""
-    mirror = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))
-    sheet = ball("ball", 0.2, (0.0, 0.0, 0.4), "mirror", 16)
-    towards = np.array([0.4, 0.0, -1.0]) / np.hypot(0.4, 1.0)
+def test_the_live_view_mixes_light_groups_on_catchers():
+    """With the sun off a quarter of what is behind is left, as in pictures."""
+    session = session_of(*lit_by_sky_and_sun())
+    settings = LiveSettings(samples=512, groups=SKY_AND_SUN)
+    off = LightMix((Level("sun", is_on=False),))
+    session.watch(camera(), settings, Display(DisplayMode.LUMINANCE, white=1.0, mix=off))
+    frame = None
+    while session.has_view_work:
+        frame = session.refine() or frame
+    assert frame.pixels[..., 1].mean() == pytest.approx(7.0 * 0.25, rel=0.02)
+    assert 0.0 < frame.relative_error < 0.1
+
+
+MIRROR = Material("mirror", "mirror", Glossy(Constant(0.9), 0.0))
+SATIN = Material("satin", "satin", Glossy(Constant(0.9), 0.05))
+GLASS = Material("glass", "glass", Dielectric(Cauchy(1.5)))
+
+
+def ahead():
+    """Camera at the height 1 that looks along y."""
+    frame = np.array([[1.0, 0, 0, 0], [0, 0, -1, -1], [0, 1, 0, 1], [0, 0, 0, 1]])
+    return Camera(frame, Projection.ORTHOGRAPHIC, SIDE, SIDE, 0.04, 0.04)
+
+
+def slanted(material):
+    """Small plate that shows the ground below it to that camera."""
+    return quad("plate", (-0.03, -0.03, 1.03), (0.06, 0, 0), (0, 0.06, -0.06), material)
+
+
+@pytest.mark.parametrize(
+    ("material", "groups"),
+    [
+        (MIRROR, ()),
+        pytest.param(SATIN, (), marks=pytest.mark.slow),
+        pytest.param(MIRROR, (LightGroup("sky", ("world",)),), marks=pytest.mark.slow),
+    ],
+)
+def test_a_mirror_shows_the_shadows_of_a_ground(material, groups):
+    """Of a ground that is but seen a wall takes half of the sky's light; its picture has the sky's 100 cd/m2."""
+    ground = floor(meets_light=False)
+    # The sample of a mirror's picture is its own: what it shows there is 0.9 of half of the luminance.
+    items = (BLACK, material, ground, slanted(material.id), UniformWorld(100.0))
+    plain = look(session_of(*items), view=ahead(), samples=512)
+    made = look(session_of(*items, wall()), view=ahead(), samples=512, groups=groups)
+    assert luminance(plain).mean() == pytest.approx(90.0, rel=0.015)
+    assert luminance(made).mean() == pytest.approx(45.0, rel=0.015)
+    away = np.abs(luminance(made) - 45.0)
+    assert np.sqrt((away**2).mean()) < 3.0 * np.sqrt((made.luminance_error**2).mean()) + 0.5
+
+
+@pytest.mark.slow
+def test_a_mirror_shows_an_object_that_catches_shadows_and_nothing_below_it():
+    """A black one hides the ground below it, whose shadows take nothing from what is not seen."""
+    ground = quad("ground", (-FAR, -FAR, -0.5), (2 * FAR, 0, 0), (0, 2 * FAR, 0), "black")
+    ground = replace(ground, is_catcher=True, meets_light=False)
+    items = (BLACK, MIRROR, floor(), ground, slanted("mirror"), UniformWorld(100.0), wall())
+    made = look(session_of(*items), view=ahead(), samples=64)
+    assert luminance(made) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_body_of_glass_shows_the_shadows_of_a_ground():
+    """Through a slab: what it reflects of the sky stays, and of what comes through one half is left."""
+    plate = slab((-0.1, -0.1, 0.9), (0.1, 0.1, 0.95))
+    items = (BLACK, GLASS, floor(meets_light=False), plate, UniformWorld(100.0), wall())
+    made = look(session_of(*items), view=camera(width=0.1), samples=2048)
+    once = ((1.5 - 1.0) / (1.5 + 1.0)) ** 2
+    reflected = 2.0 * once / (1.0 + once)
+    expected = 100.0 * (reflected + 0.5 * (1.0 - reflected))
+    # The slab stands before a little of the sky.
+    assert luminance(made).mean() == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("is_lit", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_caustics_of_the_sun_fall_on_a_catcher(is_lit):
+    """As bright beside what is behind as on a matt floor beside that floor in the open, which the cosine tells."""
+    lens = ball("ball", 0.15, (-0.2, 0.0, 0.18), "glass", 24)
+    towards = np.array([1.5, 0.0, -1.0]) / np.hypot(1.5, 1.0)
     sun = SunLight("sun", "sun", Output(Quantity.ILLUMINANCE, 5e4), towards, 0.009)
-    made = look(
-        session_of(BLACK, mirror, floor(), sheet, sun, UniformWorld(0.0, seen=UniformWorld(7.0)))
-    )
-    caught = luminance(made)[np.abs(made.depth - 1.0) < 1e-3]
-    assert len(caught) > 20
-    assert caught.max() <= 7.0 * (1.0 + 1e-3)
-    assert caught.min() < 1.0
-    for words in ("caustics do not fall", "show shadow catchers as the objects that they are"):
-        assert any(words in note for note in made.provenance.notes)
+    dark = UniformWorld(0.0, seen=UniformWorld(7.0))
+    # Beside the ball, so that pixels show nothing of it.
+    view = camera(width=0.2)
+    view.frame[0, 3] = 0.08
+    made = look(session_of(BLACK, GLASS, floor(meets_light=is_lit), lens, sun, dark), view=view)
+    real = floor("paint", is_catcher=False)
+    full = look(session_of(paint(0.05), GLASS, real, lens, sun, UniformWorld(0.0)), view=view)
+    without = 0.05 / np.pi * 5e4 * -towards[2]
+    expected = 7.0 * luminance(full) / without
+    error = np.hypot(made.luminance_error, 7.0 / without * full.luminance_error)
+    away = luminance(made) - expected
+    assert expected.max() > 3.0 * 7.0
+    assert expected.min() < 0.7 * 7.0
+    assert away.mean() == pytest.approx(0.0, abs=0.01 * expected.mean())
+    assert np.sqrt((away**2).mean()) < 2.0 * np.sqrt((error**2).mean()) + 0.01 * expected.max()
+    assert not any("caustics" in note for note in made.provenance.notes)
+    assert is_lit == any("objects that catch shadows" in note for note in made.provenance.notes)
