@@ -17,7 +17,7 @@ from ..sensors.judging import UNMIXED
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
-from ..sensors.words import TITLES
+from ..sensors.words import TITLES, brief
 from . import picture as pictures
 from .luminaires import find_luminaires
 
@@ -51,11 +51,17 @@ def gather(
     scene = depsgraph.scene.original if depsgraph.scene.is_evaluated else depsgraph.scene
     settings = scene.lumenray
     held = [(empty, readings_of(empty)) for empty in find_sensors(scene)]
-    known = [(empty, readings) for empty, readings in held if readings is not None]
+    all_known = [(empty, readings) for empty, readings in held if readings is not None]
+    known = [each for each in all_known if not each[1].is_distribution]
     if not known:
         raise SceneError("no sensor of the scene has been measured; measure them first")
     remarks = [
         f"sensors '{empty.name}' have not been measured" for empty, each in held if each is None
+    ]
+    remarks += [
+        f"goniometer '{empty.name}': {brief(readings)}; its photometric file has its intensities"
+        for empty, readings in all_known
+        if readings.is_distribution
     ]
     scenes = []
     chosen_scenes = lighting_scenes.choose_all(scene)
@@ -109,8 +115,7 @@ def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdi
         quantity = "unified glare rating of observers"
     elif readings.quantity != LUMINANCE:
         quantity = f"{quantity} illuminance"
-    is_field = min(readings.shape) > 1 and not readings.is_rating
-    grid = _grid_of(readings, values, errors) if is_field else None
+    grid = _grid_of(readings, values, errors) if readings.is_field else None
     plan = None if grid is None else _draw(grid, quantity, readings.unit, settings.sensors)
     return SensorArea(
         printable(empty.name),

@@ -7,8 +7,10 @@ import numpy as np
 
 from ...engine.formats.report import known, write_json
 from ...engine.light_mix import LightMix
+from ...engine.luminaires.distribution import flux
 from ...engine.reading.whole_file import write_whole
-from .places import GLARE, LUMINANCE
+from .goniometers import error_of, measured_of
+from .places import GLARE, INTENSITY, LUMINANCE
 from .readings import Readings
 
 COLUMNS = (
@@ -95,23 +97,9 @@ def write_document(
 
 def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     """Figures and readings of an object as plain data."""
-    figures = readings.figures(levels)
     values, errors = readings.mixed(levels)
-    row = {
-        "name": name,
-        "quantity": _name(readings.quantity),
-        "unit": readings.unit,
-        "mean": known(figures.mean),
-        "mean_standard_error": known(figures.mean_error),
-    }
-    for key, extreme in (
-        ("minimum", figures.least),
-        ("maximum", figures.largest),
-        ("uniformity_u0", figures.overall),
-        ("diversity_ud", figures.diversity),
-    ):
-        row[key] = known(extreme.value)
-        row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
+    row = {"name": name, "quantity": _name(readings.quantity), "unit": readings.unit}
+    row |= _luminaire(readings) if readings.is_distribution else _figures(readings, levels)
     return row | {
         "lacks": readings.lacks,
         "samples": readings.samples,
@@ -129,8 +117,31 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     }
 
 
+def _figures(readings: Readings, levels: LightMix) -> dict:
+    figures = readings.figures(levels)
+    row = {"mean": known(figures.mean), "mean_standard_error": known(figures.mean_error)}
+    for key, extreme in (
+        ("minimum", figures.least),
+        ("maximum", figures.largest),
+        ("uniformity_u0", figures.overall),
+        ("diversity_ud", figures.diversity),
+    ):
+        row[key] = known(extreme.value)
+        row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
+    return row
+
+
+def _luminaire(readings: Readings) -> dict:
+    measured = measured_of(readings)
+    return {
+        "luminous_flux_lm": known(flux(measured.distribution)),
+        "maximum": known(float(measured.distribution.intensity.max())),
+        "standard_error_of_maximum": known(error_of(measured)),
+    }
+
+
 def _name(quantity: str) -> str:
-    plain = {LUMINANCE: "luminance", GLARE: "unified glare rating"}
+    plain = {LUMINANCE: "luminance", GLARE: "unified glare rating", INTENSITY: "luminous intensity"}
     return plain.get(quantity, f"{quantity.lower()} illuminance")
 
 

@@ -16,7 +16,9 @@ from ...engine.observers import DARK, SAMPLES, find_unseen, rate_observers
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
-from .places import GLARE, PlacedSensors
+from .goniometers import SAMPLES as SPHERE_SAMPLES
+from .goniometers import measure_sphere
+from .places import GLARE, INTENSITY, PlacedSensors
 from .readings import Readings, make_readings
 
 GROUP_SEEDS = 1_000_003
@@ -45,6 +47,7 @@ class Found:
     seconds: float
     has_common: bool = True
     lacks: str = ""
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(eq=False)
@@ -102,13 +105,13 @@ class SensorJob:
         """
         self._session, self._held = session, Scene()
         kinds = list(dict.fromkeys(placed.kind for placed in self.places))
-        has_observers = GLARE in kinds
-        kinds = [kind for kind in kinds if kind != GLARE]
+        whole_kinds = [kind for kind in kinds if _is_of_all_light(kind)]
+        kinds = [kind for kind in kinds if not _is_of_all_light(kind)]
         rules = dict.fromkeys(kinds, self.rule)
         parts = split_lights(self.scene, self.groups) if self.groups else []
         if len(parts) > 1 and self.rule.each is not None:
             # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
-            self._steps, self._step = (len(parts) + 1) * len(kinds) + has_observers, 0
+            self._steps, self._step = (len(parts) + 1) * len(kinds) + len(whole_kinds), 0
             for kind in kinds:
                 short = replace(self.rule, samples=FIRST_SAMPLES)
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
@@ -116,7 +119,7 @@ class SensorJob:
         else:
             if len(parts) < 2:
                 parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
-            self._steps, self._step = len(parts) * len(kinds) + has_observers, 0
+            self._steps, self._step = len(parts) * len(kinds) + len(whole_kinds), 0
         made, direct, notes, short = {}, {}, {}, {}
         asks = [kind for kind in kinds if self._asks_for_direct(kind)]
         self._steps += len(parts) * len(asks)
@@ -139,11 +142,10 @@ class SensorJob:
             found = [made[name, kind] for name in names]
             self._keep(kind, names, found, [direct[name, kind] for name in names if kind in asks])
             short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
-        if has_observers:
-            # Ratings do not add up: they are those of all light together.
-            rated = self._measure(session, self.scene, "", GLARE, self.rule, 1, progress)
-            self._keep(GLARE, [""], [rated])
-            notes |= dict.fromkeys(rated.notes)
+        for kind in whole_kinds:
+            found = self._measure(session, self.scene, "", kind, self.rule, 1, progress)
+            self._keep(kind, [""], [found])
+            notes |= dict.fromkeys(found.notes)
         self.notes, self.shortfall = tuple(notes), "; ".join(short)
 
     def cancel(self) -> None:
@@ -164,8 +166,10 @@ class SensorJob:
         """
         if self._is_cancelled:
             raise Cancelled("cancelled")
-        session.apply(_difference(self._held, scene))
-        self._held = scene
+        # A goniometer takes its part of the scene itself.
+        scene_there = Scene() if _is_sphere(kind) else scene
+        session.apply(_difference(self._held, scene_there))
+        self._held = scene_there
         rows = [row for row, placed in enumerate(self.places) if placed.kind == kind]
         positions, normals = (
             np.concatenate([getattr(self.places[row], name) for row in rows])
@@ -199,6 +203,20 @@ class SensorJob:
             )
         elif kind == GLARE:
             found = self._rate(session, positions, normals, own, follow)
+        elif _is_sphere(kind):
+            start = time.perf_counter()
+            sphere = self.places[rows[0]].sphere
+            made = measure_sphere(session, scene, sphere, own, self.transport, follow)
+            found = Found(
+                made.values,
+                made.errors,
+                SPHERE_SAMPLES,
+                own,
+                "goniometer",
+                made.notes,
+                time.perf_counter() - start,
+                size=made.size,
+            )
         else:
             start = time.perf_counter()
             how = (rule, own, self.transport, self.method, follow)
@@ -269,8 +287,18 @@ class SensorJob:
                 direct=[each.values[start:end] for each in direct] or None,
                 direct_errors=[each.errors[start:end] for each in direct] or None,
                 lacks=found[0].lacks,
+                size=found[0].size,
             )
             start = end
+
+
+def _is_sphere(kind) -> bool:
+    return isinstance(kind, tuple) and kind[0] == INTENSITY
+
+
+def _is_of_all_light(kind) -> bool:
+    """Whether sensors tell of all light together: ratings do not add up, and a luminaire is measured as it is."""
+    return kind == GLARE or _is_sphere(kind)
 
 
 def _difference(before: Scene, after: Scene) -> SceneDelta:

@@ -13,7 +13,7 @@ from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import GLARE, UNITS, PlacedSensors
+from .places import GLARE, INTENSITY, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
@@ -45,6 +45,7 @@ class Readings:
     direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
         for.
     lacks : str    What the values lack, in words; empty: nothing.
+    size : (float, float, float)    Of the luminaire in a goniometer, along its axes. [m]
     """
 
     quantity: str
@@ -68,6 +69,7 @@ class Readings:
     direct: np.ndarray | None = None
     direct_errors: np.ndarray | None = None
     lacks: str = ""
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -77,6 +79,16 @@ class Readings:
     def is_rating(self) -> bool:
         """Whether the values rate glare: they do not add up, and are NaN where nothing dazzles."""
         return self.quantity == GLARE
+
+    @property
+    def is_distribution(self) -> bool:
+        """Whether the values are the intensities of a luminaire, of which neither mean nor uniformity says anything."""
+        return self.quantity == INTENSITY
+
+    @property
+    def is_field(self) -> bool:
+        """Whether the sensors stand in a grid and their values vary evenly over it."""
+        return min(self.shape) > 1 and not self.is_rating and not self.is_distribution
 
     @property
     def unit(self) -> str:
@@ -139,6 +151,7 @@ def make_readings(
     direct=None,
     direct_errors=None,
     lacks="",
+    size=(0.0, 0.0, 0.0),
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
@@ -163,6 +176,7 @@ def make_readings(
         None if direct is None else np.asarray(direct, dtype=np.float32),
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
         lacks,
+        tuple(size),
     )
 
 
@@ -198,7 +212,9 @@ def read_readings(text: str) -> Readings | None:
     known = {entry.name for entry in fields(Readings)}
     if not set(ARRAYS) <= arrays.keys() or not (head.keys() | arrays.keys()) <= known:
         return None
-    head["shape"], head["groups"] = tuple(head["shape"]), tuple(head["groups"])
+    for name in ("shape", "groups", "size"):
+        if name in head:
+            head[name] = tuple(head[name])
     return Readings(**head, **arrays)
 
 

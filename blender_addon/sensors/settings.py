@@ -47,6 +47,12 @@ LAYOUTS = [
         "The parts of a camera's picture, in rows and columns, of which the mean luminances are told",
         6,
     ),
+    (
+        "SPHERE",
+        "Goniometer",
+        "Detectors on a sphere about the empty, which measure the intensities of the luminaire within its radius",
+        7,
+    ),
 ]
 
 QUANTITIES = [
@@ -81,6 +87,12 @@ QUANTITIES = [
         "Glare",
         "Unified glare rating (UGR) of an observer whose eye is here and looks along the empty's X axis",
         6,
+    ),
+    (
+        "INTENSITY",
+        "Intensity",
+        "Luminous intensities in cd of the luminaire within a goniometer, by the empty's axes: gamma is 0 along -Z",
+        7,
     ),
 ]
 
@@ -203,6 +215,57 @@ class LumenraySensorSettings(PropertyGroup):
         min=1,
         max=256,
         soft_max=32,
+        update=tag_owner,
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description=(
+            "Of the ball about the empty: all that lies within is the luminaire, in metres; the empty's scale does not "
+            "count. Default 0.5: most luminaires are smaller"
+        ),
+        default=0.5,
+        min=0.001,
+        max=1000.0,
+        soft_max=5.0,
+        update=tag_owner,
+    )
+    plane_step: FloatProperty(
+        name="Plane Step",
+        description="Angle between C planes, of which a turn holds a whole number. Default 15°: as most files have it",
+        default=math.radians(15.0),
+        min=math.radians(1.0),
+        max=math.radians(90.0),
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    polar_step: FloatProperty(
+        name="Gamma Step",
+        description=(
+            "Angle gamma between the detectors of a plane, of which 180° hold a whole number. Default 5°: as most files "
+            "have it; narrow beams need less"
+        ),
+        default=math.radians(5.0),
+        min=math.radians(0.1),
+        max=math.radians(45.0),
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    use_distance: BoolProperty(
+        name="Own Distance",
+        description=(
+            "State how far away the detectors are, as those of a real goniometer. Default off: so far that all of the "
+            "luminaire lies in one direction"
+        ),
+        default=False,
+        update=tag_owner,
+    )
+    distance: FloatProperty(
+        name="Distance",
+        description="Of the detectors from the empty, in metres. Default 10: that of many goniometers",
+        default=10.0,
+        min=0.01,
+        max=1e5,
+        soft_max=100.0,
         update=tag_owner,
     )
     height: FloatProperty(

@@ -7,6 +7,7 @@ import numpy as np
 from ...engine.accuracy.readings import Figures
 from ...engine.light_mix import NEUTRAL, LightMix
 from .. import readout
+from .goniometers import WHOLE, describe_intensities
 from .readings import Readings, readings_of
 from .results import why_outdated
 from .settings import QUANTITIES
@@ -27,11 +28,15 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
         lines += _describe_ratings(readings, figures)
         if readings.lacks:
             lines.append(("not in it", readings.lacks))
+    elif readings.is_distribution:
+        lines = [lines[0], *describe_intensities(readings)]
     else:
         lines += describe_figures(figures, count, readings.unit)
     words = levels.text()
     if words and readings.is_rating:
         words = "glare is of all light as it was measured"
+    elif words and readings.is_distribution:
+        words = WHOLE
     elif words and readings.groups == ("",):
         words = "measure again to have light groups apart"
     if words:
@@ -50,6 +55,9 @@ def brief(readings: Readings, levels: LightMix = NEUTRAL) -> str:
         if math.isnan(figures.mean):
             return "no glare"
         return f"UGR {'up to ' * (len(readings.positions) > 1)}{figures.largest.value:.1f}"
+    if readings.is_distribution:
+        found = dict(describe_intensities(readings))
+        return f"{found['luminous flux']}, {found.get('largest intensity', 'dark')}"
     text = f"{figures.mean:.4g} {readings.unit}"
     if len(readings.positions) > 1:
         text += f", U0 {figures.overall.value:.2f}"
