@@ -208,15 +208,18 @@ def run_scene(options) -> int:
     if options.lighting_scene is not None:
         own_levels = lighting_scenes.find(scene, options.lighting_scene).levels
     empties = _chosen(options, scene)
-    requirement = sensor_judgement.find(options, scene.lumenray.sensors)
+    requirement = sensor_judgement.find(options, scene)
     rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
-    job, report = asked.prepare(depsgraph, empties, rule, options.accept_missing)
+    job, report = asked.prepare(
+        depsgraph, empties, rule, options.accept_missing, options.requirements
+    )
     settings = scene.lumenray
     job.seed, job.transport = seed_of(options, settings), transport_of(options, settings)
     job.method = options.method or settings.bake.method.lower()
     job.witness, job.reflections = options.witness, options.reflections
     known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
     levels = _levels(options, own_levels, known)
+    job.mixes = (*job.mixes, levels)
     if options.plans is not None:
         _check_files(options, job, options.plans, (".png", ".svg"))
     if options.photometric is not None:

@@ -65,6 +65,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
         settings = context.scene.lumenray.sensors
         column = layout.column()
         column.prop(settings, "requirement")
+        column.prop(settings, "requirements_file")
         if not settings.requirement:
             return
         column.prop(settings, "maintenance")

@@ -13,7 +13,7 @@ from ...engine.reporting.results import Floor, Grid, LightingScene, Report, Sens
 from ..rendering import lighting_scenes
 from ..sensors import results
 from ..sensors.drawing import axes_of
-from ..sensors.judging import UNMIXED
+from ..sensors.judging import ALL_LIGHT, UNMIXED
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
@@ -32,7 +32,13 @@ PLAN = (760, 480)
 
 
 def gather(
-    depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date: str = ""
+    depsgraph,
+    picture=None,
+    conversion=(),
+    notes=(),
+    shortfalls=(),
+    date: str = "",
+    files=(),
 ) -> Report:
     """Bring the report of a scene together from what its sensors have told.
 
@@ -43,10 +49,12 @@ def gather(
     conversion : list of dict    The conversion report's rows.
     notes, shortfalls : iterable of str    What is to be known of the values; what of them was not reached.
     date : str    Of the cover.
+    files : iterable of Path    Of requirements, besides those that the scene knows.
 
     Raises
     ------
     SceneError    No sensor has been measured.
+    FileFormatError    A file of requirements cannot be read.
     """
     scene = depsgraph.scene.original if depsgraph.scene.is_evaluated else depsgraph.scene
     settings = scene.lumenray
@@ -66,7 +74,7 @@ def gather(
     scenes = []
     chosen_scenes = lighting_scenes.choose_all(scene)
     for chosen in chosen_scenes:
-        verdicts = judge_all(scene, chosen)
+        verdicts = judge_all(scene, chosen, files)
         areas = tuple(
             _tell_area(empty, readings, settings, chosen.levels, verdicts)
             for empty, readings in known
@@ -80,10 +88,11 @@ def gather(
         scenes.append(LightingScene(printable(chosen.name), words, areas, shown))
         groups = dict.fromkeys(name for _, readings in known for name in readings.groups)
         remarks += lighting_scenes.remarks_of(chosen, groups)
-        if not chosen.levels.is_neutral:
-            remarks += [
-                f"sensors '{empty.name}': {UNMIXED}" for empty, r in known if r.groups == ("",)
-            ]
+        remarks += [
+            f"sensors '{empty.name}': {ALL_LIGHT if readings.is_rating else UNMIXED}"
+            for empty, readings in known
+            if not readings.is_told(chosen.levels)
+        ]
     schedule, sheets, others, problems = find_luminaires(depsgraph)
     told = list(find_remarks(conversion, notes))
     goals = [f"goal: {words}" for words in dict.fromkeys(filter(None, shortfalls))]

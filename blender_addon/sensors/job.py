@@ -12,7 +12,8 @@ from ...engine.baking.light_layers import split_lights
 from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
-from ...engine.observers import DARK, SAMPLES, find_unseen, rate_observers
+from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.observers import DARK, SAMPLES, find_unseen, rate_mixes
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
@@ -48,6 +49,7 @@ class Found:
     has_common: bool = True
     lacks: str = ""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rated: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(eq=False)
@@ -61,6 +63,7 @@ class SensorJob:
     signatures : list of str    Of the empties as they are.
     rule : StopRule    Of each measurement; its time is that of all of them together.
     groups : tuple of LightGroup    Light groups that are kept apart; none: all light together.
+    mixes : tuple of LightMix    Levels of the groups for which glare is rated, besides that of all light as it is.
     wants_direct : bool    Whether to keep what was not reflected besides, which some requirements ask for.
 
     Attributes
@@ -80,6 +83,7 @@ class SensorJob:
     witness: bool = True
     reflections: int | None = None
     groups: tuple[LightGroup, ...] = ()
+    mixes: tuple[LightMix, ...] = ()
     wants_direct: bool = False
     answer: dict[str, Readings] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -240,18 +244,21 @@ class SensorJob:
     def _rate(self, session, positions, normals, seed: int, follow) -> Found:
         """Rate the glare of observers; their pictures have a size of their own, whatever the rule."""
         start = time.perf_counter()
-        table, notes = rate_observers(
+        tables, notes = rate_mixes(
             session,
             positions,
             normals,
+            self.groups if self._told_mixes else (),
+            (NEUTRAL, *self._told_mixes),
             seed=seed,
             transport=self.transport,
             progress=follow,
             is_cancelled=lambda: self._is_cancelled,
         )
-        values, errors = table["ugr"].T
+        values, errors = np.stack([table["ugr"] for table in tables]).transpose(2, 0, 1)
         # Where nothing dazzles there is no rating, and nothing to be wrong about.
         errors = np.where(np.isfinite(values), errors, np.nan)
+        rated = (values[1:], errors[1:]) if len(tables) > 1 else None
         seconds = time.perf_counter() - start
         unseen, lacks = find_unseen(self.scene), [note for note in notes if note == DARK]
         if unseen:
@@ -262,7 +269,14 @@ class SensorJob:
             )
             notes = (*notes, lacks[-1])
         told = "; ".join(lacks)
-        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, False, told)
+        where = (SAMPLES, seed, "pictures", notes, seconds)
+        return Found(values[0], errors[0], *where, False, told, rated=rated)
+
+    @property
+    def _told_mixes(self) -> tuple[LightMix, ...]:
+        """Those that differ from all light as it is, once each."""
+        made = {levels.key(): levels for levels in self.mixes if not levels.is_neutral}
+        return tuple(made.values()) if self.groups else ()
 
     def _keep(self, kind, names, found, direct=()) -> None:
         """Share what was measured of a kind out among the empties."""
@@ -288,6 +302,9 @@ class SensorJob:
                 direct_errors=[each.errors[start:end] for each in direct] or None,
                 lacks=found[0].lacks,
                 size=found[0].size,
+                mixes=[levels.key() for levels in self._told_mixes] if found[0].rated else (),
+                rated=found[0].rated and found[0].rated[0][:, start:end],
+                rated_errors=found[0].rated and found[0].rated[1][:, start:end],
             )
             start = end
 

@@ -18,6 +18,8 @@ MEASURE_DIRECT = "measure again, so that it is known apart"
 
 UNMIXED = "its light groups were not measured apart; measure again with light groups"
 
+ALL_LIGHT = "ratings of glare do not add up: it was not rated with the light groups at these levels; measure again"
+
 BY_QUANTITY = {"PLANAR": "task", "CYLINDRICAL": "cylindrical"}
 """Areas of sensors that state none, by what they measure."""
 
@@ -82,7 +84,7 @@ def judge_sensors(
     ----------
     named : list of (str, Readings, str or None)    Name of the object, its readings and their area, see `area_of`.
     requirement : Requirement
-    levels : LightMix    Of the light groups; ratings of glare are of all light as it was measured.
+    levels : LightMix    Of the light groups; glare counts where it was rated with them.
     maintenance : float    Factor on illuminances. [-]
     is_modified : bool    Whether the modified mean is asked for.
 
@@ -98,21 +100,11 @@ def judge_sensors(
     plain = replace(requirement, light={})
     skipped, chosen, seen = {}, [], []
     for name, readings, area in named:
-        if readings.is_rating:
-            if "ugr" in requirement.light:
-                seen.append((name, readings))
-            else:
-                skipped[name] = f"{requirement.key} asks nothing of {LIGHT['ugr']}"
-        elif area is None:
-            skipped[name] = "stands for no area"
-        elif area not in requirement.areas:
-            skipped[name] = f"{requirement.key} asks nothing of the area '{area}'"
-        elif requirement.is_direct and not readings.has_direct:
-            skipped[name] = (
-                f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
-            )
-        elif not levels.is_neutral and readings.groups == ("",):
-            skipped[name] = UNMIXED
+        why = _why_skipped(requirement, readings, area, levels)
+        if why:
+            skipped[name] = why
+        elif readings.is_rating:
+            seen.append((name, readings))
         else:
             chosen.append((name, readings, area))
     count = sum(count_limits(plain, area, is_modified) for *_, area in chosen)
@@ -132,7 +124,7 @@ def judge_sensors(
             count=count,
         )
     for name, readings in seen:
-        ratings = zip(*readings.mixed(), strict=True)
+        ratings = zip(*readings.mixed(levels), strict=True)
         limit = requirement.light["ugr"]
         verdicts = judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count)
         if readings.lacks:
@@ -144,6 +136,22 @@ def judge_sensors(
             skipped[name] = readings.lacks
         observers[name] = tuple(verdicts)
     return Judged(requirement, areas, observers, skipped)
+
+
+def _why_skipped(requirement: Requirement, readings: Readings, area, levels: LightMix) -> str:
+    """Why sensors are not judged; empty: they are."""
+    if readings.is_rating:
+        if not readings.is_told(levels):
+            return ALL_LIGHT
+        has_limit = "ugr" in requirement.light
+        return "" if has_limit else f"{requirement.key} asks nothing of {LIGHT['ugr']}"
+    if area is None:
+        return "stands for no area"
+    if area not in requirement.areas:
+        return f"{requirement.key} asks nothing of the area '{area}'"
+    if requirement.is_direct and not readings.has_direct:
+        return f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
+    return "" if readings.is_told(levels) else UNMIXED
 
 
 def tell(judged: Judged) -> list[str]:

@@ -18,7 +18,7 @@ from .places import GLARE, INTENSITY, UNITS, PlacedSensors
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
 
-DIRECT = ("direct", "direct_errors")
+FURTHER = ("direct", "direct_errors", "rated", "rated_errors")
 """Further arrays, where they were measured."""
 
 VERSION = 1
@@ -46,6 +46,8 @@ class Readings:
         for.
     lacks : str    What the values lack, in words; empty: nothing.
     size : (float, float, float)    Of the luminaire in a goniometer, along its axes. [m]
+    mixes : tuple of str    Levels of light groups for which glare was rated besides, see `LightMix.key`.
+    rated, rated_errors : (m, n) float32 array or None    Ratings by them.
     """
 
     quantity: str
@@ -70,6 +72,9 @@ class Readings:
     direct_errors: np.ndarray | None = None
     lacks: str = ""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mixes: tuple[str, ...] = ()
+    rated: np.ndarray | None = None
+    rated_errors: np.ndarray | None = None
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -96,9 +101,23 @@ class Readings:
         return UNITS.get(self.quantity, "lx")
 
     def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
-        """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""
+        """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]
+
+        Ratings are those of these levels where it `is_told`, else of all light as in the scene.
+        """
+        if self.is_rating and not levels.is_neutral and self.is_told(levels):
+            row = self.mixes.index(levels.key())
+            return tuple(each[row].astype(np.float64) for each in (self.rated, self.rated_errors))
+        if self.is_rating:
+            levels = NEUTRAL
         self._sum.set_levels([levels.level(name).flux for name in self.groups])
         return self._sum.total.copy(), self._sum.error
+
+    def is_told(self, levels: LightMix) -> bool:
+        """Whether it is known what the sensors would read with the groups at these levels."""
+        if levels.is_neutral:
+            return True
+        return levels.key() in self.mixes if self.is_rating else self.groups != ("",)
 
     @functools.cached_property
     def _direct_sum(self) -> GroupSum:
@@ -152,6 +171,9 @@ def make_readings(
     direct_errors=None,
     lacks="",
     size=(0.0, 0.0, 0.0),
+    mixes=(),
+    rated=None,
+    rated_errors=None,
 ) -> Readings:
     """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
     return Readings(
@@ -177,14 +199,17 @@ def make_readings(
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
         lacks,
         tuple(size),
+        tuple(mixes),
+        None if rated is None else np.asarray(rated, dtype=np.float32),
+        None if rated_errors is None else np.asarray(rated_errors, dtype=np.float32),
     )
 
 
 def write_readings(readings: Readings) -> str:
     """Return readings as text."""
-    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + DIRECT]
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + FURTHER]
     head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
-    arrays = ARRAYS if readings.direct is None else ARRAYS + DIRECT
+    arrays = (*ARRAYS, *(name for name in FURTHER if getattr(readings, name) is not None))
     head["arrays"] = arrays
     stream = io.BytesIO()
     stream.write(json.dumps(head).encode() + b"\n")
@@ -212,7 +237,7 @@ def read_readings(text: str) -> Readings | None:
     known = {entry.name for entry in fields(Readings)}
     if not set(ARRAYS) <= arrays.keys() or not (head.keys() | arrays.keys()) <= known:
         return None
-    for name in ("shape", "groups", "size"):
+    for name in ("shape", "groups", "size", "mixes"):
         if name in head:
             head[name] = tuple(head[name])
     return Readings(**head, **arrays)

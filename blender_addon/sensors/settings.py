@@ -12,8 +12,8 @@ from bpy.props import (
 )
 from bpy.types import Object, PropertyGroup
 
-from ..foundation.settings import percentage, redraw_views, tag_owner
-from .shipped import shipped_requirements
+from ..foundation.settings import PATH_OPTIONS, percentage, redraw_views, tag_owner
+from .requirements import known_keys
 
 
 def _is_mesh(self, thing) -> bool:
@@ -113,9 +113,9 @@ JUDGED_AREAS = [
 ]
 
 
-def _search_requirements(_self, _context, typed: str):
-    """Keys of the requirements that ship, with their titles."""
-    known = shipped_requirements()
+def _search_requirements(_self, context, typed: str):
+    """Keys of the requirements that the scene knows, with their titles."""
+    known = known_keys(context.scene)
     return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
@@ -396,10 +396,19 @@ class LumenraySensorsSettings(PropertyGroup):
     requirement: StringProperty(
         name="Requirement",
         description=(
-            "What the readings are judged by, such as office.writing: a key of the requirements that ship. Default empty: "
-            "nothing is judged"
+            "What the readings are judged by, such as office.writing: a key of the requirements that ship, or of your "
+            "own file. Default empty: nothing is judged"
         ),
         search=_search_requirements,
+        update=redraw_views,
+    )
+    requirements_file: StringProperty(
+        name="Own Requirements",
+        description=(
+            "File of requirements of your own (.toml), which count before those that ship. Default empty: none but these"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
         update=redraw_views,
     )
     maintenance: FloatProperty(

@@ -25,7 +25,7 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     count = len(readings.positions)
     lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
     if readings.is_rating:
-        lines += _describe_ratings(readings, figures)
+        lines += _describe_ratings(readings, figures, levels)
         if readings.lacks:
             lines.append(("not in it", readings.lacks))
     elif readings.is_distribution:
@@ -33,11 +33,11 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     else:
         lines += describe_figures(figures, count, readings.unit)
     words = levels.text()
-    if words and readings.is_rating:
-        words = "glare is of all light as it was measured"
+    if words and readings.is_rating and not readings.is_told(levels):
+        words = "glare is of all light as in the scene; measure again for these levels"
     elif words and readings.is_distribution:
         words = WHOLE
-    elif words and readings.groups == ("",):
+    elif words and not readings.is_told(levels):
         words = "measure again to have light groups apart"
     if words:
         lines.append(("light mix", words))
@@ -64,9 +64,11 @@ def brief(readings: Readings, levels: LightMix = NEUTRAL) -> str:
     return text
 
 
-def _describe_ratings(readings: Readings, figures: Figures) -> list[tuple[str, str]]:
+def _describe_ratings(
+    readings: Readings, figures: Figures, levels: LightMix
+) -> list[tuple[str, str]]:
     """Labels and values of the glare of observers."""
-    values, errors = readings.mixed()
+    values, errors = readings.mixed(levels)
     if len(values) == 1:
         if math.isnan(values[0]):
             return [("UGR", "none: no glare source")]
