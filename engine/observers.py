@@ -98,7 +98,8 @@ def rate_mixes(
     SceneError    An observer has no line of sight.
     Cancelled    It was cancelled.
     """
-    rule = StopRule(samples=max(samples // PARTS, 1))
+    # Samples are of all groups together, of which each is to be known as well as all light would be.
+    rule = StopRule(samples=max(samples // PARTS, 1) * max(len(groups), 1))
     # Sums over all pixels need few paths, which takes less time than finding the light of cells.
     wanted = ViewSettings(rule, seed, transport=transport, method="paths", groups=groups)
     rows, notes, seconds = [[] for _ in mixes], {}, 0.0
