@@ -131,6 +131,7 @@ def run_list(options) -> int:
     """Measure at the sensors of a list."""
     from ..engine.accuracy.estimate import Estimate
     from ..engine.accuracy.stopping import StopRule
+    from ..engine.analysis.sensor_colours import tell_columns
     from ..engine.formats.sensors import read_sensors, write_measurements
 
     for name in ("objects", "plans", "photometric", "light_groups", "lighting_scene", "mix"):
@@ -173,7 +174,7 @@ def run_list(options) -> int:
         made.standard_error,
         made.tristimulus if options.colour or options.spectrum else None,
         (*assumptions.lines_of(report, notes, shortfall), *verdict),
-        _spectral_columns(made.spectra) if options.spectrum else None,
+        tell_columns(made.spectra) if options.spectrum else None,
     )
     assumptions.tell(report, notes, shortfall)
     say(f"method: {made.method}")
@@ -193,7 +194,7 @@ def run_scene(options) -> int:
     from ..blender_addon.sensors import asked, judging
     from ..engine.session import Session
 
-    for name in ("kind", "colour", "spectrum"):
+    for name in ("kind", "colour"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name} is for sensors of a list; those of the file say what they are"
@@ -220,6 +221,8 @@ def run_scene(options) -> int:
     known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
     levels = _levels(options, own_levels, known)
     job.mixes = (*job.mixes, levels)
+    if options.spectrum:
+        job.places = [replace(placed, wants_spectrum=True) for placed in job.places]
     if options.plans is not None:
         _check_files(options, job, options.plans, (".png", ".svg"))
     if options.photometric is not None:
@@ -404,23 +407,3 @@ def _judge(made, options, requirement, area: str, limits: int) -> list[str]:
         requirement, area, figures, seconds, options.maintenance, light, options.modified
     )
     return tell(judged)
-
-
-def _spectral_columns(spectra) -> dict:
-    """Further columns of the list of readings."""
-    from ..engine.analysis.sensor_colours import find_colours
-    from ..engine.photometry.alpha_opic import RECEPTORS
-
-    columns = {}
-    for number in reversed(range(len(RECEPTORS))):
-        name = f"{RECEPTORS[number]}_edi"
-        columns[f"{name}_lx"] = spectra.equivalent_daylight[:, number]
-        columns[f"{name}_error_lx"] = spectra.equivalent_daylight_error[:, number]
-    found = find_colours(spectra.edges, spectra.bands)
-    return columns | {
-        "cct_k": found.temperature,
-        "duv": found.duv,
-        "ra": found.rendering,
-        "rf": found.fidelity,
-        "rg": found.gamut,
-    }

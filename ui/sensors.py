@@ -103,6 +103,7 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
             column.prop(settings, "acceptance")
         if settings.quantity not in {"LUMINANCE", "GLARE", "INTENSITY"}:
             column.prop(settings, "area")
+            column.prop(settings, "use_spectrum")
         if settings.quantity != "INTENSITY":
             column.prop(settings, "requirement")
             if context.scene.lumenray.light_mix.scenes:

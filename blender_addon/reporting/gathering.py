@@ -17,7 +17,7 @@ from ..sensors.judging import ALL_LIGHT, UNMIXED
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
-from ..sensors.words import TITLES, brief
+from ..sensors.words import TITLES, brief, describe_light
 from . import picture as pictures
 from .luminaires import find_luminaires
 
@@ -145,6 +145,7 @@ def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdi
         verdicts.problems.get(empty.name, ""),
         results.why_outdated(empty),
         verdicts.observers.get(empty.name, ()),
+        describe_light(readings, levels),
     )
 
 

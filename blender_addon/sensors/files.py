@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...engine.analysis.sensor_colours import tell_columns
 from ...engine.formats.report import known, write_json
 from ...engine.light_mix import LightMix
 from ...engine.luminaires.distribution import flux
@@ -16,7 +17,7 @@ from .readings import Readings
 COLUMNS = (
     "object", "quantity", "x", "y", "z", "nx", "ny", "nz", "value", "standard_error", "unit",
 )  # fmt: skip
-"""Of the rows; light groups that were kept apart follow, at the flux of the scene."""
+"""Of the rows; light groups that were kept apart follow, at the flux of the scene, and what spectra tell."""
 
 
 def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
@@ -34,10 +35,16 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
     FileFormatError    The file cannot be written.
     """
     groups = list(dict.fromkeys(g for _, readings in named for g in readings.groups if g))
+    spectral = {
+        name: tell_columns(readings.mixed_spectra(levels))
+        for name, readings in named
+        if readings.has_spectrum
+    }
+    titles = list(next(iter(spectral.values()), ()))
     with write_whole(path, "utf-8") as file:
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups)])
+        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups), *titles])
         for name, readings in named:
             values, errors = readings.mixed(levels)
             for k, (value, error) in enumerate(zip(values, errors, strict=True)):
@@ -57,6 +64,7 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
                         "" if np.isnan(error) else f"{error:.3g}",
                         readings.unit,
                         *parts,
+                        *(_cell(spectral[name][title][k]) for title in titles if name in spectral),
                     ]
                 )
     return Path(path)
@@ -102,6 +110,7 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     row |= _luminaire(readings) if readings.is_distribution else _figures(readings, levels)
     return row | {
         "lacks": readings.lacks,
+        "spectral": _spectral(readings, levels),
         "samples": readings.samples,
         "method": readings.method,
         "grid": list(readings.shape),
@@ -129,6 +138,18 @@ def _figures(readings: Readings, levels: LightMix) -> dict:
         row[key] = known(extreme.value)
         row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
     return row
+
+
+def _spectral(readings: Readings, levels: LightMix) -> dict | None:
+    """Action on the eye and colours by sensor; None where the spectrum was not asked for."""
+    if not readings.has_spectrum:
+        return None
+    columns = tell_columns(readings.mixed_spectra(levels))
+    return {title: _numbers(values) for title, values in columns.items()}
+
+
+def _cell(value) -> str:
+    return "" if np.isnan(value) else f"{value:.7g}"
 
 
 def _luminaire(readings: Readings) -> dict:

@@ -147,7 +147,10 @@ def describe_intensities(readings) -> list[tuple[str, str]]:
         *lines,
         ("luminous flux", f"{flux(measured.distribution):.5g} lm"),
         ("largest intensity", f"{table.max():.4g} cd at {where}"),
-        ("standard error", f"{100.0 * error_of(measured):.2g} % of the largest"),
+        (
+            "standard error",
+            f"{max(100.0 * error_of(measured), 0.001):.2g} % of the largest at most",
+        ),
     ]
 
 

@@ -13,6 +13,7 @@ from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
 from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.measurements import SensorSpectra
 from ...engine.observers import DARK, SAMPLES, find_unseen, rate_mixes
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
@@ -50,6 +51,7 @@ class Found:
     lacks: str = ""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rated: tuple[np.ndarray, np.ndarray] | None = None
+    spectra: SensorSpectra | None = None
 
 
 @dataclass(eq=False)
@@ -182,6 +184,8 @@ class SensorJob:
         own = (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31
         follow = _follow(progress, self._step, self._steps, name)
         if isinstance(kind, SensorKind):
+            wants_spectrum = number > 0 and reflections is None
+            wants_spectrum &= any(self.places[row].wants_spectrum for row in rows)
             made = session.measure(
                 positions,
                 normals,
@@ -193,6 +197,7 @@ class SensorJob:
                 reflections=self.reflections if reflections is None else reflections,
                 method=self.method,
                 witness=self.witness and number > 0,
+                spectrum=wants_spectrum,
             )
             origin = made.provenance
             found = Found(
@@ -204,6 +209,7 @@ class SensorJob:
                 origin.notes,
                 origin.seconds,
                 made.has_common_errors,
+                spectra=made.spectra if wants_spectrum else None,
             )
         elif kind == GLARE:
             found = self._rate(session, positions, normals, own, follow)
@@ -305,8 +311,25 @@ class SensorJob:
                 mixes=[levels.key() for levels in self._told_mixes] if found[0].rated else (),
                 rated=found[0].rated and found[0].rated[0][:, start:end],
                 rated_errors=found[0].rated and found[0].rated[1][:, start:end],
+                **_spectra_of(placed, found, start, end),
             )
             start = end
+
+
+def _spectra_of(placed: PlacedSensors, found, start: int, end: int) -> dict[str, np.ndarray]:
+    """Spectra of some of the sensors of a kind by light group, as arrays of `Readings`; none where none is wanted."""
+    if not placed.wants_spectrum or found[0].spectra is None:
+        return {}
+    spectra = [each.spectra for each in found]
+    return {
+        "edges": spectra[0].edges,
+        "bands": np.stack([each.bands[start:end] for each in spectra]),
+        "band_errors": np.stack(
+            [np.sqrt((each.bands_error[start:end] ** 2).mean(axis=0)) for each in spectra]
+        ),
+        "doses": np.stack([each.equivalent_daylight[start:end] for each in spectra]),
+        "dose_errors": np.stack([each.equivalent_daylight_error[start:end] for each in spectra]),
+    }
 
 
 def _is_sphere(kind) -> bool:

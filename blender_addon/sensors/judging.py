@@ -12,7 +12,11 @@ from ...engine.judgement.requirement import LIGHT, Requirement
 from ...engine.judgement.verdict import Range, State, Verdict, overall, tail
 from ...engine.light_mix import NEUTRAL, LightMix
 from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
+from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
+
+MELANOPIC_AREA = "melanopic"
+"""Area whose illuminances are melanopic equivalent daylight ones."""
 
 MEASURE_DIRECT = "measure again, so that it is known apart"
 
@@ -111,8 +115,7 @@ def judge_sensors(
     count += sum(len(readings.positions) for _, readings in seen)
     areas, observers = {}, {}
     for name, readings, area in chosen:
-        mixed = readings.mixed_direct if requirement.is_direct else readings.mixed
-        values, errors = mixed(levels)
+        values, errors = _values_of(readings, area, requirement.is_direct, levels)
         figures = find_figures(values, errors, tail(count), FREEDOM, readings.has_common)
         areas[name] = assess(
             plain,
@@ -138,6 +141,15 @@ def judge_sensors(
     return Judged(requirement, areas, observers, skipped)
 
 
+def _values_of(readings: Readings, area: str, is_direct: bool, levels: LightMix):
+    """Values of an area that count, and their standard errors. (n,), (n,) [lx]"""
+    if area == MELANOPIC_AREA:
+        spectra = readings.mixed_spectra(levels)
+        both = spectra.equivalent_daylight, spectra.equivalent_daylight_error
+        return tuple(each[:, MELANOPIC] for each in both)
+    return readings.mixed_direct(levels) if is_direct else readings.mixed(levels)
+
+
 def _why_skipped(requirement: Requirement, readings: Readings, area, levels: LightMix) -> str:
     """Why sensors are not judged; empty: they are."""
     if readings.is_rating:
@@ -149,6 +161,8 @@ def _why_skipped(requirement: Requirement, readings: Readings, area, levels: Lig
         return "stands for no area"
     if area not in requirement.areas:
         return f"{requirement.key} asks nothing of the area '{area}'"
+    if area == MELANOPIC_AREA and not readings.has_spectrum:
+        return "its spectrum was not asked for; switch Spectrum on and measure again"
     if requirement.is_direct and not readings.has_direct:
         return f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
     return "" if readings.is_told(levels) else UNMIXED

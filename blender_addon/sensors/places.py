@@ -63,6 +63,7 @@ class PlacedSensors:
     acceptance : float    Of luminance meters, the full width of their cone. [rad]
     camera : Camera or None    Whose picture's parts the sensors are.
     sphere : Sphere or None    Of a goniometer, whose detectors the sensors are.
+    wants_spectrum : bool    Whether the spectrum of the light is to be found, of illuminances.
     """
 
     uid: str
@@ -77,6 +78,7 @@ class PlacedSensors:
     acceptance: float = 0.0
     camera: Camera | None = None
     sphere: Sphere | None = None
+    wants_spectrum: bool = False
 
     @property
     def kind(self) -> SensorKind | float | str | tuple[str, str]:
@@ -162,6 +164,7 @@ def _place(empty, depsgraph) -> PlacedSensors:
         cells,
         shape,
         settings.acceptance,
+        wants_spectrum=settings.use_spectrum,
     )
 
 
@@ -332,4 +335,5 @@ def signature_of(empty) -> tuple:
         for value in (getattr(settings, name) for name in names)
     )
     camera = camera_signature(empty) if settings.layout == "CAMERA" else ()
+    own += ("spectrum",) if settings.use_spectrum else ()
     return (*own, "" if surface is None else identity_of(surface), matrix, *camera)

@@ -13,12 +13,15 @@ from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.measurements import SensorSpectra
 from .places import GLARE, INTENSITY, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
 
-FURTHER = ("direct", "direct_errors", "rated", "rated_errors")
+FURTHER = (
+    "direct", "direct_errors", "rated", "rated_errors", "edges", "bands", "band_errors", "doses", "dose_errors",
+)  # fmt: skip
 """Further arrays, where they were measured."""
 
 VERSION = 1
@@ -48,6 +51,10 @@ class Readings:
     size : (float, float, float)    Of the luminaire in a goniometer, along its axes. [m]
     mixes : tuple of str    Levels of light groups for which glare was rated besides, see `LightMix.key`.
     rated, rated_errors : (m, n) float32 array or None    Ratings by them.
+    edges : (b + 1,) float32 array or None    Of bands, where the spectrum was asked for. [nm]
+    bands : (g, n, b) float32 array or None    Mean spectral irradiance. [W/(m2 nm)]
+    band_errors : (g, b) float32 array or None    Root mean square of the sensors' standard errors.
+    doses, dose_errors : (g, n, 5) float32 array or None    Alpha-opic equivalent daylight illuminances. [lx]
     """
 
     quantity: str
@@ -75,6 +82,11 @@ class Readings:
     mixes: tuple[str, ...] = ()
     rated: np.ndarray | None = None
     rated_errors: np.ndarray | None = None
+    edges: np.ndarray | None = None
+    bands: np.ndarray | None = None
+    band_errors: np.ndarray | None = None
+    doses: np.ndarray | None = None
+    dose_errors: np.ndarray | None = None
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -122,6 +134,26 @@ class Readings:
     @functools.cached_property
     def _direct_sum(self) -> GroupSum:
         return GroupSum(self.direct, self.direct_errors)
+
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether the spectra of the light are known."""
+        return self.doses is not None
+
+    def mixed_spectra(self, levels: LightMix = NEUTRAL) -> SensorSpectra:
+        """Spectra with the groups at other levels, whose colours are not followed; only where `has_spectrum`."""
+        factors = np.array([levels.level(name).flux for name in self.groups])
+
+        def add(values):
+            return np.tensordot(factors, values.astype(np.float64), 1)
+
+        def add_errors(errors):
+            return np.sqrt(np.tensordot(factors**2, errors.astype(np.float64) ** 2, 1))
+
+        bands = add(self.bands)
+        errors = np.broadcast_to(add_errors(self.band_errors), bands.shape)
+        edges = self.edges.astype(np.float64)
+        return SensorSpectra(edges, bands, errors, add(self.doses), add_errors(self.dose_errors))
 
     @property
     def has_direct(self) -> bool:
@@ -172,10 +204,12 @@ def make_readings(
     lacks="",
     size=(0.0, 0.0, 0.0),
     mixes=(),
-    rated=None,
-    rated_errors=None,
+    **further,
 ) -> Readings:
-    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
+    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]
+
+    ``further``: arrays of `Readings` by their names, or None.
+    """
     return Readings(
         placed.quantity,
         placed.positions.astype(np.float32),
@@ -200,8 +234,10 @@ def make_readings(
         lacks,
         tuple(size),
         tuple(mixes),
-        None if rated is None else np.asarray(rated, dtype=np.float32),
-        None if rated_errors is None else np.asarray(rated_errors, dtype=np.float32),
+        **{
+            name: None if each is None else np.asarray(each, dtype=np.float32)
+            for name, each in further.items()
+        },
     )
 
 

@@ -110,6 +110,12 @@ JUDGED_AREAS = [
     ("WALLS", "Walls", "Walls", 5),
     ("CEILING", "Ceiling", "The ceiling", 6),
     ("CYLINDRICAL", "Cylindrical", "Faces of people", 7),
+    (
+        "MELANOPIC",
+        "Melanopic",
+        "Eyes, by melanopic equivalent daylight illuminance; it takes the spectrum",
+        8,
+    ),
 ]
 
 
@@ -313,6 +319,15 @@ class LumenraySensorSettings(PropertyGroup):
         default="AUTO",
         update=redraw_views,
     )
+    use_spectrum: BoolProperty(
+        name="Spectrum",
+        description=(
+            "Also find what the light does to the eye (melanopic and other equivalent daylight illuminances, CIE S 026), "
+            "its colour temperature, Ra, Rf and Rg. Default off: it takes longer"
+        ),
+        default=False,
+        update=tag_owner,
+    )
     use_spacing: BoolProperty(
         name="Own Spacing",
         description=(
@@ -403,7 +418,7 @@ class LumenraySensorsSettings(PropertyGroup):
         update=redraw_views,
     )
     requirements_file: StringProperty(
-        name="Own Requirements",
+        name="Own File",
         description=(
             "File of requirements of your own (.toml), which count before those that ship. Default empty: none but these"
         ),

@@ -167,6 +167,7 @@ def _tell_area(report: Report, area: SensorArea):
             ("Uniformity U0 (least/mean)", _range(figures.overall, "")),
             ("Uniformity Ud (least/largest)", _range(figures.diversity, "")),
         ]
+    lines += [(label[0].upper() + label[1:], words) for label, words in area.light]
     lines.append(("Samples", f"{area.samples} for each sensor, seed {area.seed}"))
     yield Facts(tuple(lines))
     if area.assessment is not None:

@@ -47,6 +47,7 @@ class SensorArea:
     problem : str    Why they are not judged although something is required.
     changed : str    What has changed in the scene since they were measured; empty: nothing.
     observers : tuple of Verdict    On the UGR of each, where the sensors are observers' eyes.
+    light : tuple of (str, str)    Labels and values of the light's action on the eye and of its colour, where it is known.
     """
 
     name: str
@@ -67,6 +68,7 @@ class SensorArea:
     problem: str = ""
     changed: str = ""
     observers: tuple[Verdict, ...] = ()
+    light: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_rating(self) -> bool:
