@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..measurements import SensorSpectra
 from ..photometry.alpha_opic import RECEPTORS
 from ..photometry.colour_fidelity import fidelity_and_gamut
 from ..photometry.colour_rendering import general_index
@@ -54,8 +53,11 @@ def find_colours(edges: np.ndarray, bands: np.ndarray) -> SensorColours:
     return SensorColours(*rows.T)
 
 
-def tell_columns(spectra: SensorSpectra) -> dict[str, np.ndarray]:
-    """Action on the eye and colour of the light at sensors, by names with units as tables have them. (n,) each"""
+def tell_columns(spectra) -> dict[str, np.ndarray]:
+    """Action on the eye and colour of the light at sensors, by names with units as tables have them. (n,) each
+
+    ``spectra``: `measurements.SensorSpectra`.
+    """
     columns = {}
     for number in reversed(range(len(RECEPTORS))):
         name = f"{RECEPTORS[number]}_edi"
