@@ -1,19 +1,24 @@
 """Verdicts on the readings of a scene's sensors by one requirement, whose limits they share."""
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
 from ...engine.accuracy.readings import FREEDOM
+from ...engine.analysis.sensor_colours import rendering_range
 from ...engine.judgement.assessment import Assessment, assess, count_limits
 from ...engine.judgement.assessment import tell as tell_assessment
 from ...engine.judgement.figures import find_figures
 from ...engine.judgement.observers import judge_observers
 from ...engine.judgement.requirement import LIGHT, Requirement
-from ...engine.judgement.verdict import Range, State, Verdict, overall, tail
+from ...engine.judgement.verdict import Range, State, Verdict, overall, reach, tail
 from ...engine.light_mix import NEUTRAL, LightMix
 from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
 from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
+
+RENDERING = "ra"
+"""Of `LIGHT`."""
 
 MELANOPIC_AREA = "melanopic"
 """Area whose illuminances are melanopic equivalent daylight ones."""
@@ -63,6 +68,8 @@ class Judged:
         seen = [each for judged in self.observers.values() for each in judged]
         is_known = any(each.state is not State.UNKNOWN for each in seen)
         told = {LIGHT["ugr"]} if is_known else set()
+        judged = [each for made in self.areas.values() for each in made.verdicts]
+        told |= {each.name for each in judged if each.state is not State.UNKNOWN}
         return [area for area in self.requirement.areas if area not in known] + [
             LIGHT[name] for name in self.requirement.light if LIGHT[name] not in told
         ]
@@ -100,8 +107,6 @@ def judge_sensors(
     -----
     All limits of all objects share the probability of a wrong verdict, so that it holds for what is said of the whole.
     """
-    # Of the light as a whole only glare is known here, of the observers.
-    plain = replace(requirement, light={})
     skipped, chosen, seen = {}, [], []
     for name, readings, area in named:
         why = _why_skipped(requirement, readings, area, levels)
@@ -111,18 +116,20 @@ def judge_sensors(
             seen.append((name, readings))
         else:
             chosen.append((name, readings, area))
-    count = sum(count_limits(plain, area, is_modified) for *_, area in chosen)
+    asked = {name: _asked_of(requirement, readings) for name, readings, _ in chosen}
+    count = sum(count_limits(asked[name], area, is_modified) for name, _, area in chosen)
     count += sum(len(readings.positions) for _, readings in seen)
     areas, observers = {}, {}
     for name, readings, area in chosen:
         values, errors = _values_of(readings, area, requirement.is_direct, levels)
         figures = find_figures(values, errors, tail(count), FREEDOM, readings.has_common)
         areas[name] = assess(
-            plain,
+            asked[name],
             area,
             figures,
             readings.seconds,
             maintenance,
+            light=_light_of(asked[name], readings, levels, count),
             is_modified=is_modified,
             count=count,
         )
@@ -139,6 +146,30 @@ def judge_sensors(
             skipped[name] = readings.lacks
         observers[name] = tuple(verdicts)
     return Judged(requirement, areas, observers, skipped)
+
+
+def _asked_of(requirement: Requirement, readings: Readings) -> Requirement:
+    """Return what a requirement asks that sensors can tell: of the light as a whole its colour rendering, by spectra."""
+    has_rendering = readings.has_spectrum and RENDERING in requirement.light
+    light = {RENDERING: requirement.light[RENDERING]} if has_rendering else {}
+    return replace(requirement, light=light)
+
+
+def _light_of(asked: Requirement, readings: Readings, levels: LightMix, count: int):
+    """What is known of the light as a whole and asked for, by names of `LIGHT`."""
+    found = _rendering_of(readings, levels, count) if asked.light else None
+    return {} if found is None else {RENDERING: found}
+
+
+# Panels judge whenever they are drawn, and the index takes a while.
+@functools.lru_cache(maxsize=64)
+def _rendering_of(readings: Readings, levels: LightMix, count: int) -> Range | None:
+    """Range of the general colour rendering index of the mean light; ``count``: of limits."""
+    spectra = readings.mixed_spectra(levels)
+    share = 1.0 if readings.has_common else len(spectra.bands) ** 0.5
+    noise = spectra.bands_error[0] / share
+    found = rendering_range(spectra.edges, spectra.bands.mean(axis=0), noise, reach(count))
+    return None if found is None else Range(*found)
 
 
 def _values_of(readings: Readings, area: str, is_direct: bool, levels: LightMix):

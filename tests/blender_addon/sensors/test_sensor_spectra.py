@@ -67,3 +67,10 @@ def test_light_at_a_sensor_acts_on_the_eye_and_has_a_colour(readings, tmp_path):
     for levels, state in ((NEUTRAL, State.MET), (only_a, State.NOT_MET)):
         judged = judging.judge_sensors([("Eye", readings, "melanopic")], need, levels)
         assert judged.areas["Eye"].state is state
+    # And its colour rendering, which a requirement without sensors with a spectrum leaves open.
+    for ra, state in ((80.0, State.MET), (100.0, State.NOT_MET)):
+        need = Requirement("a", "a", "a", "", {"melanopic": {"mean": 0.2 * lux}}, {"ra": ra})
+        judged = judging.judge_sensors([("Eye", readings, "melanopic")], need, only_a)
+        (rendering,) = [each for each in judged.areas["Eye"].verdicts if each.limit == ra]
+        assert rendering.state is state or (ra == 100.0 and rendering.state is State.UNDECIDED)
+        assert judged.missing == []
