@@ -6,7 +6,7 @@ import numpy as np
 
 from ..blender_addon import assumptions
 from ..engine.errors import LumenrayError
-from ..engine.goniometry import SIDE, measure_intensities
+from ..engine.goniometry import SIDE, find_extent, measure_intensities, take_luminaire
 from .blend_file import open_blend
 from .modelling import overrule
 from .options import add_scene, real, seed_of, transport_of, whole
@@ -84,13 +84,13 @@ def run(options) -> int:
     from ..blender_addon.sync.scene import convert_scene
     from ..engine.luminaires.distribution import flux
     from ..engine.luminaires.formats.reader import write_luminaire
-    from ..engine.luminaires.goniometer import FAR, place_detectors, to_luminaire
-    from ..engine.scene.scene import Scene, SceneDelta
+    from ..engine.luminaires.goniometer import FAR, even_angles, place_detectors, to_luminaire
+    from ..engine.scene.scene import Scene
     from ..engine.session import Session
 
     check_free(options, options.output)
-    azimuth = _even(options.plane_step, 360.0, "--plane-step")[:-1]
-    polar = _even(options.step, 180.0, "--step")
+    azimuth = even_angles(np.deg2rad(options.plane_step), 2.0 * np.pi)[:-1]
+    polar = even_angles(np.deg2rad(options.step), np.pi)
     depsgraph = open_blend(options.file)
     overrule(depsgraph.scene, options)
     converted = convert_scene(depsgraph)
@@ -98,13 +98,12 @@ def run(options) -> int:
     assumptions.refuse_media(converted.report)
     scene = Scene()
     scene.apply(converted.delta)
-    left_out = _surroundings(scene)
-    scene.apply(SceneDelta(removed=left_out))
-    low, high, middle = _bounds(scene)
+    part = take_luminaire(scene)
+    extent = find_extent(part.scene)
     frame = np.eye(4)
-    frame[:3, 3] = middle if options.centre is None else options.centre
-    size = max(float(np.linalg.norm(high - low)), 0.1)
-    reach = max(np.linalg.norm(frame[:3, 3] - low), np.linalg.norm(frame[:3, 3] - high))
+    frame[:3, 3] = extent.middle if options.centre is None else options.centre
+    size = max(extent.size, 0.1)
+    reach = max(np.linalg.norm(frame[:3, 3] - each) for each in (extent.low, extent.high))
     distance = FAR * size if options.distance is None else options.distance
     if distance <= reach:
         raise LumenrayError(
@@ -115,9 +114,9 @@ def run(options) -> int:
     with Bar("measure") as bar:
         found = measure_intensities(
             Session(),
-            scene,
+            part.scene,
             detectors,
-            0.5 * (low + high),
+            0.5 * (extent.low + extent.high),
             0.5 * size,
             options.samples,
             seed_of(options, settings),
@@ -129,11 +128,13 @@ def run(options) -> int:
     if not table.max() > 0.0:
         raise LumenrayError(f"{options.file}: no light leaves what the file holds")
     # The extent of what shines is not told apart from that of the housing.
-    file = to_luminaire(measured, high - low, {"LUMINAIRE": options.file.stem}, options.watts)
+    file = to_luminaire(
+        measured, extent.high - extent.low, {"LUMINAIRE": options.file.stem}, options.watts
+    )
     remarks = write_luminaire(file, options.output)
     error = float(np.sqrt((measured.standard_error**2).mean()) / table.max())
     notes = [*found.notes, *(str(remark) for remark in remarks)]
-    if left_out:
+    if part.has_surroundings:
         notes.append("the world and Sun lights are no part of the luminaire and were left out")
     assumptions.tell(converted.report, notes)
     say(
@@ -142,36 +143,3 @@ def run(options) -> int:
     )
     say(f"written to {options.output}")
     return assumptions.exit_code(converted.report, options.accept_missing)
-
-
-def _even(step: float, whole: float, name: str) -> np.ndarray:
-    """Angles from 0 to a whole turn or half of it in even steps. [degree -> rad]"""
-    count = round(whole / step)
-    if abs(count * step - whole) > 1e-6:
-        raise LumenrayError(f"{name}: {whole:g} degrees hold no whole number of {step:g} degrees")
-    return np.deg2rad(np.linspace(0.0, whole, count + 1))
-
-
-def _surroundings(scene) -> tuple[str, ...]:
-    """Ids of what is no part of a luminaire."""
-    from ..engine.scene.light import SunLight
-
-    suns = tuple(key for key, light in scene.lights.items() if isinstance(light, SunLight))
-    return suns if scene.world is None else (*suns, scene.world.id)
-
-
-def _bounds(scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners of the box about all that a scene holds, and the middle of its lights. (3,) each [m]"""
-    lights = [(np.asarray(light.place), float(light.reach)) for light in scene.lights.values()]
-    glowing = [m.id for m in scene.materials.values() if m.emission is not None]
-    points = [each for place, reach in lights for each in (place - reach, place + reach)]
-    shining = list(points)
-    for key, item in scene.meshes.items():
-        vertices = np.asarray(scene.mesh(key).vertices, dtype=np.float64)
-        corners = [vertices.min(axis=0), vertices.max(axis=0)]
-        points += corners
-        shining += corners if set(item.materials) & set(glowing) else []
-    if not shining:
-        raise LumenrayError("the file holds no light that could be measured")
-    low, high = np.min(points, axis=0), np.max(points, axis=0)
-    return low, high, 0.5 * (np.min(shining, axis=0) + np.max(shining, axis=0))

@@ -61,6 +61,12 @@ def add_command(commands) -> None:
         help="also draw every grid of the file in false colours with isolux lines into this folder, as .png and .svg",
     )
     measure.add_argument(
+        "--photometric",
+        type=Path,
+        metavar="DIR",
+        help="also write what every goniometer of the file has measured as .ldt and .ies into this folder",
+    )
+    measure.add_argument(
         "--light-groups",
         choices=("none", "groups", "each"),
         help="keep what each light group, or each luminaire, gives to the sensors of the file apart (default: as the "
@@ -126,10 +132,11 @@ def run_list(options) -> int:
     """Measure at the sensors of a list."""
     from ..engine.accuracy.estimate import Estimate
     from ..engine.accuracy.stopping import StopRule
+    from ..engine.analysis.sensor_colours import tell_columns
     from ..engine.formats.sensors import read_sensors, write_measurements
     from ..engine.requirements.budget import tell_parts
 
-    for name in ("objects", "plans", "light_groups", "lighting_scene", "mix"):
+    for name in ("objects", "plans", "photometric", "light_groups", "lighting_scene", "mix"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name.replace('_', '-')} is for sensors that stand in the file, not for those of a list"
@@ -171,7 +178,7 @@ def run_list(options) -> int:
         made.standard_error,
         made.tristimulus if options.colour or options.spectrum else None,
         (*assumptions.lines_of(report, notes, shortfall), *parts, *verdict),
-        _spectral_columns(made.spectra) if options.spectrum else None,
+        tell_columns(made.spectra) if options.spectrum else None,
     )
     assumptions.tell(report, notes, shortfall)
     say(f"method: {made.method}")
@@ -191,7 +198,7 @@ def run_scene(options) -> int:
     from ..blender_addon.sensors import asked, judging
     from ..engine.session import Session
 
-    for name in ("kind", "colour", "spectrum"):
+    for name in ("kind", "colour"):
         if getattr(options, name):
             raise LumenrayError(
                 f"--{name} is for sensors of a list; those of the file say what they are"
@@ -207,17 +214,26 @@ def run_scene(options) -> int:
     if options.lighting_scene is not None:
         own_levels = lighting_scenes.find(scene, options.lighting_scene).levels
     empties = _chosen(options, scene)
-    requirement = sensor_judgement.find(options, scene.lumenray.sensors)
+    requirement = sensor_judgement.find(options, scene)
     rule = rule_of(options, lambda: asked.rule_of(scene.lumenray.sensors))
-    job, report = asked.prepare(depsgraph, empties, rule, options.accept_missing)
+    job, report = asked.prepare(
+        depsgraph, empties, rule, options.accept_missing, options.requirements
+    )
     settings = scene.lumenray
     job.seed, job.transport = seed_of(options, settings), transport_of(options, settings)
     job.method = options.method or settings.bake.method.lower()
     job.witness, job.reflections = options.witness, options.reflections
     known = [group.name for group in job.groups] + (["rest"] if job.groups else [])
     levels = _levels(options, own_levels, known)
+    job.mixes = (*job.mixes, levels)
+    if options.spectrum:
+        job.places = [replace(placed, wants_spectrum=True) for placed in job.places]
     if options.plans is not None:
-        _check_plans(options, job)
+        _check_files(options, job, options.plans, (".png", ".svg"))
+    if options.photometric is not None:
+        if not any(placed.sphere is not None for placed in job.places):
+            raise LumenrayError(f"--photometric: {options.file} has no goniometer that is measured")
+        _check_files(options, job, options.photometric, PHOTOMETRIC)
     with Bar("measure") as bar:
         job.run(Session(), bar)
     judged = None
@@ -259,13 +275,16 @@ def _levels(options, own, known):
 NO_GROUPS = "none are kept apart: say --light-groups groups, and name groups in the scene"
 
 
-def _check_plans(options, job) -> None:
-    """Refuse to write over plans that are there."""
+PHOTOMETRIC = (".ldt", ".ies")
+"""Ends of the names of photometric files."""
+
+
+def _check_files(options, job, folder: Path, ends) -> None:
+    """Refuse to write over files of sensors that are there."""
     from ..engine.formats.names import file_stem
 
     for placed in job.places:
-        stem = options.plans / file_stem(placed.name)
-        check_free(options, stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.svg"))
+        check_free(options, *(folder / f"{file_stem(placed.name)}{end}" for end in ends))
 
 
 def _write(options, job, report, levels, judged) -> None:
@@ -298,14 +317,31 @@ def _write(options, job, report, levels, judged) -> None:
         ]
         for path in pictures.write_plans(options.plans, plans):
             say(f"written to {path}")
+    if options.photometric is not None:
+        _write_photometric(options.photometric, named)
+
+
+def _write_photometric(folder: Path, named) -> None:
+    """Write the file of every goniometer in all formats that can hold it."""
+    from ..blender_addon.sensors.goniometers import write_intensities
+    from ..engine.formats.names import file_stem
+
+    for name, readings in named:
+        for end in PHOTOMETRIC if readings.is_distribution else ():
+            path = folder / f"{file_stem(name)}{end}"
+            for remark in write_intensities(readings, name, path):
+                say(f"{path.name}: {remark}")
+            say(f"written to {path}")
 
 
 def _tell(job, levels) -> None:
+    from ..blender_addon.sensors.goniometers import describe_intensities
+
     rows = [("sensors", "count", "mean", "error", "min", "max", "unit", "U0", "Ud")]
     for placed in job.places:
         readings = job.answer[placed.uid]
         figures = readings.figures(levels)
-        if math.isnan(figures.mean):
+        if math.isnan(figures.mean) or readings.is_distribution:
             rows.append(
                 (placed.name, str(len(readings.positions)), *["-"] * 4, readings.unit, "-", "-")
             )
@@ -317,6 +353,11 @@ def _tell(job, levels) -> None:
         count = str(len(readings.positions))
         rows.append((placed.name, count, mean, error, least, largest, readings.unit, *ratios))
     say(table(rows))
+    for placed in job.places:
+        readings = job.answer[placed.uid]
+        if readings.is_distribution:
+            lines = "; ".join(f"{label} {words}" for label, words in describe_intensities(readings))
+            say(f"{placed.name}: {lines}")
     for line in _parts([(placed.name, job.answer[placed.uid]) for placed in job.places], levels):
         say(line)
 
@@ -386,23 +427,3 @@ def _judge(made, options, requirement, area: str, limits: int) -> list[str]:
         requirement, area, figures, seconds, options.maintenance, light, options.modified
     )
     return tell(judged)
-
-
-def _spectral_columns(spectra) -> dict:
-    """Further columns of the list of readings."""
-    from ..engine.analysis.sensor_colours import find_colours
-    from ..engine.photometry.alpha_opic import RECEPTORS
-
-    columns = {}
-    for number in reversed(range(len(RECEPTORS))):
-        name = f"{RECEPTORS[number]}_edi"
-        columns[f"{name}_lx"] = spectra.equivalent_daylight[:, number]
-        columns[f"{name}_error_lx"] = spectra.equivalent_daylight_error[:, number]
-    found = find_colours(spectra.edges, spectra.bands)
-    return columns | {
-        "cct_k": found.temperature,
-        "duv": found.duv,
-        "ra": found.rendering,
-        "rf": found.fidelity,
-        "rg": found.gamut,
-    }

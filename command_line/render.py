@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..blender_addon import assumptions
+from ..engine.analysis.tone_operators import OPERATORS
 from ..engine.errors import FileFormatError, LumenrayError
 from .blend_file import open_blend
 from .modelling import overrule
@@ -65,6 +66,15 @@ def add_command(commands) -> None:
         action="store_true",
         help="also draw the luminance in false colours with lines of equal luminance, OUT_luminance.png and .svg; with "
         "--illuminance that as well, OUT_illuminance.png and .svg",
+    )
+    render.add_argument(
+        "--tone",
+        choices=OPERATORS,
+        action="append",
+        default=[],
+        help="also draw the picture by a tone operator for looking, with legend and statement, OUT_photographic.png and "
+        ".svg or OUT_visual.png and .svg: photographic (Reinhard 2002), visual (an adapted eye with its veil and night "
+        "vision, Ward Larson 1997); may be repeated. Nothing measured is changed",
     )
     render.add_argument(
         "--scale-to",
@@ -143,6 +153,7 @@ def render_open(options, depsgraph) -> int:
     shown = _preview(options, picture, camera, linear)
     write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
     _draw_false_colours(options, picture)
+    _draw_tones(options, shown, white, camera)
     shortfall = view.rule.shortfall(whole_picture.relative_error)
     report = _report(options, scene.camera.name, picture, conversion, shortfall, shown.words)
     write_json(options.output.with_suffix(".json"), report)
@@ -208,6 +219,8 @@ def check_files(options) -> None:
         raise FileFormatError(options.output, "expected a name that ends in .exr")
     beside = (options.output.with_suffix(end) for end in (".png", ".json"))
     check_free(options, *beside, _spectral_path(options))
+    for name in options.tone:
+        check_free(options, *_drawn_paths(options, name))
     if options.false_colour:
         check_free(options, *_drawn_paths(options, "luminance"))
         check_free(options, *(_drawn_paths(options, "illuminance") if options.illuminance else ()))
@@ -237,6 +250,20 @@ def _draw_false_colours(options, picture) -> None:
         title = quantity.capitalize()
         sheet = draw_map(title, values, None, caption, scale, unit=unit, smoothing=LINE_SMOOTHING)
         for path in _drawn_paths(options, quantity):
+            say(f"written to {sheet.save(path)}")
+
+
+def _draw_tones(options, shown, white: float, camera) -> None:
+    """Draw the picture that is looked at by tone operators; ``white``: luminance of its 1. [cd/m2]"""
+    from ..engine.analysis.tone_operators import apply_operator
+    from ..engine.analysis.tone_sheet import draw_toned
+    from ..engine.formats.luminance_picture import view_of_camera
+    from ..engine.photometry.colour import tristimulus_of
+
+    for name in dict.fromkeys(options.tone):
+        toned = apply_operator(name, tristimulus_of(shown.colour, white), view_of_camera(camera))
+        sheet = draw_toned(toned, shown.words)
+        for path in _drawn_paths(options, name):
             say(f"written to {sheet.save(path)}")
 
 

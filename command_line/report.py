@@ -4,6 +4,7 @@ from datetime import date
 from pathlib import Path
 
 from ..blender_addon import assumptions
+from . import requirements
 from .blend_file import open_blend
 from .modelling import overrule
 from .options import (
@@ -73,6 +74,7 @@ def add_command(commands) -> None:
         metavar="N",
         help="of a pixel of the picture (default: as the scene's renders)",
     )
+    requirements.add_files(report)
     add_witness(report)
     add_rule(report, "sensor")
     assumptions.add_option(report)
@@ -102,7 +104,9 @@ def run(options) -> int:
         goals.append(goal)
     shortfall = "; ".join(filter(None, goals))
     day = date.today().isoformat() if options.date is None else options.date
-    report = gathering.gather(depsgraph, picture, conversion.to_dicts(), notes, goals, day)
+    report = gathering.gather(
+        depsgraph, picture, conversion.to_dicts(), notes, goals, day, options.requirements
+    )
     paths = files.write_report(report, options.output, options.pdf)
     assumptions.tell(conversion, tuple(notes), shortfall)
     _tell(report)
@@ -140,7 +144,9 @@ def _measure(options, depsgraph):
     scene = depsgraph.scene
     settings = scene.lumenray
     rule = rule_of(options, lambda: asked.rule_of(settings.sensors))
-    job, conversion = asked.prepare(depsgraph, None, rule, options.accept_missing)
+    job, conversion = asked.prepare(
+        depsgraph, None, rule, options.accept_missing, options.requirements
+    )
     job.seed, job.transport = seed_of(options, settings), transport_of(options, settings)
     job.witness = options.witness
     with Bar("measure") as bar:

@@ -1,26 +1,25 @@
 """Verdicts of commands on the sensors that stand in a file."""
 
 
-def find(options, settings):
+def find(options, scene):
     """Return the requirement that was asked for, else the scene's, before anything is computed; None without one.
 
     Parameters
     ----------
-    settings : LumenraySensorsSettings    Of the scene.
+    scene : bpy.types.Scene
 
     Raises
     ------
     LumenrayError    There is no such requirement, or it asks nothing of the area.
     """
     from ..engine.judgement.assessment import count_limits
+    from ..blender_addon.sensors.requirements import files_of
     from ..engine.judgement.reader import find_requirement
 
-    if options.require is None:
-        if not settings.requirement:
-            return None
-        return find_requirement(settings.requirement, options.requirements)
-    key, area = options.require
-    requirement = find_requirement(key, options.requirements)
+    key, area = options.require or (scene.lumenray.sensors.requirement, "")
+    if not key:
+        return None
+    requirement = find_requirement(key, (*files_of(scene), *options.requirements))
     if area:
         count_limits(requirement, area, options.modified)
     return requirement

@@ -4,6 +4,7 @@ Light adds up, so the sum of the groups' pictures is the picture, and a group's 
 lights with as many times their flux. A colour acts on what is seen, not on spectra, see `tint`.
 """
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,6 +107,11 @@ class LightMix:
         changed = [level for level in self.levels if not level.is_neutral]
         return ", ".join(f"{level.name} {_describe(level)}" for level in changed)
 
+    def key(self) -> str:
+        """Text by which two mixes are told to ask for the same."""
+        changed = sorted((e for e in self.levels if not e.is_neutral), key=lambda e: e.name)
+        return json.dumps([[e.name, round(e.flux, 6), *_proportions(e)] for e in changed])
+
 
 NEUTRAL = LightMix()
 
@@ -197,6 +203,13 @@ def _add(groups, levels: LightMix, name: str, squared: bool = False) -> np.ndarr
             part = flux * getattr(group, name).astype(np.float64)
             total += part**2 if squared else part
     return (np.sqrt(total) if squared else total).astype(np.float32)
+
+
+def _proportions(level: Level) -> list[float]:
+    """Colour of a level over its largest component; nothing of one that is dark or keeps its own."""
+    if level.is_white or level.flux == 0.0:
+        return []
+    return [round(part / max(level.colour), 6) for part in level.colour]
 
 
 def _describe(level: Level) -> str:

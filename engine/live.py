@@ -9,7 +9,7 @@ from .denoised_view import DenoisedView
 from .scene.camera import Camera
 from .scene.light_groups import share_out
 from .scene.scene import Scene
-from .views import Commit, Display, DisplayMode, Frame, LiveSettings
+from .views import Commit, Display, Frame, LiveSettings
 
 FRAME_INTERVAL = 0.08
 """Shortest time between two frames. [s]"""
@@ -77,7 +77,7 @@ class WatchedView:
     @property
     def _shows_denoised(self) -> bool:
         """Whether a copy without noise may be shown: of pictures only, never of what is read as a number."""
-        return self.denoised is not None and self.display.mode is DisplayMode.PICTURE
+        return self.denoised is not None and self.display.mode.is_looked_at
 
     def begin(self, compiled, scene: Scene, revision: int, kept) -> None:
         """Begin anew with a state of the scene. ``kept``: cells of the session, a `KeptCells`."""
@@ -112,6 +112,7 @@ class WatchedView:
     def frame(self, commit: Commit) -> Frame:
         """Make the frame of what there is."""
         from .analysis.display import show
+        from .formats.luminance_picture import view_of_camera
         from .transport.paths.grouped_view import GroupedView
 
         start = time.perf_counter()
@@ -123,7 +124,7 @@ class WatchedView:
         colour = None if denoised is None else denoised.colour
         words = (self.work.words, "" if denoised is None else denoised.words)
         frame = Frame(
-            **show(image, self.display.mode.value, self.display, colour),
+            **show(image, self.display, colour, view_of_camera(self.camera)),
             revision=self.revision,
             samples=self.work.samples,
             relative_error=error,

@@ -11,6 +11,8 @@ from .analysis.observer_glare import FIGURES, rate_observer
 from .analysis.observer_view import eye_camera
 from .errors import Cancelled
 from .formats.luminance_picture import view_of_camera
+from .light_mix import NEUTRAL, LightMix
+from .scene.light_groups import LightGroup
 from .views import ViewSettings
 
 PARTS = 4
@@ -49,12 +51,35 @@ def rate_observers(
     progress: Callable[[Progress], None] | None = None,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> tuple[dict[str, np.ndarray], tuple[str, ...]]:
-    """Rate what observers see.
+    """Rate what observers see; parameters, answer and errors as of `rate_mixes`, which see, of all light together."""
+    (table,), notes = rate_mixes(
+        session, positions, directions, (), (NEUTRAL,), size, samples, threshold, seed, transport, progress, is_cancelled
+    )  # fmt: skip
+    return table, notes
+
+
+def rate_mixes(
+    session,
+    positions,
+    directions,
+    groups: tuple[LightGroup, ...],
+    mixes: tuple[LightMix, ...],
+    size: int = SIZE,
+    samples: int = SAMPLES,
+    threshold: float = THRESHOLD,
+    seed: int = 0,
+    transport: str = "auto",
+    progress: Callable[[Progress], None] | None = None,
+    is_cancelled: Callable[[], bool] = lambda: False,
+) -> tuple[list[dict[str, np.ndarray]], tuple[str, ...]]:
+    """Rate what observers see with the light groups at several levels, which share the pictures.
 
     Parameters
     ----------
     session : Session or RemoteSession    With the scene.
     positions, directions : (n, 3) array    Of the eyes [m], and where they look.
+    groups : tuple of LightGroup    Kept apart in the pictures; none: all light together.
+    mixes : tuple of LightMix    Levels of the groups, for each of which all is rated.
     size : int    Width and height of the pictures; an odd one is raised by one. [pixel]
     samples : int    Of a pixel, in all pictures of an observer together.
     threshold : float    Luminance above which pixels are part of glare sources. [cd/m2]
@@ -63,8 +88,9 @@ def rate_observers(
 
     Returns
     -------
-    dict of str to (n, 2) array
-        By `observer_glare.FIGURES`: values and standard errors; NaN where one has no meaning, as UGR where nothing dazzles.
+    list of dict of str to (n, 2) array
+        Of every mix, by `observer_glare.FIGURES`: values and standard errors; NaN where one has no meaning, as UGR where
+        nothing dazzles.
     tuple of str    Notes for people.
 
     Raises
@@ -72,28 +98,35 @@ def rate_observers(
     SceneError    An observer has no line of sight.
     Cancelled    It was cancelled.
     """
-    rule = StopRule(samples=max(samples // PARTS, 1))
+    # Samples are of all groups together, of which each is to be known as well as all light would be.
+    rule = StopRule(samples=max(samples // PARTS, 1) * max(len(groups), 1))
     # Sums over all pixels need few paths, which takes less time than finding the light of cells.
-    wanted = ViewSettings(rule, seed, transport=transport, method="paths")
-    rows, notes, seconds = [], {}, 0.0
+    wanted = ViewSettings(rule, seed, transport=transport, method="paths", groups=groups)
+    rows, notes, seconds = [[] for _ in mixes], {}, 0.0
     for number, (place, direction) in enumerate(zip(positions, directions, strict=True)):
         camera = eye_camera(place, direction, size + size % 2)
-        pictures = []
+        pictures = [[] for _ in mixes]
         for part in range(PARTS):
             if is_cancelled():
                 raise Cancelled("cancelled")
             made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
-            pictures.append(np.maximum(made.tristimulus[..., 1], 0.0).astype(np.float64))
+            for row, levels in zip(pictures, mixes, strict=True):
+                seen = made if levels.is_neutral else made.mixed(levels)
+                row.append(np.maximum(seen.tristimulus[..., 1], 0.0).astype(np.float64))
             notes |= dict.fromkeys(made.provenance.notes)
             seconds += made.provenance.seconds
-        if all(picture.any() for picture in pictures):
-            rows.append(rate_observer(np.stack(pictures), view_of_camera(camera), threshold))
-        else:
-            rows.append(dict.fromkeys(FIGURES, (np.nan, np.nan)))
-            notes[DARK] = None
+        for row, seen in zip(rows, pictures, strict=True):
+            if all(picture.any() for picture in seen):
+                row.append(rate_observer(np.stack(seen), view_of_camera(camera), threshold))
+            else:
+                row.append(dict.fromkeys(FIGURES, (np.nan, np.nan)))
+                notes[DARK] = None
         if progress is not None:
             done = (number + 1) / len(positions)
             stage = f"observer {number + 1} of {len(positions)}"
             progress(Progress(done, rule.samples * PARTS, np.inf, seconds, None, stage))
-    table = {name: np.array([row[name] for row in rows], dtype=np.float64) for name in FIGURES}
-    return table, tuple(notes)
+    tables = [
+        {name: np.array([each[name] for each in row], dtype=np.float64) for name in FIGURES}
+        for row in rows
+    ]
+    return tables, tuple(notes)

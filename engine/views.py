@@ -136,6 +136,13 @@ class DisplayMode(Enum):
     LUMINANCE = "luminance"  # the same without colour
     FALSE_LUMINANCE = "false_luminance"  # cd/m2 in false colours
     FALSE_ILLUMINANCE = "false_illuminance"  # lx in false colours
+    PHOTOGRAPHIC = "photographic"  # by a tone operator, for looking
+    VISUAL = "visual"  # as adapted eyes see, for looking
+
+    @property
+    def is_looked_at(self) -> bool:
+        """Whether it is looked at in colour, so that its noise may be filtered, and nothing is read off it."""
+        return self in (DisplayMode.PICTURE, DisplayMode.PHOTOGRAPHIC, DisplayMode.VISUAL)
 
 
 @dataclass(frozen=True)
@@ -184,7 +191,7 @@ class Frame:
     Parameters
     ----------
     pixels : (h, w, 4) float32
-        Scene-linear colour and 1 (pictures and luminance), or display colours in sRGB (false colours).
+        Scene-linear colour and 1 (pictures and luminance), or display colours in sRGB (false colours, tone operators).
     is_display_referred : bool    Whether ``pixels`` are display colours that no view transform must touch.
     low, high : float    Ends of the scale, in ``unit``; ``is_logarithmic``: whether equal ratios are equal lengths.
     revision : int    Number of the scene's state: how many deltas had been applied.
@@ -192,6 +199,8 @@ class Frame:
     relative_error : float    As in `Picture`; infinite while unknown.
     is_final : bool    Whether no better frame will come.
     words : str    How its light was found and its noise filtered, for people; empty: by full paths, as computed.
+    greys : (n,) array or None    Of tone operators: how bright (sRGB, 0 to 1) what lies on even steps of the scale is shown.
+    statement : str    Of tone operators: what the picture is, for people.
     """
 
     pixels: np.ndarray
@@ -206,3 +215,5 @@ class Frame:
     is_final: bool
     commit: Commit
     words: str = ""
+    greys: np.ndarray | None = None
+    statement: str = ""

@@ -28,6 +28,7 @@ from . import (
     try_devices,
     turn_sun,
     write_mixed_maps,
+    write_photometric_file,
     write_report,
 )
 
@@ -58,6 +59,7 @@ CLASSES = (
     *sun_lamp.CLASSES,
     *try_devices.CLASSES,
     *write_mixed_maps.CLASSES,
+    *write_photometric_file.CLASSES,
     *write_report.CLASSES,
     *turn_sun.CLASSES,
 )

@@ -66,6 +66,7 @@ SENSORS = (
     ("Luminance Meter", "POINT", "LUMINANCE", 1.2),
     ("Camera Luminances", "CAMERA", "LUMINANCE", 1.2),
     ("Observer of Glare", "POINT", "GLARE", 1.2),
+    ("Goniometer", "SPHERE", "INTENSITY", 1.2),
 )
 """Entries of the menu: text, layout, quantity, height over the floor [m]; eyes are 1.2 m up, of who stands 1.6."""
 

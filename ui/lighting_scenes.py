@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..engine.errors import LumenrayError
 from ..blender_addon.rendering import lighting_scenes
 from ..blender_addon.sensors import scene_verdicts
 from .compatibility import ENGINE
@@ -65,7 +66,10 @@ class LightingScenesPanel:
     def _draw_scene(self, layout, context, row):
         chosen = lighting_scenes.choose(row)
         lines = [("levels", chosen.levels.text() or "all as in the scene")]
-        lines += scene_verdicts.tell(scene_verdicts.judge_all(context.scene, chosen))
+        try:
+            lines += scene_verdicts.tell(scene_verdicts.judge_all(context.scene, chosen))
+        except LumenrayError as error:
+            lines.append(("verdicts", f"none: {error}"))
         draw_lines(layout.box(), lines)
 
 

@@ -48,6 +48,8 @@ def draw_mounting(layout, settings, file) -> None:
     if file.photometric_type == "B":
         column.prop(settings, "flip_h")
     column.prop(settings, "emission")
+    if hasattr(settings, "blocks_light"):
+        column.prop(settings, "blocks_light")
     column.prop(settings, "show_solid")
 
 

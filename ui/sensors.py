@@ -65,6 +65,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
         settings = context.scene.lumenray.sensors
         column = layout.column()
         column.prop(settings, "requirement")
+        column.prop(settings, "requirements_file")
         if not settings.requirement:
             return
         column.prop(settings, "maintenance")
@@ -100,23 +101,27 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "quantity")
         if settings.quantity == "LUMINANCE" and settings.layout != "CAMERA":
             column.prop(settings, "acceptance")
-        if settings.quantity not in {"LUMINANCE", "GLARE"}:
+        if settings.quantity not in {"LUMINANCE", "GLARE", "INTENSITY"}:
             column.prop(settings, "area")
-        column.prop(settings, "requirement")
-        if context.scene.lumenray.light_mix.scenes:
-            column.prop(settings, "lighting_scenes")
+            column.prop(settings, "use_spectrum")
+        if settings.quantity != "INTENSITY":
+            column.prop(settings, "requirement")
+            if context.scene.lumenray.light_mix.scenes:
+                column.prop(settings, "lighting_scenes")
         self._draw_size(column, settings)
-        if settings.layout not in {"POINT", "CAMERA"}:
+        if settings.layout not in {"POINT", "CAMERA", "SPHERE"}:
             column.prop(settings, "use_spacing")
             if settings.use_spacing:
                 column.prop(settings, "spacing", text="Spacing [m]")
         column = layout.column(heading="Show")
         column.prop(settings, "show_values")
-        if settings.layout not in {"POINT", "LINE"}:
+        if settings.layout not in {"POINT", "LINE", "SPHERE"}:
             column.prop(settings, "show_isolux")
         lines = words.describe(empty, levels_of(context.scene))
         if lines:
             draw_lines(layout.box(), lines)
+        if settings.layout == "SPHERE":
+            layout.operator("lumenray.write_photometric_file", icon="EXPORT")
 
     def _draw_size(self, layout, settings):
         kind = settings.layout
@@ -124,6 +129,13 @@ class LUMENRAY_PT_active_sensors(SidebarPanel, bpy.types.Panel):
             layout.prop(settings, "camera")
             layout.prop(settings, "columns")
             layout.prop(settings, "rows")
+        if kind == "SPHERE":
+            layout.prop(settings, "radius", text="Radius [m]")
+            layout.prop(settings, "plane_step")
+            layout.prop(settings, "polar_step")
+            layout.prop(settings, "use_distance")
+            if settings.use_distance:
+                layout.prop(settings, "distance", text="Distance [m]")
         if kind in {"LINE", "GRID", "BAND"}:
             layout.prop(settings, "length", text="Length [m]")
         if kind in {"GRID", "BAND"}:

@@ -96,7 +96,7 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
             column.prop(settings, "logarithmic")
         column.prop(settings, "samples", text="Samples")
         column.prop(settings, "method", text="Method")
-        if settings.display == "PICTURE":
+        if settings.display in {"PICTURE", "PHOTOGRAPHIC", "VISUAL"}:
             row = column.row()
             row.active = find_denoiser() is not None
             row.prop(settings, "use_denoising")

@@ -22,7 +22,7 @@ COLOURS = {
     "Luminaire housing": (0.55, 0.55, 0.55, 1.0),
     "Luminaire opening": (1.0, 0.93, 0.7, 1.0),
 }
-"""Materials of a body and their colours in the viewport."""
+"""Materials of a body and their colours."""
 
 
 def body_extent(file: LuminaireFile) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +62,7 @@ def build_body(file: LuminaireFile, name: str, scale: float):
         # What shines below stands out a little, else it would lie in the housing's own face.
         low = np.append(-half, least[2] + THIN)
         high = np.append(half, least[2] + max(height, 2.0 * THIN))
-        parts.append((*(_prism(low, high, 2) if is_round else _box(low, high)), 0))
+        parts.append((*(make_prism(low, high, 2) if is_round else make_box(low, high)), 0))
     vertices, faces, materials = [], [], []
     for corners, polygons, material in parts:
         faces += [[index + len(vertices) for index in polygon] for polygon in polygons]
@@ -90,19 +90,20 @@ def _shape(opening: Opening, least, largest):
     axis = "xyz".index(opening.axis)
     match opening.shape:
         case "rectangle" | "box":
-            return _box(least, largest)
+            return make_box(least, largest)
         case "ellipse" | "cylinder":
-            return _prism(least, largest, axis)
+            return make_prism(least, largest, axis)
     return _ball(least, largest)
 
 
-def _box(least, largest):
+def make_box(least, largest):
+    """Corners (8, 3) and polygons of a box from its least and its largest corner, facing outwards."""
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     return least + corners * (largest - least), faces
 
 
-def _prism(least, largest, axis: int):
+def make_prism(least, largest, axis: int):
     """Elliptic cylinder along an axis."""
     angle = np.linspace(0.0, 2.0 * np.pi, SIDES, endpoint=False)
     # The two others in cyclic order, so that the faces look outwards.
@@ -143,9 +144,13 @@ def _ball(least, largest):
 
 
 def _material(name: str):
-    """Return the local material of a name, made where it is missing; its colour is for the viewport only."""
+    """Return the local material of a name, made where it is missing; that of housings counts where they block light."""
     found = bpy.data.materials.get((name, None))
     if found is None:
         found = bpy.data.materials.new(name)
         found.diffuse_color = COLOURS[name]
+        # Newer versions of Blender give every material nodes.
+        shader = found.node_tree and found.node_tree.nodes.get("Principled BSDF")
+        if shader:
+            shader.inputs["Base Color"].default_value = COLOURS[name]
     return found

@@ -17,6 +17,7 @@ from ...engine.scene.spectrum import Illuminant, Spectrum
 from ..foundation.pose import Pose, pose_of
 from ..foundation.report import ConversionReport
 from .files import Reading, photometric_files
+from .housing import make_housing
 
 LEFT_OUT = "the light is left out"
 """What is done about a luminaire that cannot be taken over: none at all is better than a wrong one."""
@@ -84,6 +85,25 @@ def convert_luminaire(
         opening=opening,
         visible_to_camera=source.visible_camera,
     )
+
+
+def find_housing(source, settings, scale: float):
+    """Return the housing of a luminaire as an obstacle for others' light, and its rigid frame. (Geometry, (4, 4) array [m])
+
+    Parameters
+    ----------
+    source : bpy.types.Object    The luminaire, evaluated.
+    settings : LuminaireSettings
+    scale : float    Metres per Blender unit.
+
+    Raises
+    ------
+    LumenrayError    The file cannot be read, or the housing cannot stand anywhere.
+    """
+    file = photometric_files.obtain(settings).file
+    pose = pose_of(source.matrix_world, scale)
+    distribution = reflected(orient(settings, file), pose)
+    return make_housing(file, distribution, find_opening(source, settings, file, pose)), pose.frame
 
 
 def orient(settings, file: LuminaireFile) -> IntensityDistribution:

@@ -180,6 +180,16 @@ class LumenrayLuminaireSettings(LuminaireSettings, PropertyGroup):
 class LumenrayEmptySettings(LuminaireSettings, SpectrumSettings, PropertyGroup):
     """The luminaire that an empty is; it has no light's data, so its own spectrum is chosen here."""
 
+    blocks_light: BoolProperty(
+        name="Housing Blocks Light",
+        description=(
+            "Let the housing that the file states stop and reflect light of others, and be seen. The luminaire's own light "
+            "is what its file says: the housing stands out of its way. Default off: as planning programs have it"
+        ),
+        default=False,
+        update=tag_owner,
+    )
+
     color: FloatVectorProperty(
         name="Colour",
         description=(

@@ -135,6 +135,19 @@ class LumenrayViewportSettings(PropertyGroup):
                 "Illuminance of the visible surfaces in lx, with a scale; takes about twice the time",
                 3,
             ),
+            (
+                "PHOTOGRAPHIC",
+                "Tone: Photographic",
+                "For looking: exposed as a photographer does, what is brighter rolled off (Reinhard 2002)",
+                4,
+            ),
+            (
+                "VISUAL",
+                "Tone: As Eyes See",
+                "For looking: contrasts of adapted eyes, with their veil of glare, and without colour at night (Ward Larson "
+                "1997)",
+                5,
+            ),
         ],
         default="PICTURE",
         update=redraw_views,

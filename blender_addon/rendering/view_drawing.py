@@ -1,5 +1,6 @@
 """Frames of the rendered view on the screen: pictures under Blender's view transform, false colours above it."""
 
+import textwrap
 from dataclasses import dataclass
 
 import blf
@@ -22,6 +23,9 @@ OVERLAY_POWER = 2.2
 
 TEXT_SIZE = 13
 """Height of the scale's numbers. [point]"""
+
+LINE, MOST_LINES = 18, 2
+"""Height of a line of what a picture says of itself [pixel], and lines at most: they end where the scale begins."""
 
 EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 """Names of Blender's own engine for real time; versions 4.2 to 4.5 call it by the second."""
@@ -70,6 +74,8 @@ class Scale:
     high: float
     unit: str
     is_logarithmic: bool = False
+    greys: np.ndarray | None = None
+    statement: str = ""
 
 
 def _baked_scale() -> Scale | None:
@@ -144,10 +150,12 @@ def _draw_scale(frame, region) -> None:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     gpu.state.blend_set("ALPHA")
     _fill(shader, left - 8, low - 12, SCALE_WIDTH + 90, height + 44, (0.0, 0.0, 0.0, 0.55))
+    has_greys = frame.greys is not None
     for step in range(SCALE_STEPS):
         share = (step + 0.5) / SCALE_STEPS
         bottom, top = (low + height * (step + k) / SCALE_STEPS for k in (0, 1))
-        _fill(shader, left, bottom, SCALE_WIDTH, top - bottom + 0.5, (*_colour(share), 1.0))
+        colour = _for_shader(np.full(3, frame.greys[step])) if has_greys else _colour(share)
+        _fill(shader, left, bottom, SCALE_WIDTH, top - bottom + 0.5, (*colour, 1.0))
     gpu.state.blend_set("NONE")
     blf.size(0, TEXT_SIZE)
     blf.color(0, 1.0, 1.0, 1.0, 1.0)
@@ -156,6 +164,21 @@ def _draw_scale(frame, region) -> None:
         blf.draw(0, readout.format_amount(_value(frame, share), ""))
     blf.position(0, left, low + height + 14, 0)
     blf.draw(0, frame.unit)
+    if frame.statement:
+        _draw_statement(shader, frame.statement, left - 8, region.width - SCALE_MARGIN)
+
+
+def _draw_statement(shader, words: str, left: float, right: float) -> None:
+    """Write what a picture is at the lower edge, on as many lines as it takes. [pixel]"""
+    width = max(int((right - left) / (0.55 * TEXT_SIZE)), 20)
+    lines = textwrap.wrap(words, width)[:MOST_LINES]
+    gpu.state.blend_set("ALPHA")
+    height = LINE * len(lines) + 4
+    _fill(shader, left, 2, right - left, height, (0.0, 0.0, 0.0, 0.55))
+    gpu.state.blend_set("NONE")
+    for number, line in enumerate(reversed(lines)):
+        blf.position(0, left + 8, 8 + LINE * number, 0)
+        blf.draw(0, line)
 
 
 def _free_edge(area, region) -> int:

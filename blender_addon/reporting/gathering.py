@@ -13,11 +13,11 @@ from ...engine.reporting.results import Floor, Grid, LightingScene, Report, Sens
 from ..rendering import lighting_scenes
 from ..sensors import results
 from ..sensors.drawing import axes_of
-from ..sensors.judging import UNMIXED
+from ..sensors.judging import ALL_LIGHT, UNMIXED
 from ..sensors.places import LUMINANCE, find_sensors, floor_area
 from ..sensors.readings import Readings, readings_of
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
-from ..sensors.words import TITLES
+from ..sensors.words import TITLES, brief, describe_light
 from . import picture as pictures
 from .luminaires import find_luminaires
 
@@ -32,7 +32,13 @@ PLAN = (760, 480)
 
 
 def gather(
-    depsgraph, picture=None, conversion=(), notes=(), shortfalls=(), date: str = ""
+    depsgraph,
+    picture=None,
+    conversion=(),
+    notes=(),
+    shortfalls=(),
+    date: str = "",
+    files=(),
 ) -> Report:
     """Bring the report of a scene together from what its sensors have told.
 
@@ -43,24 +49,32 @@ def gather(
     conversion : list of dict    The conversion report's rows.
     notes, shortfalls : iterable of str    What is to be known of the values; what of them was not reached.
     date : str    Of the cover.
+    files : iterable of Path    Of requirements, besides those that the scene knows.
 
     Raises
     ------
     SceneError    No sensor has been measured.
+    FileFormatError    A file of requirements cannot be read.
     """
     scene = depsgraph.scene.original if depsgraph.scene.is_evaluated else depsgraph.scene
     settings = scene.lumenray
     held = [(empty, readings_of(empty)) for empty in find_sensors(scene)]
-    known = [(empty, readings) for empty, readings in held if readings is not None]
+    all_known = [(empty, readings) for empty, readings in held if readings is not None]
+    known = [each for each in all_known if not each[1].is_distribution]
     if not known:
         raise SceneError("no sensor of the scene has been measured; measure them first")
     remarks = [
         f"sensors '{empty.name}' have not been measured" for empty, each in held if each is None
     ]
+    remarks += [
+        f"goniometer '{empty.name}': {brief(readings)}; its photometric file has its intensities"
+        for empty, readings in all_known
+        if readings.is_distribution
+    ]
     scenes = []
     chosen_scenes = lighting_scenes.choose_all(scene)
     for chosen in chosen_scenes:
-        verdicts = judge_all(scene, chosen)
+        verdicts = judge_all(scene, chosen, files)
         areas = tuple(
             _tell_area(empty, readings, settings, chosen.levels, verdicts)
             for empty, readings in known
@@ -74,10 +88,11 @@ def gather(
         scenes.append(LightingScene(printable(chosen.name), words, areas, shown))
         groups = dict.fromkeys(name for _, readings in known for name in readings.groups)
         remarks += lighting_scenes.remarks_of(chosen, groups)
-        if not chosen.levels.is_neutral:
-            remarks += [
-                f"sensors '{empty.name}': {UNMIXED}" for empty, r in known if r.groups == ("",)
-            ]
+        remarks += [
+            f"sensors '{empty.name}': {ALL_LIGHT if readings.is_rating else UNMIXED}"
+            for empty, readings in known
+            if not readings.is_told(chosen.levels)
+        ]
     schedule, sheets, others, problems = find_luminaires(depsgraph)
     told = list(find_remarks(conversion, notes))
     goals = [f"goal: {words}" for words in dict.fromkeys(filter(None, shortfalls))]
@@ -109,8 +124,7 @@ def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdi
         quantity = "unified glare rating of observers"
     elif readings.quantity != LUMINANCE:
         quantity = f"{quantity} illuminance"
-    is_field = min(readings.shape) > 1 and not readings.is_rating
-    grid = _grid_of(readings, values, errors) if is_field else None
+    grid = _grid_of(readings, values, errors) if readings.is_field else None
     plan = None if grid is None else _draw(grid, quantity, readings.unit, settings.sensors)
     return SensorArea(
         printable(empty.name),
@@ -132,6 +146,7 @@ def _tell_area(empty, readings: Readings, settings, levels, verdicts: SceneVerdi
         results.why_outdated(empty),
         verdicts.observers.get(empty.name, ()),
         readings.simplified,
+        describe_light(readings, levels),
     )
 
 

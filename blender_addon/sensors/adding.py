@@ -6,8 +6,10 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ...engine.errors import SceneError
+from ..foundation.pose import pose_of
 from ..foundation.selection import select_only
 from ..foundation.units import metres_per_unit
+from ..luminaires.settings import is_luminaire
 from .places import is_sensor
 
 TITLES = {
@@ -18,6 +20,7 @@ TITLES = {
     "FLOOR": "Sensors over Floor",
     "BAND": "Sensor Band",
     "CAMERA": "Camera Luminances",
+    "SPHERE": "Goniometer",
 }
 """Names of new empties by their layout."""
 
@@ -59,10 +62,20 @@ def add_sensors(context, layout: str, quantity: str = "PLANAR", height: float = 
     if layout == "CAMERA":
         # Nothing else is told of them.
         empty.lumenray.sensor.quantity = "LUMINANCE"
+    if layout == "SPHERE":
+        _stand_at_luminaire(context, empty)
     if layout == "FACE":
         _follow(empty, surface, matrix)
     _select(context, [empty])
     return empty
+
+
+def _stand_at_luminaire(context, empty) -> None:
+    """Let a goniometer stand at the active light or luminaire with its axes, if there is one."""
+    settings, active = empty.lumenray.sensor, context.view_layer.objects.active
+    settings.quantity = "INTENSITY"
+    if active is not None and (active.type == "LIGHT" or is_luminaire(active)):
+        empty.matrix_world = Matrix(pose_of(active.matrix_world, 1.0).frame.tolist())
 
 
 def add_room(context) -> list:

@@ -6,11 +6,13 @@ from ...engine.scene.scene import Scene
 from .. import assumptions
 from ..foundation.report import ConversionReport
 from ..light_groups import find_groups
+from ..rendering.light_mix import levels_of
+from ..rendering.lighting_scenes import choose_all
 from ..sync.scene import convert_scene
 from .job import SensorJob
 from .places import find_sensors, place_sensors, signature_of
 from .scene_verdicts import required_of
-from .shipped import shipped_requirements
+from .requirements import requirements_of
 
 FLOOR = 0.1
 """Readings below it count as large as it where every sensor is to reach an error. [lx]"""
@@ -22,7 +24,11 @@ def rule_of(settings) -> StopRule:
 
 
 def prepare(
-    depsgraph, empties=None, rule: StopRule | None = None, accept_missing: bool = False
+    depsgraph,
+    empties=None,
+    rule: StopRule | None = None,
+    accept_missing: bool = False,
+    files=(),
 ) -> tuple[SensorJob, ConversionReport]:
     """Return the job of a scene's sensors, and what could not be taken over.
 
@@ -32,6 +38,7 @@ def prepare(
     empties : list or None    None: all that stand in the scene.
     rule : StopRule or None    None: as the scene says.
     accept_missing : bool    Whether to go on where files are missing.
+    files : iterable of Path    Of requirements, besides those that the scene knows.
 
     Raises
     ------
@@ -58,13 +65,14 @@ def prepare(
         transport=settings.transport.lower(),
         method=settings.bake.method.lower(),
         groups=find_groups(converted.luminous, scene.world, mode),
-        wants_direct=asks_for_direct(scene, empties),
+        mixes=(*(chosen.levels for chosen in choose_all(scene)), levels_of(scene)),
+        wants_direct=asks_for_direct(scene, empties, files),
     )
     return job, converted.report
 
 
-def asks_for_direct(scene, empties) -> bool:
-    """Whether anything that is required of sensors is of light that was not reflected."""
-    known = shipped_requirements()
+def asks_for_direct(scene, empties, files=()) -> bool:
+    """Whether anything that is required of sensors is of light that was not reflected; ``files``: as of `prepare`."""
+    known = requirements_of(scene, files)
     keys = {required_of(empty, scene) for empty in empties}
     return any(key in known and known[key].is_direct for key in keys)

@@ -13,6 +13,7 @@ from ..rendering.light_mix import levels_of
 from . import results
 from .places import find_sensors
 from .readings import Readings, readings_of
+from .words import brief
 
 GREY = (0.45, 0.45, 0.45)
 """Colour of readings that are out of date."""
@@ -80,6 +81,13 @@ def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:
     labels: list[Label] = []
     for empty, (readings, values) in zip(empties, held, strict=True):
         is_outdated = results.is_outdated(empty)
+        if readings.is_distribution:
+            place = readings.frame[:3, 3].astype(np.float64)
+            lines = find_curves(readings, values, empty.lumenray.sensor.radius)
+            parts.append((np.zeros((0, 3)), np.zeros((0, 4), np.float32), lines))
+            if empty.lumenray.sensor.show_values:
+                labels.append(Label(brief(readings), place, False, is_outdated))
+            continue
         corners = find_corners(readings)
         fills = np.ones((len(corners), 4), np.float32)
         fills[:, :3] = GREY
@@ -88,7 +96,7 @@ def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:
         fills[:, 3] = OPACITY
         lines = np.zeros((0, 3))
         settings = empty.lumenray.sensor
-        if settings.show_isolux and min(readings.shape) > 1 and not readings.is_rating:
+        if settings.show_isolux and readings.is_field:
             lines, texts = find_lines(readings, values)
             labels += [Label(text, place, True, is_outdated) for text, place in texts]
         if settings.show_values:
@@ -98,6 +106,15 @@ def make_drawing(scene, is_shown=lambda empty: True) -> Drawing:
         return Drawing(np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), [], None)
     joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
     return Drawing(*joined, labels, scale)
+
+
+def find_curves(readings: Readings, values, radius: float) -> np.ndarray:
+    """Pieces of the polar curves of a goniometer's planes in the world, the largest intensity a radius long. (2 k, 3) [m]"""
+    top = float(np.max(values))
+    share = np.reshape(values, readings.shape) / top if top > 0.0 else np.zeros(readings.shape)
+    away = -readings.normals.astype(np.float64).reshape(*readings.shape, 3)
+    points = readings.frame[:3, 3] + radius * share[..., None] * away
+    return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 3)
 
 
 def find_steps(readings: Readings) -> np.ndarray:

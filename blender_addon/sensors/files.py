@@ -5,16 +5,19 @@ from pathlib import Path
 
 import numpy as np
 
+from ...engine.analysis.sensor_colours import tell_columns
 from ...engine.formats.report import known, write_json
 from ...engine.light_mix import LightMix
+from ...engine.luminaires.distribution import flux
 from ...engine.reading.whole_file import write_whole
-from .places import GLARE, LUMINANCE
+from .goniometers import error_of, measured_of
+from .places import GLARE, INTENSITY, LUMINANCE
 from .readings import Readings
 
 COLUMNS = (
     "object", "quantity", "x", "y", "z", "nx", "ny", "nz", "value", "standard_error", "unit",
 )  # fmt: skip
-"""Of the rows; light groups that were kept apart follow, at the flux of the scene."""
+"""Of the rows; light groups that were kept apart follow, at the flux of the scene, and what spectra tell."""
 
 
 def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
@@ -32,10 +35,16 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
     FileFormatError    The file cannot be written.
     """
     groups = list(dict.fromkeys(g for _, readings in named for g in readings.groups if g))
+    spectral = {
+        name: tell_columns(readings.mixed_spectra(levels))
+        for name, readings in named
+        if readings.has_spectrum
+    }
+    titles = list(next(iter(spectral.values()), ()))
     with write_whole(path, "utf-8") as file:
         file.writelines(f"# {remark}\n" for remark in remarks)
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups)])
+        writer.writerow([*COLUMNS, *(f"value_{group}" for group in groups), *titles])
         for name, readings in named:
             values, errors = readings.mixed(levels)
             for k, (value, error) in enumerate(zip(values, errors, strict=True)):
@@ -55,6 +64,7 @@ def write_rows(path, named, levels: LightMix, remarks=()) -> Path:
                         "" if np.isnan(error) else f"{error:.3g}",
                         readings.unit,
                         *parts,
+                        *(_cell(spectral[name][title][k]) for title in titles if name in spectral),
                     ]
                 )
     return Path(path)
@@ -97,26 +107,13 @@ def write_document(
 
 def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     """Figures and readings of an object as plain data."""
-    figures = readings.figures(levels)
     values, errors = readings.mixed(levels)
-    row = {
-        "name": name,
-        "quantity": _name(readings.quantity),
-        "unit": readings.unit,
-        "mean": known(figures.mean),
-        "mean_standard_error": known(figures.mean_error),
-    }
-    for key, extreme in (
-        ("minimum", figures.least),
-        ("maximum", figures.largest),
-        ("uniformity_u0", figures.overall),
-        ("diversity_ud", figures.diversity),
-    ):
-        row[key] = known(extreme.value)
-        row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
+    row = {"name": name, "quantity": _name(readings.quantity), "unit": readings.unit}
+    row |= _luminaire(readings) if readings.is_distribution else _figures(readings, levels)
     return row | {
         "lacks": readings.lacks,
         "simplifications_at_most": readings.simplified,
+        "spectral": _spectral(readings, levels),
         "samples": readings.samples,
         "method": readings.method,
         "grid": list(readings.shape),
@@ -132,8 +129,43 @@ def describe_readings(name: str, readings: Readings, levels: LightMix) -> dict:
     }
 
 
+def _figures(readings: Readings, levels: LightMix) -> dict:
+    figures = readings.figures(levels)
+    row = {"mean": known(figures.mean), "mean_standard_error": known(figures.mean_error)}
+    for key, extreme in (
+        ("minimum", figures.least),
+        ("maximum", figures.largest),
+        ("uniformity_u0", figures.overall),
+        ("diversity_ud", figures.diversity),
+    ):
+        row[key] = known(extreme.value)
+        row[f"{key}_range"] = [known(extreme.low), known(extreme.high)]
+    return row
+
+
+def _spectral(readings: Readings, levels: LightMix) -> dict | None:
+    """Action on the eye and colours by sensor; None where the spectrum was not asked for."""
+    if not readings.has_spectrum:
+        return None
+    columns = tell_columns(readings.mixed_spectra(levels))
+    return {title: _numbers(values) for title, values in columns.items()}
+
+
+def _cell(value) -> str:
+    return "" if np.isnan(value) else f"{value:.7g}"
+
+
+def _luminaire(readings: Readings) -> dict:
+    measured = measured_of(readings)
+    return {
+        "luminous_flux_lm": known(flux(measured.distribution)),
+        "maximum": known(float(measured.distribution.intensity.max())),
+        "standard_error_of_maximum": known(error_of(measured)),
+    }
+
+
 def _name(quantity: str) -> str:
-    plain = {LUMINANCE: "luminance", GLARE: "unified glare rating"}
+    plain = {LUMINANCE: "luminance", GLARE: "unified glare rating", INTENSITY: "luminous intensity"}
     return plain.get(quantity, f"{quantity.lower()} illuminance")
 
 

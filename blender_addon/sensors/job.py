@@ -12,11 +12,15 @@ from ...engine.baking.light_layers import split_lights
 from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
 from ...engine.luminance_meter import measure_luminance
-from ...engine.observers import DARK, SAMPLES, find_unseen, rate_observers
+from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.measurements import SensorSpectra
+from ...engine.observers import DARK, SAMPLES, find_unseen, rate_mixes
 from ...engine.scene.light_groups import LightGroup
 from ...engine.scene.scene import Scene, SceneDelta
 from ...engine.scene.sensor import SensorKind
-from .places import GLARE, PlacedSensors
+from .goniometers import SAMPLES as SPHERE_SAMPLES
+from .goniometers import measure_sphere
+from .places import GLARE, INTENSITY, PlacedSensors
 from .readings import Readings, make_readings
 
 GROUP_SEEDS = 1_000_003
@@ -49,6 +53,9 @@ class Found:
     has_common: bool = True
     lacks: str = ""
     simplified: float = 0.0
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rated: tuple[np.ndarray, np.ndarray] | None = None
+    spectra: SensorSpectra | None = None
 
 
 @dataclass(eq=False)
@@ -62,6 +69,7 @@ class SensorJob:
     signatures : list of str    Of the empties as they are.
     rule : StopRule    Of each measurement; its time is that of all of them together.
     groups : tuple of LightGroup    Light groups that are kept apart; none: all light together.
+    mixes : tuple of LightMix    Levels of the groups for which glare is rated, besides that of all light as it is.
     wants_direct : bool    Whether to keep what was not reflected besides, which some requirements ask for.
 
     Attributes
@@ -81,6 +89,7 @@ class SensorJob:
     witness: bool = True
     reflections: int | None = None
     groups: tuple[LightGroup, ...] = ()
+    mixes: tuple[LightMix, ...] = ()
     wants_direct: bool = False
     answer: dict[str, Readings] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -107,13 +116,13 @@ class SensorJob:
         """
         self._session, self._held = session, Scene()
         kinds = list(dict.fromkeys(placed.kind for placed in self.places))
-        has_observers = GLARE in kinds
-        kinds = [kind for kind in kinds if kind != GLARE]
+        whole_kinds = [kind for kind in kinds if _is_of_all_light(kind)]
+        kinds = [kind for kind in kinds if not _is_of_all_light(kind)]
         rules = dict.fromkeys(kinds, self.rule)
         parts = split_lights(self.scene, self.groups) if self.groups else []
         if len(parts) > 1 and self.rule.each is not None:
             # The sum is to meet the rule: a group that is faint somewhere need not be known there as well as others.
-            self._steps, self._step = (len(parts) + 1) * len(kinds) + has_observers, 0
+            self._steps, self._step = (len(parts) + 1) * len(kinds) + len(whole_kinds), 0
             for kind in kinds:
                 short = replace(self.rule, samples=FIRST_SAMPLES)
                 whole = self._measure(session, self.scene, "", kind, short, 0, progress)
@@ -121,7 +130,7 @@ class SensorJob:
         else:
             if len(parts) < 2:
                 parts = [(name, self.scene) for name, _ in parts] or [("", self.scene)]
-            self._steps, self._step = len(parts) * len(kinds) + has_observers, 0
+            self._steps, self._step = len(parts) * len(kinds) + len(whole_kinds), 0
         made, direct, notes, short = {}, {}, {}, {}
         asks = [kind for kind in kinds if self._asks_for_direct(kind)]
         self._steps += len(parts) * len(asks)
@@ -144,11 +153,10 @@ class SensorJob:
             found = [made[name, kind] for name in names]
             self._keep(kind, names, found, [direct[name, kind] for name in names if kind in asks])
             short |= dict.fromkeys(filter(None, [_shortfall(self.rule, found)]))
-        if has_observers:
-            # Ratings do not add up: they are those of all light together.
-            rated = self._measure(session, self.scene, "", GLARE, self.rule, 1, progress)
-            self._keep(GLARE, [""], [rated])
-            notes |= dict.fromkeys(rated.notes)
+        for kind in whole_kinds:
+            found = self._measure(session, self.scene, "", kind, self.rule, 1, progress)
+            self._keep(kind, [""], [found])
+            notes |= dict.fromkeys(found.notes)
         self.notes, self.shortfall = tuple(notes), "; ".join(short)
 
     def cancel(self) -> None:
@@ -169,8 +177,10 @@ class SensorJob:
         """
         if self._is_cancelled:
             raise Cancelled("cancelled")
-        session.apply(_difference(self._held, scene))
-        self._held = scene
+        # A goniometer takes its part of the scene itself.
+        scene_there = Scene() if _is_sphere(kind) else scene
+        session.apply(_difference(self._held, scene_there))
+        self._held = scene_there
         rows = [row for row, placed in enumerate(self.places) if placed.kind == kind]
         positions, normals = (
             np.concatenate([getattr(self.places[row], name) for row in rows])
@@ -179,6 +189,8 @@ class SensorJob:
         own = (self.seed + GROUP_SEEDS * max(number - 1, 0)) % 2**31
         follow = _follow(progress, self._step, self._steps, name)
         if isinstance(kind, SensorKind):
+            wants_spectrum = number > 0 and reflections is None
+            wants_spectrum &= any(self.places[row].wants_spectrum for row in rows)
             made = session.measure(
                 positions,
                 normals,
@@ -190,6 +202,7 @@ class SensorJob:
                 reflections=self.reflections if reflections is None else reflections,
                 method=self.method,
                 witness=self.witness and number > 0,
+                spectrum=wants_spectrum,
             )
             origin = made.provenance
             self.decisions = tuple(dict.fromkeys((*self.decisions, *origin.decisions)))
@@ -203,9 +216,24 @@ class SensorJob:
                 origin.seconds,
                 made.has_common_errors,
                 simplified=origin.simplified,
+                spectra=made.spectra if wants_spectrum else None,
             )
         elif kind == GLARE:
             found = self._rate(session, positions, normals, own, follow)
+        elif _is_sphere(kind):
+            start = time.perf_counter()
+            sphere = self.places[rows[0]].sphere
+            made = measure_sphere(session, scene, sphere, own, self.transport, follow)
+            found = Found(
+                made.values,
+                made.errors,
+                SPHERE_SAMPLES,
+                own,
+                "goniometer",
+                made.notes,
+                time.perf_counter() - start,
+                size=made.size,
+            )
         else:
             start = time.perf_counter()
             how = (rule, own, self.transport, self.method, follow)
@@ -230,18 +258,21 @@ class SensorJob:
     def _rate(self, session, positions, normals, seed: int, follow) -> Found:
         """Rate the glare of observers; their pictures have a size of their own, whatever the rule."""
         start = time.perf_counter()
-        table, notes = rate_observers(
+        tables, notes = rate_mixes(
             session,
             positions,
             normals,
+            self.groups if self._told_mixes else (),
+            (NEUTRAL, *self._told_mixes),
             seed=seed,
             transport=self.transport,
             progress=follow,
             is_cancelled=lambda: self._is_cancelled,
         )
-        values, errors = table["ugr"].T
+        values, errors = np.stack([table["ugr"] for table in tables]).transpose(2, 0, 1)
         # Where nothing dazzles there is no rating, and nothing to be wrong about.
         errors = np.where(np.isfinite(values), errors, np.nan)
+        rated = (values[1:], errors[1:]) if len(tables) > 1 else None
         seconds = time.perf_counter() - start
         unseen, lacks = find_unseen(self.scene), [note for note in notes if note == DARK]
         if unseen:
@@ -252,7 +283,14 @@ class SensorJob:
             )
             notes = (*notes, lacks[-1])
         told = "; ".join(lacks)
-        return Found(values, errors, SAMPLES, seed, "pictures", notes, seconds, False, told)
+        where = (SAMPLES, seed, "pictures", notes, seconds)
+        return Found(values[0], errors[0], *where, False, told, rated=rated)
+
+    @property
+    def _told_mixes(self) -> tuple[LightMix, ...]:
+        """Those that differ from all light as it is, once each."""
+        made = {levels.key(): levels for levels in self.mixes if not levels.is_neutral}
+        return tuple(made.values()) if self.groups else ()
 
     def _keep(self, kind, names, found, direct=()) -> None:
         """Share what was measured of a kind out among the empties."""
@@ -278,8 +316,38 @@ class SensorJob:
                 direct_errors=[each.errors[start:end] for each in direct] or None,
                 lacks=found[0].lacks,
                 simplified=max(each.simplified for each in found),
+                size=found[0].size,
+                mixes=[levels.key() for levels in self._told_mixes] if found[0].rated else (),
+                rated=found[0].rated and found[0].rated[0][:, start:end],
+                rated_errors=found[0].rated and found[0].rated[1][:, start:end],
+                **_spectra_of(placed, found, start, end),
             )
             start = end
+
+
+def _spectra_of(placed: PlacedSensors, found, start: int, end: int) -> dict[str, np.ndarray]:
+    """Spectra of some of the sensors of a kind by light group, as arrays of `Readings`; none where none is wanted."""
+    if not placed.wants_spectrum or found[0].spectra is None:
+        return {}
+    spectra = [each.spectra for each in found]
+    return {
+        "edges": spectra[0].edges,
+        "bands": np.stack([each.bands[start:end] for each in spectra]),
+        "band_errors": np.stack(
+            [np.sqrt((each.bands_error[start:end] ** 2).mean(axis=0)) for each in spectra]
+        ),
+        "doses": np.stack([each.equivalent_daylight[start:end] for each in spectra]),
+        "dose_errors": np.stack([each.equivalent_daylight_error[start:end] for each in spectra]),
+    }
+
+
+def _is_sphere(kind) -> bool:
+    return isinstance(kind, tuple) and kind[0] == INTENSITY
+
+
+def _is_of_all_light(kind) -> bool:
+    """Whether sensors tell of all light together: ratings do not add up, and a luminaire is measured as it is."""
+    return kind == GLARE or _is_sphere(kind)
 
 
 def _difference(before: Scene, after: Scene) -> SceneDelta:

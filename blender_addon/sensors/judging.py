@@ -1,22 +1,33 @@
 """Verdicts on the readings of a scene's sensors by one requirement, whose limits they share."""
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
 from ...engine.accuracy.readings import FREEDOM
+from ...engine.analysis.sensor_colours import rendering_range
 from ...engine.judgement.assessment import Assessment, assess, count_limits
 from ...engine.judgement.assessment import tell as tell_assessment
 from ...engine.judgement.figures import find_figures
 from ...engine.judgement.observers import judge_observers
 from ...engine.judgement.requirement import LIGHT, Requirement
-from ...engine.judgement.verdict import Range, State, Verdict, overall, tail
+from ...engine.judgement.verdict import Range, State, Verdict, overall, reach, tail
 from ...engine.light_mix import NEUTRAL, LightMix
 from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
+from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
+
+RENDERING = "ra"
+"""Of `LIGHT`."""
+
+MELANOPIC_AREA = "melanopic"
+"""Area whose illuminances are melanopic equivalent daylight ones."""
 
 MEASURE_DIRECT = "measure again, so that it is known apart"
 
 UNMIXED = "its light groups were not measured apart; measure again with light groups"
+
+ALL_LIGHT = "ratings of glare do not add up: it was not rated with the light groups at these levels; measure again"
 
 BY_QUANTITY = {"PLANAR": "task", "CYLINDRICAL": "cylindrical"}
 """Areas of sensors that state none, by what they measure."""
@@ -57,6 +68,8 @@ class Judged:
         seen = [each for judged in self.observers.values() for each in judged]
         is_known = any(each.state is not State.UNKNOWN for each in seen)
         told = {LIGHT["ugr"]} if is_known else set()
+        judged = [each for made in self.areas.values() for each in made.verdicts]
+        told |= {each.name for each in judged if each.state is not State.UNKNOWN}
         return [area for area in self.requirement.areas if area not in known] + [
             LIGHT[name] for name in self.requirement.light if LIGHT[name] not in told
         ]
@@ -82,7 +95,7 @@ def judge_sensors(
     ----------
     named : list of (str, Readings, str or None)    Name of the object, its readings and their area, see `area_of`.
     requirement : Requirement
-    levels : LightMix    Of the light groups; ratings of glare are of all light as it was measured.
+    levels : LightMix    Of the light groups; glare counts where it was rated with them.
     maintenance : float    Factor on illuminances. [-]
     is_modified : bool    Whether the modified mean is asked for.
 
@@ -94,45 +107,34 @@ def judge_sensors(
     -----
     All limits of all objects share the probability of a wrong verdict, so that it holds for what is said of the whole.
     """
-    # Of the light as a whole only glare is known here, of the observers.
-    plain = replace(requirement, light={})
     skipped, chosen, seen = {}, [], []
     for name, readings, area in named:
-        if readings.is_rating:
-            if "ugr" in requirement.light:
-                seen.append((name, readings))
-            else:
-                skipped[name] = f"{requirement.key} asks nothing of {LIGHT['ugr']}"
-        elif area is None:
-            skipped[name] = "stands for no area"
-        elif area not in requirement.areas:
-            skipped[name] = f"{requirement.key} asks nothing of the area '{area}'"
-        elif requirement.is_direct and not readings.has_direct:
-            skipped[name] = (
-                f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
-            )
-        elif not levels.is_neutral and readings.groups == ("",):
-            skipped[name] = UNMIXED
+        why = _why_skipped(requirement, readings, area, levels)
+        if why:
+            skipped[name] = why
+        elif readings.is_rating:
+            seen.append((name, readings))
         else:
             chosen.append((name, readings, area))
-    count = sum(count_limits(plain, area, is_modified) for *_, area in chosen)
+    asked = {name: _asked_of(requirement, readings) for name, readings, _ in chosen}
+    count = sum(count_limits(asked[name], area, is_modified) for name, _, area in chosen)
     count += sum(len(readings.positions) for _, readings in seen)
     areas, observers = {}, {}
     for name, readings, area in chosen:
-        mixed = readings.mixed_direct if requirement.is_direct else readings.mixed
-        values, errors = mixed(levels)
+        values, errors = _values_of(readings, area, requirement.is_direct, levels)
         figures = find_figures(values, errors, tail(count), FREEDOM, readings.has_common)
         areas[name] = assess(
-            plain,
+            asked[name],
             area,
             figures,
             readings.seconds,
             maintenance,
+            light=_light_of(asked[name], readings, levels, count),
             is_modified=is_modified,
             count=count,
         )
     for name, readings in seen:
-        ratings = zip(*readings.mixed(), strict=True)
+        ratings = zip(*readings.mixed(levels), strict=True)
         limit = requirement.light["ugr"]
         verdicts = judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count)
         if readings.lacks:
@@ -144,6 +146,57 @@ def judge_sensors(
             skipped[name] = readings.lacks
         observers[name] = tuple(verdicts)
     return Judged(requirement, areas, observers, skipped)
+
+
+def _asked_of(requirement: Requirement, readings: Readings) -> Requirement:
+    """Return what a requirement asks that sensors can tell: of the light as a whole its colour rendering, by spectra."""
+    has_rendering = readings.has_spectrum and RENDERING in requirement.light
+    light = {RENDERING: requirement.light[RENDERING]} if has_rendering else {}
+    return replace(requirement, light=light)
+
+
+def _light_of(asked: Requirement, readings: Readings, levels: LightMix, count: int):
+    """What is known of the light as a whole and asked for, by names of `LIGHT`."""
+    found = _rendering_of(readings, levels, count) if asked.light else None
+    return {} if found is None else {RENDERING: found}
+
+
+# Panels judge whenever they are drawn, and the index takes a while.
+@functools.lru_cache(maxsize=64)
+def _rendering_of(readings: Readings, levels: LightMix, count: int) -> Range | None:
+    """Range of the general colour rendering index of the mean light; ``count``: of limits."""
+    spectra = readings.mixed_spectra(levels)
+    share = 1.0 if readings.has_common else len(spectra.bands) ** 0.5
+    noise = spectra.bands_error[0] / share
+    found = rendering_range(spectra.edges, spectra.bands.mean(axis=0), noise, reach(count))
+    return None if found is None else Range(*found)
+
+
+def _values_of(readings: Readings, area: str, is_direct: bool, levels: LightMix):
+    """Values of an area that count, and their standard errors. (n,), (n,) [lx]"""
+    if area == MELANOPIC_AREA:
+        spectra = readings.mixed_spectra(levels)
+        both = spectra.equivalent_daylight, spectra.equivalent_daylight_error
+        return tuple(each[:, MELANOPIC] for each in both)
+    return readings.mixed_direct(levels) if is_direct else readings.mixed(levels)
+
+
+def _why_skipped(requirement: Requirement, readings: Readings, area, levels: LightMix) -> str:
+    """Why sensors are not judged; empty: they are."""
+    if readings.is_rating:
+        if not readings.is_told(levels):
+            return ALL_LIGHT
+        has_limit = "ugr" in requirement.light
+        return "" if has_limit else f"{requirement.key} asks nothing of {LIGHT['ugr']}"
+    if area is None:
+        return "stands for no area"
+    if area not in requirement.areas:
+        return f"{requirement.key} asks nothing of the area '{area}'"
+    if area == MELANOPIC_AREA and not readings.has_spectrum:
+        return "its spectrum was not asked for; switch Spectrum on and measure again"
+    if requirement.is_direct and not readings.has_direct:
+        return f"{requirement.key} counts light that was not reflected; {MEASURE_DIRECT}"
+    return "" if readings.is_told(levels) else UNMIXED
 
 
 def tell(judged: Judged) -> list[str]:

@@ -22,7 +22,11 @@ PREFIX = "Plan "
 
 def has_plan(readings: Readings) -> bool:
     """Whether the sensors stand in a grid, of which there is a plan."""
-    return min(readings.shape) > 1 and bool(np.isfinite(readings.values).any())
+    return (
+        not readings.is_distribution
+        and min(readings.shape) > 1
+        and bool(np.isfinite(readings.values).any())
+    )
 
 
 def draw_plan(name: str, readings: Readings, levels: LightMix = NEUTRAL) -> Sheet:

@@ -12,6 +12,7 @@ from ..foundation.identity import identity_of
 from ..foundation.pose import pose_of
 from ..foundation.units import metres_per_unit
 from .camera_regions import camera_signature, lay_regions
+from .goniometers import Sphere, lay_sphere
 
 LEVEL = 0.95
 """Least upward part of the normal of a floor's triangle. [-]"""
@@ -31,16 +32,19 @@ KINDS = {
 }
 """Kinds of the engine by quantity; luminance and glare have none."""
 
-LUMINANCE, GLARE = "LUMINANCE", "GLARE"
+LUMINANCE, GLARE, INTENSITY = "LUMINANCE", "GLARE", "INTENSITY"
 """Quantities that are no illuminances."""
 
-UNITS = {LUMINANCE: "cd/m²", GLARE: "UGR"}
+UNITS = {LUMINANCE: "cd/m²", GLARE: "UGR", INTENSITY: "cd"}
 """Units of quantities, where they are not lx."""
 
 SETTINGS = (
     "layout", "quantity", "acceptance", "length", "width", "band", "height", "border", "use_spacing", "spacing",
 )  # fmt: skip
 """Settings that say where sensors stand and what they are."""
+
+SPHERE_SETTINGS = ("radius", "plane_step", "polar_step", "use_distance", "distance")
+"""Further settings of goniometers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +62,8 @@ class PlacedSensors:
     shape : (int, int)    Rows and columns of the grid; a line is one row.
     acceptance : float    Of luminance meters, the full width of their cone. [rad]
     camera : Camera or None    Whose picture's parts the sensors are.
+    sphere : Sphere or None    Of a goniometer, whose detectors the sensors are.
+    wants_spectrum : bool    Whether the spectrum of the light is to be found, of illuminances.
     """
 
     uid: str
@@ -71,15 +77,20 @@ class PlacedSensors:
     shape: tuple[int, int]
     acceptance: float = 0.0
     camera: Camera | None = None
+    sphere: Sphere | None = None
+    wants_spectrum: bool = False
 
     @property
     def kind(self) -> SensorKind | float | str | tuple[str, str]:
         """What sensors share that are measured together.
 
-        Kind of the engine, of luminance meters their acceptance angle, of observers `GLARE`, of cameras their own.
+        Kind of the engine, of luminance meters their acceptance angle, of observers
+        `GLARE`, of cameras and goniometers their own.
         """
         if self.camera is not None:
             return "camera", self.uid
+        if self.sphere is not None:
+            return INTENSITY, self.uid
         if self.quantity == GLARE:
             return GLARE
         return self.acceptance if self.quantity == LUMINANCE else KINDS[self.quantity]
@@ -115,6 +126,10 @@ def _place(empty, depsgraph) -> PlacedSensors:
     if settings.layout == "CAMERA":
         return _place_regions(empty, depsgraph, metres)
     frame = pose_of(empty.evaluated_get(depsgraph).matrix_world, metres).frame
+    if settings.layout == "SPHERE":
+        return _place_sphere(empty, frame)
+    if settings.quantity == INTENSITY:
+        raise SceneError("only a goniometer tells intensities; set the layout to Goniometer")
     spacing = settings.spacing if settings.use_spacing else None
     heights = None
     if settings.layout == "FLOOR":
@@ -149,6 +164,7 @@ def _place(empty, depsgraph) -> PlacedSensors:
         cells,
         shape,
         settings.acceptance,
+        wants_spectrum=settings.use_spectrum,
     )
 
 
@@ -167,6 +183,26 @@ def _place_regions(empty, depsgraph, metres: float) -> PlacedSensors:
         np.arange(len(plane)),
         (settings.rows, settings.columns),
         camera=camera,
+    )
+
+
+def _place_sphere(empty, frame) -> PlacedSensors:
+    """Return the detectors of a goniometer as sensors, plane by plane."""
+    settings = empty.lumenray.sensor
+    sphere = lay_sphere(settings, frame)
+    detectors = sphere.detectors
+    count = len(detectors.positions)
+    return PlacedSensors(
+        identity_of(empty),
+        empty.name,
+        settings.quantity,
+        detectors.positions,
+        detectors.normals,
+        frame,
+        np.zeros((count, 2)),
+        np.arange(count),
+        (len(detectors.azimuth), len(detectors.polar)),
+        sphere=sphere,
     )
 
 
@@ -293,9 +329,11 @@ def signature_of(empty) -> tuple:
     settings = empty.lumenray.sensor
     surface = settings.surface
     matrix = tuple(round(float(value), 6) for row in empty.matrix_world for value in row)
+    names = SETTINGS + (SPHERE_SETTINGS if settings.layout == "SPHERE" else ())
     own = tuple(
         round(value, 6) if isinstance(value, float) else value
-        for value in (getattr(settings, name) for name in SETTINGS)
+        for value in (getattr(settings, name) for name in names)
     )
     camera = camera_signature(empty) if settings.layout == "CAMERA" else ()
+    own += ("spectrum",) if settings.use_spectrum else ()
     return (*own, "" if surface is None else identity_of(surface), matrix, *camera)

@@ -13,12 +13,15 @@ from ...engine.accuracy.extremes import Extreme
 from ...engine.accuracy.group_sum import GroupSum
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.light_mix import NEUTRAL, LightMix
-from .places import GLARE, UNITS, PlacedSensors
+from ...engine.measurements import SensorSpectra
+from .places import GLARE, INTENSITY, UNITS, PlacedSensors
 
 ARRAYS = ("positions", "normals", "frame", "plane", "cells", "values", "errors")
 """Arrays of readings, in the order in which they are kept."""
 
-DIRECT = ("direct", "direct_errors")
+FURTHER = (
+    "direct", "direct_errors", "rated", "rated_errors", "edges", "bands", "band_errors", "doses", "dose_errors",
+)  # fmt: skip
 """Further arrays, where they were measured."""
 
 VERSION = 1
@@ -46,6 +49,13 @@ class Readings:
         for.
     lacks : str    What the values lack, in words; empty: nothing.
     simplified : float    Largest relative error by what was not modelled; it is in the errors. [-]
+    size : (float, float, float)    Of the luminaire in a goniometer, along its axes. [m]
+    mixes : tuple of str    Levels of light groups for which glare was rated besides, see `LightMix.key`.
+    rated, rated_errors : (m, n) float32 array or None    Ratings by them.
+    edges : (b + 1,) float32 array or None    Of bands, where the spectrum was asked for. [nm]
+    bands : (g, n, b) float32 array or None    Mean spectral irradiance. [W/(m2 nm)]
+    band_errors : (g, b) float32 array or None    Root mean square of the sensors' standard errors.
+    doses, dose_errors : (g, n, 5) float32 array or None    Alpha-opic equivalent daylight illuminances. [lx]
     """
 
     quantity: str
@@ -70,6 +80,15 @@ class Readings:
     direct_errors: np.ndarray | None = None
     lacks: str = ""
     simplified: float = 0.0
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mixes: tuple[str, ...] = ()
+    rated: np.ndarray | None = None
+    rated_errors: np.ndarray | None = None
+    edges: np.ndarray | None = None
+    bands: np.ndarray | None = None
+    band_errors: np.ndarray | None = None
+    doses: np.ndarray | None = None
+    dose_errors: np.ndarray | None = None
 
     @functools.cached_property
     def _sum(self) -> GroupSum:
@@ -81,12 +100,30 @@ class Readings:
         return self.quantity == GLARE
 
     @property
+    def is_distribution(self) -> bool:
+        """Whether the values are the intensities of a luminaire, of which neither mean nor uniformity says anything."""
+        return self.quantity == INTENSITY
+
+    @property
+    def is_field(self) -> bool:
+        """Whether the sensors stand in a grid and their values vary evenly over it."""
+        return min(self.shape) > 1 and not self.is_rating and not self.is_distribution
+
+    @property
     def unit(self) -> str:
         """Of the values."""
         return UNITS.get(self.quantity, "lx")
 
     def mixed(self, levels: LightMix = NEUTRAL) -> tuple[np.ndarray, np.ndarray]:
-        """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]"""
+        """Illuminance and standard error with the groups at other levels. (n,), (n,) float64 [lx]
+
+        Ratings are those of these levels where it `is_told`, else of all light as in the scene.
+        """
+        if self.is_rating and not levels.is_neutral and self.is_told(levels):
+            row = self.mixes.index(levels.key())
+            return tuple(each[row].astype(np.float64) for each in (self.rated, self.rated_errors))
+        if self.is_rating:
+            levels = NEUTRAL
         fluxes = [levels.level(name).flux for name in self.groups]
         self._sum.set_levels(fluxes)
         return self._sum.total.copy(), self._widen(self._sum, fluxes)
@@ -99,9 +136,35 @@ class Readings:
         apart = np.einsum("g,gn->n", np.square(fluxes), np.square(made.values, dtype=np.float64))
         return np.hypot(error, self.simplified * np.sqrt(np.maximum(made.total**2 - apart, 0.0)))
 
+    def is_told(self, levels: LightMix) -> bool:
+        """Whether it is known what the sensors would read with the groups at these levels."""
+        if levels.is_neutral:
+            return True
+        return levels.key() in self.mixes if self.is_rating else self.groups != ("",)
+
     @functools.cached_property
     def _direct_sum(self) -> GroupSum:
         return GroupSum(self.direct, self.direct_errors)
+
+    @property
+    def has_spectrum(self) -> bool:
+        """Whether the spectra of the light are known."""
+        return self.doses is not None
+
+    def mixed_spectra(self, levels: LightMix = NEUTRAL) -> SensorSpectra:
+        """Spectra with the groups at other levels, whose colours are not followed; only where `has_spectrum`."""
+        factors = np.array([levels.level(name).flux for name in self.groups])
+
+        def add(values):
+            return np.tensordot(factors, values.astype(np.float64), 1)
+
+        def add_errors(errors):
+            return np.sqrt(np.tensordot(factors**2, errors.astype(np.float64) ** 2, 1))
+
+        bands = add(self.bands)
+        errors = np.broadcast_to(add_errors(self.band_errors), bands.shape)
+        edges = self.edges.astype(np.float64)
+        return SensorSpectra(edges, bands, errors, add(self.doses), add_errors(self.dose_errors))
 
     @property
     def has_direct(self) -> bool:
@@ -157,8 +220,14 @@ def make_readings(
     direct_errors=None,
     lacks="",
     simplified=0.0,
+    size=(0.0, 0.0, 0.0),
+    mixes=(),
+    **further,
 ) -> Readings:
-    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]"""
+    """Return readings of sensors that stand somewhere; ``values``, ``errors`` and their direct parts: (g, n). [lx]
+
+    ``further``: arrays of `Readings` by their names, or None.
+    """
     return Readings(
         placed.quantity,
         placed.positions.astype(np.float32),
@@ -182,14 +251,20 @@ def make_readings(
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
         lacks,
         float(simplified),
+        tuple(size),
+        tuple(mixes),
+        **{
+            name: None if each is None else np.asarray(each, dtype=np.float32)
+            for name, each in further.items()
+        },
     )
 
 
 def write_readings(readings: Readings) -> str:
     """Return readings as text."""
-    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + DIRECT]
+    names = [entry.name for entry in fields(readings) if entry.name not in ARRAYS + FURTHER]
     head = {"version": VERSION} | {name: getattr(readings, name) for name in names}
-    arrays = ARRAYS if readings.direct is None else ARRAYS + DIRECT
+    arrays = (*ARRAYS, *(name for name in FURTHER if getattr(readings, name) is not None))
     head["arrays"] = arrays
     stream = io.BytesIO()
     stream.write(json.dumps(head).encode() + b"\n")
@@ -217,7 +292,9 @@ def read_readings(text: str) -> Readings | None:
     known = {entry.name for entry in fields(Readings)}
     if not set(ARRAYS) <= arrays.keys() or not (head.keys() | arrays.keys()) <= known:
         return None
-    head["shape"], head["groups"] = tuple(head["shape"]), tuple(head["groups"])
+    for name in ("shape", "groups", "size", "mixes"):
+        if name in head:
+            head[name] = tuple(head[name])
     return Readings(**head, **arrays)
 
 

@@ -9,9 +9,7 @@ from ..rendering.lighting_scenes import Chosen
 from . import judging
 from .places import find_sensors
 from .readings import readings_of
-from .shipped import shipped_requirements
-
-ALL_LIGHT = "ratings of glare do not add up: it was rated with all light as in the scene, which is not that of these levels"
+from .requirements import requirements_of
 
 
 @dataclass(frozen=True)
@@ -39,10 +37,15 @@ def required_of(empty, scene, lighting_scene: str = "") -> str:
     return settings.requirement.strip() or scene.lumenray.sensors.requirement.strip()
 
 
-def judge_all(scene, chosen: Chosen) -> SceneVerdicts:
+def judge_all(scene, chosen: Chosen, files=()) -> SceneVerdicts:
     """Judge all sensors of a scene that were measured, with the light groups as a lighting scene says.
 
-    Sensors of one requirement share the probability of a wrong verdict.
+    Sensors of one requirement share the probability of a wrong verdict. ``files``: of further requirements, see
+    `requirements.requirements_of`.
+
+    Raises
+    ------
+    FileFormatError    A file of requirements cannot be read.
     """
     made, settings = SceneVerdicts(), scene.lumenray.sensors
     by_key: dict[str, list] = {}
@@ -53,8 +56,8 @@ def judge_all(scene, chosen: Chosen) -> SceneVerdicts:
         if readings is None:
             made.problems[empty.name] = "not measured"
             continue
-        if readings.is_rating and not chosen.levels.is_neutral:
-            made.problems[empty.name] = ALL_LIGHT
+        if readings.is_rating and not readings.is_told(chosen.levels):
+            made.problems[empty.name] = judging.ALL_LIGHT
             continue
         own = empty.lumenray.sensor
         area = judging.area_of(readings, own.area)
@@ -62,7 +65,7 @@ def judge_all(scene, chosen: Chosen) -> SceneVerdicts:
             # Not meant by what is required of all.
             continue
         by_key.setdefault(key, []).append((empty.name, readings, area))
-    known = shipped_requirements()
+    known = requirements_of(scene, files)
     for key, named in by_key.items():
         if key not in known:
             words = f"there is no requirement '{key}'; 'lumenray requirements' lists them"

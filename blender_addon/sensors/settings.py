@@ -12,8 +12,8 @@ from bpy.props import (
 )
 from bpy.types import Object, PropertyGroup
 
-from ..foundation.settings import percentage, redraw_views, tag_owner
-from .shipped import shipped_requirements
+from ..foundation.settings import PATH_OPTIONS, percentage, redraw_views, tag_owner
+from .requirements import known_keys
 
 
 def _is_mesh(self, thing) -> bool:
@@ -46,6 +46,12 @@ LAYOUTS = [
         "Camera",
         "The parts of a camera's picture, in rows and columns, of which the mean luminances are told",
         6,
+    ),
+    (
+        "SPHERE",
+        "Goniometer",
+        "Detectors on a sphere about the empty, which measure the intensities of the luminaire within its radius",
+        7,
     ),
 ]
 
@@ -82,6 +88,12 @@ QUANTITIES = [
         "Unified glare rating (UGR) of an observer whose eye is here and looks along the empty's X axis",
         6,
     ),
+    (
+        "INTENSITY",
+        "Intensity",
+        "Luminous intensities in cd of the luminaire within a goniometer, by the empty's axes: gamma is 0 along -Z",
+        7,
+    ),
 ]
 
 JUDGED_AREAS = [
@@ -98,12 +110,18 @@ JUDGED_AREAS = [
     ("WALLS", "Walls", "Walls", 5),
     ("CEILING", "Ceiling", "The ceiling", 6),
     ("CYLINDRICAL", "Cylindrical", "Faces of people", 7),
+    (
+        "MELANOPIC",
+        "Melanopic",
+        "Eyes, by melanopic equivalent daylight illuminance; it takes the spectrum",
+        8,
+    ),
 ]
 
 
-def _search_requirements(_self, _context, typed: str):
-    """Keys of the requirements that ship, with their titles."""
-    known = shipped_requirements()
+def _search_requirements(_self, context, typed: str):
+    """Keys of the requirements that the scene knows, with their titles."""
+    known = known_keys(context.scene)
     return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
@@ -205,6 +223,57 @@ class LumenraySensorSettings(PropertyGroup):
         soft_max=32,
         update=tag_owner,
     )
+    radius: FloatProperty(
+        name="Radius",
+        description=(
+            "Of the ball about the empty: all that lies within is the luminaire, in metres; the empty's scale does not "
+            "count. Default 0.5: most luminaires are smaller"
+        ),
+        default=0.5,
+        min=0.001,
+        max=1000.0,
+        soft_max=5.0,
+        update=tag_owner,
+    )
+    plane_step: FloatProperty(
+        name="Plane Step",
+        description="Angle between C planes, of which a turn holds a whole number. Default 15°: as most files have it",
+        default=math.radians(15.0),
+        min=math.radians(1.0),
+        max=math.radians(90.0),
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    polar_step: FloatProperty(
+        name="Gamma Step",
+        description=(
+            "Angle gamma between the detectors of a plane, of which 180° hold a whole number. Default 5°: as most files "
+            "have it; narrow beams need less"
+        ),
+        default=math.radians(5.0),
+        min=math.radians(0.1),
+        max=math.radians(45.0),
+        subtype="ANGLE",
+        update=tag_owner,
+    )
+    use_distance: BoolProperty(
+        name="Own Distance",
+        description=(
+            "State how far away the detectors are, as those of a real goniometer. Default off: so far that all of the "
+            "luminaire lies in one direction"
+        ),
+        default=False,
+        update=tag_owner,
+    )
+    distance: FloatProperty(
+        name="Distance",
+        description="Of the detectors from the empty, in metres. Default 10: that of many goniometers",
+        default=10.0,
+        min=0.01,
+        max=1e5,
+        soft_max=100.0,
+        update=tag_owner,
+    )
     height: FloatProperty(
         name="Height",
         description="Of the sensors over the floor, in metres. Default 0.75: that of desks",
@@ -249,6 +318,15 @@ class LumenraySensorSettings(PropertyGroup):
         items=JUDGED_AREAS,
         default="AUTO",
         update=redraw_views,
+    )
+    use_spectrum: BoolProperty(
+        name="Spectrum",
+        description=(
+            "Also find what the light does to the eye (melanopic and other equivalent daylight illuminances, CIE S 026), "
+            "its colour temperature, Ra, Rf and Rg. Default off: it takes longer"
+        ),
+        default=False,
+        update=tag_owner,
     )
     use_spacing: BoolProperty(
         name="Own Spacing",
@@ -333,10 +411,19 @@ class LumenraySensorsSettings(PropertyGroup):
     requirement: StringProperty(
         name="Requirement",
         description=(
-            "What the readings are judged by, such as office.writing: a key of the requirements that ship. Default empty: "
-            "nothing is judged"
+            "What the readings are judged by, such as office.writing: a key of the requirements that ship, or of your "
+            "own file. Default empty: nothing is judged"
         ),
         search=_search_requirements,
+        update=redraw_views,
+    )
+    requirements_file: StringProperty(
+        name="Own File",
+        description=(
+            "File of requirements of your own (.toml), which count before those that ship. Default empty: none but these"
+        ),
+        subtype="FILE_PATH",
+        options=PATH_OPTIONS,
         update=redraw_views,
     )
     maintenance: FloatProperty(

@@ -1,12 +1,14 @@
 """Verdicts on a scene's sensors as its panel tells them."""
 
-import functools
+from dataclasses import dataclass
 
+from ...engine.errors import LumenrayError
+from ...engine.judgement.requirement import Requirement
 from ...engine.light_mix import LightMix
 from ..rendering.light_mix import levels_of
 from . import judging, results
 from .readings import read_readings
-from .shipped import shipped_requirements
+from .requirements import requirements_of
 
 
 def texts_of(scene, empties) -> tuple[str, ...]:
@@ -15,6 +17,12 @@ def texts_of(scene, empties) -> tuple[str, ...]:
     Sensors that were not measured, or are out of date, are told and not judged.
     """
     settings = scene.lumenray.sensors
+    try:
+        requirement = requirements_of(scene).get(settings.requirement)
+    except LumenrayError as error:
+        return (f"No verdict: {error}",)
+    if requirement is None:
+        return (f"There is no requirement '{settings.requirement}'",)
     held = [empty for empty in empties if empty.lumenray.sensor.kept]
     old = [empty.name for empty in held if results.is_outdated(empty)]
     current = [empty for empty in held if empty.name not in old]
@@ -26,19 +34,28 @@ def texts_of(scene, empties) -> tuple[str, ...]:
     named = tuple(
         (empty.name, empty.lumenray.sensor.kept, empty.lumenray.sensor.area) for empty in current
     )
-    told = _judge(
-        named, settings.requirement, levels_of(scene), settings.maintenance, settings.modified
-    )
-    return (*told, *notes)
+    state = (named, levels_of(scene), settings.maintenance, settings.modified)
+    if _cache.state != state or _cache.requirement is not requirement:
+        _cache.texts = _judge(requirement, *state)
+        _cache.state, _cache.requirement = state, requirement
+    return (*_cache.texts, *notes)
 
 
-@functools.lru_cache(maxsize=8)
+@dataclass
+class _Cache:
+    """Verdicts that a panel drew last, for it draws often."""
+
+    state: tuple = ()
+    requirement: Requirement | None = None
+    texts: tuple[str, ...] = ()
+
+
+_cache = _Cache()
+
+
 def _judge(
-    named: tuple, key: str, levels: LightMix, maintenance: float, is_modified: bool
+    requirement: Requirement, named: tuple, levels: LightMix, maintenance: float, is_modified: bool
 ) -> tuple[str, ...]:
-    requirement = shipped_requirements().get(key)
-    if requirement is None:
-        return (f"There is no requirement '{key}'",)
     found = [(name, read_readings(text), stated) for name, text, stated in named]
     areas = [
         (name, readings, judging.area_of(readings, stated))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...engine.errors import SceneError
+from ...engine.errors import LumenrayError, SceneError
 from ...engine.scene.checks import check_reach
 from ...engine.scene.light import Light
 from ...engine.scene.mesh import Placement
@@ -16,7 +16,8 @@ from ..daylight.moment import frame_of
 from ..foundation import identity
 from ..foundation.report import ConversionReport
 from ..foundation.units import metres_per_unit
-from ..luminaires.settings import is_luminaire
+from ..luminaires.convert import find_housing
+from ..luminaires.settings import is_luminaire, settings_of
 from ..modelling.wishes import read_wishes
 from ..raysets.settings import is_rayset
 from ..sky import towards_lamp
@@ -271,7 +272,7 @@ class Walk:
             self._place(shown, None)
             return
         if kind == "MESH" and original.lumenray.is_luminaire_body:
-            self._place(shown, None)
+            self._convert_housing(shown, instance, source, original)
             return
         if original.type == "LIGHT" and is_portal(original.data) and not _is_special(source):
             kind = "PORTAL"
@@ -426,6 +427,40 @@ class Walk:
             if isinstance(shown.item, Placement):
                 found.setdefault(shown.item.geometry, set()).update(shown.charts)
         return found
+
+    def _convert_housing(self, shown, instance, source, original) -> None:
+        """Convert the body of a luminaire, which is only looked at unless its housing is to block light."""
+        lamp = instance.parent if instance.is_instance else None
+        settings = settings_of(lamp)
+        if (
+            settings is None
+            or not settings.use_file
+            or not getattr(settings, "blocks_light", False)
+        ):
+            self._place(shown, None)
+            return
+        self._name(shown, instance, original, "MESH")
+        shown.is_anchored, shown.report = True, ConversionReport()
+        try:
+            geometry, frame = find_housing(lamp, settings, self.sent.scale)
+        except LumenrayError as error:
+            shown.report.warn(lamp.name_full, f"its housing blocks no light: {error}", "left out")
+            self._place(shown, None)
+            return
+        shown.shading, shown.charts = frozenset(), frozenset()
+        found = visibility_of(source, lamp, self.layer)
+        material = self.sent.materials.use(self._slots(source)[0], self.depsgraph)
+        placement = Placement(
+            id=shown.key,
+            name=shown.name,
+            geometry=self.sent.geometries.take_made(geometry),
+            frame=frame,
+            materials=(material,),
+            visible_to_camera=found.camera,
+            index=source.pass_index,
+            meets_light=found.light,
+        )
+        self._place(shown, placement)
 
     def _convert_portal(self, shown, instance, source) -> None:
         shown.shading = frozenset()

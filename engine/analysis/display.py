@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from ..photometry.colour import automatic_white, scene_linear
+from ..photometry.colour import automatic_white, scene_linear, tristimulus_of
 from .false_colour import colours, nice_maximum
+from .tone import encode_srgb
+from .tone_operators import OPERATORS, STATEMENT, apply_operator, legend_range
 
 DECADES = 3.0
 """Range of a logarithmic scale whose lower end is not stated."""
@@ -19,22 +21,30 @@ def _make_scale() -> np.ndarray:
 SCALE = _make_scale()
 
 
-def show(image: np.ndarray, mode: str, display, denoised=None) -> dict:
+GREYS = 64
+"""Steps of the legend of tone operators."""
+
+
+def show(image: np.ndarray, display, denoised=None, view=None) -> dict:
     """Turn an image into pixels.
 
     Parameters
     ----------
     image : (h, w, c) float32 array    X, Y, Z [cd/m2] and, for false colours of it, illuminance [lx].
-    mode : str    Value of a `views.DisplayMode`.
     display : views.Display
     denoised : (h, w, 3) array or None
         Copy without noise that a picture shows instead, linear Rec. 709, 1 at 1 cd/m2; the image alone decides on its white.
+    view : PictureView or None    How the image was taken, for what eyes see of it.
 
     Returns
     -------
-    dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `views.Frame`.
+    dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `views.Frame`, of
+        tone operators ``greys`` and ``statement`` too.
     """
-    luminance = image[..., 1]
+    mode, luminance = display.mode.value, image[..., 1]
+    if mode in OPERATORS:
+        light = image[..., :3] if denoised is None else tristimulus_of(denoised, 1.0)
+        return _show_toned(apply_operator(mode, light, view))
     if mode.startswith("false"):
         values, unit = (luminance, "cd/m²") if mode == "false_luminance" else (image[..., 3], "lx")
         high = display.high if display.high > 0.0 else nice_maximum(values)
@@ -57,6 +67,16 @@ def show(image: np.ndarray, mode: str, display, denoised=None) -> dict:
     else:
         pixels[..., :3] = scene_linear(image[..., :3], white)
     return _fields(pixels, False, False, 0.0, white, "cd/m²")
+
+
+def _show_toned(toned) -> dict:
+    """Turn a picture for looking into display colours, with its legend and its statement."""
+    pixels = np.ones((*toned.colour.shape[:2], 4), dtype=np.float32)
+    pixels[..., :3] = encode_srgb(toned.colour) / np.float32(255.0)
+    low, high = legend_range(toned.curve)
+    greys = encode_srgb(toned.curve(np.geomspace(low, high, GREYS))) / np.float32(255.0)
+    more = {"greys": greys, "statement": f"{STATEMENT}; {toned.words}"}
+    return _fields(pixels, True, True, low, high, "cd/m²") | more
 
 
 def _fields(pixels, is_display_referred, is_logarithmic, low, high, unit) -> dict:

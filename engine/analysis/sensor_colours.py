@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..photometry.alpha_opic import RECEPTORS
 from ..photometry.colour_fidelity import fidelity_and_gamut
 from ..photometry.colour_rendering import general_index
 from ..photometry.colour_temperature import colour_temperature
@@ -50,6 +51,26 @@ def find_colours(edges: np.ndarray, bands: np.ndarray) -> SensorColours:
         if found is not None:
             row[:] = (*found, general_index(power), *fidelity_and_gamut(power))
     return SensorColours(*rows.T)
+
+
+def tell_columns(spectra) -> dict[str, np.ndarray]:
+    """Action on the eye and colour of the light at sensors, by names with units as tables have them. (n,) each
+
+    ``spectra``: `measurements.SensorSpectra`.
+    """
+    columns = {}
+    for number in reversed(range(len(RECEPTORS))):
+        name = f"{RECEPTORS[number]}_edi"
+        columns[f"{name}_lx"] = spectra.equivalent_daylight[:, number]
+        columns[f"{name}_error_lx"] = spectra.equivalent_daylight_error[:, number]
+    found = find_colours(spectra.edges, spectra.bands)
+    return columns | {
+        "cct_k": found.temperature,
+        "duv": found.duv,
+        "ra": found.rendering,
+        "rf": found.fidelity,
+        "rg": found.gamut,
+    }
 
 
 def rendering_range(edges, bands, errors, reach: float) -> tuple[float, float, float] | None:

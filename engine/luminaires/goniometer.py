@@ -48,6 +48,27 @@ class Measured:
     standard_error: np.ndarray
 
 
+def even_angles(step: float, whole: float) -> np.ndarray:
+    """Angles from 0 to a whole turn or a part of it in even steps. [rad]
+
+    Parameters
+    ----------
+    step, whole : float    [rad]
+
+    Raises
+    ------
+    SceneError    The whole holds no whole number of steps.
+    """
+    if not 0.0 < step <= whole:
+        raise SceneError(f"steps of {np.rad2deg(step):g} degrees make no goniometer")
+    count = round(whole / step)
+    if abs(count * step - whole) > 1e-5:
+        raise SceneError(
+            f"{np.rad2deg(whole):g} degrees hold no whole number of steps of {np.rad2deg(step):g} degrees"
+        )
+    return np.linspace(0.0, whole, count + 1)
+
+
 def place_detectors(frame, azimuth, polar, distance: float) -> Detectors:
     """Return where to measure.
 

@@ -34,6 +34,12 @@ def scene_linear(tristimulus, white_luminance):
     return np.asarray(tristimulus, dtype=np.float32) @ to_linear
 
 
+def tristimulus_of(linear, white_luminance: float) -> np.ndarray:
+    """X, Y, Z of scene-linear Rec. 709 in which a D65 white of ``white_luminance`` is (1, 1, 1). (..., 3) [cd/m2]"""
+    to_xyz = (np.linalg.inv(XYZ_TO_REC709).T * white_luminance).astype(np.float32)
+    return np.asarray(linear, dtype=np.float32) @ to_xyz
+
+
 def automatic_white(luminance) -> float:
     """White luminance that puts the picture's logarithmic mean at middle grey. [cd/m2 -> cd/m2]"""
     seen = np.asarray(luminance)[np.asarray(luminance) > 0.0]

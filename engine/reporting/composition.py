@@ -168,6 +168,7 @@ def _tell_area(report: Report, area: SensorArea):
             ("Uniformity U0 (least/mean)", _range(figures.overall, "")),
             ("Uniformity Ud (least/largest)", _range(figures.diversity, "")),
         ]
+    lines += [(label[0].upper() + label[1:], words) for label, words in area.light]
     lines.append(("Samples", f"{area.samples} for each sensor, seed {area.seed}"))
     error = figures.mean_error / figures.mean if figures.mean > 0.0 else math.inf
     if parts := tell_parts(error, area.simplified):

@@ -48,6 +48,7 @@ class SensorArea:
     changed : str    What has changed in the scene since they were measured; empty: nothing.
     simplified : float    Largest relative error by what was not modelled; it is in the errors. [-]
     observers : tuple of Verdict    On the UGR of each, where the sensors are observers' eyes.
+    light : tuple of (str, str)    Labels and values of the light's action on the eye and of its colour, where it is known.
     """
 
     name: str
@@ -69,6 +70,7 @@ class SensorArea:
     changed: str = ""
     observers: tuple[Verdict, ...] = ()
     simplified: float = 0.0
+    light: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_rating(self) -> bool:

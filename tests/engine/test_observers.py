@@ -149,3 +149,45 @@ def test_observers_in_the_dark_are_not_rated_and_the_others_are():
         found["illuminance"][:, 0], [np.nan, 50.0 * np.pi, np.nan], rtol=0.01
     )
     assert notes == (DARK,)
+
+
+@pytest.mark.slow
+@pytest.mark.mitsuba
+def test_glare_of_light_groups_is_that_of_the_lamps_which_shine():
+    """Two panels on a ceiling: with one of them off, and one dimmed, as if the scene had been so."""
+    from lumenray.engine.light_mix import Level, LightMix
+    from lumenray.engine.observers import rate_mixes
+    from lumenray.engine.scene.light import AreaLight, Output, Quantity
+    from lumenray.engine.scene.light_groups import LightGroup
+    from lumenray.engine.scene.spectrum import Constant
+    from small_scenes import box, paint, session_of
+
+    def panel(name, x, flux):
+        frame = np.eye(4)
+        frame[:3, 3] = (x, 3.5, 2.79)
+        output = Output(Quantity.LUMINOUS_FLUX, flux, Constant(1.0))
+        return AreaLight(name, name, output, frame, 0.6, 0.6)
+
+    def rate(groups, mixes, *fluxes):
+        lamps = [
+            panel(name, x, flux) for name, x, flux in zip("ab", (1.2, 2.8), fluxes, strict=True)
+        ]
+        session = session_of(box(4.0, 5.0, 2.8), paint(0.5), *lamps)
+        return rate_mixes(session, eyes, ahead, groups, mixes, size=64, samples=32)[0]
+
+    eyes, ahead = np.array([[2.0, 0.5, 1.2]]), np.array([[0.0, 1.0, 0.0]])
+    groups = (LightGroup("A", ("a",)), LightGroup("B", ("b",)))
+    mixes = (
+        LightMix(),
+        LightMix((Level("A", is_on=False),)),
+        LightMix((Level("A", 0.5), Level("B", 2.0))),
+    )
+    found = rate(groups, mixes, 4000.0, 4000.0)
+    for made, fluxes in zip(
+        found, ((4000.0, 4000.0), (1e-6, 4000.0), (2000.0, 8000.0)), strict=True
+    ):
+        (exact,) = rate((), (LightMix(),), *fluxes)
+        value, error = made["ugr"][0]
+        other, more = exact["ugr"][0]
+        assert abs(value - other) < 4.0 * np.hypot(error, more) + 0.05
+    assert found[2]["ugr"][0, 0] > found[0]["ugr"][0, 0] + 1.0

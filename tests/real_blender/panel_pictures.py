@@ -208,6 +208,32 @@ def sensors():
         bpy.data.objects.remove(item)
 
 
+def goniometers():
+    """A goniometer about a lamp of the lit room, with its curves in the view; and the room by tone operators."""
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.new_lit_room()
+    objects = bpy.data.collections["Lit Room"].objects
+    activate(next(o for o in objects if o.type in {"EMPTY", "LIGHT"}))
+    bpy.ops.lumenray.add_sensors(layout="SPHERE")
+    area = area_of("VIEW_3D")
+    area.spaces.active.region_3d.view_perspective = "CAMERA"
+    with override(area):
+        bpy.ops.lumenray.measure_sensors("INVOKE_DEFAULT")
+    running = module("blender_addon.sensors.running")
+    yield from wait_for(lambda: not running.is_running(), "the goniometer", 240.0)
+    yield from sidebar("sidebar_goniometer")
+    picture("view_goniometer", region_of(area))
+    shading, settings = area.spaces.active.shading, bpy.context.scene.lumenray.viewport
+    settings.samples, shading.type = 32, "RENDERED"
+    for display in ("PHOTOGRAPHIC", "VISUAL"):
+        settings.display = display
+        yield 40.0
+        picture(f"view_{display.lower()}", region_of(area))
+    shading.type, settings.display = "SOLID", "PICTURE"
+    for item in list(objects):
+        bpy.data.objects.remove(item)
+
+
 def materials():
     """All models of a material."""
     cube = bpy.data.objects["Cube"]
@@ -425,6 +451,7 @@ CASES = {
         light_list,
         luminaires,
         sensors,
+        goniometers,
         materials,
         worlds,
         renders,

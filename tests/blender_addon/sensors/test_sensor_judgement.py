@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
+from lumenray.blender_addon.rendering import light_mix, lighting_scenes
 from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
 from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
@@ -61,12 +62,13 @@ def new_sensor(name, quantity="PLANAR", **settings):
 def measured(monkeypatch):
     """A task area, a wall, and three observers, of whom one sees nothing that dazzles."""
 
-    def rate(session, positions, directions, **_):
+    def rate(session, positions, directions, groups, mixes, **_):
         assert np.allclose(directions, [1.0, 0.0, 0.0])
         table = np.array([[18.0, 0.02], [np.nan, np.nan], [18.5, 0.02]])[: len(positions)]
-        return {"ugr": table}, ("seen",)
+        # A mix of half the light: any rating but that of all light.
+        return [{"ugr": table - number} for number in range(len(mixes))], ("seen",)
 
-    monkeypatch.setattr(sensor_job, "rate_observers", rate)
+    monkeypatch.setattr(sensor_job, "rate_mixes", rate)
     add_lamp("Lamp").data.shadow_soft_size = 0.1
     new_sensor("Task", layout="GRID")
     wall = new_sensor("Wall", layout="GRID", area="WALLS")
@@ -127,9 +129,37 @@ def test_ratings_are_of_all_light_and_told_as_such(measured):
     lines = dict(words.describe(eyes, dimmed))
     assert lines["UGR"] == "18.0 to 18.5"
     assert lines["no glare source"] == "1 of 3"
-    assert lines["light mix"] == "glare is of all light as it was measured"
+    assert "measure again for these levels" in lines["light mix"]
+    judged = judging.judge_sensors([("Eyes", readings, None)], OFFICE, dimmed)
+    assert "do not add up" in judged.skipped["Eyes"]
     again = read_readings(write_readings(readings))
     assert np.isnan(again.values[0, 1]) and not again.has_common
+
+
+def test_ratings_of_lighting_scenes_are_kept_beside_that_of_all_light(measured):
+    scene = bpy.context.scene
+    scene.objects["Lamp"].data.lumenray.light_group = "Ceiling"
+    scene.lumenray.light_mix.groups = "GROUPS"
+    light_mix.list_rows(scene, ["Ceiling"])
+    lighting_scenes.add(scene, "Day")
+    scene.lumenray.light_mix.rows["Ceiling"].factor = 0.5
+    lighting_scenes.add(scene, "Evening")
+    job, _ = asked.prepare(bpy.context.evaluated_depsgraph_get())
+    job.run(Fake())
+    results.store(job)
+    readings = readings_of(scene.objects["Eyes"])
+    day, evening = (chosen.levels for chosen in lighting_scenes.choose_all(scene))
+    assert readings.mixed(day)[0][0] == pytest.approx(18.0)
+    assert readings.mixed(evening)[0][0] == pytest.approx(17.0)
+    assert not readings.is_told(LightMix((Level("Ceiling", 0.4),)))
+    again = read_readings(write_readings(readings))
+    np.testing.assert_array_equal(again.mixed(evening)[0], readings.mixed(evening)[0])
+    strict = Requirement("a", "a", "a", "", {}, {"ugr": 17.8})
+    state = {}
+    for name, levels in (("day", day), ("evening", evening)):
+        judged = judging.judge_sensors([("Eyes", readings, None)], strict, levels)
+        state[name] = judged.observers["Eyes"][0].state
+    assert state == {"day": State.NOT_MET, "evening": State.MET}
 
 
 def test_verdicts_stand_in_the_documents(measured, tmp_path):
@@ -239,9 +269,9 @@ def test_a_bake_rates_the_observers_that_stand_in_its_file(monkeypatch, tmp_path
 
     monkeypatch.setattr(
         sensor_job,
-        "rate_observers",
+        "rate_mixes",
         lambda session, positions, *_, **__: (
-            {"ugr": np.array([[22.0, 0.02]] * len(positions))},
+            [{"ugr": np.array([[22.0, 0.02]] * len(positions))}],
             (),
         ),
     )
@@ -281,3 +311,40 @@ def test_lights_that_cannot_be_seen_leave_glare_open(measured):
     strict = Requirement("a", "a", "a", "", {}, {"ugr": 16.0})
     states = [each.state for each in judging.judge_sensors(named(), strict).observers["Eyes"]]
     assert states == [State.NOT_MET, State.UNKNOWN, State.NOT_MET]
+
+
+OWN = """standard = "House rules"
+[studio.bench]
+title = "Bench"
+task = { mean = 700 }
+"""
+
+
+def test_a_scenes_own_file_of_requirements_judges_its_sensors(measured, tmp_path):
+    from lumenray.blender_addon.reporting import gathering
+    from lumenray.blender_addon.sensors import requirements, scene_verdicts
+
+    scene, path = bpy.context.scene, tmp_path / "own.toml"
+    settings = scene.lumenray.sensors
+    settings.requirement, settings.requirements_file = "studio.bench", str(path)
+
+    def told():
+        return verdicts.texts_of(scene, find_sensors(scene))
+
+    assert "own.toml" in told()[0] and told()[0].startswith("No verdict")
+    assert "studio.bench" not in requirements.known_keys(scene)
+    path.write_text(OWN)
+    assert told()[0].startswith("studio.bench (House rules: Bench): not met")
+    (chosen,) = lighting_scenes.choose_all(scene)
+    assert scene_verdicts.judge_all(scene, chosen).areas["Task"].state is State.NOT_MET
+    report = gathering.gather(bpy.context.evaluated_depsgraph_get())
+    (task,) = [area for area in report.scenes[0].areas if area.name == "Task"]
+    assert task.assessment.requirement.title == "Bench"
+    # What is written anew counts at once, and what a command adds before both.
+    path.write_text(OWN.replace("700", "70"))
+    assert told()[0].startswith("studio.bench (House rules: Bench): met")
+    more = tmp_path / "more.toml"
+    more.write_text(OWN.replace("700", "7000"))
+    report = gathering.gather(bpy.context.evaluated_depsgraph_get(), files=(more,))
+    (task,) = [area for area in report.scenes[0].areas if area.name == "Task"]
+    assert task.state is State.NOT_MET
