@@ -10,6 +10,9 @@ MOST_TRIANGLES = 20_000
 MOST_PAIRS = 4_000_000
 """Boxes times triangles up to which their sides are found."""
 
+CHUNK = 1 << 20
+"""Points times triangles that are looked at together."""
+
 DIRECTIONS = np.array([[0.36, 0.48, 0.8], [-0.557, 0.743, -0.371], [0.113, -0.904, 0.412]])
 """Ways out of a place; no edge of what people build is likely to lie on them."""
 
@@ -74,7 +77,11 @@ def sides(corners: np.ndarray, lows: np.ndarray, highs: np.ndarray) -> np.ndarra
         return found
     for row in near:
         middle, half = 0.5 * (lows[row] + highs[row]), 0.5 * (highs[row] - lows[row])
-        found[row] = UNKNOWN if _touches(corners - middle, half) else _side(corners - middle)
+        found[row] = UNKNOWN if _touches(corners - middle, half) else OUTSIDE
+    apart = near[found[near] != UNKNOWN]
+    middles = 0.5 * (lows[apart] + highs[apart])
+    for rows in np.array_split(np.arange(len(apart)), len(apart) * len(corners) // CHUNK + 1):
+        found[apart[rows]] = _side(corners - low, middles[rows] - low)
     return found
 
 
@@ -94,18 +101,21 @@ def _touches(corners: np.ndarray, half: np.ndarray) -> bool:
     return bool((~is_apart.any(axis=1)).any())
 
 
-def _side(corners: np.ndarray) -> int:
-    """On which side of a closed surface the origin lies: how often ways out cross it."""
-    odd = {int(_crossings(corners, way)) % 2 for way in DIRECTIONS}
-    return odd.pop() if len(odd) == 1 else UNKNOWN
+def _side(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """On which side of a closed surface points lie: how often ways out of them cross it. (t, 3, 3), (n, 3) -> (n,)"""
+    odd = np.stack([_crossings(corners, points, way) % 2 for way in DIRECTIONS])
+    return np.where((odd == odd[0]).all(axis=0), odd[0], UNKNOWN)
 
 
-def _crossings(corners: np.ndarray, way: np.ndarray) -> int:
-    """Triangles that a ray from the origin meets, by the volumes that it spans with their edges."""
+def _crossings(corners: np.ndarray, points: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """Triangles that rays from points meet, by the volumes that rays span with their edges. (n,)"""
     a, b, c = (corners[:, k] for k in range(3))
-    volumes = [np.cross(p, q) @ way for p, q in ((a, b), (b, c), (c, a))]
-    is_met = np.logical_and.reduce([v > 0.0 for v in volumes])
-    is_met |= np.logical_and.reduce([v < 0.0 for v in volumes])
+    # (p - x) x (q - x) . way, for all points x at once.
+    volumes = [
+        np.cross(p, q) @ way - points @ np.cross(q - p, way).T for p, q in ((a, b), (b, c), (c, a))
+    ]
+    is_met = np.logical_and.reduce([volume > 0.0 for volume in volumes])
+    is_met |= np.logical_and.reduce([volume < 0.0 for volume in volumes])
     normal = np.cross(b - a, c - a)
-    ahead = (normal * a).sum(axis=1) * (normal @ way) > 0.0
-    return int((is_met & ahead).sum())
+    ahead = ((normal * a).sum(axis=1) - points @ normal.T) * (normal @ way) > 0.0
+    return (is_met & ahead).sum(axis=1)

@@ -56,7 +56,7 @@ def find_hidden(scene: Scene, asked: Asked) -> list[str]:
     boxes = _Boxes(scene, asked)
     hidden: dict[str, None] = {}
     for key, item in scene.meshes.items():
-        if key in asked.objects or not _is_closing(scene, item, asked):
+        if key in asked.objects or not boxes.may_part(key) or not _is_closing(scene, item, asked):
             continue
         mesh = scene.mesh(key)
         for corners in closed_parts(mesh):
@@ -92,8 +92,21 @@ class _Boxes:
                 others[key] = (light.place - light.reach, light.place + light.reach)
         placed = [key for key, box in others.items() if box is not None]
         self._keys, self._endless = placed, [key for key, box in others.items() if box is None]
+        self._places = {key: place for place, key in enumerate(placed)}
         self._wanted = _grown(wanted)
         self._others = _grown([others[key] for key in placed])
+
+    def may_part(self, owner: str) -> bool:
+        """Whether something else lies within the box round an object; what surrounds nothing need not be looked at."""
+        if owner not in self._places:
+            return False
+        low, high = (each[self._places[owner]] for each in self._others)
+        within = [
+            ((lows >= low) & (highs <= high)).all(axis=1)
+            for lows, highs in (self._others, self._wanted)
+        ]
+        # It lies within its own.
+        return within[0].sum() > 1 or bool(within[1].all())
 
     def hidden_by(self, owner: str, corners: np.ndarray) -> list[str]:
         """Ids of what a closed part of an object hides from all that is wanted."""
