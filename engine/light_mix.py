@@ -98,6 +98,11 @@ class LightMix:
         """Whether the sum of all groups is all it asks for."""
         return all(level.is_neutral for level in self.levels)
 
+    @property
+    def is_dimmed(self) -> bool:
+        """Whether a group shines with less than its flux, but shines."""
+        return any(0.0 < level.flux < 1.0 for level in self.levels)
+
     def level(self, name: str) -> Level:
         """Level of a group."""
         return next((level for level in self.levels if level.name == name), Level(name))

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass, replace
 
 from ...engine.accuracy.readings import FREEDOM
+from ...engine.analysis.glare_sources import THRESHOLD
 from ...engine.analysis.sensor_colours import rendering_range
 from ...engine.judgement.assessment import Assessment, assess, count_limits
 from ...engine.judgement.assessment import tell as tell_assessment
@@ -16,6 +17,10 @@ from ...engine.light_mix import NEUTRAL, LightMix
 from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
 from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
+
+DIMMED = (
+    f"what is dimmed below {THRESHOLD:g} cd/m² is no glare source, so that it may be rated too low"
+)
 
 RENDERING = "ra"
 """Of `LIGHT`."""
@@ -137,15 +142,21 @@ def judge_sensors(
         ratings = zip(*readings.mixed(levels), strict=True)
         limit = requirement.light["ugr"]
         verdicts = judge_observers(limit, list(ratings), OBSERVER_FREEDOM, count)
-        if readings.lacks:
+        lacks = lacks_of(readings, levels)
+        if lacks:
             # More glare could only be worse.
             verdicts = [
                 each if each.state is State.NOT_MET else replace(each, state=State.UNKNOWN)
                 for each in verdicts
             ]
-            skipped[name] = readings.lacks
+            skipped[name] = lacks
         observers[name] = tuple(verdicts)
     return Judged(requirement, areas, observers, skipped)
+
+
+def lacks_of(readings: Readings, levels: LightMix) -> str:
+    """What ratings lack with the groups at some levels, in words; empty: nothing."""
+    return "; ".join(filter(None, [readings.lacks, DIMMED if levels.is_dimmed else ""]))
 
 
 def _asked_of(requirement: Requirement, readings: Readings) -> Requirement:

@@ -12,6 +12,7 @@ from ...engine.requirements.budget import tell_parts
 from ...engine.photometry.alpha_opic import MELANOPIC
 from .. import readout
 from .goniometers import WHOLE, describe_intensities
+from .judging import lacks_of
 from .readings import Readings, readings_of
 from .results import why_outdated
 from .settings import QUANTITIES
@@ -30,8 +31,9 @@ def describe(empty, levels: LightMix = NEUTRAL) -> tuple[tuple[str, str], ...]:
     lines = [("quantity", TITLES[readings.quantity].lower()), ("sensors", f"{count}")]
     if readings.is_rating:
         lines += _describe_ratings(readings, figures, levels)
-        if readings.lacks:
-            lines.append(("not in it", readings.lacks))
+        lacks = lacks_of(readings, levels)
+        if lacks:
+            lines.append(("not in it", lacks))
     elif readings.is_distribution:
         lines = [lines[0], *describe_intensities(readings)]
     else:

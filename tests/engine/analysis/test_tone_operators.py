@@ -22,6 +22,7 @@ from lumenray.engine.analysis.tone_operators import (
 )
 from lumenray.engine.analysis.tone_sheet import draw_toned
 from lumenray.engine.analysis.veiling import Eye, veil_of_glare
+from lumenray.engine.photometry.colour import scene_linear
 from lumenray.engine.views import Display, DisplayMode
 
 D65 = np.array([0.95047, 1.0, 1.08883])
@@ -150,6 +151,14 @@ def test_pictures_for_looking_say_so_and_have_a_legend():
         np.testing.assert_allclose(
             fields["pixels"][..., :3], encode_srgb(made.colour) / 255.0, atol=1e-6
         )
+
+
+def test_a_copy_without_noise_is_shown_in_the_images_place():
+    rng = np.random.default_rng(2)
+    image = grey(np.exp(rng.normal(2.0, 1.0, (20, 30)))).astype(np.float32)
+    display = Display(mode=DisplayMode.PHOTOGRAPHIC)
+    noisy = show(3.0 * image, display, scene_linear(image, 1.0))
+    np.testing.assert_allclose(noisy["pixels"], show(image, display)["pixels"], atol=0.01)
 
 
 def test_nothing_and_what_is_no_number_are_shown_black():
