@@ -21,8 +21,8 @@ def _groups():
     from .bake import running as running_bake
     from .daylight import following, ready
     from .foundation import background_job, engine_process, identity, running_trials
-    from .raysets.files import ray_files
     from .modelling import results as modelling_results
+    from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
     from .scattering.files import scattering_files
     from .sensors import refresh as refreshed_sensors

@@ -12,8 +12,8 @@ def find(options, scene):
     ------
     LumenrayError    There is no such requirement, or it asks nothing of the area.
     """
-    from ..engine.judgement.assessment import count_limits
     from ..blender_addon.sensors.requirements import files_of
+    from ..engine.judgement.assessment import count_limits
     from ..engine.judgement.reader import find_requirement
 
     key, area = options.require or (scene.lumenray.sensors.requirement, "")

@@ -2,9 +2,9 @@
 
 import bpy
 
-from ..engine.errors import LumenrayError
 from ..blender_addon.rendering import lighting_scenes
 from ..blender_addon.sensors import scene_verdicts
+from ..engine.errors import LumenrayError
 from .compatibility import ENGINE
 from .parts import PropertiesPanel, draw_lines, draw_text
 from .sidebar import SidebarPanel

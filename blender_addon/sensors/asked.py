@@ -11,8 +11,8 @@ from ..rendering.lighting_scenes import choose_all
 from ..sync.scene import convert_scene
 from .job import SensorJob
 from .places import find_sensors, place_sensors, signature_of
-from .scene_verdicts import required_of
 from .requirements import requirements_of
+from .scene_verdicts import required_of
 
 FLOOR = 0.1
 """Readings below it count as large as it where every sensor is to reach an error. [lx]"""

@@ -11,8 +11,8 @@ from ...engine.accuracy.stopping import Progress, StopRule
 from ...engine.baking.light_layers import split_lights
 from ...engine.camera_luminance import measure_regions
 from ...engine.errors import Cancelled
-from ...engine.luminance_meter import measure_luminance
 from ...engine.light_mix import NEUTRAL, LightMix
+from ...engine.luminance_meter import measure_luminance
 from ...engine.measurements import SensorSpectra
 from ...engine.observers import DARK, SAMPLES, find_unseen, rate_mixes
 from ...engine.scene.light_groups import LightGroup

@@ -8,8 +8,8 @@ import numpy as np
 from ...engine.accuracy.readings import Figures, judge_readings
 from ...engine.analysis.sensor_colours import find_colours
 from ...engine.light_mix import NEUTRAL, LightMix
-from ...engine.requirements.budget import tell_parts
 from ...engine.photometry.alpha_opic import MELANOPIC
+from ...engine.requirements.budget import tell_parts
 from .. import readout
 from .goniometers import WHOLE, describe_intensities
 from .judging import lacks_of
