@@ -103,7 +103,7 @@ def test_switches_of_the_file_count_where_nothing_else_is_said(room, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("nothing=off", "there is no decision 'nothing', expected colours"),
+        ("nothing=off", "there is no decision 'nothing', expected unseen"),
         ("colours=maybe", "'colours=maybe' is not understood"),
         ("colours", "'colours' is not understood"),
     ],
