@@ -101,15 +101,23 @@ class _Boxes:
         if owner not in self._places:
             return False
         low, high = (each[self._places[owner]] for each in self._others)
-        within = [
+        # It lies within its own.
+        return self._holds(low, high, 1)
+
+    def _holds(self, low: np.ndarray, high: np.ndarray, own: int) -> bool:
+        """Whether a box holds more than ``own`` things as a whole, or all that is wanted."""
+        others, wanted = (
             ((lows >= low) & (highs <= high)).all(axis=1)
             for lows, highs in (self._others, self._wanted)
-        ]
-        # It lies within its own.
-        return within[0].sum() > 1 or bool(within[1].all())
+        )
+        return others.sum() > own or (len(wanted) > 0 and bool(wanted.all()))
 
     def hidden_by(self, owner: str, corners: np.ndarray) -> list[str]:
         """Ids of what a closed part of an object hides from all that is wanted."""
+        # Grown boxes of things that lie in the part may stand out by so much.
+        low, high = corners.min(axis=(0, 1)) - MARGIN, corners.max(axis=(0, 1)) + MARGIN
+        if not self._holds(low, high, 0):
+            return []
         wanted = sides(corners, *self._wanted)
         if not len(wanted) or wanted[0] == UNKNOWN or (wanted != wanted[0]).any():
             return []
