@@ -16,7 +16,7 @@ from .facts import Facts
 
 NAME = "colours"
 
-SAVING = 0.4
+SAVING = 0.25
 """Share of the time of a spectral sample that a photometric one saves. [-]"""
 
 MOST_LEFT = 0.98
