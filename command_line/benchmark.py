@@ -145,6 +145,13 @@ def add_command(commands) -> None:
         "--scenes", type=words, metavar="A,B", help="only these, by their names (default: all)"
     )
     needs.add_argument(
+        "--count",
+        type=whole(0),
+        default=200,
+        metavar="N",
+        help="random scenes in which bounds are tried (default: 200)",
+    )
+    needs.add_argument(
         "--resume",
         action="store_true",
         help="go on with the results that --json already holds, scene by scene",
@@ -474,12 +481,14 @@ def _run_requirements(options, say) -> int:
     result = needs.run(
         options.seeds,
         options.scenes,
+        options.count,
         _read_earlier(options, needs),
         say,
         lambda state: write_numbers(state, options.json),
     )
     tell(tell_bars(needs.check_bars(result)))
     is_part = options.seeds < needs.SEEDS or len(result["scenes"]) < len(needs.BUILDERS)
+    is_part |= result.get("count", 0) < needs.bounds.COUNT
     _write(needs, result, options, is_part)
     return 0
 

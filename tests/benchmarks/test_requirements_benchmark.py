@@ -73,3 +73,39 @@ def test_no_simplification_is_off_by_more_than_its_bound(number):
         trial = find_error(scene, name, 1 << 13, number)
         if np.isfinite(trial.bound):
             assert (trial.error <= trial.bound + 4.0 * trial.noise).all(), (name, scene.words)
+
+
+def row(seconds, full, errors, reference=0.0):
+    """A scene's results; ``errors`` of runs [-]."""
+    return {
+        "title": "Room",
+        "sensors": 4,
+        "seconds": seconds,
+        "full_seconds": full,
+        "is_full_reckoned": False,
+        "squares": [error**2 for error in errors],
+        "reference_square": reference,
+        "stated": [0.01] * len(errors),
+        "decisions": ["all of it"],
+    }
+
+
+def test_results_are_judged_by_the_demands():
+    from lumenray.benchmarks.requirements import run
+
+    scenes = {"a": row(1.0, 8.0, [0.009, 0.010, 0.011]), "b": row(2.0, 1.8, [0.02, 0.021, 0.02])}
+    trials = [{"is_exceeded": False}, {"is_exceeded": True}]
+    result = run._sum_up({"scenes": scenes, "bounds": trials, "count": 2, "seeds": 3})
+    assert result["speedup"] == pytest.approx((8.0 * 0.9) ** 0.5)
+    # True errors of about what was asked are chance; twice of it are not.
+    assert (result["slowest"], result["over_asked"], result["bounds_exceeded"]) == (0.9, 1, 1)
+    passed = [bar.passed for bar in run.check_bars(result)]
+    assert passed == [True, False, False, False, None, None]
+
+
+def test_the_error_of_the_reference_is_no_error_of_ours():
+    from lumenray.benchmarks.requirements.race import true_error
+
+    both = np.hypot(0.01, 0.003)
+    assert true_error(row(1.0, 1.0, [both, both], 0.003**2))[0] == pytest.approx(0.01)
+    assert true_error(row(1.0, 1.0, [0.002, 0.002], 0.003**2))[0] == 0.0

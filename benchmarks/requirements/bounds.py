@@ -1,0 +1,84 @@
+"""Whether bounds hold: random scenes, each simplification alone against the full model."""
+
+import numpy as np
+
+from ...engine.requirements.plan import DECISIONS
+from ..common.document import make_table
+from ..common.statistics import median
+from .random_scenes import find_error, make_scene
+
+COUNT = 200
+"""Scenes."""
+
+SAMPLES = 1 << 12
+"""Paths of every sensor, on both ways."""
+
+SURE = 4.0
+"""Standard errors by which a difference must be over its bound to have passed it: of some thousand sensors one is over 3.3
+by chance."""
+
+
+ROUNDING = 1e-5
+"""Relative difference that single precision makes. [-]"""
+
+
+SEEN = 3.0
+"""Standard errors from which on a difference says how large an error is."""
+
+
+def measure(count: int, say) -> list[dict]:
+    """Try all simplifications that random scenes allow; a row for each."""
+    rows = []
+    for number in range(count):
+        scene = make_scene(number)
+        for name in DECISIONS:
+            trial = find_error(scene, name, SAMPLES, number)
+            if not np.isfinite(trial.bound):
+                continue
+            rows.append(
+                {
+                    "scene": number,
+                    "name": name,
+                    "bound": trial.bound,
+                    "errors": trial.error.tolist(),
+                    "noises": trial.noise.tolist(),
+                    "is_exceeded": bool(
+                        (trial.error > trial.bound + SURE * trial.noise + ROUNDING).any()
+                    ),
+                }
+            )
+        if (number + 1) % 10 == 0:
+            exceeded = sum(row["is_exceeded"] for row in rows)
+            say(f"{number + 1} scenes, {len(rows)} simplifications, {exceeded} over their bounds")
+    return rows
+
+
+def tell(rows: list[dict], count: int) -> str:
+    """The chapter of the document."""
+    cells = []
+    for name in DECISIONS:
+        own = [row for row in rows if row["name"] == name]
+        if not own:
+            continue
+        off = np.concatenate([np.array(row["errors"]) for row in own])
+        noise = np.concatenate([np.array(row["noises"]) for row in own])
+        seen = [each for row in own if row["bound"] > 0.0 for each in _looseness(row)]
+        is_exact = not any(row["bound"] for row in own)
+        loose = "exact" if is_exact else f"{median(seen):.3g}" if seen else "hidden in noise"
+        cells.append(
+            f"| {name} | {len(own)} | {sum(row['is_exceeded'] for row in own)} | {loose} | "
+            f"{np.sqrt(np.mean(np.square(off / np.maximum(noise, ROUNDING)))):.2f} |"
+        )
+    head = "| simplification | scenes | over its bound | bound over error, median | difference over noise, rms |"
+    return (
+        f"## Bounds\n\n{count} random rooms with lamps, things and neighbours, each simplification alone against the full "
+        "model at four sensors. A bound counts as passed where the difference is over it by more than four standard errors. "
+        "*Bound over error*: of differences of more than three standard errors. *Difference over noise*: 1 where nothing but "
+        f"noise is left, as of what is exact.\n\n{make_table(head, cells)}\n"
+    )
+
+
+def _looseness(row: dict) -> list[float]:
+    """Bound over error, of the errors that are seen beside their noise. [-]"""
+    pairs = zip(row["errors"], row["noises"], strict=True)
+    return [row["bound"] / error for error, noise in pairs if error > SEEN * noise]
