@@ -73,8 +73,8 @@ def tell(rows: list[dict], count: int) -> str:
     return (
         f"## Bounds\n\n{count} random rooms with lamps, things and neighbours, each simplification alone against the full "
         "model at four sensors. A bound counts as passed where the difference is over it by more than four standard errors. "
-        "*Bound over error*: of differences of more than three standard errors. *Difference over noise*: 1 where nothing but "
-        f"noise is left, as of what is exact.\n\n{make_table(head, cells)}\n"
+        "*Bound over error*: of differences of more than three standard errors. *Difference over noise*: 1 where nothing "
+        f"but noise is left, as of what is exact.\n\n{make_table(head, cells)}\n"
     )
 
 
