@@ -59,14 +59,23 @@ class CaughtGroups:
     groups : list of Share    Those of which something is known.
     layout : CaughtLayout
     shape : (int, int)    Rows and columns of the picture.
+    is_transparent : bool
+        Whether what is seen straight of catchers is a part of the surroundings, as on a transparent film.
 
     Attributes
     ----------
     shown : dict of str to Shown    By the groups' names.
     """
 
-    def __init__(self, groups: list["Share"], layout: CaughtLayout, shape: tuple[int, int]):
+    def __init__(
+        self,
+        groups: list["Share"],
+        layout: CaughtLayout,
+        shape: tuple[int, int],
+        is_transparent: bool,
+    ):
         self._groups, self._layout, self._shape = groups, layout, shape
+        self._is_transparent = is_transparent
         columns = [group.caught for group in groups]
         shown, is_open = layout.share_out(columns, [WORLD in group.members for group in groups])
         self.shown: dict[str, Shown] = dict(zip((g.name for g in groups), shown, strict=True))
@@ -78,6 +87,8 @@ class CaughtGroups:
         shown = self.shown[group.name]
         if name == "bands":
             made = shown.bands + shown.band_change
+        elif name == "backdrop" and not self._is_transparent:
+            made = np.zeros_like(shown.tristimulus)
         else:
             made = shown.tristimulus + (shown.change if name == "tristimulus" else 0.0)
         return made.mean(axis=0).reshape(*self._shape, -1)
@@ -92,9 +103,9 @@ class CaughtGroups:
         made = self._layout.scatter(group.caught, self._whole, counts, 0.0, len(self._groups))
         return made.mean(axis=0).reshape(self._shape)
 
-    def coverage(self, without: np.ndarray, is_transparent: bool) -> np.ndarray:
+    def coverage(self, without: np.ndarray) -> np.ndarray:
         """Share of a pixel that shows anything, by that of a picture where catchers are holes. (h, w)"""
-        is_open = self._open if is_transparent else 0.0
+        is_open = self._open if self._is_transparent else 0.0
         return np.clip(without + (self._whole[:, 0] - is_open).reshape(self._shape), 0.0, 1.0)
 
 
@@ -327,7 +338,7 @@ class _Rounds:
         if self.layout is not None:
             shape = made.fields["luminance_error"].shape
             known = [group for group in self.groups if group.samples]
-            self.caught = CaughtGroups(known, self.layout, shape)
+            self.caught = CaughtGroups(known, self.layout, shape, self.is_transparent)
         self.count += 1
         self.first = self.first or made.fields
         for told, words in ((self.notes, made.notes), (self.decisions, made.decisions)):
@@ -363,7 +374,7 @@ class _Rounds:
             weighed = sum(group.samples * group.mean["coverage"] for group in self.groups)
             coverage = weighed / self.samples
             if self.caught is not None:
-                coverage = self.caught.coverage(coverage, self.is_transparent)
+                coverage = self.caught.coverage(coverage)
             fields["coverage"] = coverage.astype(np.float32)
         fields |= {"relative_error": self.error, "groups": lights}
         notes, decisions = self._name(self.notes), self._name(self.decisions)
