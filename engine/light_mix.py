@@ -172,6 +172,23 @@ def add_colours(images, groups, levels: LightMix) -> np.ndarray:
     return total.astype(np.float32)
 
 
+def undim(groups: tuple[GroupLight, ...], levels: LightMix) -> np.ndarray:
+    """Luminance of the groups that shine at some levels, were none of them dimmed.
+
+    Returns
+    -------
+    (c, h, w) float32 array    One picture for all groups that are dimmed alike, for at least one of them shines. [cd/m2]
+    """
+    made: dict[float, np.ndarray] = {}
+    for group in groups:
+        level = levels.level(group.name)
+        if level.flux > 0.0:
+            light = max(level.flux, 1.0) * _coloured(group.tristimulus, level)[..., 1]
+            dimming = min(level.flux, 1.0)
+            made[dimming] = made.get(dimming, 0.0) + light
+    return np.stack(list(made.values())).astype(np.float32)
+
+
 def _coloured(image, level: Level):
     """X, Y, Z in a level's colour."""
     return image if level.is_white else image @ tint(level.colour).T

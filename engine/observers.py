@@ -11,7 +11,7 @@ from .analysis.observer_glare import FIGURES, rate_observer
 from .analysis.observer_view import eye_camera
 from .errors import Cancelled
 from .formats.luminance_picture import view_of_camera
-from .light_mix import NEUTRAL, LightMix
+from .light_mix import NEUTRAL, LightMix, undim
 from .scene.light_groups import LightGroup
 from .views import ViewSettings
 
@@ -90,7 +90,8 @@ def rate_mixes(
     -------
     list of dict of str to (n, 2) array
         Of every mix, by `observer_glare.FIGURES`: values and standard errors; NaN where one has no meaning, as UGR where
-        nothing dazzles.
+        nothing dazzles. What is a source is told by the picture without dimming, as a luminaire that is dimmed below the
+        threshold stays one: light that is dimmed as a whole by f changes UGR by 8 log10 f.
     tuple of str    Notes for people.
 
     Raises
@@ -105,19 +106,24 @@ def rate_mixes(
     rows, notes, seconds = [[] for _ in mixes], {}, 0.0
     for number, (place, direction) in enumerate(zip(positions, directions, strict=True)):
         camera = eye_camera(place, direction, size + size % 2)
-        pictures = [[] for _ in mixes]
+        pictures, full = ([[] for _ in mixes] for _ in range(2))
         for part in range(PARTS):
             if is_cancelled():
                 raise Cancelled("cancelled")
             made = session.render(camera, replace(wanted, seed=(seed + part) % 2**31))
-            for row, levels in zip(pictures, mixes, strict=True):
+            for row, whole, levels in zip(pictures, full, mixes, strict=True):
                 seen = made if levels.is_neutral else made.mixed(levels)
                 row.append(np.maximum(seen.tristimulus[..., 1], 0.0).astype(np.float64))
+                if levels.is_dimmed:
+                    whole.append(np.maximum(undim(made.groups, levels), 0.0))
             notes |= dict.fromkeys(made.provenance.notes)
             seconds += made.provenance.seconds
-        for row, seen in zip(rows, pictures, strict=True):
+        for row, seen, whole in zip(rows, pictures, full, strict=True):
             if all(picture.any() for picture in seen):
-                row.append(rate_observer(np.stack(seen), view_of_camera(camera), threshold))
+                undimmed = np.stack(whole) if whole else None
+                row.append(
+                    rate_observer(np.stack(seen), view_of_camera(camera), threshold, undimmed)
+                )
             else:
                 row.append(dict.fromkeys(FIGURES, (np.nan, np.nan)))
                 notes[DARK] = None

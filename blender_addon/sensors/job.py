@@ -315,6 +315,7 @@ class SensorJob:
                 direct=[each.values[start:end] for each in direct] or None,
                 direct_errors=[each.errors[start:end] for each in direct] or None,
                 lacks=found[0].lacks,
+                keeps_sources=kind == GLARE,
                 simplified=max(each.simplified for each in found),
                 size=found[0].size,
                 mixes=[levels.key() for levels in self._told_mixes] if found[0].rated else (),

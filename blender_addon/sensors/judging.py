@@ -18,9 +18,7 @@ from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
 from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
 
-DIMMED = (
-    f"what is dimmed below {THRESHOLD:g} cd/m² is no glare source, so that it may be rated too low"
-)
+DIMMED = f"it was rated by an older version, to which lamps dimmed below {THRESHOLD:g} cd/m² are no glare sources: measure again"
 
 RENDERING = "ra"
 """Of `LIGHT`."""
@@ -156,7 +154,8 @@ def judge_sensors(
 
 def lacks_of(readings: Readings, levels: LightMix) -> str:
     """What ratings lack with the groups at some levels, in words; empty: nothing."""
-    return "; ".join(filter(None, [readings.lacks, DIMMED if levels.is_dimmed else ""]))
+    is_low = levels.is_dimmed and not readings.keeps_sources
+    return "; ".join(filter(None, [readings.lacks, DIMMED if is_low else ""]))
 
 
 def _asked_of(requirement: Requirement, readings: Readings) -> Requirement:

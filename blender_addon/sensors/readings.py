@@ -48,6 +48,7 @@ class Readings:
     direct, direct_errors : (g, n) float32 array or None    The part of the values that was not reflected, where it was asked
         for.
     lacks : str    What the values lack, in words; empty: nothing.
+    keeps_sources : bool    Whether dimmed lights are glare sources as at full flux; ratings of old files are not so.
     simplified : float    Largest relative error by what was not modelled; it is in the errors. [-]
     size : (float, float, float)    Of the luminaire in a goniometer, along its axes. [m]
     mixes : tuple of str    Levels of light groups for which glare was rated besides, see `LightMix.key`.
@@ -79,6 +80,7 @@ class Readings:
     direct: np.ndarray | None = None
     direct_errors: np.ndarray | None = None
     lacks: str = ""
+    keeps_sources: bool = False
     simplified: float = 0.0
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mixes: tuple[str, ...] = ()
@@ -219,6 +221,7 @@ def make_readings(
     direct=None,
     direct_errors=None,
     lacks="",
+    keeps_sources=False,
     simplified=0.0,
     size=(0.0, 0.0, 0.0),
     mixes=(),
@@ -250,6 +253,7 @@ def make_readings(
         None if direct is None else np.asarray(direct, dtype=np.float32),
         None if direct_errors is None else np.asarray(direct_errors, dtype=np.float32),
         lacks,
+        bool(keeps_sources),
         float(simplified),
         tuple(size),
         tuple(mixes),

@@ -41,6 +41,7 @@ def find_sources(
     directions: np.ndarray,
     solid_angles: np.ndarray,
     threshold: float = THRESHOLD,
+    undimmed: np.ndarray | None = None,
 ) -> GlareSources:
     """Find the sources of glare in a picture.
 
@@ -50,16 +51,26 @@ def find_sources(
     view : PictureView
     directions, solid_angles : array    Of `PictureView.pixels`; pixels of 0 sr do not count.
     threshold : float    [cd/m2]
+    undimmed : (c, h, w) array or None
+        What the picture would show were no lamp dimmed, in parts that are dimmed alike: which pixels are sources is told by
+        their sum, and those in which different parts prevail belong to different ones. None: as the picture. [cd/m2]
 
     Returns
     -------
     GlareSources    In order of what they give to the illuminance.
     """
-    rows, columns = np.nonzero((luminance > threshold) & (solid_angles > 0.0))
+    parts = luminance[None] if undimmed is None else undimmed
+    full = parts.sum(axis=0, dtype=np.float64)
+    rows, columns = np.nonzero((full > threshold) & (solid_angles > 0.0))
     bright = luminance[rows, columns].astype(np.float64)
+    full, part = full[rows, columns], parts[:, rows, columns].argmax(axis=0)
     towards, solid = directions[rows, columns], solid_angles[rows, columns]
-    labels = link(towards, REACH)
-    is_peak = bright >= PEAK
+    labels = np.zeros(len(rows), dtype=np.int64)
+    for number in np.unique(part):
+        # A dimmed lamp beside a window would else dilute it.
+        members = np.flatnonzero(part == number)
+        labels[members] = labels.max() + 1 + link(towards[members], REACH)
+    is_peak = full >= PEAK
     if is_peak.any() and _is_fine(view):
         # Peaks are linked within their own source alone.
         for source in np.unique(labels[is_peak]):
@@ -67,10 +78,13 @@ def find_sources(
             labels[members] = labels.max() + 1 + link(towards[members], REACH)
     _, labels = np.unique(labels, return_inverse=True)
     total = np.bincount(labels, solid)
-    weight = solid * bright
-    power = np.bincount(labels, weight)
-    x, y = (np.bincount(labels, weight * (each + 0.5)) / power for each in (columns, rows))
-    received = np.bincount(labels, -weight * towards[:, 2])
+    power = np.bincount(labels, solid * bright)
+    weight = solid * full
+    x, y = (
+        np.bincount(labels, weight * (each + 0.5)) / np.bincount(labels, weight)
+        for each in (columns, rows)
+    )
+    received = np.bincount(labels, -solid * bright * towards[:, 2])
     centres, _ = view.directions(x, y)
     order = np.argsort(-received, kind="stable")
     found = power / np.where(total > 0.0, total, 1.0), total, received, centres

@@ -17,7 +17,10 @@ DOUBT = 0.5
 
 
 def rate_observer(
-    pictures: np.ndarray, view: PictureView, threshold: float = THRESHOLD
+    pictures: np.ndarray,
+    view: PictureView,
+    threshold: float = THRESHOLD,
+    undimmed: np.ndarray | None = None,
 ) -> dict[str, tuple[float, float]]:
     """Rate what an observer sees.
 
@@ -26,6 +29,8 @@ def rate_observer(
     pictures : (k, h, w) array    At least two, with independent noise; width and height even. [cd/m2]
     view : PictureView    Of all of them.
     threshold : float    [cd/m2]
+    undimmed : (k, c, h, w) array or None
+        By which glare sources are told instead, as of `glare_sources.find_sources`, of each picture. [cd/m2]
 
     Returns
     -------
@@ -45,8 +50,12 @@ def rate_observer(
     pictures = np.asarray(pictures, dtype=np.float64)
     if view.width % 2 or view.height % 2:
         raise SceneError("the pictures of an observer need an even width and height")
-    mean = _refine(pictures.mean(axis=0), view, threshold)
-    parts = [_refine(each, view, threshold)[0] for each in pictures]
+    full = [None] * len(pictures) if undimmed is None else undimmed
+    full_mean = None if undimmed is None else np.mean(undimmed, axis=0, dtype=np.float64)
+    mean = _refine(pictures.mean(axis=0), view, threshold, full_mean)
+    parts = [
+        _refine(each, view, threshold, its)[0] for each, its in zip(pictures, full, strict=True)
+    ]
     found = {}
     for name in FIGURES:
         apart = np.array([each[name] for each in parts])
@@ -55,17 +64,21 @@ def rate_observer(
     return found
 
 
-def _refine(picture: np.ndarray, view: PictureView, threshold: float) -> tuple[dict, dict]:
+def _refine(picture, view: PictureView, threshold: float, undimmed) -> tuple[dict, dict]:
     """Figures carried on to pixels without a size, and what that has added."""
     coarse = replace(view, width=view.width // 2, height=view.height // 2)
-    blocks = picture.reshape(coarse.height, 2, coarse.width, 2).mean(axis=(1, 3))
-    fine, rough = (
-        _figures(rate_picture(each, its, threshold))
-        for each, its in ((picture, view), (blocks, coarse))
-    )
+    fine = _figures(rate_picture(picture, view, threshold, undimmed))
+    full = None if undimmed is None else _halve(undimmed)
+    rough = _figures(rate_picture(_halve(picture), coarse, threshold, full))
     added = {name: np.nan_to_num(fine[name] - rough[name]) for name in FIGURES}
     found = {name: fine[name] + added[name] for name in FIGURES}
     return {name: _held(name, value) for name, value in found.items()}, added
+
+
+def _halve(pictures: np.ndarray) -> np.ndarray:
+    """Means of two by two pixels. (..., h, w) -> (..., h / 2, w / 2)"""
+    *more, height, width = pictures.shape
+    return pictures.reshape(*more, height // 2, 2, width // 2, 2).mean(axis=(-3, -1))
 
 
 def _held(name: str, value: float) -> float:

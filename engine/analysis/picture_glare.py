@@ -48,7 +48,10 @@ class PictureGlare:
 
 
 def rate_picture(
-    luminance: np.ndarray, view: PictureView, threshold: float = THRESHOLD
+    luminance: np.ndarray,
+    view: PictureView,
+    threshold: float = THRESHOLD,
+    undimmed: np.ndarray | None = None,
 ) -> PictureGlare:
     """Rate the glare of a picture.
 
@@ -57,6 +60,7 @@ def rate_picture(
     luminance : (h, w) array    Row 0 is the bottom row; finite and not negative. [cd/m2]
     view : PictureView    Of this size.
     threshold : float    Luminance above which pixels are part of sources. [cd/m2]
+    undimmed : (c, h, w) array or None    By which they are told instead, as of `glare_sources.find_sources`. [cd/m2]
 
     Raises
     ------
@@ -83,7 +87,7 @@ def rate_picture(
     illuminance = float((solid * cosine * luminance).sum())
     if illuminance <= 0.0:
         raise SceneError("the picture is dark, so there is no glare to rate")
-    sources = find_sources(luminance, view, directions, solid, threshold)
+    sources = find_sources(luminance, view, directions, solid, threshold, undimmed)
     indices = position_indices(sources.directions)
     direct = float(sources.illuminances.sum())
     background = max(illuminance - direct, 0.0) / np.pi
@@ -146,7 +150,7 @@ def _ugr(background: float, sources: GlareSources, indices: np.ndarray) -> float
     if not len(sources.luminances) or background <= 0.0:
         return None
     amount = np.sum(sources.luminances**2 * sources.solid_angles / indices**2)
-    return float(8.0 * np.log10(0.25 / background * amount))
+    return float(8.0 * np.log10(0.25 / background * amount)) if amount > 0.0 else None
 
 
 def _veiling(sources: GlareSources) -> float:

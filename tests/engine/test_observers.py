@@ -14,10 +14,12 @@ from lumenray.engine.analysis.glare import (
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.openings import projected_area
 from lumenray.engine.luminance_meter import measure_luminance
-from lumenray.engine.observers import DARK, rate_observers
+from lumenray.engine.light_mix import GroupLight, Level, LightMix, mix
+from lumenray.engine.observers import DARK, rate_mixes, rate_observers
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import Luminaire, Output, Quantity, UniformWorld
+from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
 from luminaires import grid
@@ -151,14 +153,70 @@ def test_observers_in_the_dark_are_not_rated_and_the_others_are():
     assert notes == (DARK,)
 
 
+class _Grouped:
+    """Session whose pictures hold a lamp of 3000 cd/m2 and a window of 6000 beside it, in a room that both make less bright.
+
+    A band of the lamp is as bright as 90 000 cd/m2, and the window 2500 at its edge.
+    """
+
+    groups = (LightGroup("Lamp", ("lamp",)), LightGroup("Window", ("window",)))
+
+    def render(self, camera, settings):
+        rng = np.random.default_rng(settings.seed)
+        made = []
+        for name, room in (("Lamp", 40.0), ("Window", 70.0)):
+            light = room * rng.uniform(0.9, 1.1, (camera.height, camera.width))
+            if name == "Lamp":
+                light[40:46, 22:32] += 3000.0
+                light[42, 24:30] = 90_000.0
+            else:
+                light[40:46, 33:41] += 6000.0
+                light[47, 33:41] = 2500.0
+            tristimulus = np.repeat(light[..., None], 3, axis=2).astype(np.float32)
+            made.append(GroupLight(name, 8, tristimulus, np.zeros_like(tristimulus[..., 0])))
+        origin = SimpleNamespace(notes=(), seconds=0.0)
+        return SimpleNamespace(
+            groups=made,
+            tristimulus=mix(made).tristimulus,
+            provenance=origin,
+            mixed=lambda levels: mix(made, levels),
+        )
+
+
+def rate_grouped(*mixes):
+    eyes, ahead = np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])
+    made, _ = rate_mixes(_Grouped(), eyes, ahead, _Grouped.groups, mixes, size=64, samples=8)
+    return [table["ugr"][0] for table in made]
+
+
+def test_dimming_all_light_lowers_its_glare_by_eight_decades_of_the_factor():
+    """Even where no pixel is as bright as a glare source any more: L_s^2 / L_b goes with the factor."""
+    factors = (0.7, 0.3, 0.01)
+    mixes = [LightMix((Level("Lamp", f), Level("Window", f))) for f in factors]
+    (full, error), *dimmed = rate_grouped(LightMix(), *mixes)
+    assert 15.0 < full < 45.0
+    for factor, (value, its) in zip(factors, dimmed, strict=True):
+        assert value - full == pytest.approx(8.0 * np.log10(factor), abs=1e-4)
+        assert its == pytest.approx(error, abs=1e-4)
+
+
+def test_a_lamp_that_is_dimmed_beside_a_window_does_not_dilute_it():
+    """At a thousandth of its flux it is as if it were off, but that its pixels are no background."""
+    off, dimmed, lamp = rate_grouped(
+        LightMix((Level("Lamp", is_on=False),)),
+        LightMix((Level("Lamp", 1e-3),)),
+        LightMix((Level("Window", is_on=False), Level("Lamp", 0.1))),
+    )
+    assert off[0] < dimmed[0] < off[0] + 0.2
+    # A lamp alone that is dimmed to 300 cd/m2 is rated too.
+    assert np.isfinite(lamp[0])
+
+
 @pytest.mark.slow
 @pytest.mark.mitsuba
 def test_glare_of_light_groups_is_that_of_the_lamps_which_shine():
     """Two panels on a ceiling: with one of them off, and one dimmed, as if the scene had been so."""
-    from lumenray.engine.light_mix import Level, LightMix
-    from lumenray.engine.observers import rate_mixes
     from lumenray.engine.scene.light import AreaLight, Output, Quantity
-    from lumenray.engine.scene.light_groups import LightGroup
     from lumenray.engine.scene.spectrum import Constant
     from small_scenes import box, paint, session_of
 
