@@ -18,7 +18,7 @@ from ...engine.observers import FREEDOM as OBSERVER_FREEDOM
 from ...engine.photometry.alpha_opic import MELANOPIC
 from .readings import Readings
 
-DIMMED = f"it was rated by an older version, to which lamps dimmed below {THRESHOLD:g} cd/m² are no glare sources: measure again"
+DIMMED = f"it was rated by an older version, to which lamps dimmed below {THRESHOLD:g} cd/m² are no sources: measure again"
 
 RENDERING = "ra"
 """Of `LIGHT`."""
