@@ -68,6 +68,17 @@ def add_command(commands) -> None:
         "--illuminance that as well, OUT_illuminance.png and .svg",
     )
     render.add_argument(
+        "--isolux-lines",
+        action=argparse.BooleanOptionalAction,
+        help="draw lines of equal luminance with their values, and with --illuminance isolux lines: over the false colours "
+        "(default), or without --false-colour over the picture as it is looked at, into the same files",
+    )
+    render.add_argument(
+        "--values",
+        action="store_true",
+        help="write values at a grid of points of these pictures; as for lines, means over as many pixels as noise asks for",
+    )
+    render.add_argument(
         "--tone",
         choices=OPERATORS,
         action="append",
@@ -152,7 +163,7 @@ def render_open(options, depsgraph) -> int:
     _write_exr(options.output, picture, white, linear, camera)
     shown = _preview(options, picture, camera, linear)
     write_display(options.output.with_suffix(".png"), shown.colour, shown.words)
-    _draw_false_colours(options, picture)
+    _draw_quantities(options, picture, shown)
     _draw_tones(options, shown, white, camera)
     shortfall = view.rule.shortfall(whole_picture.relative_error)
     report = _report(options, scene.camera.name, picture, conversion, shortfall, shown.words)
@@ -221,7 +232,7 @@ def check_files(options) -> None:
     check_free(options, *beside, _spectral_path(options))
     for name in options.tone:
         check_free(options, *_drawn_paths(options, name))
-    if options.false_colour:
+    if _draws_quantities(options):
         check_free(options, *_drawn_paths(options, "luminance"))
         check_free(options, *(_drawn_paths(options, "illuminance") if options.illuminance else ()))
 
@@ -235,20 +246,42 @@ def _drawn_paths(options, quantity: str) -> list[Path]:
     return [options.output.with_name(f"{stem}.{end}") for end in ("png", "svg")]
 
 
-def _draw_false_colours(options, picture) -> None:
-    """Draw luminance, and illuminance where it was asked for, in false colours with lines of equal value."""
-    if not options.false_colour:
+def _draws_quantities(options) -> bool:
+    return bool(options.false_colour or options.isolux_lines or options.values)
+
+
+def _draw_quantities(options, picture, shown) -> None:
+    """Draw luminance, and illuminance where it was asked for, with lines of equal value and values.
+
+    ``shown``: the `looking.Filtered` picture, over which they are drawn unless false colours were asked for.
+    """
+    if not _draws_quantities(options):
         return
+    from ..engine.analysis.false_colour import encode_display
     from ..engine.analysis.value_plan import draw_map, even_scale
 
-    drawn = [("luminance", picture.tristimulus[..., 1], "cd/m2")]
+    drawn = [("luminance", picture.tristimulus[..., 1], picture.luminance_error, "cd/m2")]
     if options.illuminance:
-        drawn.append(("illuminance", picture.illuminance, "lx"))
-    for quantity, values, unit in drawn:
+        drawn.append(("illuminance", picture.illuminance, picture.illuminance_error, "lx"))
+    look = None if options.false_colour else encode_display(shown.colour)
+    with_lines = options.false_colour if options.isolux_lines is None else options.isolux_lines
+    for quantity, values, error, unit in drawn:
         scale = even_scale(values, unit, options.scale_to, options.log_scale)
         caption = f"mean {float(values.mean()):.4g} {unit}"
-        title = quantity.capitalize()
-        sheet = draw_map(title, values, None, caption, scale, unit=unit, smoothing=LINE_SMOOTHING)
+        title = quantity.capitalize() if look is None else f"{quantity.capitalize()} [{unit}]"
+        sheet = draw_map(
+            title,
+            values,
+            None,
+            caption,
+            scale,
+            unit=unit,
+            smoothing=LINE_SMOOTHING,
+            error=error,
+            with_lines=with_lines,
+            with_values=options.values,
+            look=look,
+        )
         for path in _drawn_paths(options, quantity):
             say(f"written to {sheet.save(path)}")
 
@@ -268,7 +301,7 @@ def _draw_tones(options, shown, white: float, camera) -> None:
 
 
 LINE_SMOOTHING = 2
-"""How often neighbouring pixels are averaged before lines are drawn, so that noise does not fray them."""
+"""How often neighbouring pixels are averaged at least before lines are drawn, so that noise does not fray them."""
 
 
 def _view(options, scene, luminous):

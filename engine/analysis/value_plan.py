@@ -6,6 +6,14 @@ from .canvas import LIGHT, Colours
 from .colour_scale import WIDTH, ColourScale
 from .contours import choose_levels, find_contours, path_length, place_label
 from .false_colour import nice_maximum
+from .line_smoothing import (
+    LINE_NOISE,
+    choose_passes,
+    mean_width,
+    noise_left,
+    relative_noise,
+    smooth,
+)
 from .polar_diagram import round_step
 from .sheet import Sheet, hexadecimal
 
@@ -22,6 +30,9 @@ SHORTEST = 12.0
 
 LABELLED = 60.0
 """Length from which a line has its value written on it. [pixel]"""
+
+ACROSS, UP = 84.0, 56.0
+"""Distances of the points whose values are written on maps and pictures. [pixel]"""
 
 LARGEST = 1600
 """Longer side of a map or picture on its plan. [pixel]"""
@@ -113,6 +124,10 @@ def draw_map(
     unit: str = "lx",
     smoothing: int = 0,
     colours: Colours = LIGHT,
+    error=None,
+    with_lines: bool = True,
+    with_values: bool = False,
+    look=None,
 ) -> Sheet:
     """Draw a map or a picture.
 
@@ -123,6 +138,10 @@ def draw_map(
     scale : ColourScale or None    None: even colours from 0 to a round number.
     levels : iterable of float or None    Of the lines; None: round ones.
     smoothing : int    How often neighbours are averaged before lines are drawn; colours stay as they are.
+    error : (h, w) array or None
+        Standard error, for which neighbours are averaged more often where lines would show it; what is left is stated.
+    with_lines, with_values : bool    Whether lines are drawn, and values written at a grid of points.
+    look : (h, w, 3) uint8 array or None    A picture, the top row first, that is shown in place of colours and legend.
     """
     values = np.asarray(values, dtype=np.float64)
     shown = np.ones(values.shape, dtype=bool) if shown is None else np.asarray(shown, dtype=bool)
@@ -136,45 +155,68 @@ def draw_map(
         max(round(height * zoom + TOP + BOTTOM), 320),
     )
     sheet = Sheet(size, colours)
-    fills = scale.colours(values)
-    background = [int(colours.background[k : k + 2], 16) for k in (1, 3, 5)]
-    fills[~shown] = background
     corner = np.array([MARGIN, TOP])
-    sheet.picture(fills[::-1], corner, (width * zoom, height * zoom))
+    if look is None:
+        look = scale.colours(values)
+        look[~shown] = [int(colours.background[k : k + 2], 16) for k in (1, 3, 5)]
+        look = look[::-1]
+        scale.draw_on_sheet(sheet, size[0] - WIDTH - MARGIN + 14, TOP + 8, size[1] - BOTTOM)
+    sheet.picture(look, corner, (width * zoom, height * zoom))
     known = values[shown]
     lines = [] if levels is None else list(levels)
     if levels is None and known.size:
         # Of nearly all that is seen: a lamp would take all lines.
         lines = choose_levels(np.percentile(known, [0.5, 99.5]))
+    drawn = with_lines or with_values
+    noise = relative_noise(known, np.asarray(error)[shown]) if drawn and error is not None else 0.0
+    passes = choose_passes(noise, smoothing, min(height, width)) if drawn else 0
     field = np.where(shown, values, np.nan)
-    for _ in range(smoothing):
+    for _ in range(passes):
         field = smooth(field)
 
     def place(points):
         return corner + (np.asarray(points) * [1.0, -1.0] + [0.0, height]) * zoom
 
     x, y = np.arange(width) + 0.5, np.arange(height) + 0.5
-    _draw_lines(sheet, find_contours(x, y, field, lines), place, SHORTEST)
-    scale.draw_on_sheet(sheet, size[0] - WIDTH - MARGIN + 14, TOP + 8, size[1] - BOTTOM)
-    more = f"lines of means over {2 * smoothing + 1} pixels" if smoothing else ""
+    if with_lines:
+        # Noise that was smoothed makes rings as wide as the means.
+        shortest = SHORTEST + 3.0 * zoom * (mean_width(passes) - mean_width(smoothing))
+        _draw_lines(sheet, find_contours(x, y, field, lines), place, shortest)
+    if with_values:
+        _write_values(sheet, field, place, zoom)
+    words = " and ".join(
+        name for name, on in (("lines", with_lines), ("values", with_values)) if on
+    )
+    more = _tell_means(words, passes, noise) if passes and drawn else ""
     _draw_head(sheet, title, "; ".join(filter(None, [caption, more])))
     return sheet
 
 
-def smooth(field: np.ndarray) -> np.ndarray:
-    """Means of neighbours with the weights 1, 2, 1 along both axes, NaN left out and kept. (h, w)"""
-    known = np.isfinite(field)
-    total, weight = np.where(known, field, 0.0), known.astype(np.float64)
-    for axis in (0, 1):
-        total, weight = (_spread(each, axis) for each in (total, weight))
-    return np.where(known, total / np.where(weight > 0.0, weight, 1.0), np.nan)
+def _tell_means(words: str, passes: int, noise: float) -> str:
+    """Say what lines and values are of; ``noise``: relative error of pixels, 0 where none is stated."""
+    told = f"{words} of means over about {mean_width(passes):.0f} pixels"
+    if noise > 0.0:
+        left = noise * noise_left(passes)
+        told += f" (noise {100.0 * left:.2g} %{', lines show it' if left > LINE_NOISE else ''})"
+    return told
 
 
-def _spread(values: np.ndarray, axis: int) -> np.ndarray:
-    padded = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in (0, 1)])
-    size = values.shape[axis]
-    parts = [np.take(padded, np.arange(size) + k, axis) for k in range(3)]
-    return parts[0] + 2.0 * parts[1] + parts[2]
+def _write_values(sheet: Sheet, field, place, zoom: float) -> None:
+    """Write values beside points in even distances."""
+    height, width = field.shape
+    columns, rows = (
+        max(int(side * zoom / step), 1) for side, step in ((width, ACROSS), (height, UP))
+    )
+    for k in range(rows):
+        for j in range(columns):
+            row, column = int((k + 0.5) * height / rows), int((j + 0.5) * width / columns)
+            if np.isfinite(field[row, column]):
+                across, down = place((column + 0.5, row + 0.5))
+                for reach, ink in ((2.5, BRIGHT_LINE), (1.5, DARK_LINE)):
+                    square = reach * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+                    sheet.area(np.add(square, (across, down)), ink)
+                text = number(field[row, column])
+                sheet.write((across, down + 10.0), text, 10, "m", DARK_LINE, BRIGHT_LINE)
 
 
 def number(value: float) -> str:

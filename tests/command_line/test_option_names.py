@@ -17,7 +17,7 @@ PANELS = (
 OWN = {
     "render": {
         "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale", "model",
-        "tone",
+        "tone", "values",
     },
     "bake": {
         "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",

@@ -252,13 +252,21 @@ def test_pictures_are_drawn_in_false_colours_and_compared(tmp_path, capsys):
             "--seed",
             seed,
         ]
-        more = ["--false-colour", "--scale-to", "500"] if seed == "0" else []
+        more = (
+            ["--false-colour", "--scale-to", "500", "--values"]
+            if seed == "0"
+            else ["--isolux-lines"]
+        )
         assert command_line.main(["render", box, "-o", str(out), *options, *more]) == 0
         paths.append(str(out))
     for quantity in ("luminance", "illuminance"):
         words = (tmp_path / f"0_{quantity}.svg").read_text()
         assert ">500<" in words
         assert (tmp_path / f"0_{quantity}.png").is_file()
+        assert "lines and values of means over about" in words and "noise" in words
+        # Over the picture as it is looked at there is no scale.
+        words = (tmp_path / f"1_{quantity}.svg").read_text()
+        assert "polyline" in words and "lines of means" in words and words.count("<image") == 1
     capsys.readouterr()
     drawn = tmp_path / "d.png"
     assert command_line.main(["difference", *paths, "-o", str(drawn)]) == 0

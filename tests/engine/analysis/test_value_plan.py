@@ -9,6 +9,12 @@ import pytest
 from lumenray.engine.analysis.canvas import LIGHT
 from lumenray.engine.analysis.colour_maps import EVEN
 from lumenray.engine.analysis.colour_scale import BAR, WIDTH, ColourScale
+from lumenray.engine.analysis.line_smoothing import (
+    choose_passes,
+    noise_left,
+    relative_noise,
+    smooth,
+)
 from lumenray.engine.analysis.value_plan import (
     BOTTOM,
     MARGIN,
@@ -17,8 +23,8 @@ from lumenray.engine.analysis.value_plan import (
     draw_grid,
     draw_map,
     even_scale,
-    smooth,
 )
+from lumenray.engine.analysis.sheet import Line, Text
 from lumenray.engine.errors import FileFormatError
 from PIL import Image
 
@@ -131,3 +137,48 @@ def test_smoothing_keeps_means_and_what_is_not_known():
     assert np.nanstd(found) < 0.5 * np.nanstd(field)
     np.testing.assert_allclose(smooth(np.full((5, 5), 7.0)), 7.0)
     assert LIGHT.background == "#ffffff"
+
+
+def test_lines_of_a_noisy_picture_are_where_the_field_has_them_and_say_their_level():
+    """Light that falls as cos^4 from a lamp over a plane, with 15 % noise: circles within a pixel, no rings of noise."""
+    height, width, over, level = 180, 240, 90.0, 500.0
+    x, y = np.arange(width) + 0.5 - 120.0, np.arange(height)[:, None] + 0.5 - 90.0
+    exact = 1000.0 / (1.0 + (x**2 + y**2) / over**2) ** 2
+    radius = over * np.sqrt(np.sqrt(1000.0 / level) - 1.0)
+    noisy = exact * np.random.default_rng(5).normal(1.0, 0.15, exact.shape)
+    sheet = draw_map(
+        "E", noisy, levels=[level], unit="lx", smoothing=2, error=0.15 * exact, with_values=True
+    )
+    zoom, middle = 2.0, np.array([MARGIN, TOP]) + 2.0 * np.array([120.0, 90.0])
+    paths = [s.path for s in sheet.shapes if isinstance(s, Line) and len(s.path) > 2]
+    assert len(paths) == 2  # dark on bright
+    distance = np.hypot(*(np.concatenate(paths) - middle).T) / zoom
+    # There the light falls by 2 % a pixel, as much as the noise that is left of it.
+    assert np.abs(distance - radius).max() < 3.5
+    assert np.sqrt(np.mean((distance - radius) ** 2)) < 1.2
+    texts = [s for s in sheet.shapes if isinstance(s, Text)]
+    label = next(s for s in texts if s.text == "500" and s.size == 11)
+    assert np.hypot(*(label.place - middle)) / zoom == pytest.approx(radius, abs=3.5)
+    values = [s for s in texts if s.size == 10 and s.halo]
+    assert len(values) == 5 * 6
+    for each in values:
+        column, row = (np.array(each.place) - [0.0, 10.0] - [MARGIN, TOP]) / zoom
+        told = float(exact[int(height - row), int(column)])
+        assert float(each.text) == pytest.approx(told, rel=0.1)
+    assert any("means over about" in s.text and "noise 2 %" in s.text for s in texts)
+    exactly = draw_map("E", exact, levels=[level], unit="lx", smoothing=2, error=0.0 * exact)
+    path = max((s.path for s in exactly.shapes if isinstance(s, Line)), key=len)
+    assert np.abs(np.hypot(*(path - middle).T) / zoom - radius).max() < 0.1
+
+
+def test_noise_that_is_left_by_means_is_that_of_their_weights():
+    noise = np.random.default_rng(3).normal(0.0, 1.0, (300, 300))
+    field = noise
+    for passes in (1, 2, 3):
+        field = smooth(field)
+        assert field[8:-8, 8:-8].std() == pytest.approx(noise_left(passes), rel=0.03)
+    assert choose_passes(0.0, 2, 500) == 2
+    assert choose_passes(0.1, 2, 500) * 2 * np.pi == pytest.approx((0.1 / 0.02) ** 2, rel=0.2)
+    assert choose_passes(9.0, 2, 500) == 50 and choose_passes(9.0, 2, 32) == 2
+    assert relative_noise([100.0, np.nan], [5.0, 1.0]) == pytest.approx(0.05)
+    assert relative_noise([0.0, 0.0], [0.0, 0.0]) == 0.0
