@@ -124,7 +124,14 @@ class WatchedView:
         colour = None if denoised is None else denoised.colour
         words = (self.work.words, "" if denoised is None else denoised.words)
         frame = Frame(
-            **show(image, self.display, colour, view_of_camera(self.camera)),
+            **show(
+                image,
+                self.display,
+                colour,
+                view_of_camera(self.camera),
+                error,
+                (self.camera.width, self.camera.height),
+            ),
             revision=self.revision,
             samples=self.work.samples,
             relative_error=error,

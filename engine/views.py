@@ -156,6 +156,7 @@ class Display:
     low, high : float    Ends of the false colours' scale; ``high`` 0: from the picture itself. [cd/m2 or lx]
     logarithmic : bool    Whether the scale of the false colours is logarithmic.
     mix : LightMix    Levels of the groups that are kept apart.
+    lines, values : bool    Whether false colours have lines of equal value, and values at points.
     """
 
     mode: DisplayMode = DisplayMode.PICTURE
@@ -164,6 +165,8 @@ class Display:
     high: float = 0.0
     logarithmic: bool = False
     mix: LightMix = NEUTRAL
+    lines: bool = False
+    values: bool = False
 
 
 @dataclass(frozen=True)
@@ -200,7 +203,8 @@ class Frame:
     is_final : bool    Whether no better frame will come.
     words : str    How its light was found and its noise filtered, for people; empty: by full paths, as computed.
     greys : (n,) array or None    Of tone operators: how bright (sRGB, 0 to 1) what lies on even steps of the scale is shown.
-    statement : str    Of tone operators: what the picture is, for people.
+    statement : str    What the picture is, or its lines are of, for people.
+    lines, labels, values : array or None    Of false colours, as of `analysis.view_marks.ViewMarks`.
     """
 
     pixels: np.ndarray
@@ -217,3 +221,6 @@ class Frame:
     words: str = ""
     greys: np.ndarray | None = None
     statement: str = ""
+    lines: np.ndarray | None = None
+    labels: np.ndarray | None = None
+    values: np.ndarray | None = None

@@ -94,6 +94,8 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
                 column.prop(settings, "low", text=f"From [{unit}]")
                 column.prop(settings, "high", text=f"To [{unit}]")
             column.prop(settings, "logarithmic")
+            column.prop(settings, "isolux_lines")
+            column.prop(settings, "use_values")
         column.prop(settings, "samples", text="Samples")
         column.prop(settings, "method", text="Method")
         if settings.display in {"PICTURE", "PHOTOGRAPHIC", "VISUAL"}:

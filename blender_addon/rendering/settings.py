@@ -216,6 +216,23 @@ class LumenrayViewportSettings(PropertyGroup):
         default=False,
         update=redraw_views,
     )
+    isolux_lines: BoolProperty(
+        name="Isolux Lines",
+        description=(
+            "Lines of equal illuminance or luminance with their values, of means over as many pixels as the noise asks for. "
+            "Default off: colours tell the distribution"
+        ),
+        default=False,
+        update=redraw_views,
+    )
+    use_values: BoolProperty(
+        name="Values",
+        description=(
+            "Values at points in even distances, of the same means as isolux lines. Default off: they cover what is seen"
+        ),
+        default=False,
+        update=redraw_views,
+    )
 
 
 CLASSES = (LumenrayRenderSettings, LumenrayViewportSettings)

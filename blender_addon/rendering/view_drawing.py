@@ -30,6 +30,9 @@ LINE, MOST_LINES = 18, 2
 EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 """Names of Blender's own engine for real time; versions 4.2 to 4.5 call it by the second."""
 
+MARK_LINES = (((1.0, 1.0, 1.0, 1.0), 2.6), ((0.05, 0.05, 0.05, 1.0), 1.2))
+"""Colours and widths of lines of equal value, the one below first. [pixel]"""
+
 _textures: dict[int, tuple[int, object]] = {}
 
 
@@ -62,6 +65,8 @@ def draw_scale() -> None:
     """Draw the scale of false colours; called by Blender for every 3D view, in pixels."""
     view = _view_in_false_colours()
     scale = _baked_scale() if view is None else view.frame
+    if view is not None:
+        _draw_marks(view.frame, bpy.context.region)
     if scale is not None:
         _draw_scale(scale, bpy.context.region)
 
@@ -141,6 +146,48 @@ def _linear_image_shader():
         return gpu.shader.from_builtin("IMAGE_SCENE_LINEAR_TO_REC709_SRGB")
     except ValueError:
         return gpu.shader.from_builtin("IMAGE")
+
+
+def _draw_marks(frame, region) -> None:
+    """Draw lines of equal value with their levels, and values at points, over the whole region."""
+    size = np.array([region.width, region.height], dtype=np.float32)
+    if frame.lines is not None and len(frame.lines):
+        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+        places = (frame.lines * size).reshape(-1, 2)
+        content = {"pos": np.pad(places, [(0, 0), (0, 1)]).astype(np.float32)}
+        batch = batch_for_shader(shader, "LINES", content)
+        zoom = bpy.context.preferences.system.pixel_size
+        gpu.state.blend_set("ALPHA")
+        shader.uniform_float("viewportSize", tuple(size))
+        for colour, width in MARK_LINES:
+            shader.uniform_float("color", colour)
+            shader.uniform_float("lineWidth", width * zoom)
+            batch.draw(shader)
+        gpu.state.blend_set("NONE")
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 5, 0.0, 0.0, 0.0, 1.0)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.size(0, TEXT_SIZE)
+    taken: list[tuple] = []
+    for rows in (frame.labels, frame.values):
+        # Lines first: where there is no room for all, values give way.
+        for x, y, value in () if rows is None else rows:
+            _write_mark(readout.format_amount(float(value), ""), x * size[0], y * size[1], taken)
+    blf.disable(0, blf.SHADOW)
+
+
+def _write_mark(text: str, x: float, y: float, taken: list) -> None:
+    """Write a text about a place unless it would cover another one."""
+    width, height = blf.dimensions(0, text)
+    box = (x - 0.5 * width - 2, y - 0.5 * height - 2, x + 0.5 * width + 2, y + 0.5 * height + 2)
+    if any(
+        box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
+        for other in taken
+    ):
+        return
+    taken.append(box)
+    blf.position(0, box[0] + 2, box[1] + 2, 0)
+    blf.draw(0, text)
 
 
 def _draw_scale(frame, region) -> None:

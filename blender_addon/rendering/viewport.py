@@ -247,6 +247,8 @@ def display_of(scene) -> Display:
         high=0.0 if view.automatic else view.high,
         logarithmic=view.logarithmic,
         mix=light_mix.levels_of(scene),
+        lines=view.isolux_lines,
+        values=view.use_values,
     )
 
 

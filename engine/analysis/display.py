@@ -6,6 +6,7 @@ from ..photometry.colour import automatic_white, scene_linear, tristimulus_of
 from .false_colour import colours, nice_maximum
 from .tone import encode_srgb
 from .tone_operators import OPERATORS, STATEMENT, apply_operator, legend_range
+from .view_marks import find_marks
 
 DECADES = 3.0
 """Range of a logarithmic scale whose lower end is not stated."""
@@ -25,7 +26,14 @@ GREYS = 64
 """Steps of the legend of tone operators."""
 
 
-def show(image: np.ndarray, display, denoised=None, view=None) -> dict:
+def show(
+    image: np.ndarray,
+    display,
+    denoised=None,
+    view=None,
+    noise: float = np.inf,
+    size: tuple[int, int] | None = None,
+) -> dict:
     """Turn an image into pixels.
 
     Parameters
@@ -35,11 +43,13 @@ def show(image: np.ndarray, display, denoised=None, view=None) -> dict:
     denoised : (h, w, 3) array or None
         Copy without noise that a picture shows instead, linear Rec. 709, 1 at 1 cd/m2; the image alone decides on its white.
     view : PictureView or None    How the image was taken, for what eyes see of it.
+    noise : float    Relative standard error of its pixels, infinite while unknown. [-]
+    size : (int, int) or None    Of the view, whose image may be coarse: width and height; None: the image's. [pixel]
 
     Returns
     -------
     dict    The fields ``pixels``, ``is_display_referred``, ``low``, ``high`` and ``unit`` of `views.Frame`, of
-        tone operators ``greys`` and ``statement`` too.
+        tone operators ``greys`` and ``statement`` too, and of false colours with lines or values what these are.
     """
     mode, luminance = display.mode.value, image[..., 1]
     if mode in OPERATORS:
@@ -57,7 +67,13 @@ def show(image: np.ndarray, display, denoised=None, view=None) -> dict:
         # A table of colours is an order of magnitude faster than mixing them for every pixel.
         place = np.clip(np.nan_to_num(share) * (len(SCALE) - 1) + 0.5, 0, len(SCALE) - 1)
         pixels = SCALE[place.astype(np.int32)]
-        return _fields(pixels, True, display.logarithmic, low, high, unit)
+        made = _fields(pixels, True, display.logarithmic, low, high, unit)
+        if display.lines or display.values:
+            size = size or values.shape[::-1]
+            marks = find_marks(np.nan_to_num(values), noise, size, display.lines, display.values)
+            made |= {name: getattr(marks, name) for name in ("lines", "labels", "values")}
+            made["statement"] = marks.words
+        return made
     pixels = np.ones((*luminance.shape, 4), dtype=np.float32)
     white = display.white if display.white else automatic_white(luminance)
     if mode == "luminance":

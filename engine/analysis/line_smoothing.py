@@ -70,3 +70,14 @@ def choose_passes(noise: float, least: int, side: int) -> int:
             break
         passes += 1
     return passes
+
+
+def sample_points(field: np.ndarray, columns: float, rows: float) -> np.ndarray:
+    """Middles of pixels at an even grid of about so many points, and the values there. (n, 3)"""
+    height, width = field.shape
+    columns, rows = max(int(columns), 1), max(int(rows), 1)
+    row = ((np.arange(rows) + 0.5) * height / rows).astype(int)
+    column = ((np.arange(columns) + 0.5) * width / columns).astype(int)
+    row, column = (each.ravel() for each in np.meshgrid(row, column, indexing="ij"))
+    made = np.stack([column + 0.5, row + 0.5, field[row, column]], axis=1)
+    return made[np.isfinite(made[:, 2])]

@@ -12,6 +12,7 @@ from .line_smoothing import (
     mean_width,
     noise_left,
     relative_noise,
+    sample_points,
     smooth,
 )
 from .polar_diagram import round_step
@@ -204,19 +205,12 @@ def _tell_means(words: str, passes: int, noise: float) -> str:
 def _write_values(sheet: Sheet, field, place, zoom: float) -> None:
     """Write values beside points in even distances."""
     height, width = field.shape
-    columns, rows = (
-        max(int(side * zoom / step), 1) for side, step in ((width, ACROSS), (height, UP))
-    )
-    for k in range(rows):
-        for j in range(columns):
-            row, column = int((k + 0.5) * height / rows), int((j + 0.5) * width / columns)
-            if np.isfinite(field[row, column]):
-                across, down = place((column + 0.5, row + 0.5))
-                for reach, ink in ((2.5, BRIGHT_LINE), (1.5, DARK_LINE)):
-                    square = reach * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-                    sheet.area(np.add(square, (across, down)), ink)
-                text = number(field[row, column])
-                sheet.write((across, down + 10.0), text, 10, "m", DARK_LINE, BRIGHT_LINE)
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    for *middle, value in sample_points(field, width * zoom / ACROSS, height * zoom / UP):
+        across, down = place(middle)
+        for reach, ink in ((2.5, BRIGHT_LINE), (1.5, DARK_LINE)):
+            sheet.area(np.add(reach * square, (across, down)), ink)
+        sheet.write((across, down + 10.0), number(value), 10, "m", DARK_LINE, BRIGHT_LINE)
 
 
 def number(value: float) -> str:

@@ -1,0 +1,53 @@
+"""Lines and values over a live view in false colours."""
+
+import numpy as np
+import pytest
+from lumenray.engine.analysis.display import show
+from lumenray.engine.analysis.view_marks import find_marks
+from lumenray.engine.views import Display, DisplayMode
+
+WIDTH, HEIGHT, OVER = 960, 540, 400.0
+
+
+def field():
+    """Light of a lamp over the middle of a plane, as cos^4. (540, 960)"""
+    x, y = np.arange(WIDTH) + 0.5 - WIDTH / 2, np.arange(HEIGHT)[:, None] + 0.5 - HEIGHT / 2
+    return 1000.0 / (1.0 + (x**2 + y**2) / OVER**2) ** 2
+
+
+@pytest.mark.parametrize(("noise", "within"), [(0.0, 1.0), (0.08, 3.0)])
+def test_lines_over_a_view_are_where_the_field_has_their_level(noise, within):
+    light = field() * np.random.default_rng(1).normal(1.0, max(noise, 1e-12), (HEIGHT, WIDTH))
+    made = find_marks(light, noise, (WIDTH, HEIGHT), True, True)
+    size = np.array([WIDTH, HEIGHT])
+    radius = np.hypot(*(made.lines.reshape(-1, 2) * size - size / 2).T)
+    levels = np.unique(made.labels[:, 2])
+    exact = OVER * np.sqrt(np.sqrt(1000.0 / levels) - 1.0)
+    assert len(levels) >= 4
+    # Each piece belongs to one of the levels, and each level has pieces.
+    off = np.abs(radius[:, None] - exact)
+    assert np.sqrt(np.mean(off.min(axis=1) ** 2)) < within
+    assert set(off.argmin(axis=1)) == set(range(len(levels)))
+    at = np.hypot(*(made.labels[:, :2] * size - size / 2).T)
+    np.testing.assert_allclose(
+        at, OVER * np.sqrt(np.sqrt(1000.0 / made.labels[:, 2]) - 1.0), atol=4 * within
+    )
+    told = field()[tuple((made.values[:, 1::-1] * size[::-1]).astype(int).T)]
+    np.testing.assert_allclose(made.values[:, 2], told, rtol=0.05)
+    assert len(made.values) == 8 * 7
+
+
+def test_false_colours_have_lines_and_values_where_they_are_asked_for():
+    image = np.repeat(field()[..., None], 4, axis=2).astype(np.float32)
+    mode = DisplayMode.FALSE_ILLUMINANCE
+    plain = show(image, Display(mode=mode))
+    assert "lines" not in plain
+    made = show(image, Display(mode=mode, lines=True), noise=0.01)
+    assert len(made["lines"]) and not len(made["values"])
+    assert "means over about" in made["statement"]
+    np.testing.assert_array_equal(made["pixels"], plain["pixels"])
+    assert (made["low"], made["high"], made["unit"]) == (plain["low"], plain["high"], "lx")
+    # Marks of pictures would be of what nobody reads off.
+    assert "lines" not in show(image, Display(lines=True))
+    dark = show(np.zeros_like(image), Display(mode=mode, lines=True, values=True))
+    assert not len(dark["lines"]) and (dark["values"][:, 2] == 0.0).all()
