@@ -163,6 +163,8 @@ def test_the_scale_of_false_colours_tells_its_unit(quantity):
     unit = {"FALSE_LUMINANCE": "cd/m²", "FALSE_ILLUMINANCE": "lx"}.get(quantity)
     assert texts.get("low") == (unit and f"From [{unit}]")
     assert texts.get("high") == (unit and f"To [{unit}]")
+    # Pictures have neither lines nor values.
+    assert ({"isolux_lines", "use_values"} <= texts.keys()) == (unit is not None)
     settings.viewport.automatic = True
     assert "low" not in labels_of("LUMENRAY_PT_view", shown)
 

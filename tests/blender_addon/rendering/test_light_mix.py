@@ -181,6 +181,17 @@ def test_views_get_the_levels_as_a_matter_of_display(scene):
     assert display_of(scene).mix.is_neutral
 
 
+def test_lines_and_values_are_a_matter_of_display(scene):
+    """They change what is drawn, not what is computed."""
+    before, computed = display_of(scene), live_settings(scene)
+    assert not before.lines and not before.values
+    scene.lumenray.viewport.isolux_lines = True
+    assert display_of(scene).lines and not display_of(scene).values
+    scene.lumenray.viewport.use_values = True
+    assert display_of(scene).values
+    assert live_settings(scene) == computed
+
+
 @pytest.mark.parametrize("panel", ["LUMENRAY_PT_light_mix", "LUMENRAY_PT_light_mix_sidebar"])
 def test_panels_show_every_group(scene, panel):
     seen = draw(panel, context())
