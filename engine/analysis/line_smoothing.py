@@ -81,3 +81,57 @@ def sample_points(field: np.ndarray, columns: float, rows: float) -> np.ndarray:
     row, column = (each.ravel() for each in np.meshgrid(row, column, indexing="ij"))
     made = np.stack([column + 0.5, row + 0.5, field[row, column]], axis=1)
     return made[np.isfinite(made[:, 2])]
+
+
+def average(field: np.ndarray, step: int) -> np.ndarray:
+    """Means of squares of so many pixels; those at the upper and right edges may be smaller."""
+    if step == 1:
+        return field
+    rows, columns = (np.arange(0, side, step) for side in field.shape)
+    sums = np.add.reduceat(np.add.reduceat(field, rows, 0), columns, 1)
+    counts = [
+        np.diff([*first, side]) for first, side in zip((rows, columns), field.shape, strict=True)
+    ]
+    return sums / (counts[0][:, None] * counts[1])
+
+
+SLOPE_PASSES = 16
+"""Of smoothing, on pixels of the means' width, before slopes are found: those of noise are a ninth of what it was."""
+
+CERTAIN = 3.0
+"""Standard error of a line's place up to which it is drawn, over the width of the means that it is of. [-]"""
+
+
+def keep_certain(paths, field: np.ndarray, passes: int, noise: float) -> list[np.ndarray]:
+    """Return the parts of paths (n, 2) whose places the noise leaves known: where the field is even, it alone makes lines.
+
+    The error of a place is that of the value over the field's slope, which is found on means of about three times the width.
+
+    Parameters
+    ----------
+    field : (h, w) array    That the paths are of, smoothed by so many passes; its pixels have their middles at 0.5, 1.5, ...
+    noise : float    Relative error that is left. [-]
+    """
+    if noise <= 0.0:
+        return list(paths)
+    width = math.sqrt(0.5 * max(passes, 1))
+    step = max(round(width), 1)
+    coarse = average(field, step)
+    if min(coarse.shape) < 2:
+        return list(paths)
+    for _ in range(SLOPE_PASSES):
+        coarse = smooth(coarse)
+    slope = np.hypot(*np.gradient(coarse, step))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        doubt = noise * np.abs(coarse) / slope
+    kept = []
+    for path in paths:
+        column, row = (path / step).astype(int).T
+        row, column = (
+            np.clip(e, 0, n - 1) for e, n in zip((row, column), doubt.shape, strict=True)
+        )
+        is_known = doubt[row, column] <= CERTAIN * width
+        ends = np.flatnonzero(np.diff(is_known)) + 1
+        parts = zip(np.split(path, ends), np.split(is_known, ends), strict=True)
+        kept += [part for part, known in parts if known[0] and len(part) > 1]
+    return kept

@@ -9,6 +9,7 @@ from .false_colour import nice_maximum
 from .line_smoothing import (
     LINE_NOISE,
     choose_passes,
+    keep_certain,
     mean_width,
     noise_left,
     relative_noise,
@@ -182,7 +183,12 @@ def draw_map(
     if with_lines:
         # Noise that was smoothed makes rings as wide as the means.
         shortest = SHORTEST + 3.0 * zoom * (mean_width(passes) - mean_width(smoothing))
-        _draw_lines(sheet, find_contours(x, y, field, lines), place, shortest)
+        left = noise * noise_left(passes)
+        found = [
+            (level, keep_certain(paths, field, passes, left))
+            for level, paths in find_contours(x, y, field, lines)
+        ]
+        _draw_lines(sheet, found, place, shortest)
     if with_values:
         _write_values(sheet, field, place, zoom)
     words = " and ".join(
@@ -234,8 +240,12 @@ def _draw_lines(sheet: Sheet, contours, place, shortest: float) -> None:
             # The longest line of a level has its number however short it is.
             if longest > 0.0 and path_length(path) >= min(LABELLED, longest):
                 labels.append((place_label(path), f"{level:g}"))
+    written: list[np.ndarray] = []
     for at, text in labels:
-        sheet.write(at, text, 11, "m", DARK_LINE, BRIGHT_LINE)
+        # About the size of a label: one over another could not be read.
+        if not any((np.abs(at - other) < (34.0, 13.0)).all() for other in written):
+            sheet.write(at, text, 11, "m", DARK_LINE, BRIGHT_LINE)
+            written.append(at)
 
 
 def _draw_head(sheet: Sheet, title: str, caption: str) -> None:

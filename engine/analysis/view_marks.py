@@ -5,12 +5,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from .contours import choose_levels, find_contours, path_length, place_label
-from .line_smoothing import choose_passes, mean_width, noise_left, sample_points, smooth
+from .line_smoothing import (
+    average,
+    choose_passes,
+    keep_certain,
+    mean_width,
+    noise_left,
+    sample_points,
+    smooth,
+)
 
 LARGEST = 480
 """Longer side of what lines are found on: a view is averaged over whole pixels to it, which takes noise off as well."""
 
 LEAST_PASSES = 2
+
+LOWEST = 1e-3
+"""Least level over the largest value."""
 
 ACROSS, UP = 110.0, 70.0
 """Distances of the points whose values are told. [pixel of the view]"""
@@ -49,20 +60,25 @@ def find_marks(
     size : (int, int)    Width and height of the view. [pixel]
     """
     step = max(int(np.ceil(max(field.shape) / LARGEST)), 1)
-    field = _average(np.asarray(field, dtype=np.float64), step)
+    field = average(np.asarray(field, dtype=np.float64), step)
     height, width = field.shape
     noise = noise / step if np.isfinite(noise) else 1.0
     passes = choose_passes(noise, LEAST_PASSES, min(height, width))
+    left = noise * noise_left(passes)
+    field = _hide_nothing(field)
     for _ in range(passes):
         field = smooth(field)
     pieces, labels = [np.zeros((0, 2, 2))], []
     extent = np.array([width, height], dtype=np.float64)
-    if with_lines:
+    known = field[np.isfinite(field)]
+    if with_lines and known.size:
         shortest = SHORTEST * width + 3.0 * (mean_width(passes) - mean_width(LEAST_PASSES))
-        levels = choose_levels(np.percentile(field, [0.5, 99.5]))
+        low, high = np.percentile(known, [0.5, 99.5])
+        levels = choose_levels([max(low, LOWEST * high), high])
         x, y = np.arange(width) + 0.5, np.arange(height) + 0.5
         for level, paths in find_contours(x, y, field, levels):
-            drawn = [path for path in paths if path_length(path) >= shortest]
+            drawn = keep_certain(paths, field, passes, left)
+            drawn = [path for path in drawn if path_length(path) >= shortest]
             pieces += [np.stack([path[:-1], path[1:]], axis=1) / extent for path in drawn]
             longest = max(map(path_length, drawn), default=0.0)
             labels += [
@@ -75,7 +91,6 @@ def find_marks(
         points = sample_points(field, *(size[k] / each for k, each in enumerate((ACROSS, UP))))
         points[:, :2] /= extent
     told = f"lines and values of means over about {step * mean_width(passes):.0f} pixels"
-    left = noise * noise_left(passes)
     return ViewMarks(
         np.concatenate(pieces).astype(np.float32),
         np.array(labels, dtype=np.float32).reshape(-1, 3),
@@ -84,13 +99,8 @@ def find_marks(
     )
 
 
-def _average(field: np.ndarray, step: int) -> np.ndarray:
-    """Means of squares of so many pixels; those at the upper and right edges may be smaller."""
-    if step == 1:
-        return field
-    rows, columns = (np.arange(0, side, step) for side in field.shape)
-    sums = np.add.reduceat(np.add.reduceat(field, rows, 0), columns, 1)
-    counts = [
-        np.diff([*first, side]) for first, side in zip((rows, columns), field.shape, strict=True)
-    ]
-    return sums / (counts[0][:, None] * counts[1])
+def _hide_nothing(field: np.ndarray) -> np.ndarray:
+    """Return the field with NaN where it and most around it is 0: nothing is seen there, and lines would follow its edge."""
+    is_lit = (field != 0.0).astype(np.float64)
+    around = smooth(smooth(is_lit))
+    return np.where((is_lit == 0.0) & (around < 0.5) & (is_lit.max() > 0.0), np.nan, field)

@@ -51,3 +51,16 @@ def test_false_colours_have_lines_and_values_where_they_are_asked_for():
     assert "lines" not in show(image, Display(lines=True))
     dark = show(np.zeros_like(image), Display(mode=mode, lines=True, values=True))
     assert not len(dark["lines"]) and (dark["values"][:, 2] == 0.0).all()
+
+
+def test_noise_of_an_even_wall_makes_no_lines_nor_does_what_is_not_seen():
+    """A wall of 1000 beside one of 400, both even, above nothing: the edge between them alone has lines."""
+    light = np.where(np.arange(WIDTH) < 600, 1000.0, 400.0) + np.zeros((HEIGHT, 1))
+    light *= np.random.default_rng(4).normal(1.0, 0.05, light.shape)
+    light[:200] = 0.0
+    made = find_marks(light, 0.05, (WIDTH, HEIGHT), True, False)
+    assert len(made.lines)
+    # Slopes are told on wider means than lines, so that those of the wall's own value stay beside the edge.
+    assert np.abs(made.lines[..., 0] * WIDTH - 600.0).max() < 60.0
+    assert made.lines[..., 1].min() * HEIGHT > 195.0
+    assert made.labels[:, 2].min() >= 400.0
