@@ -266,13 +266,15 @@ def _draw_quantities(options, picture, shown) -> None:
     look = None if options.false_colour else encode_display(shown.colour)
     with_lines = options.false_colour if options.isolux_lines is None else options.isolux_lines
     for quantity, values, error, unit in drawn:
+        # Where nothing is seen there is no illuminance, and lines would follow its edge.
+        seen = picture.depth < NOTHING if quantity == "illuminance" else None
         scale = even_scale(values, unit, options.scale_to, options.log_scale)
         caption = f"mean {float(values.mean()):.4g} {unit}"
         title = quantity.capitalize() if look is None else f"{quantity.capitalize()} [{unit}]"
         sheet = draw_map(
             title,
             values,
-            None,
+            seen,
             caption,
             scale,
             unit=unit,
@@ -299,6 +301,9 @@ def _draw_tones(options, shown, white: float, camera) -> None:
         for path in _drawn_paths(options, name):
             say(f"written to {sheet.save(path)}")
 
+
+NOTHING = 1e10
+"""Depth where nothing is seen. [m]"""
 
 LINE_SMOOTHING = 2
 """How often neighbouring pixels are averaged at least before lines are drawn, so that noise does not fray them."""
