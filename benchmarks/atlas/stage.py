@@ -5,8 +5,9 @@ import mitsuba as mi
 import numpy as np
 
 from ...engine.arrays import upload
+from ...engine.requirements.plan import make_plan
 from ...engine.scene.scene import Scene, SceneDelta
-from ...engine.transport import backend, requirements
+from ...engine.transport import backend
 from .scenes import AtlasScene
 
 PROBES = 32
@@ -28,7 +29,7 @@ class Stage:
     def __init__(self, scene: AtlasScene, transport: str = "auto"):
         self.scene = Scene()
         self.scene.apply(SceneDelta(changed=scene.items))
-        needs = requirements.analyse(self.scene, transport)
+        needs = make_plan(self.scene, transport=transport)
         self.variant = backend.start(needs.spectral)
         from ...engine.transport.compiled.compile import CompiledScene
 

@@ -22,7 +22,7 @@ OUTSIDE, INSIDE, UNKNOWN = 0, 1, 2
 
 def closed_parts(mesh: Mesh) -> list[np.ndarray]:
     """Corners of the connected parts of a mesh that have no edge: each divides space into two sides. (t, 3, 3) [m]"""
-    if not 4 <= len(mesh.triangles) <= MOST_TRIANGLES:
+    if not 4 <= len(mesh.triangles) <= MOST_TRIANGLES or not _is_sound(mesh):
         return []
     # Corners at one place are one, so that seams of normals and pictures do not count as edges.
     places, corner = np.unique(mesh.vertices, axis=0, return_inverse=True)
@@ -41,6 +41,11 @@ def closed_parts(mesh: Mesh) -> list[np.ndarray]:
     np.logical_or.at(is_open, part[owner], count[edge.reshape(-1)] != 2)
     corners = places[triangles]
     return [corners[part == each] for each in np.unique(part) if not is_open[each]]
+
+
+def _is_sound(mesh: Mesh) -> bool:
+    """Whether its triangles have all their corners; what has not is refused when it is compiled."""
+    return mesh.triangles.min() >= 0 and mesh.triangles.max() < len(mesh.vertices)
 
 
 def _connect(triangles: int, edges: int, owner: np.ndarray, edge: np.ndarray) -> np.ndarray:

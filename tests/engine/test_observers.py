@@ -11,10 +11,10 @@ from lumenray.engine.analysis.glare import (
     sight_angles,
     unified_glare_rating,
 )
+from lumenray.engine.light_mix import GroupLight, Level, LightMix, mix
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.openings import projected_area
 from lumenray.engine.luminance_meter import measure_luminance
-from lumenray.engine.light_mix import GroupLight, Level, LightMix, mix
 from lumenray.engine.observers import DARK, rate_mixes, rate_observers
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening

@@ -129,7 +129,7 @@ def test_the_command_line_blurs_alike_and_leaves_the_frame(square, tmp_path, cap
         file=tmp_path / "moving.blend", size=None, accept_missing=False, light_groups=None, mix=[],
         output=tmp_path / "moving.exr", denoise=False, seed=None, transport=None, illuminance=False,
         spectral_exr=4, method=None, unbiased=None, samples=64, error=None, time=None,
-        false_colour=False,
+        false_colour=False, tone=[], isolux_lines=None, values=False,
     )  # fmt: skip
     assert render_open(options, bpy.context.evaluated_depsgraph_get()) == 0
     assert scene.frame_current_final == 1.0

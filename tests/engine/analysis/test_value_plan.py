@@ -15,6 +15,7 @@ from lumenray.engine.analysis.line_smoothing import (
     relative_noise,
     smooth,
 )
+from lumenray.engine.analysis.sheet import Line, Text
 from lumenray.engine.analysis.value_plan import (
     BOTTOM,
     MARGIN,
@@ -24,7 +25,6 @@ from lumenray.engine.analysis.value_plan import (
     draw_map,
     even_scale,
 )
-from lumenray.engine.analysis.sheet import Line, Text
 from lumenray.engine.errors import FileFormatError
 from PIL import Image
 
