@@ -12,6 +12,7 @@ from .line_smoothing import (
     mean_width,
     noise_left,
     sample_points,
+    scatter_of_neighbours,
     smooth,
 )
 
@@ -56,13 +57,14 @@ def find_marks(
     Parameters
     ----------
     field : (h, w) array    Row 0 is the bottom row.
-    noise : float    Relative standard error of its pixels; infinite while unknown. [-]
+    noise : float    Relative standard error of its pixels; infinite while unknown. What the pixels themselves show counts
+        where it is more: the error of a view is that of its luminance, and illuminance has another. [-]
     size : (int, int)    Width and height of the view. [pixel]
     """
     step = max(int(np.ceil(max(field.shape) / LARGEST)), 1)
     field = average(np.asarray(field, dtype=np.float64), step)
     height, width = field.shape
-    noise = noise / step if np.isfinite(noise) else 1.0
+    noise = max(noise / step if np.isfinite(noise) else 1.0, scatter_of_neighbours(field))
     passes = choose_passes(noise, LEAST_PASSES, min(height, width))
     left = noise * noise_left(passes)
     field = _hide_nothing(field)
