@@ -68,11 +68,10 @@ def test_noise_of_an_even_wall_makes_no_lines_nor_does_what_is_not_seen():
 
 def test_noise_that_is_not_stated_is_seen_in_the_pixels():
     """Illuminance has other noise than the luminance that a view states the error of."""
-    wall = np.random.default_rng(3).normal(100.0, 20.0, (HEIGHT, WIDTH))
+    wall = np.random.default_rng(3).normal(85.0, 17.0, (HEIGHT, WIDTH))
     honest, silent = (
         find_marks(wall, noise, (WIDTH, HEIGHT), True, True) for noise in (0.2, 0.001)
     )
     widths = [made.words.split(" (")[0] for made in (silent, honest)]
     assert widths[0] == widths[1] != find_marks(field(), 0.0, (WIDTH, HEIGHT), True, True).words
-    assert len(silent.lines) <= len(honest.lines) + 60
     assert float(silent.words.split("noise ")[1].split(" ")[0]) > 1.5
