@@ -28,8 +28,8 @@ LEAST = 1e-12
 ALREADY = 2
 """Coloured surfaces that light has met before it reaches those who are worst off. Of fewer the bound is smaller."""
 
-ALREADY_IN_MAPS = 6
-"""The same of lumels, where nobody looks whether light comes late."""
+ALREADY_IN_MAPS = 64
+"""The same of lumels, of which none is asked whether its light comes late: as many as sensors are asked for at most."""
 
 LATER = (8, 16, 32, 64)
 """Coloured surfaces that it may have met where sensors find that it comes late, see `Outcome`."""

@@ -71,7 +71,7 @@ def test_explain_is_read_by_people(room, capsys):
     lines = said.splitlines()
     assert lines[0] == str(room)
     row = next(line for line in lines if line.startswith("colours"))
-    assert "photometric" in row and "at most" in row and "about 40 %" in row and "auto" in row
+    assert "photometric" in row and "at most" in row and "about 25 %" in row and "auto" in row
     assert lines[-1].startswith("budget: sampling ") and "(1 % allowed)" in lines[-1]
     assert max(map(len, lines[1:])) <= 125
 
@@ -181,9 +181,10 @@ def test_errors_say_how_much_of_them_is_simplified(room, tmp_path, capsys):
     bake = ["bake", capsys, room, "-o", tmp_path / "lux", "--error", "5%", "--lumels-per-m", "8"]
     saved = tmp_path / "saved.blend"
     code, said, _ = run_command(*bake, "--save", saved, "--model", "colours=force")
-    assert code == 0 and "the error is made of: sampling" in said and parts in said
+    # What is forced costs more than what is asked for, which the exit code tells.
+    assert code == 3 and "the error is made of: sampling" in said and parts in said
     report = json.loads((tmp_path / "lux" / "report.json").read_text())
-    assert 0.0 < report["simplifications_at_most"] < 0.05
+    assert 0.05 < report["simplifications_at_most"] < 0.5
     assert any("simplifications: at most" in line for line in report["decisions"])
     # The file keeps what it said, and knows what its lux maps are.
     bpy.ops.wm.open_mainfile(filepath=str(saved))

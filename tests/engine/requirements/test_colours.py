@@ -234,13 +234,13 @@ def test_light_that_comes_late_has_a_bound_of_its_own():
     assert error > bound
     assert late[0].reflections < count <= late[1].reflections
     assert error < bound + late[1].more
-    # Maps do not find out, so theirs is larger.
-    wanted = {"error": 0.1, "has_colour": False}
-    spent = [
-        make_plan(facts.scene, Asked(**wanted, **more)).spent
-        for more in ({}, {"objects": frozenset({"m0"})})
-    ]
-    assert spent[0] == bound < spent[1]
+    # Maps do not find out, so that theirs has to hold wherever light comes late.
+    in_maps = colours.find_bound(facts, colours.ALREADY_IN_MAPS)
+    assert error < in_maps
+    for share, spent in ((1.5, 0.0), (4.5, in_maps)):
+        asked = Asked(share * in_maps, False, frozenset({"m0"}))
+        assert make_plan(facts.scene, asked).spent == spent
+    assert make_plan(facts.scene, Asked(0.1, False)).spent == bound
 
 
 def corridor(turns):
