@@ -2,12 +2,15 @@
 
 import bpy
 
-from ..blender_addon.scattering import readout
 from ..blender_addon.scattering.files import is_measured, scattering_files
 from ..blender_addon.scattering.preview import pictures
+from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_file, draw_picture, draw_remarks
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text
+
+with loaded_when_used():
+    from ..blender_addon.scattering import readout
 
 
 def draw_sample(layout, settings) -> None:

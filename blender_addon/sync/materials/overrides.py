@@ -1,12 +1,10 @@
 """Surfaces from the measurable parameters that a user states in place of a node tree."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ....engine.errors import LumenrayError
-from ....engine.formats.data_sheet import read_data_sheet
 from ....engine.scene.colour import largest_of
 from ....engine.scene.material import (
     Black,
@@ -24,37 +22,20 @@ from ....engine.scene.material import (
     ThinGlass,
 )
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
+from ....imports import loaded_when_used
 from ...foundation.report import ConversionReport
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
 from ..spectra import convert_spectrum, read_file
+
+with loaded_when_used():
+    from ....engine.formats import data_sheet
 
 HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
 MISSING_REFLECTANCE = 0.5
 """Diffuse reflectance in place of a scattering file that cannot be used. [-]"""
-
-
-@dataclass(frozen=True)
-class Model:
-    """A kind of surface as a user states it.
-
-    Parameters
-    ----------
-    title, description : str    For people.
-    number : int    By which saved files know it.
-    convert : callable    From a `Statement` to the `Surface`.
-    settings : tuple of str    What the panel shows, by names of properties or of `ui.material.DRAWN`.
-    emit : callable or None    From a `Statement` to the `Emission` or None.
-    """
-
-    title: str
-    description: str
-    number: int
-    convert: Callable
-    settings: tuple[str, ...]
-    emit: Callable | None = None
 
 
 @dataclass(frozen=True)
@@ -82,13 +63,8 @@ def convert_override(
     settings, report: ConversionReport, datablock: str, is_patient: bool = True
 ) -> tuple[Surface, Emission | None]:
     """Return the surface and the emission that a material's settings state; parameters as of `Statement`."""
-    model, stated = MODELS[settings.model], Statement(settings, report, datablock, is_patient)
-    return model.convert(stated), None if model.emit is None else model.emit(stated)
-
-
-def model_items() -> list[tuple[str, str, str, int]]:
-    """Items of the enumeration of models."""
-    return [(name, model.title, model.description, model.number) for name, model in MODELS.items()]
+    stated, emit = Statement(settings, report, datablock, is_patient), EMITTING.get(settings.model)
+    return MAKERS[settings.model](stated), None if emit is None else emit(stated)
 
 
 def _reflectance(stated: Statement) -> Spectrum:
@@ -152,7 +128,7 @@ def _dielectric(stated: Statement) -> Dielectric:
 def _pane(stated: Statement) -> ThinGlass | TabulatedPane:
     if stated.settings.pane_source == "FILE":
         remedy = "clear glass by its refractive index is used"
-        pane = stated.read("pane_file", remedy, read_data_sheet, "data sheet")
+        pane = stated.read("pane_file", remedy, data_sheet.read_data_sheet, "data sheet")
         if pane is not None:
             return pane
     ior = _single_index(_refractive_index(stated))
@@ -206,49 +182,17 @@ def _single_index(index: RefractiveIndex) -> float:
     return index.a + index.b / (HELIUM_D / 1000) ** 2
 
 
-MODELS = {
-    "DIFFUSE": Model(
-        "Diffuse",
-        "Matt reflection and, if set, diffuse transmission",
-        0,
-        _diffuse,
-        ("reflectance", "transmittance"),
-    ),
-    "COATED": Model(
-        "Coated",
-        "Matt base under a clear gloss coat: paint, plastic, varnish",
-        1,
-        _coated,
-        ("reflectance", "roughness", "ior"),
-    ),
-    "CONDUCTOR": Model(
-        "Metal", "Metal by its complex refractive index", 2, _conductor, ("metal", "roughness")
-    ),
-    "DIELECTRIC": Model(
-        "Solid Glass", "Transparent body that refracts", 3, _dielectric, ("roughness", "ior")
-    ),
-    "THIN_GLASS": Model("Pane", "Thin sheet of glass as one surface", 4, _pane, ("pane",)),
-    "EMITTER": Model(
-        "Emitter",
-        "Luminous surface, black by itself",
-        5,
-        _black,
-        ("luminance", "two_sided", "spectrum"),
-        _glow,
-    ),
-    MEASURED: Model(
-        "Measured",
-        "Scattering measured or computed: a BRDF or BTDF file",
-        6,
-        _measured,
-        ("measured",),
-    ),
-    "FABRIC": Model(
-        "Fabric",
-        "Roller blind, net or perforated sheet: some light passes straight, the rest is spread",
-        7,
-        _fabric,
-        ("reflectance", "openness", "transmittance"),
-    ),
+MAKERS = {
+    "DIFFUSE": _diffuse,
+    "COATED": _coated,
+    "CONDUCTOR": _conductor,
+    "DIELECTRIC": _dielectric,
+    "THIN_GLASS": _pane,
+    "EMITTER": _black,
+    MEASURED: _measured,
+    "FABRIC": _fabric,
 }
-"""Kinds of surfaces, by their names in scripts."""
+"""From a `Statement` to the `Surface`, by the names of `surface_models.MODELS`."""
+
+EMITTING = {"EMITTER": _glow}
+"""From a `Statement` to the `Emission` or None, for those of them that may shine."""
