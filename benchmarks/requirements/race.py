@@ -33,21 +33,18 @@ class Racer:
     Parameters
     ----------
     scene : NeedScene
-    is_full : bool    Whether everything is modelled in full: with wavelengths, by full paths, nothing left out.
+    is_full : bool    Whether everything is modelled in full: every decision is switched off.
     """
 
     def __init__(self, scene: NeedScene, is_full: bool):
         self._scene = scene
         self._session = Session(witness=False)
         self._session.apply(SceneDelta(changed=(*scene.items, *((FULL,) if is_full else ()))))
-        self._asked = {"transport": "spectral", "method": "paths"} if is_full else {}
 
     def measure(self, rule: StopRule, seed: int):
         """The measurement, and the seconds of processors that it took."""
         begin = time.process_time()
-        made = self._session.measure(
-            self._scene.positions, self._scene.normals, rule, seed, **self._asked
-        )
+        made = self._session.measure(self._scene.positions, self._scene.normals, rule, seed)
         return made, time.process_time() - begin
 
 
