@@ -1,7 +1,7 @@
 """How light that is reflected is found: by full paths, or read from cells of the surfaces.
 
-Cells are off by a little, which every job that reads them measures, and which its errors hold; a job for which it is too much
-goes back to full paths. So nothing of it is taken out of the budget here (theory 2.6, 11.9, 12.6).
+Cells are off by a little, which every job that reads them measures, and which its errors hold; a job for which that is too
+much goes back to full paths. So nothing of it is taken out of the budget here (theory 2.6, 11.9, 12.6).
 """
 
 from ..scene.modelling import Switch
@@ -27,7 +27,9 @@ def decide(facts: Facts, _asked: Asked, _allowance: float, switch: Switch) -> Ou
         return _outcome(AUTO, "full paths", "no surface is matt, so none can have cells", switch)
     if switch is Switch.FORCE:
         return _outcome(CELLS, "cells", f"as the user wants it; {MEASURED}", switch, SAVING)
-    reason = f"cells are read where the first samples tell that full paths would take longer; {MEASURED}"
+    reason = (
+        f"cells are read where the first samples tell that full paths would take longer; {MEASURED}"
+    )
     return _outcome(AUTO, "cells or full paths", reason, switch)
 
 

@@ -1,7 +1,7 @@
 """Which wavelengths paths carry.
 
-Where light has wavelengths, each path carries four of them. Drawn in proportion to what lamps give and the eye sees of it, all
-paths bring about as much; drawn evenly from the whole range, most bring next to nothing. The mean is the same (theory 15.4).
+Where light has wavelengths, each path carries four of them. Drawn in proportion to what lamps give and the eye sees of it,
+all bring about as much; drawn evenly from the whole range, some bring next to nothing. The mean is the same (theory 15.4).
 """
 
 from ..scene.modelling import Switch
@@ -10,8 +10,8 @@ from .facts import Facts
 
 NAME = "wavelengths"
 
-SAVING = 0.5
-"""Share of the time to an error that is saved in a room of strong colours under LEDs. [-]"""
+SAVING = 0.37
+"""Share of the samples to an error that is saved in a room of strong colours under LEDs. [-]"""
 
 EVENLY, BY_LAMPS = "evenly from all", "by lamps and eye"
 """Choices."""
