@@ -10,8 +10,8 @@ from .random_scenes import find_errors, make_scene
 COUNT = 200
 """Scenes."""
 
-SAMPLES = 1 << 15
-"""Paths of every sensor, on both ways: beside the making of kernels they take no time."""
+SAMPLES = 1 << 14
+"""Paths of every sensor, on both ways: beside what a measurement takes anyhow they take hardly any time."""
 
 SURE = 4.0
 """Standard errors by which a difference must be over its bound to have passed it: of some thousand sensors one is over 3.3

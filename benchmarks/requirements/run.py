@@ -31,7 +31,7 @@ TEXT = """# What a scene needs
 
 *Made by `lumenray benchmark requirements`; do not edit by hand.*
 
-Twelve scenes, illuminance at about 2000 sensors to an error of {error:g} %: all automatic, against everything
+Twelve scenes, illuminance at 1000 to 2000 sensors to an error of {error:g} %: all automatic, against everything
 modelled in full, every decision switched off as by `--model all=off` (with wavelengths, drawn evenly, by full paths,
 the rays of ray sets everywhere, nothing merged or left out). Seconds are those of the processors, with kernels made
 and the scene compiled, without the second witness, which costs both the same; of runs that would take more than
