@@ -544,6 +544,7 @@ class Session:
         from .transport.light_tracing.bright_spots import bright_spots
         from .transport.light_tracing.camera_light import CameraLight
         from .transport.light_tracing.near_rays import near_rays
+        from .transport.paths.catchers import tell_catchers
         from .transport.paths.film import Film, look
         from .transport.pictures import picture
 
@@ -555,12 +556,7 @@ class Session:
             notes = lights.enter_context(bent_lights(compiled))
             if not uses_cells:
                 lights.enter_context(bright_spots(compiled, *seen))
-            reflects = compiled.mirrors is not None or compiled.bent is not None
-            if reflects and compiled.has_lit_catchers:
-                notes = (
-                    *notes,
-                    "mirrors and glass show objects that catch shadows as what they are made of, with their shadows",
-                )
+            notes = (*notes, *tell_catchers(compiled))
             light = CameraLight(compiled, film, settings, self._cancelled)
             traced = light if light.is_needed else None
             made, samples, lost, more = picture.render(

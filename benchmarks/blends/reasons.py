@@ -4,7 +4,7 @@ REASONS = {
     "armory_light_area": (
         "its walls have two faces each in the same place, which shade each other in Cycles, so that they are black there; "
         "without the second faces, with one roughness and without its sky the means differ by 0.9 % and the blocks by "
-        "0.9 %. That the roughness, a checkerboard, becomes its mean, and the Sky Texture too, the report tells"
+        "0.9 %. That the roughness, a checkerboard, becomes its mean, the report tells"
     ),
     "armory_light_ies": (
         "its three lamps, balls of 0.25 m half a metre from a wall, have a soft falloff, which makes a disk of each that "

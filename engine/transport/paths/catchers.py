@@ -314,6 +314,22 @@ def layout_of(scene, bands: int) -> CaughtLayout | None:
     return CaughtLayout(bands, scene.grounds is not None and has_surroundings)
 
 
+def tell_catchers(scene) -> tuple[str, ...]:
+    """Tell what of shadow catchers pictures do not show as it is, and no stated error holds."""
+    notes = []
+    if scene.has_lit_catchers and (scene.mirrors is not None or scene.bent is not None):
+        notes.append(
+            "mirrors and glass show objects that catch shadows as what they are made of, with their shadows"
+        )
+    layout = layout_of(scene, 0)
+    if layout is not None and layout.has_bounced and any(True for _ in scene.parts()):
+        notes.append(
+            "light that things throw on the ground, and matt surfaces, see it as bright as the surroundings have it: "
+            "close below bright things its shadow is too light, which no stated error holds"
+        )
+    return tuple(notes)
+
+
 def _answer_at(at):
     """How a matt surface answers light, for `next_event` and the like, which shares none of it with scattered rays."""
     respond = gather.response_of(SensorKind.PLANAR, at)

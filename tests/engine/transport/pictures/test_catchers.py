@@ -363,3 +363,4 @@ def test_caustics_of_the_sun_fall_on_a_catcher(is_lit):
     assert np.sqrt((away**2).mean()) < 2.0 * np.sqrt((error**2).mean()) + 0.01 * expected.max()
     assert not any("caustics" in note for note in made.provenance.notes)
     assert is_lit == any("objects that catch shadows" in note for note in made.provenance.notes)
+    assert is_lit != any("its shadow is too light" in note for note in made.provenance.notes)
