@@ -12,11 +12,10 @@ import mitsuba as mi
 import numpy as np
 
 from ...engine.arrays import upload
-from ...engine.transport.compiled.textures import is_spectral
 from ...engine.transport.paths import gather
 from ...engine.transport.paths.light_learning import learn
 from ...engine.transport.paths.sampler import hash_words
-from ...engine.transport.paths.wavelengths import WavelengthSampler
+from ...engine.transport.paths.wavelengths import make_sampler
 from .lumels import LumelPlaces
 from .stage import Stage
 
@@ -33,9 +32,7 @@ class PlainGather:
     def __init__(self, stage: Stage, places: LumelPlaces):
         compiled = stage.compiled
         self.compiled, self.count = compiled, len(places)
-        self.sampler = (
-            WavelengthSampler(compiled.mean_light, "luminance") if is_spectral() else None
-        )
+        self.sampler = make_sampler(compiled, "luminance")
         learn(
             compiled,
             compiled.local(places.positions),

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
-from ...engine.requirements.decision import Asked, boxes_of
+from ...engine.requirements import estimator, wavelengths
+from ...engine.requirements.decision import Asked, Decision, boxes_of
 from ...engine.requirements.plan import DECISIONS, make_plan
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, UniformWorld
 from ...engine.scene.material import (
@@ -38,6 +39,13 @@ SPECTRA = (
 
 SENSORS = 4
 
+FAMILIES = 20
+"""Scenes with the same kinds of things come again after so many, of other sizes, places, colours and amounts: the same
+kernels serve them."""
+
+SEED_STEP = 1_000_003
+"""By which the seeds of trials of a scene are apart."""
+
 
 @dataclass(frozen=True)
 class RandomScene:
@@ -63,7 +71,7 @@ class Trial:
     Parameters
     ----------
     name : str    Of the decision that alone was forced.
-    bound : float    Relative; infinite where it declined, as it knows none. [-]
+    bound : float    Relative. [-]
     error, noise : (n,) array    Relative difference to the full model at every sensor, and its standard error. [-]
     """
 
@@ -73,52 +81,71 @@ class Trial:
     noise: np.ndarray
 
 
+class _Draw:
+    """Numbers of a scene; and ``kinds``, by which is drawn what there is in it, alike for scenes of one family."""
+
+    def __init__(self, number: int):
+        self._numbers = np.random.default_rng([number, 31])
+        self.kinds = np.random.default_rng([number % FAMILIES, 32])
+        self.uniform, self.normal = self._numbers.uniform, self._numbers.normal
+
+
 def make_scene(number: int) -> RandomScene:
     """One scene; the same number gives the same one."""
-    draw = np.random.default_rng([number, 31])
+    draw = _Draw(number)
     size = draw.uniform(1.5, 4.0, 3)
     words = [f"{size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} m"]
-    hue = float(10.0 ** draw.uniform(-3.0, -0.7)) if draw.random() < 0.8 else 0.0
+    hue = float(10.0 ** draw.uniform(-3.0, -0.7)) if draw.kinds.random() < 0.8 else 0.0
     items: list = [make_box(size), Material("paint", "paint", _paint(draw, hue, words))]
-    for k in range(int(draw.integers(0, 4))):
+    for k in range(int(draw.kinds.integers(0, 4))):
         items += _thing(draw, size, k, hue, words)
-    spectra = draw.choice(len(SPECTRA), 1 if draw.random() < 0.6 else 2, replace=False)
-    for k in range(int(draw.integers(1, 4))):
+    many = 1 if draw.kinds.random() < 0.6 else 2
+    spectra = draw.kinds.choice(len(SPECTRA), many, replace=False)
+    for k in range(int(draw.kinds.integers(1, 4))):
         items.append(_lamp(draw, size, k, SPECTRA[spectra[k % len(spectra)]], words))
-    if draw.random() < 0.6:
+    if draw.kinds.random() < 0.6:
         items += _outdoors(draw, size, SPECTRA[spectra[0]], words)
     places = draw.uniform(0.1, 0.9, (SENSORS, 3)) * size
     normals = draw.normal(size=(SENSORS, 3))
     return RandomScene(tuple(items), places, normals, ", ".join(words))
 
 
-def find_error(scene: RandomScene, name: str, samples: int, seed: int = 0) -> Trial:
-    """Force one simplification alone, and compare it with the full model; both by independent samples."""
-    off = tuple((other, Switch.OFF) for other in DECISIONS if other != name)
+TRIED = tuple(name for name in DECISIONS if name != estimator.NAME)
+"""Decisions that are tried: what cells change is no bound of a plan, but measured by every job."""
+
+SELDOM = {wavelengths.NAME: 4}
+"""In one of how many scenes a decision is tried that would be in nearly all of them."""
+
+
+def find_errors(scene: RandomScene, samples: int, seed: int = 0) -> list[Trial]:
+    """Force each simplification alone that the scene allows, and compare with the full model; by independent samples."""
     asked = Asked(None, False, places=boxes_of(scene.places))
-    forced = Modelling((*off, (name, Switch.FORCE)))
-    session = _session(scene, forced)
-    plan = make_plan(session.scene, asked)
-    known = {decision.name: decision for decision in plan.decisions}[name]
-    rule = StopRule(samples=samples)
-    made = session.measure(scene.places, scene.normals, rule, 2 * seed + 1, method="paths")
-    every = tuple((each, Switch.OFF) for each in DECISIONS)
-    full = _session(scene, Modelling(every)).measure(
-        scene.places, scene.normals, rule, 2 * seed + 2, "spectral", method="paths"
-    )
-    light = np.maximum(full.illuminance, 1e-12)
-    # What the simplified one may be off by is no noise.
-    own = made.standard_error**2 - (known.bound * made.illuminance) ** 2
-    noise = np.sqrt(np.maximum(own, 0.0) + full.standard_error**2) / light
-    did = plan.changes or not plan.spectral
-    error = np.abs(made.illuminance / light - 1.0)
-    return Trial(name, known.bound if did else np.inf, error, noise)
+    rule, whole = StopRule(samples=samples), dict.fromkeys(DECISIONS, Switch.OFF)
 
+    def begin(switches) -> tuple[Session, dict[str, Decision]]:
+        session = Session(witness=False)
+        wishes = Modelling(tuple(switches.items()))
+        session.apply(SceneDelta(changed=(*scene.items, wishes)))
+        plan = make_plan(session.scene, asked)
+        return session, {decision.name: decision for decision in plan.decisions}
 
-def _session(scene: RandomScene, modelling: Modelling) -> Session:
-    session = Session(witness=False)
-    session.apply(SceneDelta(changed=(*scene.items, modelling)))
-    return session
+    full_session, full_plan = begin(whole)
+    tried = [name for name in TRIED if seed % SELDOM.get(name, 1) == 0]
+    forced = [(name, *begin(whole | {name: Switch.FORCE})) for name in tried]
+    forced = [each for each in forced if each[2][each[0]].choice != full_plan[each[0]].choice]
+    if not forced:
+        return []
+    full = full_session.measure(scene.places, scene.normals, rule, seed)
+    light, trials = np.maximum(full.illuminance, 1e-12), []
+    for number, (name, session, plan) in enumerate(forced, 1):
+        own_seed = seed + number * SEED_STEP
+        made = session.measure(scene.places, scene.normals, rule, own_seed)
+        bound = plan[name].bound
+        # What the simplified one may be off by is no noise.
+        own = made.standard_error**2 - (bound * made.illuminance) ** 2
+        noise = np.sqrt(np.maximum(own, 0.0) + full.standard_error**2) / light
+        trials.append(Trial(name, bound, np.abs(made.illuminance / light - 1.0), noise))
+    return trials
 
 
 def _colour(draw, hue: float):
@@ -132,7 +159,7 @@ def _colour(draw, hue: float):
 def _paint(draw, hue: float, words: list[str]) -> Surface:
     colour = _colour(draw, hue)
     words.append(f"walls by hue {hue:.2g}")
-    if draw.random() < 0.3:
+    if draw.kinds.random() < 0.3:
         words.append("coated")
         return Coated(colour, 1.5, float(draw.uniform(0.2, 1.0)))
     return Diffuse(colour)
@@ -147,14 +174,14 @@ def _surface(draw, hue: float) -> Surface:
         Coated(first.reflectance, 1.5, float(draw.uniform(0.2, 1.0))),
         metal,
         Mix(first, second, float(draw.uniform(0.0, 1.0))),
-        Mix(first, metal, float(draw.choice([0.0, 0.3, 1.0]))),
+        Mix(first, metal, float(draw.kinds.choice([0.0, 0.3, 1.0]))),
         Mix(Black(), first, 0.5),
-        Varnish(second, float(draw.choice([0.0, 0.5]))),
-        Sheen(first, float(draw.choice([0.0, 0.5]))),
+        Varnish(second, float(draw.kinds.choice([0.0, 0.5]))),
+        Sheen(first, float(draw.kinds.choice([0.0, 0.5]))),
         ThinGlass(1.52, Constant(0.9)),
         Diffuse(Constant(0.3), Constant(0.3)),
     )
-    return kinds[int(draw.integers(len(kinds)))]
+    return kinds[int(draw.kinds.integers(len(kinds)))]
 
 
 def _thing(draw, size, k: int, hue: float, words: list[str]) -> list:
@@ -164,7 +191,7 @@ def _thing(draw, size, k: int, hue: float, words: list[str]) -> list:
     paint = f"{name}'s paint"
     material = Material(paint, paint, surface)
     place, side = draw.uniform(0.2, 0.8, 3) * size, float(draw.uniform(0.1, 0.4))
-    kind = draw.choice(["box", "ball", "panel"])
+    kind = draw.kinds.choice(["box", "ball", "panel"])
     if kind == "panel":
         edges = draw.normal(size=(2, 3)) * side
         return [material, make_rectangle(name, place, *edges, paint)]
@@ -174,7 +201,7 @@ def _thing(draw, size, k: int, hue: float, words: list[str]) -> list:
         _solid(name, paint, place, side, kind),
         _solid(inner, paint, place, 0.3 * side, "ball"),
     ]
-    if draw.random() < 0.5:
+    if draw.kinds.random() < 0.5:
         output = Output(Quantity.LUMINOUS_FLUX, 300.0)
         made.append(PointLight(f"{inner} lamp", inner, output, place + 0.3 * side, 0.0))
     return made
@@ -198,7 +225,7 @@ def _solid(name: str, material: str, place, side: float, kind: str) -> Mesh:
 def _lamp(draw, size, k: int, spectrum, words: list[str]):
     name, place = f"lamp {k}", draw.uniform(0.2, 0.8, 3) * size
     flux = Output(Quantity.LUMINOUS_FLUX, float(draw.uniform(300.0, 2000.0)), spectrum)
-    kind = draw.choice(["ball", "spot", "panel"])
+    kind = draw.kinds.choice(["ball", "spot", "panel"])
     words.append(str(kind))
     if kind == "ball":
         return PointLight(name, name, flux, place, float(draw.uniform(0.01, 0.05)))

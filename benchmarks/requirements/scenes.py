@@ -139,7 +139,7 @@ def build_many_luminaires() -> tuple:
         make_matt("wall", Constant(0.5)),
     )
     room = _room(size, {"bottom": "floor", "top": "ceiling"})
-    return (*materials, *room, *panels), *_grid((3.0, 2.0, 0.8), (97.0, 38.0, 0.8), 84, 24)
+    return (*materials, *room, *panels), *_grid((3.0, 2.0, 0.8), (97.0, 38.0, 0.8), 42, 24)
 
 
 def build_daylight() -> tuple:
@@ -177,7 +177,7 @@ def build_measured_paint() -> tuple:
 
 def build_indirect_cabin() -> tuple:
     """Closed tube whose lamps shine at its ceiling."""
-    return interiors.build_cabin(), *_grid((0.6, -1.2, 0.62), (11.4, 1.2, 0.62), 84, 24)
+    return interiors.build_cabin(), *_grid((0.6, -1.2, 0.62), (11.4, 1.2, 0.62), 42, 24)
 
 
 def build_court() -> tuple:

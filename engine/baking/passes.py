@@ -186,11 +186,12 @@ class Passes:
 
     def _choose_method(self, compiled) -> tuple[bool, str]:
         """Whether to read the radiance beyond the first bounce from cells, and why."""
-        if self.order.method == "paths":
-            return False, "the order asks for full paths"
+        method = compiled.requirements.method_of(self.order.method)
+        if method == "paths":
+            return False, "full paths are asked for"
         spectra = [] if compiled.requirements.spectral is False else compiled.light_spectra
         error = interpolation_error(compiled.mean_light, spectra)
-        if self.order.method == "auto" and error > BAND_TOLERANCE:
+        if method == "auto" and error > BAND_TOLERANCE:
             return False, (
                 f"the lights' spectra are so unlike that cells would be wrong by up to {100.0 * error:.2g} %: full paths"
             )

@@ -107,6 +107,8 @@ class Outcome:
     is_spectral : bool or None    Whether light has wavelengths; None where it is not what was decided.
     is_dispersive : bool    Whether glass refracts by the wavelength.
     late : tuple of Late    By the number of reflections.
+    draws_evenly : bool    Whether wavelengths are drawn evenly from all that there are.
+    method : str    How reflected light is found, as of `Session.measure`.
     """
 
     decision: Decision
@@ -114,6 +116,8 @@ class Outcome:
     is_spectral: bool | None = None
     is_dispersive: bool = False
     late: tuple[Late, ...] = ()
+    draws_evenly: bool = False
+    method: str = "auto"
 
 
 def accepts(bound: float, allowance: float, switch: Switch) -> bool:

@@ -19,10 +19,11 @@ class Facts:
     Parameters
     ----------
     scene : Scene    Must not change while this object is used.
+    is_spectral : bool    Whether light has wavelengths, once that is decided.
     """
 
-    def __init__(self, scene: Scene):
-        self.scene = scene
+    def __init__(self, scene: Scene, is_spectral: bool = True):
+        self.scene, self.is_spectral = scene, is_spectral
 
     @cached_property
     def materials(self) -> tuple:
@@ -38,6 +39,12 @@ class Facts:
     def lamps(self) -> tuple:
         """Spectra of everything that emits, none twice."""
         return tuple(dict.fromkeys(emission_spectra(self.scene)))
+
+    @cached_property
+    def has_diffuse(self) -> bool:
+        """Whether a surface is matt, with or without a coat."""
+        coated = [surface.as_coated for surface in self.surfaces]
+        return any(each is not None and each.base_roughness <= 0.0 for each in coated)
 
     @cached_property
     def is_dispersive(self) -> bool:

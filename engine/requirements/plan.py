@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours, equal_materials, surfaces, unseen
+from . import colours, equal_materials, estimator, ray_sets, surfaces, unseen, wavelengths
 from .budget import left_to_samples
 from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
@@ -14,7 +14,10 @@ DECISIONS = {
     unseen.NAME: unseen.decide,
     surfaces.NAME: surfaces.decide,
     equal_materials.NAME: equal_materials.decide,
+    ray_sets.NAME: ray_sets.decide,
     colours.NAME: colours.decide,
+    wavelengths.NAME: wavelengths.decide,
+    estimator.NAME: estimator.decide,
 }
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""
 
@@ -34,6 +37,8 @@ class Plan:
     spectral, dispersive : bool    Whether light has wavelengths, and glass refracts by them.
     changes : dict    Items in place of the scene's, by id; None: left out.
     late : tuple of Late    What more light may be wrong by where it comes late.
+    draws_evenly : bool    Whether wavelengths are drawn evenly from all that there are.
+    method : str    How reflected light is found where a job leaves that open, as of `Session.measure`, see `method_of`.
     """
 
     asked: Asked
@@ -43,6 +48,8 @@ class Plan:
     dispersive: bool
     changes: dict[str, object] = field(default_factory=dict, repr=False)
     late: tuple[Late, ...] = ()
+    draws_evenly: bool = False
+    method: str = "auto"
 
     @property
     def spent(self) -> float:
@@ -65,6 +72,10 @@ class Plan:
         if self.asked.error is None:
             return None
         return left_to_samples(self.asked.error, self.spent)
+
+    def method_of(self, asked: str) -> str:
+        """How a job finds reflected light. ``asked``: what it is told itself, which counts where that is not ``auto``."""
+        return self.method if asked == "auto" else asked
 
     @property
     def budget_text(self) -> str:
@@ -105,12 +116,15 @@ def make_plan(scene: Scene, asked: Asked | None = None, transport: str = "auto")
     left, facts, made = allowed, Facts(scene), []
     for name, decide in DECISIONS.items():
         outcome = decide(facts, asked, max(left, 0.0), wishes.of(name))
-        made.append(outcome)
         left -= outcome.decision.bound
+        if outcome.is_spectral is not None:
+            outcome = _overrule(outcome, transport)
+            facts.is_spectral = outcome.is_spectral
         if outcome.changes:
             # What others decide is about what is left.
-            facts = Facts(facts.scene.with_items(outcome.changes))
-    return _put_together(asked, allowed, made, transport)
+            facts = Facts(facts.scene.with_items(outcome.changes), facts.is_spectral)
+        made.append(outcome)
+    return _put_together(asked, allowed, made)
 
 
 def check_transport(transport: str) -> None:
@@ -119,28 +133,32 @@ def check_transport(transport: str) -> None:
         raise SceneError(f"transport is '{transport}', expected auto, mono or spectral")
 
 
-def _put_together(asked: Asked, allowed: float, made: list[Outcome], transport: str) -> Plan:
-    """The plan that outcomes make, with the kind of transport that was asked for."""
-    changes, decisions, late = {}, [], ()
-    spectral = dispersive = False
+def _put_together(asked: Asked, allowed: float, made: list[Outcome]) -> Plan:
+    """The plan that outcomes make."""
+    changes: dict[str, object] = {}
     for outcome in made:
-        decision = outcome.decision
-        if outcome.is_spectral is not None:
-            spectral, dispersive = outcome.is_spectral, outcome.is_dispersive
-            if transport != "auto" and spectral != (transport == "spectral"):
-                spectral = not spectral
-                decision = _overrule(decision, transport)
-        decisions.append(decision)
         changes |= outcome.changes
-        late += () if spectral else outcome.late
-    return Plan(asked, tuple(decisions), allowed, spectral, dispersive, changes, late)
+    return Plan(
+        asked,
+        tuple(outcome.decision for outcome in made),
+        allowed,
+        any(outcome.is_spectral for outcome in made),
+        any(outcome.is_dispersive for outcome in made),
+        changes,
+        sum((outcome.late for outcome in made if not outcome.is_spectral), ()),
+        any(outcome.draws_evenly for outcome in made),
+        next((outcome.method for outcome in made if outcome.method != "auto"), "auto"),
+    )
 
 
-def _overrule(decision: Decision, transport: str) -> Decision:
-    """The decision about colours where the user wants the other kind of transport. What that costs is told, not bounded."""
+def _overrule(outcome: Outcome, transport: str) -> Outcome:
+    """The outcome about colours where the user wants the other kind of transport. What that costs is told, not bounded."""
     is_spectral = transport == "spectral"
+    if transport == "auto" or outcome.is_spectral == is_spectral:
+        return outcome
+    decision = outcome.decision
     verdict = "exact all the same" if is_spectral else "an approximation here"
-    return replace(
+    decision = replace(
         decision,
         choice="spectral" if is_spectral else "photometric",
         reason=f"{decision.reason}; the user asked for {transport} transport, which is {verdict}",
@@ -148,6 +166,7 @@ def _overrule(decision: Decision, transport: str) -> Decision:
         saving=0.0 if is_spectral else colours.SAVING,
         switch=Switch.OFF if is_spectral else Switch.FORCE,
     )
+    return replace(outcome, decision=decision, is_spectral=is_spectral)
 
 
 def changed_keys(before: dict[str, object], after: dict[str, object]) -> list[str]:

@@ -10,6 +10,12 @@ GROUP = 64
 NARROWEST = 2e-3
 """Fluctuation of directions below which hardly any start sends light to a point. [-]"""
 
+EVERYWHERE = 1e9
+"""Distance within which everything lies. [m]"""
+
+SPARED = 0.005
+"""Relative error of light in lux maps that is put up with where little of it lands near, see `RayEmission`. [-]"""
+
 PLANE, SPHERE, HULL = "plane", "sphere", "hull"
 """Kinds of bodies."""
 
@@ -59,6 +65,8 @@ class RayEmission:
     information_error : float    Relative error for want of rays, of the light in a cell with a 192nd of it. [-]
     far_distances : (k,) float64 array    Distances from the centre. [m]
     far_errors : (k,) float64 array    Relative error of the illuminance there by the light's distribution of intensity. [-]
+    spared : float    Relative error that a lux map may have where a point stands for rays within ``near``, as little of the
+        light lands there. [-]
     """
 
     position: np.ndarray
@@ -77,6 +85,7 @@ class RayEmission:
     information_error: float
     far_distances: np.ndarray = field(default_factory=lambda: np.zeros(0))
     far_errors: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    spared: float = SPARED
 
     @property
     def is_narrow(self) -> bool:

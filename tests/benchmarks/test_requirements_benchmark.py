@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from lumenray.benchmarks.requirements.random_scenes import find_error, make_scene
+from lumenray.benchmarks.requirements.random_scenes import find_errors, make_scene
 from lumenray.engine.requirements.decision import Asked, boxes_of
-from lumenray.engine.requirements.plan import DECISIONS, make_plan
+from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import PlacedLight
 from lumenray.engine.scene.scene import Scene, SceneDelta
 
@@ -69,10 +69,8 @@ def test_nothing_that_is_left_out_can_be_reached_straight():
 def test_no_simplification_is_off_by_more_than_its_bound(number):
     """Each alone, forced, against the full model, at every sensor."""
     scene = make_scene(number)
-    for name in DECISIONS:
-        trial = find_error(scene, name, 1 << 13, number)
-        if np.isfinite(trial.bound):
-            assert (trial.error <= trial.bound + 4.0 * trial.noise).all(), (name, scene.words)
+    for trial in find_errors(scene, 1 << 13, number):
+        assert (trial.error <= trial.bound + 4.0 * trial.noise).all(), (trial.name, scene.words)
 
 
 def row(seconds, full, errors, reference=0.0):

@@ -20,10 +20,9 @@ import numpy as np
 
 from ...arrays import table_size, upload
 from ...luminaires.emitters.limb import darken
-from ..compiled.textures import is_spectral
 from ..paths.left_out import LeftOut
 from ..paths.visibility import closest_hit
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from ..rays import spawn_ray
 from .aims import DIRECTION, PLACE, SUN_RADIUS, AimedLight, find_aimed_lights
 from .bent_rays import BentRays
@@ -95,7 +94,7 @@ class BentLights:
         self.tree = targets.tree
         found: list[AimedLight] = []
         if targets.tree is not None:
-            sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+            sampler = make_sampler(scene, "luminance")
             lights = find_bent_lights(scene, targets.tree, sampler) + find_ray_points(scene)
             if lights:
                 found = find_aimed_lights(scene, EmissionRays(scene, lights, targets.tree), sampler)

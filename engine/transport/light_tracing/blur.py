@@ -10,11 +10,10 @@ import numpy as np
 
 from ...arrays import upload
 from ...errors import Cancelled
-from ..compiled.textures import is_spectral
 from ..paths import gather
 from ..paths.illuminance import LANES
 from ..paths.sampler import hash_words, random_stream
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 
 GROUPS, BATCHES = 16, (1 << 8, 1 << 14)
 """Independent groups of samples of every sensor, and fewest and most samples in each."""
@@ -51,7 +50,7 @@ def find_blur(
     count = len(receivers.start)
     if scene.bent is None or not scene.bent.has_points or not count:
         return np.zeros(count)
-    sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+    sampler = make_sampler(scene, "luminance")
     limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
     places, normals = receivers.outlooks(scene)
     columns = [upload(mi.Float, each[:count]) for each in (places, normals)]

@@ -20,9 +20,8 @@ import numpy as np
 
 from ...arrays import table_size, upload
 from ..compiled.mirrors import ROUNDING
-from ..compiled.textures import is_spectral
 from ..paths.visible_surfaces import Sight
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from ..rays import STEP
 from .straight_lights import FOUND, StraightLights, find_candidates
 
@@ -123,7 +122,7 @@ def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Bright spots and their images, as in the table: in the scene's frame, but with the core's radius itself. (n, 6) [m]"""
     if not len(places) or not find_candidates(scene):
         return np.zeros((0, COLUMNS))
-    sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+    sampler = make_sampler(scene, "luminance")
     triangles = _Triangles(scene)
     rows = np.random.default_rng(SEED).integers(0, len(places), LOOKS)
     met = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())

@@ -21,11 +21,10 @@ import numpy as np
 
 from ...arrays import table_size, upload
 from ..compiled.compile import CompiledScene
-from ..compiled.textures import is_spectral
 from ..paths.left_out import LeftOut
 from ..paths.sampler import random_stream, sobol_pair
 from ..paths.visibility import closest_hit
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from .deposits import Deposits, follow, gather_deposits, join
 from .emission_rays import SUN, SURFACE, EmissionRays, TracedLight, find_ideal_lights, find_surfaces
 from .ray_lights import RayLights
@@ -75,9 +74,7 @@ class LightTracer:
     def __init__(self, scene: CompiledScene, has_near: bool = True):
         self.scene = scene
         targets = find_targets(scene)
-        self.sampler = None
-        if is_spectral():
-            self.sampler = WavelengthSampler(scene.mean_light, "luminance")
+        self.sampler = make_sampler(scene, "luminance")
         self.lights = find_bent_lights(scene, targets.tree, self.sampler)
         self._bends = bool(self.lights) and targets.tree is not None
         self.rays = RayLights(scene, self.sampler, len(self.lights), has_near)

@@ -8,7 +8,7 @@ intensity. Light that glass or a curved mirror bends is traced however far it go
 Where next to nothing lands near or bent, nothing is traced, and next-event counts everywhere. So it does for lights that
 have surfaces near that are not matt: what is sent on of traced light is read from cells, which matt surfaces alone have.
 Tracing costs more than next-event by far, so of near light only that is traced without which all of a light's would be
-wrong by more than `POINT_ERROR`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
+wrong by more than `RayEmission.spared`: of a tube in a room what it throws on the ceiling, not what it throws on the walls.
 """
 
 from dataclasses import replace
@@ -37,9 +37,6 @@ PILOT_SEED = 0x3B1D
 
 LEAST_SHARE = 1e-3
 """Share of a light's flux below which tracing it does not pay."""
-
-POINT_ERROR = 0.005
-"""Error of a light by what is left to next-event within its near distance, as root mean square over its flux. [-]"""
 
 FLOOR = 0.3
 """Share of the paths that follow the flux; the rest follows what landed."""
@@ -247,7 +244,7 @@ class RayLights:
 
 
 def choose_limit(rays: RayEmission, shares: np.ndarray, distances: np.ndarray) -> float:
-    """Choose the distance below which light is traced, so that the rest is right within `POINT_ERROR`.
+    """Choose the distance below which light is traced, so that the rest is right within its ``spared``.
 
     Parameters
     ----------
@@ -263,7 +260,7 @@ def choose_limit(rays: RayEmission, shares: np.ndarray, distances: np.ndarray) -
     order = np.argsort(-distances[straight])
     far = distances[straight][order]
     squares = np.cumsum(shares[straight][order] * rays.point_errors(far) ** 2)
-    spared = int(np.searchsorted(squares, POINT_ERROR**2, side="right"))
+    spared = int(np.searchsorted(squares, rays.spared**2, side="right"))
     if spared == len(far):
         return 0.0
     return float(min(far[spared] * (1.0 + 1e-6), rays.near))

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import Cancelled
-from ..compiled.textures import is_spectral
 from ..light_tracing.bent_lights import BentLights
 from ..light_tracing.straight_lights import StraightLights
 from ..paths import gather
 from ..paths.light_learning import learn
 from ..paths.visible_surfaces import Sight
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from .cell_guide import Guide, choose_spots
 from .cell_iterations import Sweeper
 from .cell_reader import NEAR
@@ -147,10 +146,7 @@ class LuxJob:
         self._sides: np.ndarray | None = None
         self.count = int(sum(table.counts))
         self.channels = 4 if options.exitance else 1
-        self.sampler = None
-        if is_spectral():
-            kind = "colour" if options.exitance else "luminance"
-            self.sampler = WavelengthSampler(scene.mean_light, kind)
+        self.sampler = make_sampler(scene, "colour" if options.exitance else "luminance")
         known = table.survey
         self.area, self.valid = known.area, known.valid
         self._left_out = None if tracer is None else tracer.left_out

@@ -12,14 +12,13 @@ from ...arrays import average
 from ...caught_light import SHADED
 from ...photometry.spectra import GRID, observer
 from ...photometry.units import LUMINOUS_EFFICACY
-from ..compiled.textures import is_spectral
 from ..rays import spawn_straight
 from . import gather
 from .catchers import Catchers
 from .film import sees
 from .sampler import hash_words, random_stream, sobol_pair
 from .visibility import closest_hit, first_seen
-from .wavelengths import WavelengthSampler
+from .wavelengths import WavelengthSampler, make_sampler
 
 BAND_RANGE = (380.0, 780.0)
 """Wavelengths that the bands cover. [nm]"""
@@ -244,7 +243,7 @@ class Channels:
 def picture_sampler(scene, bands: int) -> WavelengthSampler | None:
     """Wavelengths of a picture's paths; None in photometric variants."""
     response = "bands" if bands else "colour"
-    return WavelengthSampler(scene.mean_light, response) if is_spectral() else None
+    return make_sampler(scene, response)
 
 
 def colour_of(light: np.ndarray, bands: int) -> tuple[np.ndarray, np.ndarray]:

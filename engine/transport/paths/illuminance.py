@@ -14,13 +14,12 @@ from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
 from ...scene.sensor import SensorColour, SensorKind
 from ..compiled.compile import CompiledScene
-from ..compiled.textures import is_spectral
 from . import gather
 from .light_learning import learn
 from .lost_samples import LostSamples
 from .sampler import hash_words, random_stream, sobol_pair
 from .spectral_meter import CHANNELS, SpectralMeter
-from .wavelengths import WavelengthSampler
+from .wavelengths import make_sampler
 
 LANES = 1 << 19
 """Paths per launch: a fraction of a second each, so that a cancel is heard soon."""
@@ -324,10 +323,8 @@ class Meter:
     """
 
     def __init__(self, scene: CompiledScene, colour: SensorColour | bool):
-        self._scene, self.colour, self.sampler = scene, colour, None
-        if is_spectral():
-            response = ("luminance", "colour", "bands")[int(colour)]
-            self.sampler = WavelengthSampler(scene.mean_light, response)
+        self._scene, self.colour = scene, colour
+        self.sampler = make_sampler(scene, ("luminance", "colour", "bands")[int(colour)])
         self.count, self.bright = count_channels(colour), 1 if colour else 0
         self._spectrum = None
         if colour == SensorColour.SPECTRUM:

@@ -8,6 +8,7 @@ from ...arrays import upload
 from ...materials.plugins import DISPERSED_COMPONENT
 from ...photometry.spectra import GRID, observer
 from ...photometry.units import LUMINOUS_EFFICACY, MINIMUM_WAVELENGTH
+from ..compiled.textures import is_spectral
 
 DEFENSIVE_SHARE = 0.1
 """Share of wavelengths drawn without regard to the lamps, so that no wavelength has zero density."""
@@ -27,9 +28,10 @@ class WavelengthSampler:
     light : (471,) array    Mean spectral power of the scene's lights on the 1 nm grid, any scale.
     response : str    ``luminance`` when only V(lambda) matters, ``colour`` for x-bar + y-bar + z-bar,
         ``bands`` when spectral bands are wanted too.
+    is_even : bool    Whether they are drawn evenly from the whole range instead.
     """
 
-    def __init__(self, light: np.ndarray, response: str):
+    def __init__(self, light: np.ndarray, response: str, is_even: bool = False):
         functions = observer()
         base = {"luminance": functions[:, 1], "colour": functions.sum(axis=1)}.get(response)
         if base is None:
@@ -39,7 +41,7 @@ class WavelengthSampler:
         density = (
             1.0 - DEFENSIVE_SHARE
         ) * density / density.sum() + DEFENSIVE_SHARE * base / base.sum()
-        density = np.maximum(density, 1e-7)
+        density = np.ones(len(GRID)) if is_even else np.maximum(density, 1e-7)
         density /= density.sum()
         self._cdf = upload(mi.Float, np.concatenate([[0.0], np.cumsum(density)]))
         self._density = upload(mi.Float, density)
@@ -89,6 +91,16 @@ class WavelengthSampler:
     def density(self, wavelengths):
         """Probability of each wavelength, which stands for 1 nm. [1/nm]"""
         return self._weight(self._density, wavelengths)
+
+
+def make_sampler(scene, response: str) -> WavelengthSampler | None:
+    """Return what draws the wavelengths of a compiled scene's paths; None in photometric variants.
+
+    ``response``: as of `WavelengthSampler`.
+    """
+    if not is_spectral():
+        return None
+    return WavelengthSampler(scene.mean_light, response, scene.requirements.draws_evenly)
 
 
 def disperse(scene, bs, throughput, dispersed, turned):

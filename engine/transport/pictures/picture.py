@@ -83,12 +83,13 @@ def choose_method(scene, camera: Camera, settings) -> tuple[bool, str]:
     """
     if settings.method not in METHODS:
         raise SceneError(f"method is '{settings.method}', expected {' or '.join(METHODS)}")
-    if settings.method == "paths":
+    method = scene.requirements.method_of(settings.method)
+    if method == "paths":
         return False, "full paths are asked for"
     spectra = [] if not scene.requirements.spectral else scene.light_spectra
     error = interpolation_error(scene.mean_light, spectra)
     reason = "the radiance beyond the first bounce is read from cells"
-    if settings.method == "cells":
+    if method == "cells":
         remedy = "; what they change is corrected" if settings.unbiased else ""
         return True, f"{reason}, as asked for{remedy}"
     if settings.unbiased:

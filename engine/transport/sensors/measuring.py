@@ -140,6 +140,8 @@ class _Measuring:
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
         """The estimate, how it was made, and notes on it."""
         count = len(self.receivers.start)
+        if reflections is None:
+            method = self.scene.requirements.method_of(method)
         choice = Choice(self.scene, self.rule, count, method, reflections)
         made, notes = None, ()
         if count and choice.uses_cells is None:

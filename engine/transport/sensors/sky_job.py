@@ -18,12 +18,11 @@ from ...arrays import upload
 from ...daylight.coefficients import DaylightOrder, gather_suns
 from ...errors import Cancelled
 from ...sky.nodes import SkyNodes, find_projection
-from ..compiled.textures import is_spectral
 from ..paths import gather
 from ..paths.illuminance import Places, Receivers
 from ..paths.sampler import hash_words, random_stream, sobol_pair
 from ..paths.visible_surfaces import Sight
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from ..pictures.view_cells import Division
 from .cell_landings import PATHS as LANDING_PATHS
 from .cell_landings import Landings, LandingTable, find_order
@@ -102,7 +101,7 @@ class _Job:
         self.progress, self.cancelled = progress, cancelled
         self.count = len(receivers.start)
         self.nodes = SkyNodes(order.steps)
-        self.sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+        self.sampler = make_sampler(scene, "luminance")
         self.places = Places(scene, receivers)
         self.rule, self.begun = order.rule, time.perf_counter()
         self.cells, self.sides, looks = self._divide()

@@ -14,11 +14,10 @@ import numpy as np
 from ...accuracy.witnesses import batch_error
 from ...arrays import upload
 from ...errors import Cancelled
-from ..compiled.textures import is_spectral
 from ..light_tracing.all_lights import SUN, AllLights
 from ..light_tracing.far_disks import Focus
 from ..paths.sampler import launch_stream
-from ..paths.wavelengths import WavelengthSampler
+from ..paths.wavelengths import make_sampler
 from .sums import Sums
 from .walk import BENT, CLOSE, MAXIMUM_STEPS, MIRRORED, NOBODY, PASSED, make_tally, walk
 
@@ -186,7 +185,7 @@ class Witness:
 
     def __init__(self, scene, seed: int, wanted=None, sheets=None, cancelled=lambda: False):
         self._scene, self._sheets, self._cancelled = scene, sheets, cancelled
-        sampler = WavelengthSampler(scene.mean_light, "luminance") if is_spectral() else None
+        sampler = make_sampler(scene, "luminance")
         self._seed = (int(seed) + SALT) & 0xFFFFFFFF
         keys = list(dict.fromkeys(key for key, _, _ in scene.parts()))
         self.objects = tuple((key, is_back) for key in keys for is_back in (False, True))
