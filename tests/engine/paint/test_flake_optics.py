@@ -1,0 +1,122 @@
+"""Flakes as stacks of sheets: reflectance against an independent program's, energy, thickness spread."""
+
+import numpy as np
+import pytest
+
+from lumenray.engine.errors import SceneError
+from lumenray.engine.paint.flake_optics import find_curves, find_shares, polynomials
+from tests.helpers.paints import interference, one_layer
+
+ANGLES = np.cos(np.radians([0, 15, 30, 45, 60, 75]))
+
+WAVELENGTHS = np.array([450.0, 550.0, 650.0])
+
+BINDER = np.full(3, 1.45)
+
+# tmm 0.2.0 (A6); at internal 0, 15, 30, 45, 60, 75 degrees, for 450, 550 and 650 nm.
+STACKS = {
+    (448, 1.5, 12): [
+        [0.2202929942554742, 0.24803624803983598, 0.1483286069560466, 0.0893256044541781, 0.25348758293676155, 0.4524629537153535],
+        [0.00784676298555481, 0.0008485099945240366, 0.09845238114469014, 0.1743540471813148, 0.007577116461254975, 0.4325880847719539],
+        [0.11221231359142114, 0.12893513460543493, 0.12405439530668877, 0.01705496316206978, 0.14073696243114356, 0.34394938167162276],
+    ],
+    (230, 1.77, 165): [
+        [0.03089423994736546, 0.05446089221774837, 0.05613026904752881, 0.057587400621988305, 0.40750880978943166, 0.59318987968971],
+        [0.5357955303719906, 0.5675774559055538, 0.5724865991488142, 0.36872139496821726, 0.019275206687074276, 0.5583587485708726],
+        [0.1315349719876629, 0.05300419940935689, 0.03128802863448002, 0.2848324437436888, 0.3733305552740367, 0.4395195998580972],
+    ],
+    (300, 1.77, 60): [
+        [0.4317473068223712, 0.46528664619025073, 0.4487266083242867, 0.12104276403122975, 0.3713890859628603, 0.5600427101070271],
+        [0.009772271291528401, 0.007752386838190401, 0.2729189853132238, 0.5296130987062565, 0.46988811379417655, 0.5006177463778235],
+        [0.5644486026498632, 0.5875511304154513, 0.5961270991927793, 0.47015371257755056, 0.22115695499505536, 0.35892054649980665],
+    ],
+}  # fmt: skip
+
+
+def stack_of(core, index, coating, **own):
+    return one_layer([interference(core, index, coating, 0.05, **own)]).layers[0].flakes[0]
+
+
+@pytest.mark.parametrize("core", STACKS)
+def test_interference_stacks(core):
+    across, within, _, passed = find_shares(stack_of(*core).optics, BINDER, WAVELENGTHS, ANGLES)
+    mean = 0.5 * (across + within)
+    assert mean == pytest.approx(np.array(STACKS[core]), abs=1e-6)
+    assert mean + passed == pytest.approx(np.ones_like(mean), abs=1e-12)
+
+
+def test_polarised_stack():
+    across, within, both, _ = find_shares(
+        stack_of(448, 1.5, 12).optics, BINDER[:1], [550.0], [np.sqrt(0.5)]
+    )
+    assert (across[0, 0], within[0, 0]) == pytest.approx(
+        (0.29839493897909763, 0.05031315538353199), abs=1e-6
+    )
+    # What becomes of 45 degrees is at most the root of both, whatever the phase.
+    assert abs(both[0, 0]) <= np.sqrt(across[0, 0] * within[0, 0]) + 1e-12
+
+
+def test_metal_sheets():
+    """Aluminium of 100 nm (A6), whose n and k stand at these wavelengths."""
+    table = {
+        "wavelengths_nm": [450, 550, 650],
+        "n": [0.6332, 1.0152, 1.5580],
+        "k": [5.4543, 6.6273, 7.7124],
+    }
+    flake = {"mirror": {"index": table, "thickness_nm": 100}, "amount": {"volume_fraction": 0.1}}
+    optics = one_layer([flake]).layers[0].flakes[0].optics
+    across, within, _, passed = find_shares(optics, BINDER, WAVELENGTHS, ANGLES)
+    want = [
+        0.8822327400987862,
+        0.882182360580012,
+        0.8813942087667072,
+        0.8776944574720322,
+        0.8667545672108674,
+        0.8496912568201249,
+    ]
+    assert 0.5 * (across + within)[1] == pytest.approx(want, abs=1e-6)
+    assert passed.max() < 1e-5
+
+
+def test_curves_hold_fringes():
+    wavelengths = np.arange(390.0, 711.0, 40.0)
+    flake = stack_of(1500, 1.5, 60)
+    binder = np.full(len(wavelengths), 1.45)
+    curves = find_curves(flake, binder, wavelengths)
+    cosines = np.linspace(0.73, 1.0, 200)
+    across, within, both, _ = find_shares(flake.optics, binder, wavelengths, cosines)
+    assert (
+        np.abs(curves.read(cosines) - np.stack([each.T for each in (across, within, both)])).max()
+        < 1e-3
+    )
+    with pytest.raises(SceneError, match="too many interference orders"):
+        find_curves(stack_of(9000, 2.5, 600), binder, wavelengths)
+
+
+def test_series_hold_means_of_fringes():
+    """Towards grazing fringes are narrower than tilts; their mean over a tilt of 3 degrees is that of the series."""
+    wavelengths = np.array([390.0, 550.0])
+    flake = stack_of(448, 1.5, 12)
+    curves = find_curves(flake, np.full(2, 1.45), wavelengths)
+    angle = np.radians(np.arange(0.0, 90.0, 0.05))
+    across, within, *_ = find_shares(flake.optics, np.full(2, 1.45), wavelengths, np.cos(angle))
+    series = curves.reflected @ polynomials(np.cos(angle), curves.terms).T
+    for middle in np.radians([10, 30, 50, 70]):
+        weight = np.exp(-0.5 * ((angle - middle) / flake.slope) ** 2)
+        means = [
+            (each * weight).sum(axis=1) / weight.sum() for each in (0.5 * (across + within), series)
+        ]
+        assert means[0] == pytest.approx(means[1], abs=5e-4)
+
+
+def test_thickness_spread_damps_fringes():
+    wavelengths = np.arange(400.0, 701.0, 5.0)
+    binder = np.full(len(wavelengths), 1.45)
+    swings = []
+    for spread in (0.0, 0.1):
+        flake = interference(800, 1.5, 60, 0.1)
+        flake["stack"]["core"]["thickness_spread"] = spread
+        optics = one_layer([flake]).layers[0].flakes[0].optics
+        across, *_ = find_shares(optics, binder, wavelengths, [1.0])
+        swings.append(np.ptp(across))
+    assert swings[1] < 0.7 * swings[0]
