@@ -62,8 +62,8 @@ class FlakeCurves:
     ----------
     step : float    From angle to angle of the curves. [rad]
     curves : (3, a, w) float64 array
-        At angles from 0: reflectance of light polarised across the plane of incidence, of that within it, and the real part of
-        the one amplitude times the other's conjugate, of tangential fields, which 45 degrees go by.
+        At angles from 0: reflectance of light polarised across the plane of incidence, of that within it, and the real
+        part of the one amplitude times the other's conjugate, of tangential fields, which 45 degrees go by.
     reflected, passed : (w, q) float64 arrays
         Reflectance and transmittance of unpolarised light as Chebyshev series of 2 c - 1, c the cosine.
     """

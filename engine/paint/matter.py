@@ -208,11 +208,14 @@ def _legendre_modes(cosines: tuple, modes: int, terms: int) -> np.ndarray:
     for m in range(made.shape[2]):
         # Associated functions, normalised so that the addition theorem has no factors.
         before, now = np.zeros_like(x), first
-        for l in range(m, terms):
+        for degree in range(m, terms):
             product = now[i] * now[j]
-            made[l, 1, m] = product
-            made[l, 0, m] = product if (l + m) % 2 == 0 else -product
-            rise = np.sqrt((l + 1.0) ** 2 - m**2)
-            before, now = now, ((2 * l + 1) * x * now - np.sqrt(float(l**2 - m**2)) * before) / rise
+            made[degree, 1, m] = product
+            made[degree, 0, m] = product if (degree + m) % 2 == 0 else -product
+            rise = np.sqrt((degree + 1.0) ** 2 - m**2)
+            before, now = (
+                now,
+                ((2 * degree + 1) * x * now - np.sqrt(float(degree**2 - m**2)) * before) / rise,
+            )
         first = first * sine * np.sqrt((2.0 * m + 1.0) / (2.0 * m + 2.0))
     return made
