@@ -24,7 +24,7 @@ WAVELENGTHS = np.arange(390.0, 711.0, 10.0)
 DIRECTIONS_PER_SLOPE, MODES_PER_SLOPE = 60.0, 72.0
 """Directions and modes that are enough, times the smallest slope in degrees."""
 
-FEWEST_DIRECTIONS, FEWEST_MODES = 16, 12
+FEWEST_DIRECTIONS, FEWEST_MODES = 24, 16
 
 MOST_DIRECTIONS, MOST_MODES = 96, 144
 """Where these are not enough, the paint is refused."""
