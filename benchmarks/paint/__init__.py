@@ -1,0 +1,1 @@
+"""Effect paints against reference values, Monte Carlo, a clock and their own readings fitted."""

@@ -1,0 +1,1 @@
+"""Effect paints: their scattering computed from what their layers are made of."""

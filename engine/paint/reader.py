@@ -1,0 +1,350 @@
+"""Files of paints and of their constituents: JSON by the schema in ``libraries/paints``."""
+
+import json
+import math
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from ...libraries import paints
+from ...libraries.plain_files import UnreadableError, read_object
+from ..errors import FileFormatError
+from ..reading.json_schema import SchemaError, check_value
+from ..scene.scattering import ScatterTable
+from .composition import (
+    MEAN_TILT,
+    RMS_TILT,
+    Amount,
+    Binder,
+    Cauchy,
+    Curve,
+    Diameters,
+    Film,
+    Flakes,
+    Grains,
+    Index,
+    Layer,
+    Medium,
+    Mirror,
+    Paint,
+    Spectrum,
+    Stack,
+    volume_fractions,
+)
+
+LARGEST_FILE = 4 << 20
+"""[byte]"""
+
+TILT = 5.0
+"""Tilt where none is stated. [deg]"""
+
+FLAKE_DENSITY, GRAIN_DENSITY = 3.0, 4.0
+"""Density of particles where none is stated. [g/cm3]"""
+
+OPAQUE_THICKNESS = 100.0
+"""Thickness of mirrors of which the reflectance alone is stated. [nm]"""
+
+_TILTS = {"slope_per_axis": 1.0, "mean": MEAN_TILT, "rms": RMS_TILT}
+
+_WAYS = {"flakes": {"mirror", "stack"}, "pigments": {"grains", "medium"}}
+
+_KINDS = ("indices", "binders", "flakes", "pigments")
+
+
+@lru_cache
+def schema() -> dict:
+    """Return the JSON schema of a composition."""
+    return json.loads(paints.SCHEMA.read_text(encoding="utf-8"))
+
+
+def read_paint(path, constituents: dict | None = None) -> Paint:
+    """Read a file of a paint.
+
+    Parameters
+    ----------
+    path : str or Path
+    constituents : dict or None    As `known_constituents` returns them, which also are the default.
+
+    Raises
+    ------
+    FileFormatError    It cannot be read, or says what cannot be; the text says where.
+    """
+    return parse_paint(_read(path), constituents, path)
+
+
+def parse_paint(content: dict, constituents: dict | None = None, path="paint") -> Paint:
+    """Make a paint of its description, as JSON gives it.
+
+    Parameters
+    ----------
+    path : str or Path    Named by errors; files that the description names lie beside it.
+
+    Raises
+    ------
+    FileFormatError    As of `read_paint`.
+    """
+    parts = known_constituents() if constituents is None else constituents
+    try:
+        check_value(content, schema())
+        content = _filled(content, parts)
+        check_value(content, schema())
+        return _Maker(path, parts).paint(content)
+    except (SchemaError, ValueError) as error:
+        raise FileFormatError(path, str(error)) from None
+
+
+@lru_cache
+def _shipped() -> dict:
+    return _read_constituents(paints.CONSTITUENTS)
+
+
+def known_constituents(paths=()) -> dict[str, dict]:
+    """Constituents that ship, and those of users' files, which count where both have a name.
+
+    Returns
+    -------
+    dict of str to dict    ``indices``, ``binders``, ``flakes`` and ``pigments`` by name, each as it stands in the file.
+
+    Raises
+    ------
+    FileFormatError    A file cannot be read, or has something else.
+    """
+    known = {kind: dict(own) for kind, own in _shipped().items()}
+    for path in paths:
+        for kind, own in _read_constituents(path).items():
+            known[kind] |= own
+    return known
+
+
+def _read_constituents(path) -> dict[str, dict]:
+    content = _read(path)
+    try:
+        check_value(content, schema() | schema()["$defs"]["constituents"])
+    except SchemaError as error:
+        raise FileFormatError(path, str(error)) from None
+    return {kind: content.get(kind, {}) for kind in _KINDS}
+
+
+def _read(path) -> dict:
+    try:
+        return read_object(path, LARGEST_FILE)
+    except UnreadableError as error:
+        raise FileFormatError(path, str(error)) from None
+
+
+def _filled(content: dict, parts: dict) -> dict:
+    """A description with what its constituents state in their places."""
+    layers = []
+    for number, layer in enumerate(content["layers"]):
+        own = dict(layer)
+        if isinstance(layer["binder"], str):
+            own["binder"] = _named(parts, "binders", layer["binder"], f"layers[{number}].binder")
+        for kind in ("flakes", "pigments"):
+            own[kind] = [
+                _merged(parts, kind, each, f"layers[{number}].{kind}[{k}]")
+                for k, each in enumerate(layer.get(kind, []))
+            ]
+        layers.append(own)
+    return content | {"layers": layers}
+
+
+def _merged(parts: dict, kind: str, own: dict, place: str) -> dict:
+    group = _WAYS[kind]
+    whole = own
+    if "constituent" in own:
+        named = _named(parts, kind, own["constituent"], place)
+        # Of things that exclude each other the own one counts.
+        named = {
+            name: value
+            for name, value in named.items()
+            if not (name in group and group & own.keys())
+        }
+        whole = {"name": own["constituent"]} | named | own
+    if len(group & whole.keys()) != 1:
+        raise ValueError(f"{place} needs one of {' and '.join(sorted(group))}")
+    if "grains" in whole and "amount" not in whole:
+        raise ValueError(f"{place} lacks 'amount'")
+    return whole
+
+
+def _named(parts: dict, kind: str, name: str, place: str) -> dict:
+    if name not in parts[kind]:
+        known = ", ".join(parts[kind]) or "none"
+        raise ValueError(
+            f"{place} names '{name}', which is not among the {kind} of the library: {known}"
+        )
+    return {key: value for key, value in parts[kind][name].items() if key != "source"}
+
+
+class _Maker:
+    """Makes a paint of a checked description without constituents left out."""
+
+    def __init__(self, path, parts: dict):
+        self.path, self.parts = path, parts
+
+    def paint(self, content: dict) -> Paint:
+        layers = tuple(self.layer(own, f"layers[{k}]") for k, own in enumerate(content["layers"]))
+        peel = content.get("surface", {}).get("orange_peel_slope_deg", 0.0)
+        texts = (content.get(name, "") for name in ("name", "description", "source"))
+        return Paint(
+            layers,
+            self.substrate(content["substrate"]),
+            math.tan(math.radians(peel)),
+            *texts,
+            content,
+        )
+
+    def substrate(self, content: dict) -> Spectrum | ScatterTable:
+        if "reflectance" in content:
+            return self.spectrum(content["reflectance"], "substrate.reflectance", most=1.0)
+        # Readers of scattering are many, and most paints need none.
+        from ..scattering.readers.reader import read_scattering
+
+        path = Path(self.path).parent / content["table"]
+        side = read_scattering(path).sides.get("front_reflection")
+        if not isinstance(side, ScatterTable) or not side.is_isotropic:
+            raise ValueError(f"substrate.table: {path.name} has no isotropic reflection as a table")
+        return side
+
+    def layer(self, content: dict, place: str) -> Layer:
+        layer = Layer(
+            float(content["thickness_um"]),
+            self.binder(content["binder"], f"{place}.binder"),
+            tuple(
+                self.flakes(own, f"{place}.flakes[{k}]") for k, own in enumerate(content["flakes"])
+            ),
+            tuple(
+                self.pigment(own, f"{place}.pigments[{k}]")
+                for k, own in enumerate(content["pigments"])
+            ),
+            content.get("name", ""),
+        )
+        try:
+            volume_fractions(layer)
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+        return layer
+
+    def binder(self, content: dict, place: str) -> Binder:
+        index = self.index(content["index"], f"{place}.index")
+        absorption = self.spectrum(
+            content.get("absorption_per_mm", 0.0), f"{place}.absorption_per_mm"
+        )
+        absorption = Curve(absorption.wavelengths, absorption.values * 1e-3)
+        return Binder(index, absorption, float(content.get("density_g_per_cm3", 1.0)))
+
+    def flakes(self, content: dict, place: str) -> Flakes:
+        if "mirror" in content:
+            own, where = content["mirror"], f"{place}.mirror"
+            thickness = own.get("thickness_nm", OPAQUE_THICKNESS)
+            if "reflectance" in own:
+                optics = Mirror(self.spectrum(own["reflectance"], f"{where}.reflectance", most=1.0))
+            else:
+                optics = Stack(Film(self.index(own["index"], f"{where}.index"), thickness))
+        else:
+            optics = self.stack(content["stack"], f"{place}.stack")
+            thickness = optics.thickness_nm
+        tilt = content.get("tilt_deg", TILT) / _TILTS[content.get("tilt_measure", "slope_per_axis")]
+        return Flakes(
+            optics,
+            _amount(content["amount"]),
+            math.radians(tilt),
+            float(content.get("density_g_per_cm3", FLAKE_DENSITY)),
+            float(thickness),
+            _diameters(content["diameter"], f"{place}.diameter", 2)
+            if "diameter" in content
+            else None,
+            content.get("name", ""),
+        )
+
+    def stack(self, content: dict, place: str) -> Stack:
+        films = [
+            Film(self.index(own["index"], f"{place}.{where}.index"), float(own["thickness_nm"]))
+            for where, own in (
+                ("core", content["core"]),
+                *((f"coatings[{k}]", own) for k, own in enumerate(content.get("coatings", []))),
+            )
+        ]
+        return Stack(films[0], tuple(films[1:]), content["core"].get("thickness_spread", 0.0))
+
+    def pigment(self, content: dict, place: str) -> Grains | Medium:
+        name = content.get("name", "")
+        if "grains" in content:
+            if "area_per_volume_per_um" in content["amount"]:
+                raise ValueError(f"{place}.amount: an area by volume is that of flakes alone")
+            own, where = content["grains"], f"{place}.grains"
+            return Grains(
+                self.index(own["index"], f"{where}.index"),
+                _diameters(own["diameter"], f"{where}.diameter", 3),
+                _amount(content["amount"]),
+                float(content.get("density_g_per_cm3", GRAIN_DENSITY)),
+                name,
+            )
+        own, where = content["medium"], f"{place}.medium"
+        phase = None
+        if "phase_angles_deg" in own:
+            angles, values = _pairs(
+                own["phase_angles_deg"], own["phase_values"], f"{where}.phase_values"
+            )
+            phase = Curve(np.radians(angles), values)
+            if not values.any():
+                raise ValueError(f"{where}.phase_values are all 0")
+        return Medium(
+            self.spectrum(own["extinction_per_um"], f"{where}.extinction_per_um"),
+            self.spectrum(own["albedo"], f"{where}.albedo", most=1.0),
+            float(own.get("asymmetry", 0.0)),
+            phase,
+            name,
+        )
+
+    def spectrum(self, content, place: str, most: float = math.inf) -> Spectrum:
+        if isinstance(content, dict):
+            curve = Curve(*_pairs(content["wavelengths_nm"], content["values"], f"{place}.values"))
+        else:
+            curve = Curve(np.array([550.0]), np.array([float(content)]))
+        if curve.values.max() > most:
+            raise ValueError(
+                f"{place} is {curve.values.max():g} somewhere, expected {most:g} at most"
+            )
+        return curve
+
+    def index(self, content, place: str) -> Index:
+        if isinstance(content, str):
+            return self.index(_named(self.parts, "indices", content, place)["index"], place)
+        if not isinstance(content, dict):
+            return Curve(np.array([550.0]), np.array([float(content)]))
+        if "cauchy_um" in content:
+            index = Cauchy(tuple(float(term) for term in content["cauchy_um"]))
+            if index.at([300.0, 1200.0]).min() < 1.0:
+                raise ValueError(f"{place} falls below 1 between 300 and 1200 nm")
+            return index
+        wavelengths, values = _pairs(content["wavelengths_nm"], content["n"], f"{place}.n")
+        if "k" in content:
+            values = values + 1j * _pairs(content["wavelengths_nm"], content["k"], f"{place}.k")[1]
+        if not np.abs(values).min() > 0.0:
+            raise ValueError(f"{place} is 0 somewhere")
+        return Curve(wavelengths, values)
+
+
+def _pairs(places: list, values: list, where: str) -> tuple[np.ndarray, np.ndarray]:
+    if len(places) != len(values):
+        raise ValueError(f"{where} has {len(values)} entries, expected {len(places)}")
+    places = np.array(places, np.float64)
+    if np.any(np.diff(places) <= 0.0):
+        raise ValueError(f"{where}: the numbers that it goes by do not ascend")
+    return places, np.array(values, np.float64)
+
+
+def _amount(content: dict) -> Amount:
+    ((kind, value),) = content.items()
+    return Amount(kind, float(value))
+
+
+def _diameters(content: dict, place: str, power: int) -> Diameters:
+    if "median_um" in content:
+        return Diameters(float(content["median_um"]), float(content.get("log_spread", 0.0)))
+    sizes = [float(each) for each in content["mass_percentiles_um"]]
+    if not sizes[0] < sizes[1] < sizes[2]:
+        raise ValueError(f"{place}.mass_percentiles_um do not ascend")
+    return Diameters.of_mass(*sizes, power=power)
