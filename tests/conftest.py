@@ -2,6 +2,7 @@
 
 import importlib.util
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -83,7 +84,23 @@ def read_empty_file():
     """Open an empty file, and leave the preferences: starting Blender's own extensions anew takes five times as long."""
     import bpy
 
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with engine_kept():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+
+
+@contextmanager
+def engine_kept():
+    """Let the engine's process outlive a change of the file, without its sessions: its start takes more than a second."""
+    from lumenray.blender_addon.foundation import engine_process
+
+    state = engine_process._state
+    for session in list(state.worker._sessions.values()) if state.worker else ():
+        session.close()
+    engine_process._state = engine_process._State()
+    try:
+        yield
+    finally:
+        engine_process._state = state
 
 
 @pytest.fixture
