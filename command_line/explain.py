@@ -4,6 +4,7 @@ import textwrap
 from dataclasses import asdict
 
 from ..blender_addon import assumptions
+from ..engine.scene.ray_emission import EVERYWHERE
 from .blend_file import open_session
 from .options import add_scene, share, transport_of
 from .output import name_cell, percent, rounded, say, say_json, sheet, table
@@ -113,9 +114,10 @@ def _print_plan(plan) -> None:
 def _print_choices(choices, most: int | None) -> None:
     """Tell how the light of a ray set reaches objects; ``most`` of them, None: all."""
     first = choices[0]
-    say(
-        f"\nray set '{first.light}': in lux maps rays within {_length(first.limit)}, a point beyond"
-    )
+    limit = f"rays within {_length(first.limit)}, a point beyond"
+    if first.limit >= EVERYWHERE:
+        limit = "rays everywhere"
+    say(f"\nray set '{first.light}': in lux maps {limit}")
     rows = [("object", "nearest", "sizes", "lux maps", "error", "pictures, sensors")]
     rows += [
         (

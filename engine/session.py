@@ -421,8 +421,9 @@ class Session:
         if not has_trial:
             self.scene.check()
             # What stands for items is not told, and may be large.
-            plan = replace(self._plan(transport, asked), changes={})
-            return Explanation(plan, "", (), explain_rays(self.scene))
+            plan = self._plan(transport, asked)
+            choices = explain_rays(self._with_planned_lights(plan))
+            return Explanation(replace(plan, changes={}), "", (), choices)
         with self._engine(transport, asked) as compiled:
             from .transport.light_tracing.light_paths import LightTracer
 
@@ -435,7 +436,7 @@ class Session:
                 compiled.requirements,
                 tracer.reason,
                 tuple(compiled.notes),
-                explain_rays(self.scene, limits),
+                explain_rays(self._with_planned_lights(compiled.requirements), limits),
             )
 
     def bake_objects(
@@ -523,6 +524,13 @@ class Session:
             return view.frame(self.commit) if is_new or is_due else None
 
     # ---- private ----
+
+    def _with_planned_lights(self, plan: Plan) -> Scene:
+        """The scene with what stands for its lights, and nothing left out."""
+        lights = {key: item for key, item in plan.changes.items() if key in self.scene.lights}
+        return self.scene.with_items(
+            {key: item for key, item in lights.items() if item is not None}
+        )
 
     def _host(self):
         from .baking.host import Host

@@ -56,7 +56,7 @@ def measure(count: int, say, rows: list[dict] = (), begin: int = 0, save=None) -
             exceeded = sum(row["is_exceeded"] for row in rows)
             say(f"{number + 1} scenes, {len(rows)} simplifications, {exceeded} over their bounds")
             if save is not None:
-                save(rows, number + 1)
+                save(list(rows), number + 1)
     return rows
 
 

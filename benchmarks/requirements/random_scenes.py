@@ -39,7 +39,7 @@ SPECTRA = (
 
 SENSORS = 4
 
-FAMILIES = 20
+FAMILIES = 12
 """Scenes with the same kinds of things come again after so many, of other sizes, places, colours and amounts: the same
 kernels serve them."""
 

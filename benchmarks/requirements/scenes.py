@@ -111,8 +111,8 @@ def build_coloured_room() -> tuple:
 def build_caustic_glass() -> tuple:
     """Table with glass and mirrors under a small lamp; sensors on the table and the floor."""
     items = still_lifes.build_glass()
-    table = _grid((-0.65, -0.35, 0.742), (0.65, 0.45, 0.742), 40, 30)
-    floor = _grid((-1.6, -1.6, 0.002), (1.6, 1.6, 0.002), 30, 30)
+    table = _grid((-0.65, -0.35, 0.742), (0.65, 0.45, 0.742), 30, 20)
+    floor = _grid((-1.6, -1.6, 0.002), (1.6, 1.6, 0.002), 20, 20)
     return items, np.concatenate([table[0], floor[0]]), np.concatenate([table[1], floor[1]])
 
 

@@ -107,3 +107,27 @@ def test_the_error_of_the_reference_is_no_error_of_ours():
     both = np.hypot(0.01, 0.003)
     assert true_error(row(1.0, 1.0, [both, both], 0.003**2))[0] == pytest.approx(0.01)
     assert true_error(row(1.0, 1.0, [0.002, 0.002], 0.003**2))[0] == 0.0
+
+
+def test_a_run_that_was_broken_off_goes_on_where_it_was(monkeypatch):
+    """Of twelve rooms ten are tried and saved when it ends; the next run tries two."""
+    from lumenray.benchmarks.requirements import bounds, run
+    from lumenray.benchmarks.requirements.random_scenes import Trial
+
+    tried, saved = [], []
+
+    def find(scene, samples, number):
+        tried.append(number)
+        if len(tried) == 12:
+            raise KeyboardInterrupt
+        return [Trial("unseen", 0.0, np.array([0.01]), np.array([0.01]))]
+
+    monkeypatch.setattr(bounds, "find_errors", find)
+    monkeypatch.setattr(run.starts, "measure", lambda say: {"import_seconds": 0.01})
+    done = {"scenes": {"a": row(1.0, 2.0, [0.01, 0.01])}}
+    with pytest.raises(KeyboardInterrupt):
+        run.run(2, ["a"], 12, dict(done), save=saved.append)
+    assert (len(tried), saved[-1]["count"], len(saved[-1]["bounds"])) == (12, 10, 10)
+    result = run.run(2, ["a"], 12, saved[-1])
+    assert (tried[12:], result["count"], len(result["bounds"])) == ([10, 11], 12, 12)
+    assert (result["bounds_exceeded"], result["speedup"]) == (0, pytest.approx(2.0))
